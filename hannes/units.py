@@ -111,9 +111,9 @@ def _ratio(from_unit: str, to_unit: str) -> Decimal:
     return scale_from / scale_to
 
 
-def _reduce(unit: str) -> tuple[Decimal, dict[str, int]]:
+def _reduce(unit: str) -> tuple[Decimal, dict[str, float]]:
     """Return (factor to base units, powers of the base units) of a unit text."""
-    scale, dimension = Decimal(1), dict[str, int]()
+    scale, dimension = Decimal(1), dict[str, float]()
     for name, power in _factors(unit):
         factor, base = _worth(name)
         scale *= factor**power
@@ -154,7 +154,7 @@ def _registry() -> "pint.UnitRegistry[Any]":
 
 
 @lru_cache(maxsize=256)
-def _worth(name: str) -> tuple[Decimal, tuple[tuple[str, int], ...]]:
+def _worth(name: str) -> tuple[Decimal, tuple[tuple[str, float], ...]]:
     """Return (factor, base units with powers) of one unit name.
 
     A scale with its own zero (degC) or a logarithm (dB) has no factor: it converts to itself only.
@@ -168,7 +168,8 @@ def _worth(name: str) -> tuple[Decimal, tuple[tuple[str, int], ...]]:
         raise _BadUnit(f'has the unknown unit "{name}"') from None
     if zero.magnitude != 0:
         return Decimal(1), ((str(unit), 1),)
-    return Decimal(one.magnitude), tuple((key, int(power)) for key, power in one.unit_items())
+    base: Any = one.unit_items()  # powers may be halves (Gaussian units)
+    return Decimal(one.magnitude), tuple((key, float(power)) for key, power in base)
 
 
 def _as_float(value: int | float) -> float:

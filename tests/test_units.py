@@ -62,6 +62,7 @@ def test_reads(given_text: object, unit: str, value: float) -> None:
         ("25 degC", "K"),
         ("25 K", "degC"),
         ("1 degC/s", "K/s"),
+        ("1 Fr", "1/s"),  # root units with half powers
         ("3 dB", "1"),
         ("0.4 N", "1"),
         ("nan m", "m"),
