@@ -1,0 +1,43 @@
+# Needs only make and a Python >= 3.11 with venv; everything else goes into .venv.
+.DEFAULT_GOAL := help
+.PHONY: help env run test lint format bench lock
+
+bin := .venv/bin
+
+# Recordings of other laboratories are never part of this project; where a copy lies beside it, use it.
+ifeq ($(origin HANNES_MEASURED),undefined)
+ifneq ($(wildcard ../shared/measured/.),)
+export HANNES_MEASURED := $(realpath ../shared/measured)
+endif
+endif
+
+help:  ## this list
+	@sed -n 's/^\([a-z]*\):.*## /make \1	/p' Makefile
+
+env:  ## the environment in .venv, up to date
+	@sh tools/bootstrap.sh
+
+run: env  ## the paper's experiments and a first diagnosis: pages in results/
+	$(bin)/hannes reproduce
+
+test: lint  ## format, lint, types, direction of imports, tests
+	$(bin)/python -m pytest
+
+lint: env  ## all of `make test` but the tests
+	$(bin)/ruff format --check
+	$(bin)/ruff check
+	$(bin)/mypy
+	$(bin)/lint-imports --no-logo --no-cache
+
+format: env  ## put the code into the project's format
+	$(bin)/ruff format
+	$(bin)/ruff check --fix
+
+bench: env  ## speed and accuracy beside peers
+	$(bin)/python -m benchmarks.accuracy_work
+
+lock: env  ## choose package versions anew: requirements.lock
+	$(bin)/python -m pip install --quiet uv
+	$(bin)/uv pip compile pyproject.toml --universal --python-version 3.11 --fork-strategy fewest \
+	    --all-extras --generate-hashes --upgrade --no-emit-index-url --quiet \
+	    --custom-compile-command "make lock" --output-file requirements.lock

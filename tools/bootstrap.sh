@@ -1,0 +1,74 @@
+#!/bin/sh
+# Puts a working environment into .venv: the locked packages and the project, editable.
+# Safe to repeat: it does nothing when .venv is up to date, and starts afresh after a killed install.
+set -eu
+cd "$(dirname "$0")/.."
+
+venv=.venv
+packages=$venv/.packages   # written last: what the packages in .venv were installed from
+project=$venv/.project     # likewise for the project's own metadata
+
+fail() {
+    echo "hannes: $*" >&2
+    exit 1
+}
+
+# Python 3.15 is not in reach of the locked compiler (numba) yet.
+version_fits='import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 15))'
+
+# Prints an interpreter that really runs (a name on PATH may be a shim of a version not installed).
+find_python() {
+    bare=
+    for name in ${PYTHON:+"$PYTHON"} python3.14 python3.13 python3.12 python3.11 python3 python; do
+        "$name" -c "$version_fits" </dev/null >/dev/null 2>&1 || continue
+        if "$name" -c 'import ensurepip, venv' >/dev/null 2>&1; then
+            echo "$name"
+            return
+        fi
+        bare=${bare:-$name}
+    done
+    if [ -n "$bare" ]; then
+        fail "$bare has no venv module; install it (Debian, Ubuntu: apt install python3-venv)"
+    fi
+    fail "no Python 3.11 to 3.14 found; install one, or name it: make PYTHON=/path/to/python3"
+}
+
+# Runs the environment's pip; its own words go to a log, the user gets one line.
+pip_install() {
+    PIP_USER=0 PIP_DISABLE_PIP_VERSION_CHECK=1 "$venv/bin/python" -m pip install \
+        --quiet --progress-bar off "$@" >"$venv/install.log" 2>&1 && return
+    fail "packages could not be installed; is a package index in reach?" \
+        "What pip said is in $venv/install.log"
+}
+
+install_packages() {
+    python=$(find_python)
+    echo "hannes: installing packages into $venv (a minute or two, only this once)" >&2
+    rm -f "$packages" "$project"
+    "$python" -m venv --clear "$venv" >/dev/null 2>&1 ||
+        fail "$python could not create $venv; is the folder writable and the disk not full?"
+    pip_install -r requirements.lock
+    packages_wanted >"$packages.new"
+    mv "$packages.new" "$packages"
+}
+
+install_project() {
+    pip_install --no-deps --no-build-isolation -e .
+    cp pyproject.toml "$project.new"
+    mv "$project.new" "$project"
+}
+
+# A checkout that was moved needs a new environment too: its scripts name the old folder.
+packages_wanted() {
+    pwd
+    cat requirements.lock
+}
+
+same() {
+    [ -f "$2" ] && [ "$1" = "$(cat "$2")" ]
+}
+
+if ! same "$(packages_wanted)" "$packages" || ! "$venv/bin/python" -c '' >/dev/null 2>&1; then
+    install_packages
+fi
+same "$(cat pyproject.toml)" "$project" || install_project
