@@ -1,0 +1,59 @@
+"""The only place that imports numba: what a kernel is, and where its machine code is kept.
+
+Machine code is cached in a folder named by a digest of every source that enters it, because
+numba itself watches only the file of the outermost function and would run stale code after an
+edit of an inner one.
+"""
+
+import functools
+import hashlib
+import os
+import platform
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+
+SOURCES = (".", "dynamics", "contact", "control")
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile a scalar formula; runs as plain Python under NUMBA_DISABLE_JIT=1."""
+    return numba.njit(nogil=True, error_model="numpy")(function)
+
+
+def entry(function: Callable[..., Any]) -> Any:
+    """Compile a generated entry point and keep its machine code on disk."""
+    return numba.njit(nogil=True, error_model="numpy", cache=True)(function)
+
+
+def plain(function: Any) -> Callable[..., Any]:
+    """Return the Python function behind a kernel, compiled or not."""
+    return getattr(function, "py_func", function)
+
+
+def compiles() -> bool:
+    """Tell whether kernels become machine code here (not under NUMBA_DISABLE_JIT=1)."""
+    return not numba.config.DISABLE_JIT
+
+
+@functools.cache
+def library_digest() -> str:
+    """Digest of every hannes source a kernel may reach and of the versions that compile it."""
+    root = Path(__file__).parent
+    digest = hashlib.sha256()
+    for folder in SOURCES:
+        for path in sorted((root / folder).glob("*.py")):
+            digest.update(path.name.encode() + path.read_bytes())
+    for version in (numba.__version__, np.__version__, platform.python_version()):
+        digest.update(version.encode())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder() -> Path:
+    """Folder of generated modules and their machine code (HANNES_CACHE overrides its parent)."""
+    home = os.environ.get("HANNES_CACHE") or os.environ.get("XDG_CACHE_HOME")
+    parent = Path(home) if home else Path.home() / ".cache"
+    return parent / "hannes" / library_digest()

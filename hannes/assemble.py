@@ -1,0 +1,341 @@
+"""From a plant's written equations and a list of effects to compiled entry points.
+
+The equations stay the text they are: names of slots become subscripts, lines that name open
+channels are followed by the calls of effects, and lines that only fill outputs are dropped
+from the version that the integrator runs.
+"""
+
+import ast
+import functools
+import hashlib
+import importlib.util
+import inspect
+import re
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from hannes._jit import cache_folder, entry, kernel, plain
+from hannes.effect import Effect, Term
+from hannes.errors import BadInput
+from hannes.files import write_text
+from hannes.layout import Layout, Slot
+
+_SLOT = re.compile(r"\b(p|y|dy|c|out)\.([a-z]\w*)")
+_HOOK = re.compile(r"^(\s*)# effects: (.+)$")
+
+_ENTRIES = '''
+
+@entry
+def rates(t, y, p, reference, hold):
+    dy = np.zeros({states})
+    equations(t, y, dy, p, np.zeros({channels}), reference, hold, np.zeros({outputs}))
+    return dy
+
+
+@entry
+def jacobian(t, y, p, reference, hold):
+    """Forward differences, one column a state: dy_i / dy_j."""
+    c, out, moved = np.zeros({channels}), np.zeros({outputs}), y.copy()
+    base, dy, columns = np.zeros({states}), np.zeros({states}), np.zeros(({states}, {states}))
+    equations(t, moved, base, p, c, reference, hold, out)
+    for j in range({states}):
+        step = 1e-7 * max(abs(y[j]), steps[j])
+        moved[j] = y[j] + step
+        dy[:] = 0.0
+        equations(t, moved, dy, p, c, reference, hold, out)
+        moved[j] = y[j]
+        for i in range({states}):
+            columns[i, j] = (dy[i] - base[i]) / step
+    return columns
+
+
+@entry
+def tick(t, y, p, reference, hold):
+    scratch = np.zeros({states})
+    sample(t, y, scratch, p, np.zeros({channels}), reference, hold, np.zeros({outputs}))
+'''
+
+_OBSERVED = '''
+
+@entry
+def observe(times, states, p, reference, holds):
+    rows = np.zeros((times.size, {outputs}))
+    for k in range(times.size):
+        dy, c = np.zeros({states}), np.zeros({channels})
+        equations(times[k], states[k], dy, p, c, reference, holds[k], rows[k])
+    return rows
+'''
+
+
+@dataclass(frozen=True)
+class Equations:
+    """A plant's written equations: the module that holds them and what its slots mean."""
+
+    module: ModuleType
+    parameters: Layout
+    states: Layout
+    channels: Layout
+    outputs: Layout
+
+    def source(self) -> str:
+        """Text of the module's functions, without its imports and head."""
+        text = inspect.getsource(self.module)
+        first = next(
+            node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)
+        )
+        return "\n".join(text.splitlines()[first.lineno - 1 :]) + "\n"
+
+    def stage_of(self, channel: str) -> str:
+        """Name of the written function whose hook is open for `channel`."""
+        stage = ""
+        for line in self.source().splitlines():
+            if line.startswith("def "):
+                stage = line[4 : line.index("(")]
+            if (hook := _HOOK.match(line)) and channel in hook[2].split(", "):
+                return stage
+        return ""
+
+    def accepts(self, effect: Effect) -> str:
+        """Return why this plant cannot carry `effect`, or an empty string where it can."""
+        for term in effect.terms:
+            for channel in term.writes:
+                if not self.stage_of(channel):
+                    return f"it needs a channel {channel}, which this plant does not have"
+            for name in term.arguments:
+                if not self._known(name, effect, term):
+                    return f"it reads {name}, which this plant does not have"
+        return ""
+
+    def _known(self, name: str, effect: Effect, term: Term) -> bool:
+        own = [each.name for each in (*effect.parameters, *effect.states)]
+        if name in own or name == "t" or name in self.parameters or name in self.states:
+            return True
+        return name in self.channels or name in self._locals(term.writes[0])
+
+    def _locals(self, channel: str) -> set[str]:
+        """Names bound in the stage of `channel` before its hook."""
+        stage, bound = self.stage_of(channel), set()
+        function = getattr(self.module, stage)
+        for line in inspect.getsource(function).splitlines():
+            if (hook := _HOOK.match(line)) and channel in hook[2].split(", "):
+                break
+            if assigned := re.match(r"^    ([\w, ]+?) (?:=|\+=) ", line):
+                bound |= set(assigned[1].split(", "))
+        return bound | set(inspect.signature(function).parameters)
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """Entry points of one plant with one set of effects; see the names in `_ENTRIES`."""
+
+    text: str
+    parameters: Layout
+    states: Layout
+    outputs: Layout
+    fast: ModuleType
+    observed: ModuleType
+
+    def is_warm(self) -> bool:
+        """Tell whether machine code of a former run can be used."""
+        folder = Path(str(self.fast.__file__)).parent / "__pycache__"
+        stem = Path(str(self.fast.__file__)).stem
+        return "rates" in vars(self.fast) and any(folder.glob(f"{stem}.rates*.nbi"))
+
+
+def assemble(plant: Equations, effects: Iterable[Effect] = ()) -> Compiled:
+    """Compile `plant` with `effects`; the same set is assembled once per process.
+
+    Raises BadInput where an effect does not fit the plant.
+    """
+    return _assembled(plant, tuple(effects))
+
+
+@functools.cache
+def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
+    for effect in effects:
+        if why := plant.accepts(effect):
+            raise BadInput(f"effect {effect.name} does not fit: {why}")
+    layouts = _Layouts(plant, effects)
+    text = layouts.fill(plant.source())
+    quick = _without_outputs(text)
+    kernels = {
+        f"{effect.name}_{plain(term.kernel).__name__}": term.kernel
+        for effect in effects
+        for term in effect.terms
+    }
+    names = {**vars(plant.module), **kernels}
+    origin = "".join(_fingerprint(each) for each in kernels.values())
+    return Compiled(
+        text,
+        layouts.p,
+        layouts.y,
+        layouts.out,
+        _module("fast", quick + layouts.sized(_ENTRIES), names, origin, layouts.steps()),
+        _module("observed", text + layouts.sized(_OBSERVED), names, origin, layouts.steps()),
+    )
+
+
+class _Layouts:
+    """The plant's layouts grown by its effects' own parameters and states."""
+
+    def __init__(self, plant: Equations, effects: tuple[Effect, ...]) -> None:
+        self.effects, self.c, self.out = effects, plant.channels, plant.outputs
+        self.p = plant.parameters.extended(
+            Slot(effect.full_name(each.name), each.unit, each.doc)
+            for effect in effects
+            for each in effect.parameters
+        )
+        self.y = plant.states.extended(
+            Slot(f"{effect.name}.{each.name}", each.unit, each.doc, each.axis, each.size)
+            for effect in effects
+            for each in effect.states
+        )
+        self.by_letter = {"p": self.p, "y": self.y, "dy": self.y, "c": self.c, "out": self.out}
+
+    def steps(self) -> list[float]:
+        """Absolute size of each state below which a difference step does not shrink."""
+        return [slot.tolerance * 1e3 for slot in self.y.slots for _ in range(slot.size)]
+
+    def sized(self, template: str) -> str:
+        """Fill array sizes into an entry-point template."""
+        return template.format(states=self.y.size, channels=self.c.size, outputs=self.out.size)
+
+    def fill(self, source: str) -> str:
+        """Return the source with hooks expanded and slots as subscripts."""
+        lines: list[str] = []
+        for line in source.splitlines():
+            lines.append(line)
+            if hook := _HOOK.match(line):
+                lines += [hook[1] + call for call in self._calls(hook[2].split(", "))]
+        return _SLOT.sub(self._subscript, "\n".join(lines)) + "\n"
+
+    def _subscript(self, match: re.Match[str]) -> str:
+        letter, name = match.groups()
+        layout = self.by_letter[letter]
+        if name not in layout:
+            return match[0]
+        return letter + layout.text(name)
+
+    def _calls(self, open_channels: list[str]) -> list[str]:
+        return [
+            line
+            for effect in self.effects
+            for term in effect.terms
+            if term.writes[0] in open_channels
+            for line in self._call(effect, term)
+        ]
+
+    def _call(self, effect: Effect, term: Term) -> list[str]:
+        target = term.writes[0]
+        axis = self.c.slot(target).axis
+        index = "[k]" if axis else ""
+        arguments = ", ".join(self._argument(name, effect, axis) for name in term.arguments)
+        call = f"{effect.name}_{plain(term.kernel).__name__}({arguments})"
+        places = [f"c{self.c.text(name)}{index}" if axis else name for name in term.writes]
+        rates = [f"dy{self.y.text(f'{effect.name}.{name}')}{index}" for name in term.states]
+        if len(places) + len(rates) == 1:
+            body = [f"{places[0]} += {call}"]
+        else:
+            added = [f"added_{n}" for n in range(len(places))]
+            body = [f"{', '.join(added + rates)} = {call}"]
+            body += [f"{place} += {value}" for place, value in zip(places, added, strict=True)]
+        if not axis:
+            return body
+        return [f"for k in range({self.c.slot(target).size}):", *("    " + row for row in body)]
+
+    def _argument(self, name: str, effect: Effect, axis: str) -> str:
+        if f"{effect.name}.{name}" in self.p:
+            return "p" + self.p.text(f"{effect.name}.{name}")
+        for letter, layout, key in (
+            ("y", self.y, f"{effect.name}.{name}"),
+            ("p", self.p, name),
+            ("y", self.y, name),
+        ):
+            if key in layout:
+                return letter + layout.text(key) + self._element(layout.slot(key), axis)
+        if name in self.c and self.c.slot(name).axis:
+            return "c" + self.c.text(name) + self._element(self.c.slot(name), axis)
+        return name
+
+    @staticmethod
+    def _element(slot: Slot, axis: str) -> str:
+        """Index of a slot's element in a loop over `axis`; joint kinds repeat MCP, PIP."""
+        if not slot.axis or not axis:
+            return ""
+        if slot.axis == "kind":
+            return "[k % 2]"
+        same = {"phalanx": "joint"}
+        if same.get(slot.axis, slot.axis) == same.get(axis, axis):
+            return "[k]"
+        if slot.axis == "finger":
+            return "[k // 2]"
+        return ""
+
+
+def _without_outputs(text: str) -> str:
+    """Drop the statements that only fill outputs, which the integrator does not need."""
+    lines = text.splitlines()
+    for node in ast.walk(ast.parse(text)):
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        if isinstance(node, ast.Assign | ast.AugAssign) and _is_output(targets[0]):
+            for number in range(node.lineno - 1, node.end_lineno or node.lineno):
+                lines[number] = ""
+    return "\n".join(lines) + "\n"
+
+
+def _is_output(target: ast.AST | None) -> bool:
+    while isinstance(target, ast.Subscript):
+        target = target.value
+    return isinstance(target, ast.Name) and target.id == "out"
+
+
+def _fingerprint(function: Any) -> str:
+    """Digest of a kernel's file and of what it reaches through its globals."""
+    seen: set[str] = set()
+
+    def visit(each: Any) -> None:
+        source = inspect.getsourcefile(plain(each)) or ""
+        if source in seen:
+            return
+        seen.add(source)
+        for name in plain(each).__code__.co_names:
+            value = plain(each).__globals__.get(name)
+            if callable(plain(value)) and hasattr(plain(value), "__code__"):
+                visit(value)
+
+    visit(function)
+    digest = hashlib.sha256()
+    for path in sorted(seen):
+        digest.update(Path(path).read_bytes())
+    return digest.hexdigest()
+
+
+def _module(
+    kind: str, text: str, names: dict[str, Any], origin: str, steps: list[float]
+) -> ModuleType:
+    """Write the generated text once, under its digest, and load it with its kernels."""
+    head = '"""Generated by hannes from its equations; edit those, not this."""\n\n'
+    body = head + f"import numpy as np\n\nsteps = np.array({steps})\n\n\n" + _decorated(text)
+    digest = hashlib.sha256((body + origin).encode()).hexdigest()[:16]
+    path = cache_folder() / f"{kind}_{digest}.py"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_text(path, body)
+    name = f"hannes_{kind}_{digest}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    functions = {key: value for key, value in names.items() if not key.startswith("__")}
+    vars(module).update(functions, kernel=kernel, entry=entry)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _decorated(text: str) -> str:
+    """Mark every bare function of the generated text as a kernel."""
+    return re.sub(r"^(?<!@entry\n)def ", "@kernel\ndef ", text, flags=re.MULTILINE)

@@ -1,0 +1,183 @@
+"""The hand's states, channels and outputs, and the list of its parts' parameters."""
+
+from hannes import anatomy
+from hannes.contact import penalty
+from hannes.control import drive, encoder, pid
+from hannes.dynamics import carts, joints, motor, wires
+from hannes.layout import Slot
+from hannes.parameter import Parameter
+
+SIZES = {"kind": 2, "cart": 2, "branch": 3, "finger": 5, "joint": 10, "phalanx": 10, "arm": 20}
+
+
+def _slots(axis: str, rows: str) -> tuple[Slot, ...]:
+    """Read `name unit doc` lines, one slot each; a fourth field before doc is a tolerance."""
+    slots = []
+    for row in rows.strip().splitlines():
+        name, unit, rest = (part.strip() for part in row.split("|", 2))
+        tolerance, _, doc = rest.rpartition("|")
+        size = SIZES.get(axis, 1)
+        slots.append(Slot(name, unit, doc.strip(), axis, size, float(tolerance or 1e-6)))
+    return tuple(slots)
+
+
+STATES = (
+    _slots(
+        "",
+        """
+        motor_angle       | rad | 1e-3 | motor side
+        motor_speed       | rad/s | 1e-2 | motor side
+        motor_current     | A | 1e-4 | winding
+        position_integral | A | 1e-4 | integral term of the position PID
+        position_lag      | rad | 1e-4 | filtered motor-side position, for its derivative
+        current_integral  | V | 1e-3 | integral term of the current PID
+        current_lag       | A | 1e-3 | filtered current, for its derivative
+        """,
+    )
+    + _slots(
+        "cart",
+        """
+        cart_position | m | 1e-7 | along the pull, 0 at rest
+        cart_speed    | m/s | 1e-4 | along the pull
+        """,
+    )
+    + _slots(
+        "joint",
+        """
+        joint_angle | rad | 1e-5 | closing positive; index MCP, index PIP, middle MCP, ...
+        joint_speed | rad/s | 1e-3 | closing positive
+        """,
+    )
+)
+
+# Quantities that effects may read, and add to at the line that names them in equations.py.
+CHANNELS = (
+    _slots(
+        "",
+        """
+        reference_time    | s | time at which the reference is read
+        measured_position | rad | encoder angle at the output shaft
+        measured_current  | A | what the current sensor tells
+        supply            | V | bus voltage
+        voltage           | V | at the motor's terminals
+        resistance        | ohm | of the winding
+        torque_constant   | N m/A | of the motor
+        slack             | m | free length of the leader wire
+        leader_compliance | m/N | of the leader wire
+        follower_compliance | m/N | of each follower wire
+        leader_tension    | N | at the motor pulley
+        gear_friction     | N m | opposing the motor, motor side
+        motor_torque      | N m | further torque on the rotor, motor side
+        object_x          | m | of the object in the hand frame
+        object_y          | m | of the object in the hand frame
+        """,
+    )
+    + _slots("branch", "leader_pull | N | leader tension at cart A, at cart B, at the thumb")
+    + _slots("cart", "cart_friction | N | opposing the cart")
+    + _slots(
+        "finger",
+        """
+        excursion      | m | flexor wire taken up by the finger
+        excursion_rate | m/s | of the flexor wire
+        tendon_tension | N | flexor wire at the finger
+        """,
+    )
+    + _slots(
+        "joint",
+        """
+        joint_friction | N m | opposing the joint
+        spring_torque  | N m | re-opening
+        joint_torque   | N m | everything that acts on the joint
+        """,
+    )
+    + _slots(
+        "phalanx",
+        """
+        penetration      | m | into the object
+        penetration_rate | m/s | into the object
+        normal_force     | N | of the object on the phalanx
+        place            | m | of the contact along the phalanx, from its joint
+        normal_x         | 1 | out of the object, in the finger's plane
+        normal_y         | 1 | out of the object, in the finger's plane
+        slip_speed       | m/s | of the phalanx along the object
+        """,
+    )
+    + _slots(
+        "arm",
+        """
+        normal_arm | m | of each phalanx's normal force about its finger's MCP and PIP
+        slip_arm   | m | of each phalanx's tangential force about its finger's MCP and PIP
+        """,
+    )
+)
+
+OUTPUTS = (
+    _slots(
+        "",
+        """
+        reference        | rad | output shaft
+        position         | rad | encoder at the output shaft
+        current          | A | current sensor
+        current_reference | A | asked by the position PID
+        duty             | 1 | of the PWM drive
+        supply           | V | bus
+        force            | N | sum of the phalanges' normal forces
+        sensor           | N | on the dynamometer's sensing face, along its axis
+        leader_tension   | N | at the motor pulley
+        leader_stretch   | m | of the leader wire, negative while slack
+        power_electrical | W | into the motor
+        power_copper     | W | lost in the winding
+        power_inductance | W | into the magnetic field
+        power_gear_friction | W | lost in motor and gear
+        power_cart_friction | W | lost at the guides
+        power_joint_friction | W | lost at the joints
+        power_wire_elastic | W | into stretched wires
+        power_wire_damping | W | lost in wires
+        power_spring     | W | into the re-opening springs
+        power_stop       | W | into and lost at the end stops
+        power_gravity    | W | against gravity
+        power_contact_normal | W | into the object, stored and damped
+        power_contact_tangential | W | lost by sliding on the object
+        energy_kinetic   | J | rotor, carts and phalanges
+        """,
+    )
+    + _slots("cart", "follower_tension | N | of each follower wire")
+    + _slots("phalanx", "phalanx_force | N | normal force at each phalanx")
+)
+
+PARAMETERS: tuple[Parameter, ...] = (
+    *motor.PARAMETERS,
+    *wires.PARAMETERS,
+    *carts.PARAMETERS,
+    *joints.PARAMETERS,
+    *anatomy.PARAMETERS,
+    *drive.PARAMETERS,
+    *encoder.PARAMETERS,
+    *pid.PARAMETERS,
+    *penalty.PARAMETERS,
+)
+
+# One compiled array for each table; every other parameter is a number of its own.
+TABLES = anatomy.TABLES
+_TABLED = {name for names in TABLES.values() for name in names}
+_SINGLES = tuple(each for each in PARAMETERS if each.name not in _TABLED)
+_AXES = {2: "kind", 5: "finger", 10: "joint"}
+
+PARAMETER_SLOTS = (
+    *(Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in _SINGLES),
+    *(Slot(name, "", "", _AXES[len(names)], len(names)) for name, names in TABLES.items()),
+    Slot("object_present", "1", "1 where there is an object"),
+    *_slots(
+        "finger",
+        """
+        section_half_x | m | of the section's core in the finger's plane
+        section_half_y | m | of the section's core in the finger's plane
+        section_radius | m | around the core; 0 where the plane misses the object
+        """,
+    ),
+)
+# Full names of the parameters in the order of their slots, up to `object_present`.
+PACKED = (
+    *(each.name for each in _SINGLES),
+    *(name for names in TABLES.values() for name in names),
+)

@@ -1,0 +1,1 @@
+"""Contact of phalanges with objects, and effects upon it."""

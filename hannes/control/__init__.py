@@ -1,0 +1,1 @@
+"""Controller, drive, encoder and reference, and effects upon them."""

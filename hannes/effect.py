@@ -1,0 +1,80 @@
+"""An effect: physics that may be missing from a model, declared in one file.
+
+Its kernel's signature is the declaration: arguments are looked up by name among the effect's
+own parameters and states, then among the plant's parameters (`motor_dry_friction` for
+`motor.dry_friction`), states and channels. The kernel returns what it adds to each channel
+of `writes`, then the rate of each of its states.
+"""
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from hannes._jit import plain
+from hannes.errors import BadInput
+from hannes.layout import Slot
+from hannes.parameter import Parameter
+
+
+@dataclass(frozen=True)
+class Term:
+    """One kernel of an effect, the channels it adds to and the states whose rates it returns."""
+
+    kernel: Callable[..., Any]
+    writes: tuple[str, ...]
+    states: tuple[str, ...] = ()
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """Names of the kernel's arguments, in order."""
+        return tuple(inspect.signature(plain(self.kernel)).parameters)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect that can be added to a model without touching the model.
+
+    `meaning` is one sentence in plain words; `equation` and `source` say where it comes from.
+    Its amplitudes carry `off`; with every amplitude at `off` the effect vanishes exactly.
+    """
+
+    name: str
+    meaning: str
+    equation: str
+    source: str
+    parameters: tuple[Parameter, ...]
+    terms: tuple[Term, ...]
+    states: tuple[Slot, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.amplitudes:
+            raise BadInput(f"effect {self.name}: no parameter declares `off`")
+        own = {each.name for each in self.parameters} | {each.name for each in self.states}
+        used = {name for term in self.terms for name in term.arguments}
+        if unused := sorted(own - used):
+            raise BadInput(f"effect {self.name}: no kernel takes its {', '.join(unused)}")
+        rated = [name for term in self.terms for name in term.states]
+        if sorted(rated) != sorted(each.name for each in self.states):
+            raise BadInput(f"effect {self.name}: each state needs its rate from exactly one term")
+
+    @property
+    def amplitudes(self) -> tuple[Parameter, ...]:
+        """The parameters whose `off` values, taken together, make the effect vanish."""
+        return tuple(each for each in self.parameters if each.off is not None)
+
+    def full_name(self, parameter: str) -> str:
+        """Name under which a parameter of this effect is known outside."""
+        return f"{self.name}.{parameter}"
+
+    def __str__(self) -> str:
+        """Equation, meaning, source and parameters, as `hannes effects NAME` shows them."""
+        lines = [self.name, f"  {self.meaning}", f"  {self.equation}", f"  source: {self.source}"]
+        lines += [f"  adds to: {', '.join(w for term in self.terms for w in term.writes)}"]
+        for each in self.parameters:
+            low, high = each.bounds
+            vanish = "" if each.off is None else f", vanishes at {each.off:g}"
+            lines.append(
+                f"  {self.full_name(each.name)} [{each.unit}] {low:g} to {high:g}{vanish}: {each.doc}"
+            )
+        return "\n".join(lines)

@@ -1,0 +1,381 @@
+"""The hand's equations of motion, stage by stage, as the paper's section II tells them.
+
+This text is the model. `p.name`, `y.name`, `c.name` and `out.name` stand for slots of plain
+arrays (parameters, states, channels, outputs; see channels.py); `assemble` fills in the
+numbers, inserts the calls of the chosen effects after each line `# effects: channel, ...`, and
+compiles the result. `print(hand.equations())` shows it. SI units; the motor at its own side.
+"""
+
+from hannes.contact.penalty import normal_law, sensed, tangential_law
+from hannes.contact.section import contact_place, signed_distance
+from hannes.control.drive import drive_voltage
+from hannes.control.encoder import quantised
+from hannes.control.pid import integral_rate, pid, saturated
+from hannes.control.reference import interpolate
+from hannes.dynamics.carts import cart_rate
+from hannes.dynamics.finger import accelerations, gravity_torque, kinetic_energy, link_frame
+from hannes.dynamics.friction import dry, stribeck
+from hannes.dynamics.joints import spring_torque, stop_torque
+from hannes.dynamics.motor import current_rate, speed_rate
+from hannes.dynamics.wires import follower_stretch, leader_stretch, tension
+
+
+def equations(t, y, dy, p, c, reference, hold, out):
+    """Fill dy with the rates of all states."""
+    target = position_reference(t, y, dy, p, c, reference, out)
+    position, current = sense(t, y, dy, p, c, out)
+    duty = control(t, y, dy, p, c, hold, target, position, current, out)
+    torque_constant = drive(t, y, dy, p, c, duty, out)
+    excursions(y, p, c)
+    load = leader(t, y, dy, p, c, out)
+    gear(t, y, dy, p, c, torque_constant, load, out)
+    carts(t, y, dy, p, c, out)
+    joints(t, y, dy, p, c, out)
+    if p.object_present > 0.5:
+        contact(t, y, dy, p, c, out)
+    inertia(t, y, dy, p, c, out)
+
+
+def position_reference(t, y, dy, p, c, reference, out):
+    """Where the output shaft should be [rad]."""
+    reference_time = t
+    # effects: reference_time
+    target = interpolate(reference_time, reference)
+    out.reference = target
+    return target
+
+
+def sense(t, y, dy, p, c, out):
+    """What the controller sees: encoder [rad, output shaft] and current sensor [A]."""
+    measured_position = y.motor_angle / p.gear_ratio
+    measured_current = y.motor_current
+    # effects: measured_position, measured_current
+    out.position = measured_position
+    out.current = measured_current
+    return measured_position, measured_current
+
+
+def control(t, y, dy, p, c, hold, target, position, current, out):
+    """Two nested PIDs: position -> current reference -> duty; firmware holds its last duty."""
+    dy.position_integral, dy.position_lag = 0.0, 0.0
+    dy.current_integral, dy.current_lag = 0.0, 0.0
+    if p.controller_sampled > 0.5:
+        out.duty = hold[0]
+        out.current_reference = hold[6]
+        return hold[0]
+    angle = position * p.gear_ratio
+    speed = (angle - y.position_lag) / p.position_pid_filter
+    error = target * p.gear_ratio - angle
+    wanted = pid(
+        error, y.position_integral, speed, p.position_pid_proportional, p.position_pid_derivative
+    )
+    asked = saturated(wanted, p.position_pid_limit)
+    dy.position_lag = speed
+    dy.position_integral = integral_rate(
+        error, wanted, asked, p.position_pid_proportional, p.position_pid_integral
+    )
+    rise = (current - y.current_lag) / p.current_pid_filter
+    error = asked - current
+    wanted = pid(
+        error, y.current_integral, rise, p.current_pid_proportional, p.current_pid_derivative
+    )
+    given = saturated(wanted, p.supply_voltage)
+    dy.current_lag = rise
+    dy.current_integral = integral_rate(
+        error, wanted, given, p.current_pid_proportional, p.current_pid_integral
+    )
+    out.duty = given / p.supply_voltage
+    out.current_reference = asked
+    return given / p.supply_voltage
+
+
+def sample(t, y, dy, p, c, reference, hold, out):
+    """One tick of the firmware: read, filter, two PIDs, and hold the duty until the next.
+
+    hold: duty, both integrals, filtered speed, last angle and current, current reference.
+    """
+    target = position_reference(t, y, dy, p, c, reference, out)
+    position, current = sense(t, y, dy, p, c, out)
+    angle = quantised(position, p.encoder_bits) * p.gear_ratio
+    if p.controller_current_step > 0.0:
+        current = p.controller_current_step * round(current / p.controller_current_step)
+    period = p.controller_period
+    hold[3] += p.controller_speed_weight * ((angle - hold[4]) / period - hold[3])
+    rise = (current - hold[5]) / period
+    error = target * p.gear_ratio - angle
+    wanted = pid(
+        error, hold[1], hold[3], p.position_pid_proportional, p.position_pid_derivative
+    )
+    asked = min(max(wanted, -p.position_pid_limit), p.position_pid_limit)
+    hold[1] += period * integral_rate(
+        error, wanted, asked, p.position_pid_proportional, p.position_pid_integral
+    )
+    error = asked - current
+    wanted = pid(error, hold[2], rise, p.current_pid_proportional, p.current_pid_derivative)
+    given = min(max(wanted, -p.supply_voltage), p.supply_voltage)
+    hold[2] += period * integral_rate(
+        error, wanted, given, p.current_pid_proportional, p.current_pid_integral
+    )
+    hold[4], hold[5] = angle, current
+    hold[6] = asked
+    hold[0] = given / p.supply_voltage
+
+
+def drive(t, y, dy, p, c, duty, out):
+    """PWM drive and winding: L di/dt = V - R i - k_e w; returns k_t [N m/A]."""
+    current, speed = y.motor_current, y.motor_speed
+    supply = p.supply_voltage
+    # effects: supply
+    voltage = drive_voltage(duty, supply)
+    # effects: voltage
+    resistance, torque_constant = p.motor_resistance, p.motor_torque_constant
+    # effects: resistance, torque_constant
+    dy.motor_current = current_rate(
+        voltage, current, speed, resistance, torque_constant, p.motor_inductance
+    )
+    out.supply = supply
+    out.power_electrical = voltage * current
+    out.power_copper = resistance * current**2
+    out.power_inductance = p.motor_inductance * current * dy.motor_current
+    return torque_constant
+
+
+def excursions(y, p, c):
+    """Flexor wire taken up by each finger: r_1 (q_1 - q_1rest) + r_2 (q_2 - q_2rest)."""
+    for f in range(5):
+        mcp, pip = 2 * f, 2 * f + 1
+        c.excursion[f] = p.joint_moment_arm[0] * (y.joint_angle[mcp] - p.rest[mcp])
+        c.excursion[f] += p.joint_moment_arm[1] * (y.joint_angle[pip] - p.rest[pip])
+        c.excursion_rate[f] = p.joint_moment_arm[0] * y.joint_speed[mcp]
+        c.excursion_rate[f] += p.joint_moment_arm[1] * y.joint_speed[pip]
+
+
+def leader(t, y, dy, p, c, out):
+    """Leader wire around both cart pulleys to the thumb; returns its load on the motor [N m]."""
+    slack, leader_compliance = 0.0, 1.0 / p.leader_stiffness
+    # effects: slack, leader_compliance
+    arm = p.gear_pulley_radius / p.gear_ratio
+    stretch = leader_stretch(
+        arm * y.motor_angle, y.cart_position[0], y.cart_position[1], c.excursion[4], slack
+    )
+    rate = leader_stretch(
+        arm * y.motor_speed, y.cart_speed[0], y.cart_speed[1], c.excursion_rate[4], 0.0
+    )
+    stiffness = 1.0 / leader_compliance
+    leader_tension = tension(stretch, rate, stiffness, p.leader_damping, p.wires_onset)
+    # effects: leader_tension
+    for branch in range(3):
+        c.leader_pull[branch] = leader_tension
+    # effects: leader_pull
+    c.tendon_tension[4] = c.leader_pull[2]
+    out.leader_tension = leader_tension
+    out.leader_stretch = stretch
+    out.power_wire_elastic = stiffness * max(stretch, 0.0) * rate
+    out.power_wire_damping = (leader_tension - stiffness * max(stretch, 0.0)) * rate
+    return arm * leader_tension
+
+
+def gear(t, y, dy, p, c, torque_constant, load, out):
+    """Rotor and reducer: J dw/dt = k_t i - friction - load, with load = r_p T_L / N."""
+    speed = y.motor_speed
+    gear_friction = dry(speed, p.motor_dry_friction, p.motor_friction_speed)
+    gear_friction += p.motor_viscous_friction * speed
+    motor_torque = 0.0
+    # effects: gear_friction, motor_torque
+    dy.motor_angle = speed
+    dy.motor_speed = speed_rate(
+        torque_constant, y.motor_current, gear_friction - motor_torque, load, p.motor_inertia
+    )
+    out.power_gear_friction = gear_friction * speed
+
+
+def carts(t, y, dy, p, c, out):
+    """Carts A (index, middle) and B (ring, little): m x'' = 2 T_L - 2 T_F - F(x') (eq. 2)."""
+    follower_compliance = 1.0 / p.follower_stiffness
+    # effects: follower_compliance
+    for cart in range(2):
+        c.cart_friction[cart] = stribeck(
+            y.cart_speed[cart],
+            p.cart_breakaway_friction,
+            p.cart_coulomb_friction,
+            p.cart_breakaway_speed,
+            p.cart_viscous_friction,
+        )
+    # effects: cart_friction
+    for cart in range(2):
+        first, second = 2 * cart, 2 * cart + 1
+        stiffness = 1.0 / follower_compliance
+        stretch = follower_stretch(y.cart_position[cart], c.excursion[first], c.excursion[second])
+        rate = follower_stretch(
+            y.cart_speed[cart], c.excursion_rate[first], c.excursion_rate[second]
+        )
+        pull = tension(stretch, rate, stiffness, p.follower_damping, p.wires_onset)
+        c.tendon_tension[first] = c.tendon_tension[second] = pull
+        dy.cart_position[cart] = y.cart_speed[cart]
+        dy.cart_speed[cart] = cart_rate(
+            c.leader_pull[cart], pull, c.cart_friction[cart], p.cart_mass
+        )
+        out.follower_tension[cart] = pull
+        out.power_cart_friction += c.cart_friction[cart] * y.cart_speed[cart]
+        out.power_wire_elastic += stiffness * max(stretch, 0.0) * rate
+        out.power_wire_damping += (pull - stiffness * max(stretch, 0.0)) * rate
+    # effects: tendon_tension
+
+
+def joints(t, y, dy, p, c, out):
+    """Torques on MCP and PIP: flexor wire, re-opening spring, friction (eq. 1), stops, gravity."""
+    for joint in range(10):
+        kind = joint % 2
+        c.spring_torque[joint] = spring_torque(
+            y.joint_angle[joint],
+            p.rest[joint],
+            p.joint_spring_stiffness[kind],
+            p.joint_spring_preload[kind],
+        )
+        c.joint_friction[joint] = stribeck(
+            y.joint_speed[joint],
+            p.joint_breakaway_friction[kind],
+            p.joint_coulomb_friction[kind],
+            p.joint_breakaway_speed[kind],
+            p.joint_viscous_friction[kind],
+        )
+    # effects: spring_torque, joint_friction
+    for joint in range(10):
+        kind = joint % 2
+        stop = stop_torque(
+            y.joint_angle[joint],
+            y.joint_speed[joint],
+            p.rest[joint],
+            p.end[joint],
+            p.joint_spring_preload[kind],
+            p.joint_stop_stiffness[kind],
+            p.joint_stop_damping[kind],
+            p.joint_stop_onset[kind],
+        )
+        flexor = p.joint_moment_arm[kind] * c.tendon_tension[joint // 2]
+        c.joint_torque[joint] = flexor + stop - c.spring_torque[joint] - c.joint_friction[joint]
+        out.power_spring += c.spring_torque[joint] * y.joint_speed[joint]
+        out.power_joint_friction += c.joint_friction[joint] * y.joint_speed[joint]
+        out.power_stop -= stop * y.joint_speed[joint]
+    for f in range(5):
+        mcp, pip = 2 * f, 2 * f + 1
+        torque_1, torque_2 = gravity_torque(
+            y.joint_angle[mcp],
+            y.joint_angle[pip],
+            p.gravity_x,
+            p.gravity_y * p.facing[f],
+            p.link_length[mcp],
+            p.link_length[pip],
+            p.link_mass[mcp],
+            p.link_mass[pip],
+        )
+        c.joint_torque[mcp] += torque_1
+        c.joint_torque[pip] += torque_2
+        out.power_gravity -= torque_1 * y.joint_speed[mcp] + torque_2 * y.joint_speed[pip]
+    # effects: joint_torque
+
+
+def contact(t, y, dy, p, c, out):
+    """Every phalanx against the object's section in its plane: eq. 3 and sliding friction."""
+    object_x, object_y = p.object_x, p.object_y
+    # effects: object_x, object_y
+    for f in range(5):
+        if p.section_radius[f] > 0.0:
+            for link in range(2):
+                touch(y, p, c, 2 * f + link, object_x, object_y)
+        else:
+            c.penetration[2 * f] = c.penetration[2 * f + 1] = 0.0
+            c.penetration_rate[2 * f] = c.penetration_rate[2 * f + 1] = 0.0
+    for phalanx in range(10):
+        c.normal_force[phalanx] = normal_law(
+            c.penetration[phalanx],
+            c.penetration_rate[phalanx],
+            p.object_stiffness,
+            p.object_damping,
+            p.object_onset,
+        )
+    # effects: normal_force
+    for phalanx in range(10):
+        c.normal_force[phalanx] = max(0.0, c.normal_force[phalanx])
+        if c.normal_force[phalanx] > 0.0:
+            push(t, y, p, c, phalanx, out)
+
+
+def touch(y, p, c, phalanx, object_x, object_y):
+    """Depth, rate, slip and lever arms of one phalanx (capsule) against the section."""
+    f = phalanx // 2
+    mcp, pip = y.joint_angle[2 * f], y.joint_angle[2 * f + 1]
+    start_x, start_y, along_x, along_y = link_frame(phalanx % 2, mcp, pip, p.link_length[2 * f])
+    centre_x = object_x - p.mount_x[f]
+    centre_y = p.facing[f] * (object_y - p.mount_y[f])
+    half_x, half_y = p.section_half_x[f], p.section_half_y[f]
+    away_x, away_y = start_x - centre_x, start_y - centre_y
+    place = contact_place(
+        away_x, away_y, along_x, along_y, p.link_length[phalanx], half_x, half_y
+    )
+    gap, normal_x, normal_y = signed_distance(
+        away_x + place * along_x, away_y + place * along_y, half_x, half_y
+    )
+    c.penetration[phalanx] = p.radius[f] + p.section_radius[f] - gap
+    c.place[phalanx], c.normal_x[phalanx], c.normal_y[phalanx] = place, normal_x, normal_y
+    surface_x = start_x + place * along_x - p.radius[f] * normal_x
+    surface_y = start_y + place * along_y - p.radius[f] * normal_y
+    c.normal_arm[2 * phalanx] = normal_x * surface_y - normal_y * surface_x
+    c.slip_arm[2 * phalanx] = -normal_y * surface_y - normal_x * surface_x
+    c.normal_arm[2 * phalanx + 1], c.slip_arm[2 * phalanx + 1] = 0.0, 0.0
+    if phalanx % 2 == 1:
+        from_x, from_y = surface_x - start_x, surface_y - start_y
+        c.normal_arm[2 * phalanx + 1] = normal_x * from_y - normal_y * from_x
+        c.slip_arm[2 * phalanx + 1] = -normal_y * from_y - normal_x * from_x
+    speed_1, speed_2 = y.joint_speed[2 * f], y.joint_speed[2 * f + 1]
+    c.penetration_rate[phalanx] = -(
+        c.normal_arm[2 * phalanx] * speed_1 + c.normal_arm[2 * phalanx + 1] * speed_2
+    )
+    c.slip_speed[phalanx] = (
+        c.slip_arm[2 * phalanx] * speed_1 + c.slip_arm[2 * phalanx + 1] * speed_2
+    )
+
+
+def push(t, y, p, c, phalanx, out):
+    """Hand the contact force of one phalanx to its joints: J^T F."""
+    f = phalanx // 2
+    normal = c.normal_force[phalanx]
+    drag = tangential_law(normal, c.slip_speed[phalanx], p.object_friction, p.object_slip_speed)
+    for joint in range(2):
+        arm = 2 * phalanx + joint
+        c.joint_torque[2 * f + joint] += normal * c.normal_arm[arm] - drag * c.slip_arm[arm]
+    out.phalanx_force[phalanx] = normal
+    out.force += normal
+    out.sensor += sensed(normal, drag, c.normal_x[phalanx], c.normal_y[phalanx], p.facing[f])
+    out.power_contact_normal += normal * c.penetration_rate[phalanx]
+    out.power_contact_tangential += drag * c.slip_speed[phalanx]
+
+
+def inertia(t, y, dy, p, c, out):
+    """Solve M(q) q'' + c(q, q') = torque for each finger."""
+    for f in range(5):
+        mcp, pip = 2 * f, 2 * f + 1
+        first, second = accelerations(
+            c.joint_torque[mcp],
+            c.joint_torque[pip],
+            y.joint_angle[pip],
+            y.joint_speed[mcp],
+            y.joint_speed[pip],
+            p.link_length[mcp],
+            p.link_length[pip],
+            p.link_mass[mcp],
+            p.link_mass[pip],
+        )
+        dy.joint_angle[mcp], dy.joint_angle[pip] = y.joint_speed[mcp], y.joint_speed[pip]
+        dy.joint_speed[mcp], dy.joint_speed[pip] = first, second
+        out.energy_kinetic += kinetic_energy(
+            y.joint_angle[pip],
+            y.joint_speed[mcp],
+            y.joint_speed[pip],
+            p.link_length[mcp],
+            p.link_length[pip],
+            p.link_mass[mcp],
+            p.link_mass[pip],
+        )
+    out.energy_kinetic += 0.5 * p.motor_inertia * y.motor_speed**2
+    out.energy_kinetic += 0.5 * p.cart_mass * (y.cart_speed[0] ** 2 + y.cart_speed[1] ** 2)

@@ -1,0 +1,32 @@
+"""What can go wrong, in words a user can act on, and the exit status each kind deserves."""
+
+import difflib
+from collections.abc import Iterable
+
+
+class HannesError(Exception):
+    """Any failure that hannes itself reports; its text is one line for the user."""
+
+    exit_status = 1
+
+
+class BadInput(HannesError):
+    """The input cannot be used: what was expected, what came, what to do."""
+
+    exit_status = 2
+
+
+class MissingRecording(BadInput):
+    """A third-party recording is neither on this machine nor to be fetched."""
+
+
+class ComputationFailed(HannesError):
+    """The input was sound but the computation itself failed (solver, fit)."""
+
+    exit_status = 3
+
+
+def nearest(name: str, names: Iterable[str]) -> str:
+    """Return a did-you-mean clause for a misspelt `name`, or an empty string."""
+    close = difflib.get_close_matches(name, list(names), n=1, cutoff=0.5)
+    return f'; did you mean "{close[0]}"?' if close else ""

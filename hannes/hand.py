@@ -1,0 +1,117 @@
+"""The hand: named parameter values and the effects in its model."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from hannes import channels, equations
+from hannes.anatomy import FINGERS
+from hannes.assemble import Compiled, Equations, assemble
+from hannes.catalogue import effect as find_effect
+from hannes.contact.shapes import sections
+from hannes.effect import Effect
+from hannes.errors import BadInput, nearest
+from hannes.layout import Layout
+from hannes.parameter import ParameterSet
+
+EQUATIONS = Equations(
+    equations,
+    Layout(channels.PARAMETER_SLOTS),
+    Layout(channels.STATES),
+    Layout(channels.CHANNELS),
+    Layout(channels.OUTPUTS),
+)
+
+
+class Hand:
+    """A Hannes hand: immutable; `with_values` and `with_effects` return changed copies."""
+
+    def __init__(self, effects: Iterable[Effect | str] = ()) -> None:
+        self.effects = tuple(
+            find_effect(each) if isinstance(each, str) else each for each in effects
+        )
+        own = (
+            replace(each, name=effect.full_name(each.name))
+            for effect in self.effects
+            for each in effect.parameters
+        )
+        self.parameters = ParameterSet((*channels.PARAMETERS, *own))
+
+    def with_values(self, values: Mapping[str, float]) -> "Hand":
+        """Return a copy with other SI values by full name; BadInput on unknown name or bounds."""
+        return self._copy(self.effects, self.parameters.with_values(values))
+
+    def with_effects(self, *effects: Effect | str) -> "Hand":
+        """Return a copy whose model also has `effects`, at `off` until given a value."""
+        known = {each.name for each in self.effects}
+        found = [find_effect(each) if isinstance(each, str) else each for each in effects]
+        grown = Hand((*self.effects, *(each for each in found if each.name not in known)))
+        return self._copy(grown.effects, grown.parameters.with_values(dict(self.parameters)))
+
+    def _copy(self, effects: tuple[Effect, ...], parameters: ParameterSet) -> "Hand":
+        copy = Hand.__new__(Hand)
+        copy.effects, copy.parameters = effects, parameters
+        return copy
+
+    def present_effects(self) -> tuple[Effect, ...]:
+        """Effects with an amplitude that is not `off`; the others are left out of the model."""
+        return tuple(
+            each
+            for each in self.effects
+            if any(self.parameters[each.full_name(a.name)] != a.off for a in each.amplitudes)
+        )
+
+    def compiled(self, effects: tuple[Effect, ...] | None = None) -> Compiled:
+        """Entry points of the model with its present effects, or with exactly `effects`."""
+        return assemble(EQUATIONS, self.present_effects() if effects is None else effects)
+
+    def equations(self) -> str:
+        """Text of the assembled equations, effects included."""
+        return self.compiled().text
+
+    def vector(self, shape: str | None, effects: tuple[Effect, ...] | None = None) -> np.ndarray:
+        """Pack all values for the compiled code, shape (parameter layout,), SI units.
+
+        `shape` is that of the object, None where there is none.
+        """
+        values = self.parameters
+        packed = [values[name] for name in channels.PACKED]
+        packed += [0.0 if shape is None else 1.0, *self._sections(shape)]
+        for effect in self.present_effects() if effects is None else effects:
+            packed += [values[effect.full_name(each.name)] for each in effect.parameters]
+        return np.array(packed)
+
+    def _sections(self, shape: str | None) -> list[float]:
+        if shape is None:
+            return [0.0] * 15
+        values = self.parameters
+        offsets = [values[f"{finger}.mount_z"] - values["object.z"] for finger in FINGERS]
+        cuts = sections(
+            shape,
+            values["object.radius"],
+            values["object.half_x"],
+            values["object.half_y"],
+            offsets,
+        )
+        return [cut[column] for column in range(3) for cut in cuts]
+
+    def rest(self, compiled: Compiled) -> np.ndarray:
+        """State of the open hand at rest, shape (states,)."""
+        state = np.zeros(compiled.states.size)
+        state[compiled.states["joint_angle"]] = [
+            self.parameters[name] for name in channels.TABLES["rest"]
+        ]
+        return state
+
+    def __str__(self) -> str:
+        """Parts, effects with their equations, and every value that differs from the shipped."""
+        lines = ["Hannes hand: 5 fingers, 2 carts, 1 motor; equations in hannes/equations.py"]
+        lines += [str(each) for each in self.effects] or ["no effects beyond the base model"]
+        lines += [
+            f"{name} = {value:g} {self.parameters.declared[name].unit}"
+            for name, value in self.parameters.items()
+        ]
+        return "\n".join(lines)

@@ -1,0 +1,44 @@
+"""Smooth switches: how a one-sided force begins and how a limit is reached.
+
+Every switch is at least continuous with a named width, so that an adaptive integrator never
+meets a hidden jump.
+"""
+
+from hannes._jit import kernel
+
+
+@kernel
+def smoothstep(x):
+    """0 below 0, 1 above 1, 3 x^2 - 2 x^3 between; dimensionless."""
+    if x <= 0.0:
+        return 0.0
+    if x >= 1.0:
+        return 1.0
+    return x * x * (3.0 - 2.0 * x)
+
+
+@kernel
+def one_sided(stiffness, damping, depth, rate, onset):
+    """Spring-damper that only pushes: max(0, k s + c s' ramp(s / onset)), zero for s <= 0.
+
+    `stiffness` [N/m], `damping` [N s/m], `depth` s [m], `rate` s' [m/s], `onset` [m]; the same
+    with N m and rad. The ramp keeps a wire from pulling before it is taut.
+    """
+    if depth <= 0.0:
+        return 0.0
+    force = stiffness * depth + damping * rate * smoothstep(depth / onset)
+    return max(0.0, force)
+
+
+@kernel
+def limited(x, limit):
+    """Clip `x` to +-`limit`, rounding the corner over the last 2 % on either side."""
+    width = 0.02 * limit
+    size = abs(x)
+    if size <= limit - width:
+        return x
+    sign = 1.0 if x > 0.0 else -1.0
+    if size >= limit + width:
+        return sign * limit
+    over = size - (limit - width)
+    return sign * (size - over * over / (4.0 * width))
