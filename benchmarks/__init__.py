@@ -1,0 +1,1 @@
+"""Studies that stay in the checkout: run each as `python -m benchmarks.NAME`."""

@@ -1,0 +1,280 @@
+"""The independent second hand: closed forms, energy, convergence, and what it writes."""
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from benchmarks.truth import NOMINAL, scatter, simulate, trace
+from benchmarks.truth.closures import main
+from benchmarks.truth.finger import finger
+from benchmarks.truth.laws import drive_friction, friction, one_sided
+
+GRASP = [(0.0, 0.0), (0.637, 9.823), (1.022, 0.0)]
+DYNAMOMETER = {
+    "shape": "cylinder",
+    "radius": 26e-3,
+    "position": (12e-3, -45.5e-3, 0.0),
+    "stiffness": 8344.0,
+    "damping": 59.0,
+    "friction": 0.4,
+}
+JOINTS = ("mcp", "pip")
+FRICTIONS = ("breakaway_friction", "coulomb_friction", "viscous_friction")
+
+
+def loose_fingers(**changes):
+    """Fingers without friction, springs, stops or wires: pendulums in a plane."""
+    parts = (*FRICTIONS, "spring_stiffness", "spring_preload", "stop_damping")
+    out = {f"{joint}.{part}": 0.0 for joint in JOINTS for part in parts}
+    out |= {f"{joint}.stop_stiffness": 1e-12 for joint in JOINTS}
+    out |= {"follower.stiffness": 0.0, "follower.damping": 0.0}
+    out |= {"leader.stiffness": 0.0, "leader.damping": 0.0}
+    return out | changes
+
+
+def hold(parameters, **options):
+    """The hand left alone at reference 0: channels, states."""
+    return trace(parameters, [(0.0, 0.0), (1.0, 0.0)], controller="continuous", **options)
+
+
+def test_accelerations_are_those_of_the_textbook_double_pendulum():
+    rng = np.random.default_rng(3)
+    l1, l2, m1, m2, g = 0.044, 0.05, 0.015, 0.012, 9.81
+    law, disc = (0.0, 0.0, 0.0, 1e-4, 5e-3), (0.0, 0.0, 0.0, 8e-3)
+    for _ in range(20):
+        q1, q2 = rng.uniform(-2, 2, 2)
+        w1, w2, t1, t2 = rng.uniform(-20, 20, 4) * (1, 1, 1e-3, 1e-3)
+        a, v = q1 + q2, w1 + w2
+        arguments = ((q1, q2), (w1, w2), (t1, t2), (l1, l2), (m1, m2), (g, 0.0), disc, law)
+        b1, b2, force = finger(*arguments)
+        # Lagrange in the absolute angles q1 and a, uniform rods, gravity along x.
+        c = m2 * l1 * l2 / 2
+        row1 = (m1 / 3 + m2) * l1**2 * b1 + c * np.cos(a - q1) * (b1 + b2)
+        row1 += -c * np.sin(a - q1) * v**2 + (m1 / 2 + m2) * g * l1 * np.sin(q1)
+        row2 = m2 * l2**2 / 3 * (b1 + b2) + c * np.cos(a - q1) * b1
+        row2 += c * np.sin(a - q1) * w1**2 + m2 / 2 * g * l2 * np.sin(a)
+        np.testing.assert_allclose([row1, row2], [t1 - t2, t2], atol=1e-12)
+        assert force == 0.0
+
+
+def test_finger_with_a_weightless_tip_swings_with_the_rods_period():
+    small = 0.01
+    light = {"fingers.distal_mass": (1e-9,) * 5, "fingers.mcp_rest": (small,) * 5}
+    hanging = loose_fingers(**light, **{"gravity.x": 9.81, "fingers.pip_rest": (0.0,) * 5})
+    channels, states = hold(hanging, duration=0.5)
+    rate = np.sqrt(1.5 * 9.81 / np.array(NOMINAL["fingers.proximal_length"]))
+    expected = small * np.cos(np.outer(channels["time_s"], rate))
+    np.testing.assert_allclose(states[:, 0:10:2], expected, atol=2e-3 * small)
+
+
+def energy(parameters, states, f, disc=None):
+    """Kinetic, gravity (along x) and contact energy (J) of finger f from endpoint positions."""
+    l1, l2, m1, m2 = (
+        NOMINAL[f"fingers.{name}"][f]
+        for name in ("proximal_length", "distal_length", "proximal_mass", "distal_mass")
+    )
+    q1, a = states[:, 2 * f], states[:, 2 * f] + states[:, 2 * f + 1]
+    w1, v = states[:, 10 + 2 * f], states[:, 10 + 2 * f] + states[:, 11 + 2 * f]
+    knee = l1 * np.exp(-1j * q1)
+    tip = knee + l2 * np.exp(-1j * a)
+    speed = np.abs(w1 * knee + 0.5 * v * (tip - knee))
+    total = m1 * l1**2 * w1**2 / 6 + m2 * speed**2 / 2 + m2 * l2**2 * v**2 / 24
+    total -= parameters["gravity.x"] * (m1 * knee.real / 2 + m2 * (knee + tip).real / 2)
+    for start, end in ((0 * knee, knee), (knee, tip)) if disc else ():
+        along = ((disc["centre"] - start) * np.conj(end - start)).real / np.abs(end - start) ** 2
+        gap = np.abs(disc["centre"] - start - np.clip(along, 0, 1) * (end - start))
+        depth = np.maximum(0, disc["radius"] + NOMINAL["fingers.radius"][f] - gap)
+        total += disc["stiffness"] * depth**2 / 2
+    return total
+
+
+def test_a_finger_bouncing_on_a_lossless_disc_keeps_its_energy():
+    disc = dict(DYNAMOMETER, stiffness=2000.0, damping=0.0, friction=0.0)
+    falling = loose_fingers(**{"gravity.x": 9.81, "fingers.mcp_rest": (-0.7,) * 5})
+    falling["fingers.pip_rest"] = (-0.2,) * 5
+    disc["position"] = (50e-3, -35e-3, 0.0)
+    channels, states = hold(falling, duration=0.4, object=disc, step_size=10e-6)
+    plane = {"centre": 50e-3 - 35e-3j, "radius": 26e-3, "stiffness": 2000.0}
+    for f in range(4):
+        held = energy(falling, states, f, plane)
+        swing = np.ptp(energy(falling, states, f) - held)
+        assert channels["force_N"].max() > 1.0
+        assert swing > 1e-3
+        assert np.ptp(held) < 1e-3 * swing
+
+
+def test_free_motor_follows_the_linear_step_response():
+    free = {"motor.dry_friction": 0.0, "control.position_gain": 1e6, "control.current_limit": 1e6}
+    channels, states = trace(
+        free, [(0.0, 1e3), (1.0, 1e3)], effects={"leader_slack": 1.0}, controller="continuous"
+    )
+    k, r, henry, j, b = (
+        NOMINAL[f"motor.{name}"]
+        for name in ("torque_constant", "resistance", "inductance", "inertia", "viscous_friction")
+    )
+    system = np.array(
+        [[-r / henry, -k / henry, 12.0 / henry], [k / j, -b / j, 0.0], [0.0, 0.0, 0.0]]
+    )
+    step = np.array([expm(system * t)[:2, 2] for t in channels["time_s"][:100]])
+    np.testing.assert_allclose(channels["duty_1"][:100], 1.0)
+    np.testing.assert_allclose(states[:100, 26], step[:, 0], atol=5e-4 * 12.0 / r)
+    np.testing.assert_allclose(states[:100, 25], step[:, 1], atol=5e-4 * 12.0 / k)
+
+
+def test_laws_of_one_variable():
+    speeds = np.linspace(0.0, 30e-3, 3001)
+    beyond = [friction(v, 3.0, 1.0, 1e-2, 0.0) - friction(v, 1.0, 1.0, 1e-2, 0.0) for v in speeds]
+    assert speeds[np.argmax(beyond)] == pytest.approx(1e-2)
+    assert max(beyond) == pytest.approx(2.0)
+    assert one_sided(-1e-6, 1.0, 6e4, 30.0, 20e-6) == 0.0
+    assert one_sided(1e-3, -10.0, 6e4, 30.0, 20e-6) == 0.0  # never pulls
+    assert one_sided(1e-3, 1.0, 6e4, 30.0, 20e-6) == pytest.approx(90.0)
+    assert drive_friction(100.0, -2.0, 1.0, 0.1, 0.05, 5.0, 0.0) == pytest.approx(1.2)
+    assert drive_friction(-100.0, -2.0, 1.0, 0.1, 0.05, 5.0, 0.0) == pytest.approx(-1.0)
+
+
+def test_rest_is_an_equilibrium():
+    _, states = hold({}, duration=0.3)
+    np.testing.assert_allclose(states, np.tile(states[0], (len(states), 1)), atol=1e-12)
+
+
+def grasp(step_size):
+    return simulate(
+        {}, GRASP, object=DYNAMOMETER, controller="continuous", step_size=step_size, duration=0.9
+    )
+
+
+def test_errors_fall_as_the_square_of_the_step():
+    fine = grasp(12.5e-6)
+    coarse, half = grasp(100e-6), grasp(50e-6)
+    for name in ("position_rad", "current_A", "duty_1", "force_N"):
+        peak = np.abs(fine[name]).max()
+        error = np.sqrt(np.mean((half[name] - fine[name]) ** 2)) / peak
+        ratio = np.sqrt(np.mean((coarse[name] - fine[name]) ** 2)) / peak / error
+        assert error < 1e-6
+        assert np.abs(half[name] - fine[name]).max() < 2e-5 * peak
+        assert 3.0 < ratio < 6.0, name
+
+
+def test_dynamometer_grasp_has_the_designs_size():
+    base = grasp(50e-6)
+    assert 2.0 < base["current_A"].max() < 2.6
+    assert 170.0 < base["force_N"].max() < 200.0
+    ball = simulate({}, GRASP, object=dict(DYNAMOMETER, stiffness=800.0), controller="continuous")
+    assert ball["current_A"].max() < 0.6 * base["current_A"].max()
+    # Up to the first touch, no object is felt.
+    before = slice(0, int(np.argmax(base["force_N"] > 0.0)))
+    for name, values in base.items():
+        np.testing.assert_allclose(values[before], ball[name][before], atol=1e-9)
+
+
+def test_fast_sampling_of_a_fine_encoder_tends_to_the_continuous_controller():
+    continuous = grasp(50e-6)
+    differences = []
+    for period in (2e-4, 1e-4):
+        every = round(1e-3 / period)
+        fast = {"control.period": period, "encoder.counts": 1e9}
+        fast["control.speed_weight"] = 1.0 - np.exp(-period / NOMINAL["control.speed_lag"])
+        sampled = simulate(fast, GRASP, object=DYNAMOMETER, duration=0.9)
+        gap = sampled["current_A"][::every] - continuous["current_A"]
+        differences.append(np.sqrt(np.mean(gap**2)))
+    assert differences[0] < 0.02
+    assert differences[1] < 0.6 * differences[0]
+
+
+def test_firmware_sampling_stays_close_to_the_continuous_controller():
+    continuous, sampled = grasp(50e-6), simulate({}, GRASP, object=DYNAMOMETER, duration=0.9)
+    gap = sampled["current_A"] - continuous["current_A"]
+    assert np.sqrt(np.mean(gap**2)) < 0.05
+    counts = sampled["position_rad"] * 4096 / (2 * np.pi)
+    np.testing.assert_allclose(counts, np.round(counts), atol=1e-6)
+
+
+def test_slack_delays_the_fingers_and_none_is_absent():
+    quick = {"controller": "continuous", "duration": 0.3}
+    taut = trace({}, GRASP, **quick)[1]
+    loose = trace({}, GRASP, effects={"leader_slack": 3e-3}, **quick)[1]
+    late = [np.argmax(states[:, 20] > 1e-4) for states in (taut, loose)]
+    speed = 15.42 * NOMINAL["gear.pulley_radius"]
+    assert late[1] - late[0] == pytest.approx(1e3 * 3e-3 / speed, rel=0.3)
+    off = trace({}, GRASP, effects={"leader_slack": 0.0}, **quick)[1]
+    assert np.array_equal(off, taut)
+
+
+def test_scatter_leaves_firmware_and_signs_alone():
+    other = scatter(NOMINAL, np.random.default_rng(0), 0.02)
+    changed = {name for name in NOMINAL if other[name] != NOMINAL[name]}
+    assert "motor.resistance" in changed and "fingers.distal_length" in changed
+    assert not any(name.startswith(("control.", "encoder.")) for name in changed)
+    spread = [
+        np.log(scatter(NOMINAL, np.random.default_rng(s))["cart.mass"] / 10e-3) for s in range(400)
+    ]
+    assert np.std(spread) == pytest.approx(0.02, rel=0.15)
+
+
+def written(folder):
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def test_same_seed_same_bytes_and_a_sealed_answer(tmp_path):
+    for name, seed in (("one", "1"), ("two", "1"), ("other", "2")):
+        words = ["--out", str(tmp_path / name), "--slack", "3 mm", "--runs", "1", "--seed", seed]
+        assert main(words) == 0
+    one = written(tmp_path / "one")
+    assert one == written(tmp_path / "two")
+    assert set(one) == {"campaign.toml", "void_01.csv", "sealed/answer.json"}
+    assert one["void_01.csv"] != written(tmp_path / "other")["void_01.csv"]
+    assert b"slack" in one["sealed/answer.json"]
+    assert not any(word in one["campaign.toml"] for word in (b"slack", b"sealed", b"answer"))
+    header = b"time_s,reference_rad,position_rad,current_A,duty_1,supply_V\n"
+    assert one["void_01.csv"].startswith(header)
+
+
+def test_bad_input_is_one_line_and_status_2(tmp_path, capsys):
+    hand = tmp_path / "hand.toml"
+    hand.write_text('[parameters]\n"motor.resistence" = "3 ohm"\n', encoding="utf-8")
+    for words in (["--slack", "3 kg"], ["--hand", str(hand)], ["--hand", str(tmp_path / "no")]):
+        assert main(["--out", str(tmp_path / "campaign"), *words]) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+    assert not (tmp_path / "campaign").exists()
+
+
+def test_truth_imports_nothing_of_the_library():
+    folder = Path(__file__).parents[1] / "benchmarks" / "truth"
+    for source in folder.glob("*.py"):
+        for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in getattr(node, "names", []) if hasattr(alias, "name")]
+            assert not any(name.split(".")[0] == "hannes" for name in names), source
+            assert not (getattr(node, "module", None) or "").startswith("hannes"), source
+    code = "import sys, benchmarks.truth.closures; assert 'hannes' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=folder.parents[1])
+
+
+def test_compiled_equals_plain_python():
+    code = (
+        "from benchmarks.truth import trace; "
+        "print(trace({}, [(0, 0), (0.01, 0.1)], duration=0.01)[1][-1].tolist())"
+    )
+    plain, quick = (
+        subprocess.run(
+            [sys.executable, "-c", code],
+            check=True,
+            capture_output=True,
+            text=True,
+            cwd=Path(__file__).parents[1],
+            env={**os.environ, "NUMBA_DISABLE_JIT": switch},
+        ).stdout
+        for switch in ("1", "0")
+    )
+    np.testing.assert_allclose(json.loads(plain), json.loads(quick), rtol=1e-7, atol=1e-9)
