@@ -7,6 +7,7 @@ cd "$(dirname "$0")/.."
 venv=.venv
 packages=$venv/.packages   # written last: what the packages in .venv were installed from
 project=$venv/.project     # likewise for the project's own metadata
+running=$venv/.pip         # the process id of the last install
 
 fail() {
     echo "hannes: $*" >&2
@@ -16,16 +17,20 @@ fail() {
 # Python 3.15 is not in reach of the locked compiler (numba) yet.
 version_fits='import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 15))'
 
+# An active environment, .venv among them, cannot make a new one in its own place: its base can.
+base='import sys; print(getattr(sys, "_base_executable", sys.executable))'
+
 # Prints an interpreter that really runs (a name on PATH may be a shim of a version not installed).
 find_python() {
     bare=
     for name in ${PYTHON:+"$PYTHON"} python3.14 python3.13 python3.12 python3.11 python3 python; do
         "$name" -c "$version_fits" </dev/null >/dev/null 2>&1 || continue
-        if "$name" -c 'import ensurepip, venv' >/dev/null 2>&1; then
-            echo "$name"
+        found=$("$name" -c "$base")
+        if "$found" -c 'import ensurepip, venv' >/dev/null 2>&1; then
+            echo "$found"
             return
         fi
-        bare=${bare:-$name}
+        bare=${bare:-$found}
     done
     if [ -n "$bare" ]; then
         fail "$bare has no venv module; install it (Debian, Ubuntu: apt install python3-venv)"
@@ -35,15 +40,26 @@ find_python() {
 
 # Runs the environment's pip; its own words go to a log, the user gets one line.
 pip_install() {
-    PIP_USER=0 PIP_DISABLE_PIP_VERSION_CHECK=1 "$venv/bin/python" -m pip install \
-        --quiet --progress-bar off "$@" >"$venv/install.log" 2>&1 && return
+    PIP_USER=0 PIP_DISABLE_PIP_VERSION_CHECK=1 \
+        sh -c 'echo $$ >"$1"; shift; exec "$@"' sh "$running" \
+        "$venv/bin/python" -m pip install --quiet --progress-bar off "$@" \
+        >"$venv/install.log" 2>&1 && rm -f "$running" && return
     fail "packages could not be installed; is a package index in reach?" \
         "What pip said is in $venv/install.log"
 }
 
+# A killed bootstrap can leave its pip at work, and a second one may run beside this: let it end.
+wait_for_running() {
+    seconds=0
+    while [ -f "$running" ] && kill -0 "$(cat "$running")" 2>/dev/null && [ $seconds -lt 180 ]; do
+        sleep 1
+        seconds=$((seconds + 1))
+    done
+}
+
 install_packages() {
     python=$(find_python)
-    echo "hannes: installing packages into $venv (a minute or two, only this once)" >&2
+    echo "hannes: installing packages into $venv (a minute or two)" >&2
     rm -f "$packages" "$project"
     "$python" -m venv --clear "$venv" >/dev/null 2>&1 ||
         fail "$python could not create $venv; is the folder writable and the disk not full?"
@@ -68,7 +84,11 @@ same() {
     [ -f "$2" ] && [ "$1" = "$(cat "$2")" ]
 }
 
-if ! same "$(packages_wanted)" "$packages" || ! "$venv/bin/python" -c '' >/dev/null 2>&1; then
-    install_packages
-fi
-same "$(cat pyproject.toml)" "$project" || install_project
+ready() {
+    same "$(packages_wanted)" "$packages" && "$venv/bin/python" -c '' >/dev/null 2>&1
+}
+
+# Spelt with `if`: after `||` the shell would not stop at the first failure (set -e).
+if ! ready; then wait_for_running; fi
+if ! ready; then install_packages; fi
+if ! same "$(cat pyproject.toml)" "$project"; then install_project; fi
