@@ -346,7 +346,7 @@ def push(t, y, p, c, phalanx, out):
         c.joint_torque[2 * f + joint] += normal * c.normal_arm[arm] - drag * c.slip_arm[arm]
     out.phalanx_force[phalanx] = normal
     out.force += normal
-    out.sensor += sensed(normal, drag, c.normal_x[phalanx], c.normal_y[phalanx], p.facing[f])
+    out.sensor += sensed(normal, drag, c.normal_x[phalanx], c.normal_y[phalanx])
     out.power_contact_normal += normal * c.penetration_rate[phalanx]
     out.power_contact_tangential += drag * c.slip_speed[phalanx]
 

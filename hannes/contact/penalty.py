@@ -40,12 +40,12 @@ def tangential_law(normal_force, slip_speed, coefficient, width):
 
 
 @kernel
-def sensed(normal_force, drag, normal_x, normal_y, facing):
+def sensed(normal_force, drag, normal_x, normal_y):
     """Share of one contact in the dynamometer's reading [N].
 
-    The sensing face is the object's side towards the four fingers; it feels what presses it
-    down the y axis of the hand frame. `facing` is the finger's (-1 for the thumb).
+    The sensing face is the object's side towards the fingertips; it feels what presses it
+    towards the palm, along -x of the hand frame.
     """
-    if facing * normal_y <= 0.0:
+    if normal_x <= 0.0:
         return 0.0
-    return facing * (normal_force * normal_y - drag * normal_x)
+    return normal_force * normal_x + drag * normal_y

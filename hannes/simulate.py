@@ -1,0 +1,163 @@
+"""Run an experiment: scipy's solve_ivp over the compiled rates, restarted at every kink."""
+
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from hannes._jit import compiles
+from hannes.assemble import Compiled
+from hannes.effect import Effect
+from hannes.errors import BadInput, nearest
+from hannes.experiment import Experiment
+from hannes.hand import Hand
+from hannes.trajectory import Cost, Outcome, Trajectory
+
+METHODS = ("LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
+IMPLICIT = ("LSODA", "BDF", "Radau")
+HOLD = 7
+
+
+def simulate(
+    hand: Hand,
+    experiment: Experiment,
+    *,
+    method: str = "LSODA",
+    rtol: float = 1e-4,
+    effects: tuple[Effect, ...] | None = None,
+) -> Trajectory:
+    """Simulate `experiment` with `hand` and return its Trajectory, completed or not.
+
+    `method` is one of scipy's solve_ivp; `rtol` the relative tolerance, absolute ones follow
+    from each state's declared tolerance. `effects` fixes the set that is compiled in (default:
+    those of `hand` that are not off). Raises BadInput for a bad method, tolerance or value.
+    """
+    if method not in METHODS:
+        raise BadInput(f'unknown method "{method}"{nearest(method, METHODS)}')
+    if not 1e-13 < rtol < 1.0:
+        raise BadInput(f"rtol = {rtol:g}: expected a value between 1e-13 and 1")
+    posed = hand.with_values(experiment.overrides())
+    compiled = posed.compiled(effects)
+    _say_when_compiling(compiled)
+    packed = posed.vector(experiment.shape, effects)
+    run = _Run(compiled, packed, posed.rest(compiled), experiment, method, rtol)
+    return run.sampled() if experiment.controller == "sampled" else run.continuous()
+
+
+def _say_when_compiling(compiled: Compiled) -> None:
+    if compiles() and not compiled.is_warm():
+        print("hannes: compiling the model, once (about 10 s)", file=sys.stderr, flush=True)
+
+
+class _Run:
+    """One simulation in progress: state and samples so far."""
+
+    def __init__(
+        self,
+        compiled: Compiled,
+        p: np.ndarray,
+        rest: np.ndarray,
+        experiment: Experiment,
+        method: str,
+        rtol: float,
+    ) -> None:
+        self.compiled, self.p, self.experiment = compiled, p, experiment
+        self.method, self.rtol = method, rtol
+        self.hold = np.zeros(HOLD)
+        self.state = rest
+        self.cost, self.message = Cost(), "completed"
+        self.outcome = Outcome.COMPLETED
+        tolerances = [s.tolerance for s in compiled.states.slots for _ in range(s.size)]
+        self.atol = np.array(tolerances) * rtol / 1e-4
+        self.times = experiment.times
+        self.rows = np.zeros((self.times.size, self.state.size))
+        self.holds = np.zeros((self.times.size, HOLD))
+        self.filled = 0
+
+    def continuous(self) -> Trajectory:
+        """Integrate from kink to kink."""
+        for start, end, knots in self.experiment.reference.segments(self.experiment.duration):
+            if not self._advance(start, end, knots):
+                break
+        return self._result()
+
+    def sampled(self) -> Trajectory:
+        """Integrate from tick to tick of the firmware, its duty held in between."""
+        knots, period = self.experiment.reference.knots, self._period()
+        ticks = int(np.ceil(self.experiment.duration / period - 1e-9))
+        for k in range(ticks):
+            start, end = k * period, min((k + 1) * period, self.experiment.duration)
+            self.compiled.fast.tick(start, self.state, self.p, knots, self.hold)
+            if not self._advance(start, end, knots):
+                break
+        return self._result()
+
+    def _period(self) -> float:
+        return float(self.p[self.compiled.parameters["controller_period"]][0])
+
+    def _advance(self, start: float, end: float, knots: np.ndarray) -> bool:
+        """Integrate one smooth part and store its samples; False where it failed."""
+        from scipy.integrate import solve_ivp
+
+        inside = self._samples(end)
+        with np.errstate(all="ignore"):
+            clock = time.perf_counter()
+            part = solve_ivp(
+                self._rates(knots),
+                (start, end),
+                self.state,
+                method=self.method,
+                t_eval=np.append(self.times[self.filled : inside], end),
+                rtol=self.rtol,
+                atol=self.atol,
+                **self._jacobian(knots),
+            )
+            seconds = time.perf_counter() - clock
+        self.cost += Cost(part.nfev, part.njev, 1, seconds)
+        self._store(part.y.T[: inside - self.filled])
+        if part.success and np.isfinite(part.y).all():
+            self.state = part.y[:, -1].copy()
+            return True
+        finite = np.isfinite(part.y).all()
+        self.outcome = Outcome.SOLVER_GAVE_UP if finite else Outcome.NOT_FINITE
+        self.message = part.message
+        return False
+
+    def _samples(self, end: float) -> int:
+        """Number of samples that lie before `end`."""
+        return int(np.searchsorted(self.times, end * (1.0 - 1e-12), "left"))
+
+    def _store(self, rows: np.ndarray) -> None:
+        count = rows.shape[0]
+        self.rows[self.filled : self.filled + count] = rows
+        self.holds[self.filled : self.filled + count] = self.hold
+        self.filled += count
+
+    def _rates(self, knots: np.ndarray) -> Callable[[float, np.ndarray], np.ndarray]:
+        rates, p, hold = self.compiled.fast.rates, self.p, self.hold
+        return lambda t, y: rates(t, y, p, knots, hold)
+
+    def _jacobian(self, knots: np.ndarray) -> dict[str, Any]:
+        if self.method not in IMPLICIT:
+            return {}
+        jacobian, p, hold = self.compiled.fast.jacobian, self.p, self.hold
+        return {"jac": lambda t, y: jacobian(t, y, p, knots, hold)}
+
+    def _result(self) -> Trajectory:
+        if self.outcome is Outcome.COMPLETED and self.filled < self.times.size:
+            self._store(self.state[np.newaxis])
+        kept = slice(0, self.filled)
+        return Trajectory(
+            self.experiment,
+            self.times[kept],
+            self.rows[kept],
+            self.outcome,
+            self.message,
+            self.cost,
+            self.compiled,
+            self.p,
+            self.experiment.reference.knots,
+            self.holds[kept],
+        )
