@@ -59,7 +59,7 @@ def tick(t, y, p, reference, hold):
     sample(t, y, scratch, p, np.zeros({channels}), reference, hold, np.zeros({outputs}))
 '''
 
-_OBSERVED = '''
+_OBSERVED = """
 
 @entry
 def observe(times, states, p, reference, holds):
@@ -68,25 +68,27 @@ def observe(times, states, p, reference, holds):
         dy, c = np.zeros({states}), np.zeros({channels})
         equations(times[k], states[k], dy, p, c, reference, holds[k], rows[k])
     return rows
-'''
+"""
 
 
 @dataclass(frozen=True)
 class Equations:
-    """A plant's written equations: the module that holds them and what its slots mean."""
+    """A plant's written equations: the module that holds them and what its slots mean.
+
+    `entries` is the text of further entry points of its own, a template like `_ENTRIES`.
+    """
 
     module: ModuleType
     parameters: Layout
     states: Layout
     channels: Layout
     outputs: Layout
+    entries: str = ""
 
     def source(self) -> str:
         """Text of the module's functions, without its imports and head."""
         text = inspect.getsource(self.module)
-        first = next(
-            node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)
-        )
+        first = next(node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef))
         return "\n".join(text.splitlines()[first.lineno - 1 :]) + "\n"
 
     def stage_of(self, channel: str) -> str:
@@ -111,7 +113,7 @@ class Equations:
         return ""
 
     def _known(self, name: str, effect: Effect, term: Term) -> bool:
-        own = [each.name for each in (*effect.parameters, *effect.states)]
+        own = {each.name for each in effect.parameters} | {each.name for each in effect.states}
         if name in own or name == "t" or name in self.parameters or name in self.states:
             return True
         return name in self.channels or name in self._locals(term.writes[0])
@@ -174,7 +176,9 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
         layouts.p,
         layouts.y,
         layouts.out,
-        _module("fast", quick + layouts.sized(_ENTRIES), names, origin, layouts.steps()),
+        _module(
+            "fast", quick + layouts.sized(_ENTRIES + plant.entries), names, origin, layouts.steps()
+        ),
         _module("observed", text + layouts.sized(_OBSERVED), names, origin, layouts.steps()),
     )
 

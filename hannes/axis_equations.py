@@ -1,0 +1,65 @@
+"""A motor-driven axis, stage by stage: the EMPS machine as its authors publish it.
+
+The same conventions as the hand's equations.py. The drive is an ideal force on the moving mass;
+friction comes from the hand's own kernels. `hold`: volts of the drive, the last two positions,
+volts that are added behind the controller's limit.
+"""
+
+from hannes.control.cascade import cascade, mean_difference
+from hannes.control.reference import interpolate
+from hannes.dynamics.friction import dry
+
+
+def equations(t, y, dy, p, c, reference, hold, out):
+    """Fill dy with the rates of position [m] and speed [m/s]."""
+    out.reference = position_reference(t, y, dy, p, c, reference, out)
+    out.position = sense(t, y, dy, p, c, out)
+    force = drive(t, y, dy, p, c, hold, out)
+    gear(t, y, dy, p, c, force, out)
+
+
+def position_reference(t, y, dy, p, c, reference, out):
+    """Where the axis should be [m]."""
+    reference_time = t
+    # effects: reference_time
+    return interpolate(reference_time, reference)
+
+
+def sense(t, y, dy, p, c, out):
+    """What the controller sees of the position [m]."""
+    measured_position = y.axis_position
+    # effects: measured_position
+    return measured_position
+
+
+def sample(t, y, dy, p, c, reference, hold, out):
+    """One tick of the controller: u = k_v (k_p (target - q) - q') and the added volts."""
+    target = position_reference(t, y, dy, p, c, reference, out)
+    position = sense(t, y, dy, p, c, out)
+    speed = mean_difference(position, hold[1], hold[2], p.cascade_period)
+    asked = cascade(
+        target, position, speed, p.cascade_position_gain, p.cascade_speed_gain, p.cascade_limit
+    )
+    hold[2], hold[1] = hold[1], position
+    hold[0] = asked + hold[3]
+
+
+def drive(t, y, dy, p, c, hold, out):
+    """Ideal amplifier and motor: force [N] = gain times volts, held from tick to tick."""
+    voltage = hold[0]
+    # effects: voltage
+    out.drive = hold[0]
+    return p.axis_force_gain * voltage
+
+
+def gear(t, y, dy, p, c, force, out):
+    """Screw and load: M q'' = force - friction - offset; the screw carries `load` [N]."""
+    motor_speed = y.motor_speed
+    load = force
+    gear_friction = dry(motor_speed, p.motor_dry_friction, p.motor_friction_speed)
+    gear_friction += p.motor_viscous_friction * motor_speed
+    motor_torque = 0.0
+    # effects: gear_friction, motor_torque
+    dy.axis_position = motor_speed
+    dy.motor_speed = (load + motor_torque - gear_friction - p.axis_offset) / p.axis_mass
+    out.friction = gear_friction

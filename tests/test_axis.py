@@ -1,0 +1,116 @@
+"""The motor-driven axis: its integration, its friction, and the EMPS records it was made for."""
+
+import numpy as np
+import pytest
+
+from hannes import measured
+from hannes.assemble import assemble
+from hannes.axis import EQUATIONS, Axis, start_state
+from hannes.axis_record import load
+from hannes.catalogue import effect
+from hannes.errors import BadInput, MissingRecording
+from hannes.recording import Recording
+
+
+def swing(duration: float = 2.0) -> Recording:
+    """A record with a smooth reference; the measured channels are not used by the tests."""
+    t = np.arange(round(duration * 1000) + 1) / 1000.0
+    reference = 0.05 * (1.0 - np.cos(2.0 * np.pi * t))
+    channels = {"time": t, "reference": reference, "position": reference, "drive": 0 * t}
+    units = {"time": "s", "reference": "m", "position": "m", "drive": "V"}
+    return Recording(channels, units, plant="axis")
+
+
+def emps(name: str) -> Recording:
+    try:
+        return load(measured.folder("emps") / name)
+    except MissingRecording as error:
+        pytest.skip(f"needs the EMPS recordings: {error}")
+
+
+def test_more_substeps_change_nothing():
+    few, many = (Axis().simulate({}, swing(), n)["drive"] for n in (2, 16))
+    assert np.abs(few - many).max() < 1e-4 * np.abs(many).max()
+
+
+def test_agrees_with_solve_ivp_from_tick_to_tick():
+    from scipy.integrate import solve_ivp
+
+    record, axis = swing(0.3), Axis()
+    fast = assemble(EQUATIONS).fast
+    p, reference = axis.parameters.vector(), np.array([record.time, record["reference"]])
+    state = start_state(record)
+    hold = np.array([0.0, state[0] - 1e-3 * state[1], state[0] - 2e-3 * state[1], 0.0])
+    positions = []
+    for start, end in zip(record.time[:-1], record.time[1:], strict=True):
+        positions.append(state[0])
+        fast.tick(start, state, p, reference, hold)
+        part = solve_ivp(
+            lambda t, y: fast.rates(t, y, p, reference, hold),
+            (start, end),
+            state,
+            rtol=1e-10,
+            atol=1e-13,
+        )
+        state = part.y[:, -1]
+    ours = axis.simulate({}, record)["position"][:-1]
+    assert np.abs(ours - positions).max() < 1e-8
+
+
+def test_constant_speed_takes_the_published_force():
+    """Far from any kink the drive carries Coulomb, viscous friction and offset alone."""
+    t = np.arange(2001) / 1000.0
+    units = {"time": "s", "reference": "m", "position": "m"}
+    record = Recording({"time": t, "reference": 0.1 * t, "position": 0.1 * t}, units)
+    p = Axis().parameters
+    expected = p["motor.dry_friction"] + 0.1 * p["motor.viscous_friction"] + p["axis.offset"]
+    simulated = Axis().simulate({}, record)["drive"][-500:]
+    assert simulated == pytest.approx(expected / p["axis.force_gain"], rel=1e-6)
+
+
+def test_direction_friction_acts_by_direction():
+    axis = Axis().with_effects(effect("direction_friction"))
+    plain = axis.simulate({}, swing())
+    assert np.array_equal(plain["drive"], Axis().simulate({}, swing())["drive"])
+    other = axis.simulate({"direction_friction.viscous": 0.2}, swing())
+    forth, back = (axis.phases(swing())[name] for name in ("forth", "back"))
+    more = other["drive"] - plain["drive"]
+    assert more[forth].mean() > 0.1 and more[back].mean() > 0.1
+
+
+def test_effects_of_the_wire_do_not_fit():
+    assert "slack" in Axis().accepts(effect("leader_slack"))
+    assert Axis().accepts(effect("direction_friction")) == ""
+
+
+def test_added_volts_come_behind_the_limit():
+    record = swing()
+    added = np.where((record.time > 1.0) & (record.time < 1.2), 5.0, 0.0)
+    pushed = record.with_channels({"pulses": added}, {"pulses": "V"})
+    jump = np.diff(Axis().simulate({}, pushed)["drive"])[np.flatnonzero(np.diff(added))]
+    assert np.abs(np.abs(jump) - 5.0).max() < 0.5
+
+
+@pytest.mark.parametrize("content", [b"", b"not MATLAB at all", b"MATLAB 5.0" + b"\0" * 200])
+def test_a_file_that_is_no_record(tmp_path, content):
+    path = tmp_path / "broken.mat"
+    path.write_bytes(content)
+    with pytest.raises(BadInput, match=r"broken\.mat"):
+        load(path)
+
+
+def test_a_matlab_file_with_other_names(tmp_path):
+    from scipy.io import savemat
+
+    savemat(tmp_path / "other.mat", {"t": np.arange(3.0)})
+    with pytest.raises(BadInput, match="lacks qg, qm, vir"):
+        load(tmp_path / "other.mat")
+
+
+@pytest.mark.parametrize(("name", "bound"), [("DATA_EMPS.mat", 4.6), ("DATA_EMPS_PULSES.mat", 5.6)])
+def test_published_parameters_on_emps(name, bound):
+    """100 |vir - sim| / |vir| from 0.1 s to the end less 0.05 s, start state from the record."""
+    record, axis = emps(name), Axis()
+    part = axis.judged_part(record)
+    miss = record["drive"] - axis.simulate({}, record)["drive"]
+    assert 100 * np.linalg.norm(miss[part]) / np.linalg.norm(record["drive"][part]) < bound
