@@ -111,7 +111,7 @@ def test_a_finger_bouncing_on_a_lossless_disc_keeps_its_energy():
 
 
 def test_free_motor_follows_the_linear_step_response():
-    free = {"motor.dry_friction": 0.0, "control.position_gain": 1e6, "control.current_limit": 1e6}
+    free = {"motor.dry_friction": 0.0, "position_pid.proportional": 1e6, "position_pid.limit": 1e6}
     channels, states = trace(
         free, [(0.0, 1e3), (1.0, 1e3)], effects={"leader_slack": 1.0}, controller="continuous"
     )
@@ -180,8 +180,8 @@ def test_fast_sampling_of_a_fine_encoder_tends_to_the_continuous_controller():
     differences = []
     for period in (2e-4, 1e-4):
         every = round(1e-3 / period)
-        fast = {"control.period": period, "encoder.counts": 1e9}
-        fast["control.speed_weight"] = 1.0 - np.exp(-period / NOMINAL["control.speed_lag"])
+        fast = {"controller.period": period, "encoder.bits": 30.0}
+        fast["controller.speed_weight"] = 1.0 - np.exp(-period / NOMINAL["position_pid.filter"])
         sampled = simulate(fast, GRASP, object=DYNAMOMETER, duration=0.9)
         gap = sampled["current_A"][::every] - continuous["current_A"]
         differences.append(np.sqrt(np.mean(gap**2)))
@@ -212,7 +212,10 @@ def test_scatter_leaves_firmware_and_signs_alone():
     other = scatter(NOMINAL, np.random.default_rng(0), 0.02)
     changed = {name for name in NOMINAL if other[name] != NOMINAL[name]}
     assert "motor.resistance" in changed and "fingers.distal_length" in changed
-    assert not any(name.startswith(("control.", "encoder.")) for name in changed)
+    assert not any(
+        name.startswith(("position_pid.", "current_pid.", "controller.", "encoder."))
+        for name in changed
+    )
     spread = [
         np.log(scatter(NOMINAL, np.random.default_rng(s))["cart.mass"] / 10e-3) for s in range(400)
     ]

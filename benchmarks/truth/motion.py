@@ -46,7 +46,7 @@ def leader_tension(h, y):
 def mcp_torque(h, y, f):
     """Passive torque (N m) of finger f's MCP joint."""
     spring = (h.mcp_spring_stiffness, h.mcp_spring_preload)
-    stop = (h.mcp_stop_stiffness, h.mcp_stop_damping, h.stops_onset)
+    stop = (h.mcp_stop_stiffness, h.mcp_stop_damping, h.mcp_stop_onset)
     drag = friction(
         y[10 + 2 * f],
         h.mcp_breakaway_friction,
@@ -62,7 +62,7 @@ def mcp_torque(h, y, f):
 def pip_torque(h, y, f):
     """Passive torque (N m) of finger f's PIP joint."""
     spring = (h.pip_spring_stiffness, h.pip_spring_preload)
-    stop = (h.pip_stop_stiffness, h.pip_stop_damping, h.stops_onset)
+    stop = (h.pip_stop_stiffness, h.pip_stop_damping, h.pip_stop_onset)
     drag = friction(
         y[11 + 2 * f],
         h.pip_breakaway_friction,

@@ -15,7 +15,7 @@ import numpy as np
 NOMINAL: dict[str, Any] = {
     "motor.torque_constant": 19.35e-3,  # N m/A, and V s/rad
     "motor.resistance": 3.084,
-    "motor.inductance": 139e-6,  # L/R about 45 us
+    "motor.inductance": 140e-6,  # L/R about 45 us
     "motor.inertia": 3.31e-7,
     "motor.dry_friction": 4.47e-3,
     "motor.friction_speed": 5.0,
@@ -51,17 +51,18 @@ NOMINAL: dict[str, Any] = {
     "pip.spring_preload": 19.7e-3,
     "pip.stop_stiffness": 6.0,
     "pip.stop_damping": 0.02,
-    "stops.onset": 1e-3,  # rad of penetration over which a stop's damping sets in
+    "mcp.stop_onset": 1e-3,  # rad of penetration over which a stop's damping sets in
+    "pip.stop_onset": 1e-3,
     "fingers.proximal_length": (44e-3, 47e-3, 45e-3, 38e-3, 40e-3),
     "fingers.distal_length": (48e-3, 53e-3, 50e-3, 42e-3, 36e-3),
-    # 12 g at 36 mm to 17 g at 53 mm
-    "fingers.proximal_mass": (14.353e-3, 15.235e-3, 14.647e-3, 12.588e-3, 13.176e-3),
-    "fingers.distal_mass": (15.529e-3, 17e-3, 16.118e-3, 13.765e-3, 12e-3),
+    "fingers.proximal_mass": (15e-3, 17e-3, 16e-3, 13e-3, 16e-3),
+    "fingers.distal_mass": (14e-3, 16e-3, 14e-3, 12e-3, 14e-3),
     "fingers.radius": (8e-3, 8e-3, 8e-3, 8e-3, 8e-3),
     "fingers.mcp_rest": (0.242, 0.242, 0.242, 0.242, 0.192),
     "fingers.pip_rest": (0.292, 0.292, 0.292, 0.292, 0.242),
     "fingers.mcp_upper": (1.55, 1.55, 1.55, 1.55, 1.1),
     "fingers.pip_upper": (1.75, 1.75, 1.75, 1.75, 1.3),
+    "fingers.origin_x": (0.0, 0.0, 0.0, 0.0, 0.0),
     "fingers.origin_y": (0.0, 0.0, 0.0, 0.0, -89e-3),
     "fingers.plane_z": (33e-3, 11e-3, -11e-3, -33e-3, 0.0),
     "fingers.side": (1.0, 1.0, 1.0, 1.0, -1.0),
@@ -70,18 +71,42 @@ NOMINAL: dict[str, Any] = {
     "contact.onset": 1e-4,
     "contact.slip_speed": 5e-3,
     "supply.voltage": 12.0,
-    "control.position_gain": 0.0472,  # A/rad, motor side
-    "control.integral_gain": 0.0,  # A/(rad s)
-    "control.velocity_gain": 1.37e-3,  # A s/rad
-    "control.reference_share": 0.0,  # of the reference's speed in the velocity term
-    "control.speed_lag": 2.5e-3,  # s, continuous controller
-    "control.speed_weight": 0.4,  # sampled controller's one-pole filter
-    "control.current_limit": 4.0,
-    "control.current_gain": 1.0,  # V/A
-    "control.current_integral_gain": 900.0,  # V/(A s)
-    "control.period": 1e-3,
-    "encoder.counts": 4096.0,  # per turn of the output shaft, multi-turn
+    "position_pid.proportional": 0.0472,  # A/rad, motor side
+    "position_pid.integral": 0.0,  # A/(rad s)
+    "position_pid.derivative": 1.37e-3,  # A s/rad
+    "position_pid.reference_share": 0.0,  # of the reference's speed in the velocity term
+    "position_pid.filter": 2.5e-3,  # s, continuous controller
+    "controller.speed_weight": 0.4,  # sampled controller's one-pole filter
+    "position_pid.limit": 4.0,
+    "current_pid.proportional": 1.0,  # V/A
+    "current_pid.integral": 900.0,  # V/(A s)
+    "controller.period": 1e-3,
+    "controller.current_step": 0.0,  # A, resolution of the sampled current; 0: none
+    "encoder.bits": 12.0,  # per turn of the output shaft, multi-turn
 }
+
+
+# What a hand.toml calls each finger's values.
+FINGERS = ("index", "middle", "ring", "little", "thumb")
+GEOMETRY = {
+    "second_length": "fingers.proximal_length",
+    "third_length": "fingers.distal_length",
+    "second_mass": "fingers.proximal_mass",
+    "third_mass": "fingers.distal_mass",
+    "radius": "fingers.radius",
+    "rest_mcp": "fingers.mcp_rest",
+    "rest_pip": "fingers.pip_rest",
+    "end_mcp": "fingers.mcp_upper",
+    "end_pip": "fingers.pip_upper",
+    "mount_x": "fingers.origin_x",
+    "mount_y": "fingers.origin_y",
+    "mount_z": "fingers.plane_z",
+    "facing": "fingers.side",
+}
+# Without a part in this hand: fixed phalanges, gravity across the finger planes, the object (given
+# apart), the sampling (chosen per simulation), the filter of an absent derivative.
+UNUSED = ("gravity.z", "object.", "controller.sampled", "current_pid.filter")
+UNUSED += tuple(f"{finger}.first_length" for finger in FINGERS)
 
 
 def nominal() -> dict[str, Any]:
@@ -89,13 +114,29 @@ def nominal() -> dict[str, Any]:
     return dict(NOMINAL)
 
 
-def check_names(names: Any) -> None:
-    """ValueError with the nearest match for a name that no parameter has."""
-    for name in names:
-        if name not in NOMINAL:
-            near = difflib.get_close_matches(name, NOMINAL, n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            raise ValueError(f"no parameter is called {name}{hint}")
+def named(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The nominal values with `values` (SI, by the names of NOMINAL or of a hand.toml) in place.
+
+    Raises ValueError with the nearest match for a name that neither knows.
+    """
+    out = dict(NOMINAL)
+    for name, value in values.items():
+        part, _, what = name.partition(".")
+        if name in NOMINAL:
+            out[name] = value
+        elif part in FINGERS and what in GEOMETRY:
+            row = list(out[GEOMETRY[what]])
+            row[FINGERS.index(part)] = float(value)
+            out[GEOMETRY[what]] = tuple(row)
+        elif not (name.startswith(UNUSED) or (name == "current_pid.derivative" and value == 0)):
+            raise ValueError(_stranger(name))
+    return out
+
+
+def _stranger(name: str) -> str:
+    known = [*NOMINAL, *(f"{finger}.{what}" for finger in FINGERS for what in GEOMETRY)]
+    near = difflib.get_close_matches(name, known, n=1)
+    return f"no parameter of this hand is called {name}" + (f"; meant {near[0]}?" if near else "")
 
 
 def to_si(value: Any, unit: str | None = None) -> Any:
@@ -116,16 +157,13 @@ def to_si(value: Any, unit: str | None = None) -> Any:
 def read_hand(path: str | Path) -> dict[str, Any]:
     """The nominal values with those of a hand.toml's `[parameters]` in their place."""
     table = tomllib.loads(Path(path).read_text(encoding="utf-8")).get("parameters", {})
-    check_names(table)
-    return dict(NOMINAL, **{name: to_si(value) for name, value in table.items()})
+    return named({name: to_si(value) for name, value in table.items()})
 
 
 def fields(parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Parameters (any subset; the rest nominal) as floats and float64 arrays of length 5."""
-    check_names(parameters)
-    merged = {name: parameters.get(name, value) for name, value in NOMINAL.items()}
     out: dict[str, Any] = {}
-    for name, value in merged.items():
+    for name, value in named(parameters).items():
         key = name.replace(".", "_")
         out[key] = np.array(value, float) if name.startswith("fingers.") else float(value)
     return out

@@ -31,7 +31,11 @@ def section(
     x, y, z = thing["position"]
     off = hand["fingers_plane_z"] - z if thing["shape"] == "sphere" else np.zeros(5)
     radius = np.sqrt(np.maximum(thing["radius"] ** 2 - off**2, 0.0))
-    return radius, np.full(5, float(x)), hand["fingers_side"] * (y - hand["fingers_origin_y"])
+    return (
+        radius,
+        x - hand["fingers_origin_x"],
+        hand["fingers_side"] * (y - hand["fingers_origin_y"]),
+    )
 
 
 def pack(

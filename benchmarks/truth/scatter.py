@@ -6,9 +6,18 @@ from typing import Any
 import numpy as np
 
 # Known exactly (firmware, counts of teeth) or no property of a hand (regularisations, poses).
-EXACT = ("control.", "encoder.", "gravity.", "supply.", "gear.ratio", "gear.load_loss")
-EXACT += ("motor.friction_speed", "wires.onset", "stops.onset", "contact.")
-EXACT += ("fingers.origin_y", "fingers.plane_z", "fingers.side")
+EXACT = (
+    "position_pid.",
+    "current_pid.",
+    "controller.",
+    "encoder.",
+    "gravity.",
+    "supply.",
+    "gear.ratio",
+    "gear.load_loss",
+)
+EXACT += ("motor.friction_speed", "wires.onset", "mcp.stop_onset", "pip.stop_onset", "contact.")
+EXACT += ("fingers.origin_x", "fingers.origin_y", "fingers.plane_z", "fingers.side")
 # What changes from run to run: friction and damping most (1 %), the winding and springs little.
 RESTLESS = {"friction": 0.01, "damping": 0.01}
 CALM = {"motor.resistance": 0.003, "motor.torque_constant": 0.003}

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.truth._jit import compiled
-from benchmarks.truth.controller import encoder, sampled
+from benchmarks.truth.controller import encoder, rounded, sampled
 from benchmarks.truth.integrator import GAMMA, SCALE, linearise, step
 from benchmarks.truth.motion import SIZE, rates, rest_state
 from benchmarks.truth.record import pack
@@ -14,8 +14,8 @@ from benchmarks.truth.record import pack
 # Effect as the library's catalogue names it -> (its parameter there, field of the kernels' record)
 EFFECTS = {
     "leader_slack": ("length", "slack"),
-    "direction_friction": ("asymmetry", "asymmetry"),
-    "gear_load": ("loss", "load_loss"),
+    "direction_friction": ("dry", "asymmetry"),
+    "gear_load": ("coefficient", "load_loss"),
 }
 # Standard deviations of the sensors' white noise where a generator is given.
 NOISE = {"current": 10e-3, "supply": 5e-3, "force": 0.2}
@@ -63,7 +63,7 @@ def _run(h, y, knots, shift, substeps, is_sampled, noise, scale, out, states):
 
     shift: s, how much later the hand runs than the clock of the record. Returns the ticks reached.
     """
-    period, ratio = h.control_period, h.gear_ratio
+    period, ratio = h.controller_period, h.gear_ratio
     n = y.shape[0]
     work = (np.zeros((n, n)), np.zeros(n, np.int64), np.zeros(n), np.zeros(n), np.zeros(n))
     slope, new, dy, memory = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(4)
@@ -74,6 +74,7 @@ def _run(h, y, knots, shift, substeps, is_sampled, noise, scale, out, states):
         shaft, current = y[24] / ratio, y[26] + noise[k]
         if is_sampled:
             shaft = encoder(h, shaft)
+            current = rounded(current, h.controller_current_step)
             duty = sampled(h, reference, shaft * ratio, current, memory)
         used, force = rates(h, y, reference, duty, is_sampled, dy)
         out[k, 0], out[k, 1], out[k, 2] = _at(knots, k * period) / ratio, shaft, current
@@ -110,21 +111,21 @@ def trace(
     if controller not in ("sampled", "continuous"):
         raise ValueError(f"expected controller sampled or continuous, came {controller}")
     h = pack(parameters, object, **_hidden(effects or {}))
-    ticks = round(duration / h.control_period) + 1
+    ticks = round(duration / h.controller_period) + 1
     knots = np.array(reference, float) * (1.0, h.gear_ratio)
     sigma = dict(QUIET if rng is None else NOISE, **(noise or {}))
     draws = (rng or np.random.default_rng(0)).standard_normal((3, ticks))
     out, states = np.zeros((ticks, 5)), np.zeros((ticks, SIZE))
-    substeps = max(1, round(h.control_period / step_size))
+    substeps = max(1, round(h.controller_period / step_size))
     sampling = controller == "sampled"
     current_noise = sigma["current"] * draws[0]
     reached = _run(
         h, rest_state(h), knots, shift, substeps, sampling, current_noise, SCALE, out, states
     )
     if reached < ticks:
-        raise RuntimeError(f"the step at {reached * h.control_period:.3f} s did not converge")
+        raise RuntimeError(f"the step at {reached * h.controller_period:.3f} s did not converge")
     channels = {
-        "time_s": np.arange(ticks) * h.control_period,
+        "time_s": np.arange(ticks) * h.controller_period,
         "reference_rad": out[:, 0],
         "position_rad": out[:, 1],
         "current_A": out[:, 2],
