@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time as clock
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -69,6 +70,13 @@ def test_csv_carries_channels_exactly(one: Recording, suffix: str, tmp_path: Pat
     assert back == Recording(**(vars(one) | {"seed": None}))
     for name, values in one.channels.items():
         assert np.array_equal(np.signbit(values), np.signbit(back[name]))
+
+
+@pytest.mark.parametrize("size", [0, 1, 60_000, 60_001, 1_000_000])
+def test_hdf5_carries_texts_of_any_length(tmp_path: Path, size: int) -> None:
+    one = replace(example(), experiment="e" * size, hand="h" * size)
+    one.write(tmp_path / "r.h5")
+    assert Recording.read(tmp_path / "r.h5") == one
 
 
 BYTES = """
@@ -269,23 +277,27 @@ def test_foreign_hdf5_is_refused_in_one_line(
     assert str(caught.value).startswith(f"{path}: ") and "\n" not in str(caught.value)
 
 
-def test_accepts_plain_gzip_storage_and_fixed_length_text(tmp_path: Path) -> None:
+def test_accepts_plain_gzip_storage_and_either_kind_of_text(tmp_path: Path) -> None:
     change = put("x", data=np.ones(50), compression="gzip", shuffle=True, fletcher32=True)
     path = tmp_path / "good.h5"
     path.write_bytes(spoil(change))
     assert Recording.read(path)["x"].tolist() == [1] * 50
-    path.write_bytes(spoil(lambda file: file.attrs.__setitem__("plant", np.bytes_("axis"))))
-    assert Recording.read(path).plant == "axis"
+    for text in ("axis", np.bytes_("axis")):
+        path.write_bytes(spoil(lambda file, text=text: file.attrs.__setitem__("plant", text)))
+        assert Recording.read(path).plant == "axis"
 
 
 def test_damaged_hdf5_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "cut.h5"
-    example().write(path)
+    replace(example(), experiment="title = 'x'").write(path)
     whole = path.read_bytes()
     for size in (0, 1, 8, 100, 700, 2000, len(whole) // 2, len(whole) - 1):
         path.write_bytes(whole[:size])
         with pytest.raises(BadInput, match="damaged or of another kind") as caught:
             Recording.read(path)
         assert "\n" not in str(caught.value)
+    flips = np.random.default_rng(1).integers(0, [len(whole), 256], (200, 2))
+    for place, byte in flips.tolist():
+        expect_recording_or_bad_input(path, whole[:place] + bytes([byte]) + whole[place + 1 :])
     for junk in (b"time_s,x_A\n0,1\n", os.urandom(5000), b"\x89HDF\r\n\x1a\n" + b"\0" * 5000):
         expect_recording_or_bad_input(path, junk)
