@@ -43,7 +43,7 @@ _RUN = '''
 def run(times, y, p, reference, added, hold, substeps, states, holds):
     """Fill states (n, {states}) and holds (n, 4) at `times` [s]; y is the state at times[0]."""
     c, out, scratch = np.zeros({channels}), np.zeros({outputs}), np.zeros({states})
-    k1, k2, k3, k4 = (np.zeros({states}), np.zeros({states}), np.zeros({states}), np.zeros({states}))
+    k1, k2, k3, k4 = np.zeros({states}), scratch.copy(), scratch.copy(), scratch.copy()
     for k in range(times.size):
         t = times[k]
         hold[3] = added[k]
@@ -130,7 +130,14 @@ class Axis:
     def with_effects(self, *effects: Effect) -> "Axis":
         """Return an axis whose model has `effects` too."""
         known = {each.name for each in self.effects}
-        return Axis((*self.effects, *(each for each in effects if each.name not in known)))
+        grown = Axis((*self.effects, *(each for each in effects if each.name not in known)))
+        return grown.with_values(dict(self.parameters))
+
+    def with_values(self, values: Mapping[str, float]) -> "Axis":
+        """Return an axis with other given values; BadInput on unknown name or bounds."""
+        changed = Axis(self.effects)
+        changed.parameters = self.parameters.with_values(values)
+        return changed
 
     def accepts(self, effect: Effect) -> str:
         """Return why the axis cannot carry `effect`, or an empty string."""

@@ -1,0 +1,172 @@
+"""The hand as a plant: driven by a recorded reference, with the object of its experiment."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from hannes.effect import Effect
+from hannes.errors import BadInput
+from hannes.experiment import Experiment, Reference
+from hannes.hand import EQUATIONS, Hand
+from hannes.parameter import ParameterSet
+from hannes.recording import Recording
+from hannes.simulate import simulate
+
+# One standard deviation of what the given values of a real hand may be off, relative.
+SPREAD = 0.03
+FREE = (
+    "motor.torque_constant",
+    "motor.resistance",
+    "motor.dry_friction",
+    "gear.pulley_radius",
+    "mcp.moment_arm",
+    "pip.moment_arm",
+    "mcp.spring_stiffness",
+    "pip.spring_stiffness",
+    "mcp.spring_preload",
+    "pip.spring_preload",
+    "mcp.coulomb_friction",
+    "mcp.breakaway_friction",
+    "mcp.viscous_friction",
+    "pip.breakaway_friction",
+    "pip.viscous_friction",
+    "cart.viscous_friction",
+)
+MOST_KNOTS = 40  # a reference with more corners is integrated without restarts
+TOLERANCE = 1e-5
+
+
+class HandPlant:
+    """Plant: a Hannes hand with effects in its model; see hannes/plant.py for the protocol."""
+
+    name = "hand"
+    channels: Mapping[str, str] = {
+        "time": "s",
+        "reference": "rad",
+        "position": "rad",
+        "current": "A",
+        "duty": "1",
+        "supply": "V",
+        "force": "N",
+        "sensor": "N",
+    }
+    required: tuple[str, ...] = ()
+    judged = ("current", "position", "duty", "force", "sensor")
+    block = 0.2
+
+    def __init__(self, hand: Hand | None = None) -> None:
+        self.hand = hand or Hand()
+
+    @property
+    def parameters(self) -> ParameterSet:
+        """Base and effects, at the given values."""
+        return self.hand.parameters
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """Effects in the model."""
+        return self.hand.effects
+
+    @property
+    def free(self) -> Mapping[str, float]:
+        """What a refit moves: 3 % of the given value each."""
+        return {name: SPREAD * abs(self.parameters[name]) for name in FREE}
+
+    def with_effects(self, *effects: Effect) -> "HandPlant":
+        """Return a plant whose hand has `effects` too."""
+        return HandPlant(self.hand.with_effects(*effects))
+
+    def with_values(self, values: Mapping[str, float]) -> "HandPlant":
+        """Return a plant with other given values; BadInput on unknown name or bounds."""
+        return HandPlant(self.hand.with_values(values))
+
+    def accepts(self, effect: Effect) -> str:
+        """Return why the hand cannot carry `effect`, or an empty string."""
+        return EQUATIONS.accepts(effect)
+
+    def simulate(
+        self, parameters: Mapping[str, float], recording: Recording
+    ) -> dict[str, np.ndarray]:
+        """Run the recording's experiment under its reference; channels at the recorded times.
+
+        The controller is the continuous one. Raises ComputationFailed where the solver gives up.
+        """
+        hand = self.hand.with_values(parameters)
+        run = simulate(hand, posed(recording), rtol=TOLERANCE, effects=hand.effects).require()
+        judged = (*self.judged, "reference")
+        if "reference" not in recording:  # then the experiment's own clock holds
+            return {name: np.interp(recording.time, run.time, run[name]) for name in judged}
+        since = recording.time - recording.time[0]
+        return {name: np.interp(since, run.time, run[name]) for name in judged}
+
+    def same_run(self, recording: Recording) -> bytes:
+        """Equal where reference, times and experiment are."""
+        names = ("time", "reference")
+        arrays = b"".join(recording[name].tobytes() for name in names if name in recording)
+        return arrays + recording.experiment.encode()
+
+    def judged_part(self, recording: Recording) -> np.ndarray:
+        """Every sample counts."""
+        return np.ones(len(recording), bool)
+
+    def phases(self, recording: Recording) -> dict[str, np.ndarray]:
+        """Start (first 0.1 s of motion), closing, holding, opening, by the reference."""
+        name = "reference" if "reference" in recording else "position"
+        speed = np.gradient(recording[name], recording.time)
+        slow = 0.02 * max(np.abs(speed).max(), 1e-9)
+        moving = np.flatnonzero(np.abs(speed) > slow)
+        begun = recording.time[moving[0]] if moving.size else recording.time[0]
+        start = (recording.time <= begun + 0.1) & (speed > slow)
+        return {
+            "start": start,
+            "closing": (speed > slow) & ~start,
+            "holding": np.abs(speed) <= slow,
+            "opening": speed < -slow,
+        }
+
+
+def posed(recording: Recording) -> Experiment:
+    """The experiment of a recording: its object and values, and the recorded reference.
+
+    Raises BadInput where neither a reference nor an experiment tells what was asked of the hand.
+    """
+    planned = _planned(recording)
+    if "reference" not in recording:
+        if planned is None:
+            raise BadInput(
+                "the recording has neither a channel reference_rad nor an experiment: "
+                "nothing tells what was asked of the hand"
+            )
+        return replace(planned, noise={}, controller="continuous")
+    since = recording.time - recording.time[0]
+    sampling = 1.0 / float(np.median(np.diff(since)))
+    reference = recorded_reference(since, recording["reference"])
+    if planned is None:
+        return Experiment("recorded", float(since[-1]), reference, sampling=sampling)
+    return replace(
+        planned,
+        duration=float(since[-1]),
+        reference=reference,
+        sampling=sampling,
+        noise={},
+        controller="continuous",
+    )
+
+
+def _planned(recording: Recording) -> Experiment | None:
+    if not recording.experiment:
+        return None
+    from hannes.experiment_file import parse_experiment
+
+    return parse_experiment(recording.experiment)
+
+
+def recorded_reference(times: np.ndarray, values: np.ndarray) -> Reference:
+    """Corners of a sampled reference where it is straight lines, else every sample."""
+    slope = np.diff(values) / np.diff(times)
+    bend = np.abs(np.diff(slope)) > 1e-4 * max(np.abs(slope).max(), 1e-12)
+    corners = np.concatenate(([0], 1 + np.flatnonzero(bend), [times.size - 1]))
+    if corners.size > MOST_KNOTS:
+        return Reference(np.array([times, values]), kinked=False)
+    return Reference(np.array([times[corners], values[corners]]))

@@ -1,0 +1,119 @@
+"""What calibrate and diagnose know of a plant: a small protocol, and where plants are found.
+
+The hand, the motor-driven axis, or a user's own class outside the package.
+"""
+
+import importlib
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Protocol, Self, runtime_checkable
+
+import numpy as np
+
+from hannes.effect import Effect
+from hannes.errors import BadInput, nearest
+from hannes.parameter import ParameterSet
+from hannes.recording import Recording
+
+
+@runtime_checkable
+class Plant(Protocol):
+    """A machine that can be simulated under a recording's reference, with effects or without.
+
+    name:       as it stands in a hand.toml's `base`
+    channels:   name -> unit of every channel a recording may have, `time` included
+    required:   channels without which no simulation can be driven
+    judged:     channels in which simulation and recording are compared, where recorded
+    parameters: of the base and of `effects`, at the values given
+    effects:    those in the model
+    free:       parameter -> how far its given value may be off (one standard deviation, SI);
+                these are what a refit moves
+    block:      time [s] over which what remains is taken as independent
+    """
+
+    name: str
+    channels: Mapping[str, str]
+    required: tuple[str, ...]
+    judged: tuple[str, ...]
+    parameters: ParameterSet
+    effects: tuple[Effect, ...]
+    block: float
+
+    @property
+    def free(self) -> Mapping[str, float]: ...
+
+    def with_effects(self, *effects: Effect) -> Self:
+        """Return a plant whose model has `effects` too, at `off` until given a value."""
+        ...
+
+    def with_values(self, values: Mapping[str, float]) -> Self:
+        """Return a plant with other given values; BadInput on unknown name or bounds."""
+        ...
+
+    def accepts(self, effect: Effect) -> str:
+        """Return why the plant cannot carry `effect`, or an empty string where it can."""
+        ...
+
+    def simulate(
+        self, parameters: Mapping[str, float], recording: Recording
+    ) -> dict[str, np.ndarray]:
+        """Channels at the recording's times, shape (n,); `parameters` over the given values."""
+        ...
+
+    def same_run(self, recording: Recording) -> bytes:
+        """Equal for recordings of which one simulation does for all."""
+        ...
+
+    def judged_part(self, recording: Recording) -> np.ndarray:
+        """Mask of the samples that count."""
+        ...
+
+    def phases(self, recording: Recording) -> dict[str, np.ndarray]:
+        """Masks of the parts of a run that a person would tell apart."""
+        ...
+
+
+PLANTS = {"hand": "hannes.hand_plant:HandPlant", "axis": "hannes.axis:Axis"}
+
+
+def find_plant(name: str, folder: Path | None = None) -> Plant:
+    """Return a plant by name, or the user's own by `package.module:object`.
+
+    The user's module is also looked for in `folder`. Raises BadInput where there is none.
+    """
+    place = PLANTS.get(name, name)
+    module, _, attribute = place.partition(":")
+    if not attribute:
+        hint = nearest(name, PLANTS) or f"; expected {', '.join(PLANTS)} or package.module:object"
+        raise BadInput(f'unknown plant "{name}"{hint}')
+    found = _imported(module, attribute, folder)
+    plant = found() if isinstance(found, type) else found
+    if not isinstance(plant, Plant):
+        raise BadInput(f"{place} is no plant: it lacks {', '.join(_lacks(plant))}")
+    return plant
+
+
+def _imported(module: str, attribute: str, folder: Path | None) -> Any:
+    before = list(sys.path)
+    if folder is not None:
+        sys.path.insert(0, str(folder))
+    try:
+        return getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise BadInput(f"plant {module}:{attribute} cannot be loaded: {error}") from None
+    finally:
+        sys.path[:] = before
+
+
+def _lacks(plant: object) -> list[str]:
+    names = [*Plant.__annotations__, *(n for n in vars(Plant) if not n.startswith("_"))]
+    return [name for name in dict.fromkeys(names) if not hasattr(plant, name)]
+
+
+def free_amplitudes(effect: Effect) -> dict[str, float]:
+    """Full names of an effect's parameters, with the size on which a refit moves them."""
+    return {
+        effect.full_name(each.name): (each.bounds[1] - each.bounds[0]) / 20.0
+        for each in effect.parameters
+    }
