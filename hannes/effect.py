@@ -74,7 +74,6 @@ class Effect:
         for each in self.parameters:
             low, high = each.bounds
             vanish = "" if each.off is None else f", vanishes at {each.off:g}"
-            lines.append(
-                f"  {self.full_name(each.name)} [{each.unit}] {low:g} to {high:g}{vanish}: {each.doc}"
-            )
+            name = f"{self.full_name(each.name)} [{each.unit}]"
+            lines.append(f"  {name} {low:g} to {high:g}{vanish}: {each.doc}")
         return "\n".join(lines)

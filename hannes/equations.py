@@ -103,9 +103,7 @@ def sample(t, y, dy, p, c, reference, hold, out):
     hold[3] += p.controller_speed_weight * ((angle - hold[4]) / period - hold[3])
     rise = (current - hold[5]) / period
     error = target * p.gear_ratio - angle
-    wanted = pid(
-        error, hold[1], hold[3], p.position_pid_proportional, p.position_pid_derivative
-    )
+    wanted = pid(error, hold[1], hold[3], p.position_pid_proportional, p.position_pid_derivative)
     asked = min(max(wanted, -p.position_pid_limit), p.position_pid_limit)
     hold[1] += period * integral_rate(
         error, wanted, asked, p.position_pid_proportional, p.position_pid_integral
@@ -310,9 +308,7 @@ def touch(y, p, c, phalanx, object_x, object_y):
     centre_y = p.facing[f] * (object_y - p.mount_y[f])
     half_x, half_y = p.section_half_x[f], p.section_half_y[f]
     away_x, away_y = start_x - centre_x, start_y - centre_y
-    place = contact_place(
-        away_x, away_y, along_x, along_y, p.link_length[phalanx], half_x, half_y
-    )
+    place = contact_place(away_x, away_y, along_x, along_y, p.link_length[phalanx], half_x, half_y)
     gap, normal_x, normal_y = signed_distance(
         away_x + place * along_x, away_y + place * along_y, half_x, half_y
     )

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cache
-from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +11,6 @@ from hannes.assemble import Compiled, Equations, assemble
 from hannes.catalogue import effect as find_effect
 from hannes.contact.shapes import sections
 from hannes.effect import Effect
-from hannes.errors import BadInput, nearest
 from hannes.layout import Layout
 from hannes.parameter import ParameterSet
 
@@ -24,6 +21,10 @@ EQUATIONS = Equations(
     Layout(channels.CHANNELS),
     Layout(channels.OUTPUTS),
 )
+
+# The paper's void currents are those of four other hands: a unit like them differs from the
+# dynamometer's hand only in the dry friction of motor and gear.
+VOID_UNIT = {"motor.dry_friction": 3.4e-3}
 
 
 class Hand:

@@ -109,7 +109,7 @@ class _Run:
                 (start, end),
                 self.state,
                 method=self.method,
-                t_eval=np.append(self.times[self.filled : inside], end),
+                t_eval=np.clip(np.append(self.times[self.filled : inside], end), start, end),
                 rtol=self.rtol,
                 atol=self.atol,
                 **self._jacobian(knots),

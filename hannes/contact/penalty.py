@@ -8,13 +8,13 @@ from hannes.parameter import Parameter, group
 
 PARAMETERS = group(
     "object",
-    Parameter("stiffness", 8344.0, "N/m", (1, 1e7), "k of eq. 3, at each phalanx"),
-    Parameter("damping", 59.0, "N s/m", (0, 1e5), "beta of eq. 3, at each phalanx"),
-    Parameter("friction", 0.4, "1", (0, 3), "Coulomb coefficient against the phalanx"),
+    Parameter("stiffness", 38300.0, "N/m", (1, 1e7), "k of eq. 3, at each phalanx"),
+    Parameter("damping", 184.0, "N s/m", (0, 1e5), "beta of eq. 3, at each phalanx"),
+    Parameter("friction", 0.55, "1", (0, 3), "Coulomb coefficient against the phalanx"),
     Parameter("slip_speed", 5e-3, "m/s", (1e-6, 1), "width of the friction tanh"),
     Parameter("onset", 1e-4, "m", (1e-8, 1e-2), "penetration to full damping"),
-    Parameter("x", 0.012, "m", (-0.5, 0.5), "centre in the hand frame"),
-    Parameter("y", -0.0455, "m", (-0.5, 0.5), "centre in the hand frame"),
+    Parameter("x", 0.0146, "m", (-0.5, 0.5), "centre in the hand frame"),
+    Parameter("y", -0.0469, "m", (-0.5, 0.5), "centre in the hand frame"),
     Parameter("z", 0.0, "m", (-0.5, 0.5), "centre in the hand frame"),
     Parameter("radius", 0.026, "m", (1e-4, 0.3), "sphere or cylinder; rounding of a prism's edges"),
     Parameter("half_x", 0.0, "m", (0, 0.3), "half of a prism's width"),

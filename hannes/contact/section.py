@@ -8,6 +8,7 @@ import math
 
 from hannes._jit import kernel
 
+
 @kernel
 def signed_distance(x, y, half_x, half_y):
     """Distance [m] from a point to the core rectangle, negative inside; with its gradient."""

@@ -39,9 +39,7 @@ def kinetic_energy(angle_2, speed_1, speed_2, length_1, length_2, mass_1, mass_2
     coupling = 0.5 * mass_2 * length_1 * length_2 * math.cos(angle_2)
     m_11 = (mass_1 / 3.0 + mass_2) * length_1 * length_1 + inertia_2 + 2.0 * coupling
     m_12 = inertia_2 + coupling
-    return (
-        0.5 * m_11 * speed_1 * speed_1 + m_12 * speed_1 * speed_2 + 0.5 * inertia_2 * speed_2**2
-    )
+    return 0.5 * m_11 * speed_1 * speed_1 + m_12 * speed_1 * speed_2 + 0.5 * inertia_2 * speed_2**2
 
 
 @kernel

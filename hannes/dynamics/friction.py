@@ -5,6 +5,7 @@ import math
 from hannes._jit import kernel
 from hannes.parameter import Parameter
 
+
 @kernel
 def stribeck(speed, breakaway, coulomb, breakaway_speed, viscous):
     """Friction opposing `speed`: breakaway peak + Coulomb + viscous (paper eq. 1 and 2).

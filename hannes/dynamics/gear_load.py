@@ -18,8 +18,6 @@ EFFECT = Effect(
     meaning="The reducer's teeth rub harder the more torque they carry.",
     equation="T_friction += coefficient |tl| tanh(w / w_s)",
     source="Armstrong & Canudas de Wit (1995), load-dependent friction of gears",
-    parameters=(
-        Parameter("coefficient", 0.0, "1", (0.0, 0.5), "share lost", "choice", off=0.0),
-    ),
+    parameters=(Parameter("coefficient", 0.0, "1", (0.0, 0.5), "share lost", "choice", off=0.0),),
     terms=(Term(load_loss, writes=("gear_friction",)),),
 )

@@ -9,12 +9,12 @@ from hannes.onset import one_sided
 from hannes.parameter import Parameter, group
 
 
-def _joint(name, arm, spring, friction, row):
+def _joint(name, arm, spring, preload, friction, row):
     return group(
         name,
         Parameter("moment_arm", arm, "m", (1e-4, 0.05), "of the flexor wire"),
         Parameter("spring_stiffness", spring, "N m/rad", (0, 1), "re-opening spring"),
-        Parameter("spring_preload", spring, "N m", (0, 1), "re-opening torque at rest"),
+        Parameter("spring_preload", preload, "N m", (0, 1), "re-opening torque at rest"),
         Parameter("stop_stiffness", 6.0, "N m/rad", (0.1, 1e4), "both end stops"),
         Parameter("stop_damping", 0.02, "N m s/rad", (0, 10), "both end stops"),
         Parameter("stop_onset", 1e-3, "rad", (1e-6, 0.1), "depth to full stop damping"),
@@ -24,9 +24,9 @@ def _joint(name, arm, spring, friction, row):
 
 RPM_100 = 10.471975511965978
 
-PARAMETERS = _joint("mcp", 0.010, 24.7e-3, (13.9e-3, 10.7e-3, RPM_100, 1.07e-3), "MCP") + _joint(
-    "pip", 0.0045, 19.7e-3, (10.7e-3, 2.1e-3, RPM_100, 1.07e-3), "PIP"
-)
+PARAMETERS = _joint(
+    "mcp", 0.010, 24.7e-3, 27.7e-3, (13.9e-3, 10.7e-3, RPM_100, 1.07e-3), "MCP"
+) + _joint("pip", 0.0045, 22.2e-3, 9.3e-3, (10.7e-3, 2.1e-3, RPM_100, 1.07e-3), "PIP")
 
 
 @kernel

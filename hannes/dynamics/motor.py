@@ -7,17 +7,17 @@ FIT = "choice, fitted to Table II"
 
 PARAMETERS = group(
     "motor",
-    Parameter("torque_constant", 0.01935, "N m/A", (1e-4, 1), "k_t, equal to k_e", FIT),
+    Parameter("torque_constant", 0.01808, "N m/A", (1e-4, 1), "k_t, equal to k_e", FIT),
     Parameter("resistance", 3.084, "ohm", (0.01, 100), "winding at rest temperature"),
     Parameter("inductance", 1.4e-4, "H", (1e-6, 0.1), "winding; L/R about 45 us"),
     Parameter("inertia", 3.31e-7, "kg m2", (1e-9, 1e-3), "rotor and reducer, motor side"),
-    Parameter("dry_friction", 4.47e-3, "N m", (0, 0.1), "motor and gear, motor side", FIT),
+    Parameter("dry_friction", 4.7e-3, "N m", (0, 0.1), "motor and gear, motor side", FIT),
     Parameter("friction_speed", 5.0, "rad/s", (0.01, 100), "width of the dry-friction tanh"),
-    Parameter("viscous_friction", 1e-6, "N m s/rad", (0, 1e-3), "motor and gear, motor side"),
+    Parameter("viscous_friction", 5.25e-7, "N m s/rad", (0, 1e-3), "motor and gear, motor side", FIT),
 ) + group(
     "gear",
     Parameter("ratio", 19.0, "1", (1, 1000), "motor turns per output turn", "paper, section II.B"),
-    Parameter("pulley_radius", 4.83e-3, "m", (5e-4, 0.05), "of the motor pulley", FIT),
+    Parameter("pulley_radius", 4.74e-3, "m", (5e-4, 0.05), "of the motor pulley", FIT),
 )
 
 

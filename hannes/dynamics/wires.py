@@ -7,12 +7,12 @@ from hannes.parameter import Parameter, group
 PARAMETERS = (
     group(
         "leader",
-        Parameter("stiffness", 6e4, "N/m", (1e3, 1e7), "of the whole leader wire"),
+        Parameter("stiffness", 6.7e4, "N/m", (1e3, 1e7), "of the whole leader wire"),
         Parameter("damping", 30.0, "N s/m", (0, 1e4), "of the whole leader wire"),
     )
     + group(
         "follower",
-        Parameter("stiffness", 6e4, "N/m", (1e3, 1e7), "of each follower wire"),
+        Parameter("stiffness", 6.45e4, "N/m", (1e3, 1e7), "of each follower wire"),
         Parameter("damping", 20.0, "N s/m", (0, 1e4), "of each follower wire"),
     )
     + group("wires", Parameter("onset", 20e-6, "m", (1e-7, 1e-3), "stretch to full damping"))
