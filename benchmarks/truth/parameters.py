@@ -13,19 +13,19 @@ import numpy as np
 
 # Order everywhere: index, middle, ring, little, thumb. The thumb's plane is mirrored in y (side).
 NOMINAL: dict[str, Any] = {
-    "motor.torque_constant": 19.35e-3,  # N m/A, and V s/rad
+    "motor.torque_constant": 18.08e-3,  # N m/A, and V s/rad
     "motor.resistance": 3.084,
     "motor.inductance": 140e-6,  # L/R about 45 us
     "motor.inertia": 3.31e-7,
-    "motor.dry_friction": 4.47e-3,
+    "motor.dry_friction": 4.7e-3,
     "motor.friction_speed": 5.0,
-    "motor.viscous_friction": 1e-6,
+    "motor.viscous_friction": 5.25e-7,
     "gear.ratio": 19.0,
     "gear.load_loss": 0.0,
-    "gear.pulley_radius": 4.83e-3,
-    "leader.stiffness": 6e4,
+    "gear.pulley_radius": 4.74e-3,
+    "leader.stiffness": 6.7e4,
     "leader.damping": 30.0,
-    "follower.stiffness": 6e4,
+    "follower.stiffness": 6.45e4,
     "follower.damping": 20.0,
     "wires.onset": 20e-6,
     "cart.mass": 10e-3,
@@ -39,7 +39,7 @@ NOMINAL: dict[str, Any] = {
     "mcp.viscous_friction": 1.07e-3,
     "mcp.moment_arm": 10e-3,
     "mcp.spring_stiffness": 24.7e-3,
-    "mcp.spring_preload": 24.7e-3,
+    "mcp.spring_preload": 27.7e-3,
     "mcp.stop_stiffness": 6.0,
     "mcp.stop_damping": 0.02,
     "pip.breakaway_friction": 10.7e-3,
@@ -47,8 +47,8 @@ NOMINAL: dict[str, Any] = {
     "pip.breakaway_speed": 100 * np.pi / 30,
     "pip.viscous_friction": 1.07e-3,
     "pip.moment_arm": 4.5e-3,
-    "pip.spring_stiffness": 19.7e-3,
-    "pip.spring_preload": 19.7e-3,
+    "pip.spring_stiffness": 22.2e-3,
+    "pip.spring_preload": 9.3e-3,
     "pip.stop_stiffness": 6.0,
     "pip.stop_damping": 0.02,
     "mcp.stop_onset": 1e-3,  # rad of penetration over which a stop's damping sets in
@@ -71,9 +71,9 @@ NOMINAL: dict[str, Any] = {
     "contact.onset": 1e-4,
     "contact.slip_speed": 5e-3,
     "supply.voltage": 12.0,
-    "position_pid.proportional": 0.0472,  # A/rad, motor side
+    "position_pid.proportional": 0.0358,  # A/rad, motor side
     "position_pid.integral": 0.0,  # A/(rad s)
-    "position_pid.derivative": 1.37e-3,  # A s/rad
+    "position_pid.derivative": 1.95e-3,  # A s/rad
     "position_pid.reference_share": 0.0,  # of the reference's speed in the velocity term
     "position_pid.filter": 2.5e-3,  # s, continuous controller
     "controller.speed_weight": 0.4,  # sampled controller's one-pole filter
