@@ -1,0 +1,83 @@
+"""Experiments and short cuts that several physics tests share."""
+
+import functools
+
+import numpy as np
+
+from hannes.experiment import Experiment, Reference, Target
+from hannes.hand import EQUATIONS, Hand
+from hannes.simulate import simulate
+
+GRASP = ((0.0, 0.0), (0.637, 9.84), (1.022, 0.0))
+CLOSE = ((0.0, 0.0), (0.8, 14.0))  # winds more wire than the stops leave
+FRICTIONLESS = {
+    f"{place}.{name}_friction": 0.0
+    for place in ("mcp", "pip", "cart")
+    for name in ("breakaway", "coulomb", "viscous")
+} | {"motor.dry_friction": 0.0, "motor.viscous_friction": 0.0}
+
+
+def reference(points):
+    """Reference through ((time [s], angle [rad]), ...)."""
+    return Reference(np.array(points).T)
+
+
+def grasp(shape="cylinder", duration=1.15, sampling=1000.0, controller="continuous", **values):
+    """A grasp with the paper's reference; `values` of `object.*`, shape None for no object."""
+    placed = {f"object.{name}": value for name, value in values.items()}
+    target = Target(shape, placed) if shape else None
+    return Experiment(
+        f"{shape}", duration, reference(GRASP), target, sampling=sampling, controller=controller
+    )
+
+
+@functools.cache
+def run(shape="cylinder", method="LSODA", rtol=1e-4, duration=1.15, **values):
+    """A cached trajectory of `grasp`."""
+    return simulate(Hand(), grasp(shape, duration, **values), method=method, rtol=rtol).require()
+
+
+def worst(mine, theirs):
+    """Largest difference of two traces as a share of the second's range."""
+    return float(np.abs(mine - theirs).max() / np.ptp(theirs))
+
+
+class Bench:
+    """The hand's compiled rates outside of any experiment: free motion from any state."""
+
+    def __init__(self, values, shape=None):
+        hand = Hand().with_values(values)
+        self.compiled = hand.compiled()
+        self.p = hand.vector(shape)
+        self.rest = hand.rest(self.compiled)
+        self.hold = np.zeros(7)
+        self.knots = np.array([[0.0, 1.0], [0.0, 0.0]])
+
+    def place(self, name):
+        """Slice of a state."""
+        return self.compiled.states[name]
+
+    def rates(self, time, state):
+        """Rates of all states."""
+        return self.compiled.fast.rates(time, state, self.p, self.knots, self.hold)
+
+    def move(self, state, times):
+        """States at `times` from `state` at times[0], shape (times, states)."""
+        from scipy.integrate import solve_ivp
+
+        found = solve_ivp(
+            self.rates,
+            (times[0], times[-1]),
+            state,
+            method="LSODA",
+            t_eval=times,
+            rtol=1e-10,
+            atol=1e-12,
+        )
+        assert found.success
+        return found.y.T
+
+
+def channels():
+    """Zeroed channels of the hand and their layout."""
+    return np.zeros(EQUATIONS.channels.size), EQUATIONS.channels
