@@ -1,0 +1,41 @@
+"""From a simulation to a Recording: the hand's channels, with seeded sensor noise."""
+
+import numpy as np
+
+from hannes.channels import OUTPUTS
+from hannes.hand import Hand
+from hannes.hand_file import hand_toml
+from hannes.recording import Recording
+from hannes.spec_text import experiment_toml
+from hannes.trajectory import Trajectory
+
+CHANNELS = ("reference", "position", "current", "duty", "supply", "force", "sensor")
+UNITS = {"time": "s", **{slot.name: slot.unit for slot in OUTPUTS if slot.name in CHANNELS}}
+
+
+def observe(hand: Hand, trajectory: Trajectory) -> Recording:
+    """Return what the bench would have logged; `hand` is the one that was simulated.
+
+    Noise is white and depends on the experiment's seed and the channel alone. `sensor` is there
+    only where the object carries one. Raises ComputationFailed where the simulation did not end.
+    """
+    experiment = trajectory.require().experiment
+    channels = {"time": trajectory.time}
+    for number, name in enumerate(CHANNELS):
+        if name == "sensor" and not (experiment.object and experiment.object.sensor):
+            continue
+        channels[name] = trajectory[name]
+        if spread := experiment.noise.get(name):
+            generator = np.random.default_rng([experiment.seed, number])
+            channels[name] = channels[name] + spread * generator.standard_normal(
+                len(trajectory.time)
+            )
+    return Recording(
+        channels,
+        {name: UNITS[name] for name in channels},
+        plant="hand",
+        experiment=experiment_toml(hand, experiment),
+        hand=hand_toml(hand),
+        seed=experiment.seed if experiment.noise else None,
+        source="simulated",
+    )
