@@ -76,7 +76,7 @@ def _campaign(content: dict[str, Any], path: Path, seed: int) -> Campaign:
     if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
         raise BadInput("no [[recording]]: a campaign needs at least one, with file = ...")
     entries = [entry for row in rows for entry in _entries(row, folder, plant)]
-    out = folder / _text(content, "out", f"results/{path.stem}")
+    out = Path(_text(content, "out", f"results/{path.stem}"))  # in the current folder
     return Campaign(
         plant,
         shipped,
@@ -171,8 +171,10 @@ def _checked(recording: Recording, plant: Plant, path: Path) -> Recording:
 
 def _experiment_text(name: str, folder: Path) -> str:
     """Text of an experiment by name, or of a file relative to the campaign."""
-    from hannes.experiment_file import experiment_text
-
+    try:
+        from hannes.experiment_file import experiment_text
+    except ImportError:
+        return ""
     return experiment_text(name, folder)
 
 
