@@ -101,28 +101,40 @@ class _Run:
         """Integrate one smooth part and store its samples; False where it failed."""
         from scipy.integrate import solve_ivp
 
-        inside = self._samples(end)
-        with np.errstate(all="ignore"):
-            clock = time.perf_counter()
-            part = solve_ivp(
-                self._rates(knots),
-                (start, end),
-                self.state,
-                method=self.method,
-                t_eval=np.clip(np.append(self.times[self.filled : inside], end), start, end),
-                rtol=self.rtol,
-                atol=self.atol,
-                **self._jacobian(knots),
-            )
-            seconds = time.perf_counter() - clock
-        self.cost += Cost(part.nfev, part.njev, 1, seconds)
-        self._store(part.y.T[: inside - self.filled])
-        if part.success and np.isfinite(part.y).all():
-            self.state = part.y[:, -1].copy()
-            return True
-        finite = np.isfinite(part.y).all()
-        self.outcome = Outcome.SOLVER_GAVE_UP if finite else Outcome.NOT_FINITE
-        self.message = part.message
+        rates, inside = self._rates(knots), self._samples(end)
+        if not np.isfinite(rates(start, self.state)).all():  # scipy would step on the spot
+            return self._fail(Outcome.NOT_FINITE, f"the rates at {start:g} s are not finite")
+        clock = time.perf_counter()
+        try:
+            with np.errstate(all="ignore"):
+                part = solve_ivp(
+                    rates,
+                    (start, end),
+                    self.state,
+                    method=self.method,
+                    t_eval=np.clip(np.append(self.times[self.filled : inside], end), start, end),
+                    rtol=self.rtol,
+                    atol=self.atol,
+                    **self._jacobian(knots),
+                )
+        except ValueError as error:
+            if "infs or NaNs" not in str(error):
+                raise
+            return self._fail(Outcome.NOT_FINITE, str(error))  # scipy will not factor such
+        self.cost += Cost(part.nfev, part.njev, 1, time.perf_counter() - clock)
+        rows = np.asarray(part.y).T.reshape(-1, self.state.size)  # a bare list when empty
+        sound = np.isfinite(rows).all(axis=1)
+        if not sound.all():
+            self._store(rows[: min(int(np.argmin(sound)), inside - self.filled)])
+            return self._fail(Outcome.NOT_FINITE, part.message)
+        self._store(rows[: inside - self.filled])
+        if not part.success:
+            return self._fail(Outcome.SOLVER_GAVE_UP, part.message)
+        self.state = rows[-1].copy()
+        return True
+
+    def _fail(self, outcome: Outcome, message: str) -> bool:
+        self.outcome, self.message = outcome, message
         return False
 
     def _samples(self, end: float) -> int:
