@@ -1,0 +1,44 @@
+"""Where the electrical energy of a run went: an account that must close."""
+
+import numpy as np
+
+from hannes.errors import BadInput
+from hannes.trajectory import Trajectory
+
+POWER = "power_"
+FINEST = 4000.0  # Hz; below this the trapezoids miss the quick parts of a grasp
+
+
+def energy_ledger(trajectory: Trajectory) -> dict[str, float]:
+    """Integrate every power output of a run: name -> J, and the share that is unaccounted for.
+
+    `electrical` is what the drive put into the motor. Every other entry is what went into one
+    part, stored or lost: copper, inductance, gear_friction, cart_friction, joint_friction,
+    wire_elastic, wire_damping, spring, stop, gravity, contact_normal, contact_tangential, and
+    `kinetic` from the states themselves. `residual` [1] is what remains of `electrical` after
+    all of them, as a share of it. Energies come from trapezoids between the samples, so the
+    run must be sampled at 4 kHz or more (20 kHz for 0.1 %); raises BadInput otherwise, and
+    for a run that took no energy.
+    """
+    time = trajectory.time
+    if time.size < 2 or np.diff(time).max() > 1.001 / FINEST:
+        raise BadInput(
+            f"an energy ledger needs samples at {FINEST:g} Hz or more; "
+            f"set the experiment's sampling (it is {trajectory.experiment.sampling:g} Hz)"
+        )
+    ledger = {
+        slot.name.removeprefix(POWER): _integral(time, trajectory[slot.name])
+        for slot in trajectory.compiled.outputs.slots
+        if slot.name.startswith(POWER)
+    }
+    kinetic = trajectory["energy_kinetic"]
+    ledger["kinetic"] = float(kinetic[-1] - kinetic[0])
+    given = ledger["electrical"]
+    if given == 0.0:
+        raise BadInput("an energy ledger needs a run that takes energy; the motor took none")
+    spent = sum(energy for name, energy in ledger.items() if name != "electrical")
+    return {**ledger, "residual": (given - spent) / given}
+
+
+def _integral(time: np.ndarray, power: np.ndarray) -> float:
+    return float(np.trapezoid(power, time))
