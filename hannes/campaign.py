@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hannes import measured
+from hannes import library, measured
 from hannes.axis_record import load as load_mat
 from hannes.catalogue import effect, effects
 from hannes.effect import Effect
@@ -52,11 +52,13 @@ class Campaign:
 
 
 def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
-    """Read a campaign's TOML and all its recordings; absent roles are drawn with `seed`.
+    """Read a campaign (a TOML file, or a shipped name) and its recordings.
+
+    Absent roles are drawn with `seed`.
 
     Raises BadInput with one line for whatever cannot be used.
     """
-    path = Path(path)
+    path = campaign_file(path)
     content = read_toml(path)
     try:
         return _campaign(content, path, seed)
@@ -64,6 +66,19 @@ def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
         raise
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from None
+
+
+def campaign_file(name: str | Path) -> Path:
+    """Return the file of a campaign: a shipped name such as `emps`, or the path of a .toml file."""
+    shipped = {path.stem: path for path in (library.folder() / "campaigns").glob("*.toml")}
+    if Path(name).suffix == ".toml" or Path(name).exists():
+        return Path(name)
+    if str(name) not in shipped:
+        raise BadInput(
+            f'no campaign named "{name}"{nearest(str(name), shipped)} '
+            f"(shipped: {', '.join(sorted(shipped))}; or give the path of a .toml file)"
+        )
+    return shipped[str(name)]
 
 
 def _campaign(content: dict[str, Any], path: Path, seed: int) -> Campaign:
@@ -171,10 +186,8 @@ def _checked(recording: Recording, plant: Plant, path: Path) -> Recording:
 
 def _experiment_text(name: str, folder: Path) -> str:
     """Text of an experiment by name, or of a file relative to the campaign."""
-    try:
-        from hannes.experiment_file import experiment_text
-    except ImportError:
-        return ""
+    from hannes.experiment_file import experiment_text
+
     return experiment_text(name, folder)
 
 

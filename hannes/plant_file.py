@@ -66,7 +66,7 @@ def plant_toml(plant: Plant, shipped: Plant, effects: list[str]) -> str:
     lines = [f"base = {json.dumps(base_name(plant))}", f"effects = {json.dumps(effects)}", ""]
     lines += ["[parameters]"]
     for name, value in plant.parameters.items():
-        if name not in shipped.parameters or shipped.parameters[name] != value:
+        if name not in shipped.parameters.declared or shipped.parameters[name] != value:
             unit = plant.parameters.declared[name].unit
             lines.append(f"{json.dumps(name)} = {json.dumps(units.text(value, unit))}")
     return "\n".join(lines) + "\n"

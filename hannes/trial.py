@@ -97,7 +97,8 @@ def evidence(fitted: Fitted, effect: Effect) -> float:
     )
     places = [fitted.names.index(name) for name in names]
     covariance = fitted.covariance[np.ix_(places, places)]
-    return float(np.sqrt(max(0.0, away @ np.linalg.solve(covariance, away))))
+    squared = float(away @ np.linalg.solve(covariance, away))
+    return float(np.sqrt(max(0.0, squared)))
 
 
 def _objection(trial: Trial) -> str:
@@ -145,8 +146,8 @@ def _signature(trial: Trial) -> np.ndarray:
     """Orthonormal directions of the effect in the residual, beyond what the base absorbs."""
     fitted = trial.fitted
     assert fitted is not None
-    own = [n in {trial.effect.full_name(a.name) for a in trial.effect.amplitudes}
-           for n in fitted.names]  # fmt: skip
+    amplitudes = {trial.effect.full_name(each.name) for each in trial.effect.amplitudes}
+    own = [name in amplitudes for name in fitted.names]
     mine = fitted.columns[:, own]
     theirs = fitted.columns[:, [n in fitted.plant.free for n in fitted.names]]
     prior = fitted.prior[[n in fitted.plant.free for n in fitted.names]]
@@ -208,7 +209,8 @@ def pooled(raw: Sequence[Mapping[str, np.ndarray]], names: Mapping[str, float]) 
 
 def relative(raw: Sequence[Mapping[str, np.ndarray]], pieces: Sequence[Piece], name: str) -> float:
     """100 |difference| / |recorded| of a channel over all pieces [%]."""
-    both = [(r[name], p.recording[name][p.mask]) for r, p in zip(raw, pieces, strict=True)
-            if name in r]  # fmt: skip
-    miss = np.linalg.norm(np.concatenate([m for m, _ in both]))
-    return float(100.0 * miss / max(np.linalg.norm(np.concatenate([s for _, s in both])), 1e-300))
+    there = [(r, p) for r, p in zip(raw, pieces, strict=True) if name in r]
+    miss = np.concatenate([r[name] for r, _ in there])
+    recorded = np.concatenate([p.recording[name][p.mask] for _, p in there])
+    size = float(np.linalg.norm(recorded))
+    return 100.0 * float(np.linalg.norm(miss)) / size if size else 0.0

@@ -1,0 +1,72 @@
+"""The page of a diagnosis: the sentence first, then traces, the where-map, the ranking."""
+
+from typing import TYPE_CHECKING
+
+from hannes.report.figure_diagnosis import figures
+from hannes.report.formats import number
+from hannes.report.page import render
+from hannes.report.tables import Table
+
+if TYPE_CHECKING:
+    from hannes.diagnose import Diagnosis
+
+STAGES = ("as_given", "before", "after")
+
+
+def page(diagnosis: "Diagnosis") -> str:
+    """Return report.html: self-contained, no script, no network."""
+    verdict = diagnosis.verdict
+    return render(
+        "diagnosis.html.j2",
+        {
+            "title": diagnosis.campaign.title,
+            "verdict": verdict,
+            "figures": figures(diagnosis),
+            "gaps": _gaps(diagnosis),
+            "sizes": _sizes(diagnosis),
+            "tried": _tried(diagnosis),
+            "recordings": _recordings(diagnosis),
+        },
+    )
+
+
+def _gaps(diagnosis: "Diagnosis") -> Table:
+    rows = []
+    for name, gap in diagnosis.verdict.gap.items():
+        sizes = [f"{number(gap[key])} ({number(gap[f'{key}_percent'])} %)" for key in STAGES]
+        rows.append((f"{name} [{gap['unit']}]", *sizes, number(gap["floor"], 2)))
+    columns = ("RMS gap", "As given", "Before: base refitted", "After", "Floor")
+    note = (
+        "On recordings in role show. In brackets: relative to the recorded signal, "
+        f"100 |simulated − measured| / |measured|. The floor is {diagnosis.verdict.floor_from}."
+    )
+    return Table("gaps", "The gap before and after", columns, tuple(rows), note)
+
+
+def _sizes(diagnosis: "Diagnosis") -> Table:
+    rows = [
+        (name, number(p["value"]), f"{number(p['low'])} to {number(p['high'])}", p["unit"])
+        for name, p in diagnosis.verdict.parameters.items()
+    ]
+    columns = ("Parameter", "Value", "95 % interval", "Unit")
+    return Table("sizes", "Size of the effect", columns, tuple(rows))
+
+
+def _tried(diagnosis: "Diagnosis") -> Table:
+    gains = {row["effect"]: row for row in diagnosis.verdict.candidates}
+    rows = []
+    for attempt in diagnosis.verdict.tried:
+        row = gains.get(attempt["effect"])
+        share = f"{number(100.0 * row['gain_select'], 2)} %" if row else "–"
+        sigma = number(row["evidence"], 2) if row else "–"
+        alike = ", ".join(row["confusable_with"]) if row else ""
+        rows.append((attempt["effect"], share, sigma, alike or "–", attempt["why"]))
+    columns = ("Effect", "Explains", "Size / its deviation", "Looks like", "Outcome")
+    note = f"Each at a false-alarm level of {diagnosis.verdict.alpha:g}."
+    return Table("tried", "What was tried", columns, tuple(rows), note)
+
+
+def _recordings(diagnosis: "Diagnosis") -> Table:
+    roles = diagnosis.verdict.recordings
+    rows = tuple((role, ", ".join(names) or "none") for role, names in roles.items())
+    return Table("recordings", "Recordings by role", ("Role", "Recordings"), rows)

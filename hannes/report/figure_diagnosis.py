@@ -1,0 +1,144 @@
+"""Figures of a diagnosis: traces with what is left of them, the where-map, the ranking."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hannes.report import style
+from hannes.report.drawn import Drawn, drawn
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from hannes.diagnose import Diagnosis, Traces
+
+MEASURED: dict[str, Any] = {"color": style.BLACK, "linewidth": 2.4, "alpha": 0.35}
+GIVEN: dict[str, Any] = {"color": style.GREY, "linestyle": (0, (1, 1.2)), "linewidth": 1.2}
+POINTS = 900  # of a drawn line; between them its extremes are kept
+
+
+def figures(diagnosis: "Diagnosis") -> list[Drawn]:
+    """One figure for each judged channel of the first show recording, then map and ranking."""
+    traces = shown(diagnosis)
+    made = [_channel(diagnosis, traces, name) for name in traces.measured]
+    if diagnosis.verdict.where:
+        made.append(_where(diagnosis))
+    if diagnosis.verdict.candidates:
+        made.append(_ranking(diagnosis))
+    return made
+
+
+def shown(diagnosis: "Diagnosis") -> "Traces":
+    """The recording that is drawn: the first in role show, else the first of all."""
+    roles = {"show": 0, "select": 1, "fit": 2}
+    return min(diagnosis.traces, key=lambda each: roles[each.entry.role])
+
+
+def _channel(diagnosis: "Diagnosis", traces: "Traces", name: str) -> Drawn:
+    unit, gap = diagnosis.plant.channels[name], diagnosis.verdict.gap
+    caption = f"Recording {traces.entry.name} ({traces.entry.condition}), role {traces.entry.role}."
+    alt = f"{name} over time, measured and simulated."
+    if name in gap:
+        sizes = [f"{gap[name][key]:.3g}" for key in ("as_given", "before", "after", "floor")]
+        alt += " RMS gap as given {}, base refitted {}, result {}, floor {} {}.".format(
+            *sizes, unit
+        )
+    floor = diagnosis.floors[name]
+
+    def draw() -> "Figure":
+        figure, (above, below) = style.panels(2)
+        _traces(above, traces, name, _labelled(name, unit))
+        _left(below, traces, name, floor, _labelled("left", unit))
+        below.set_xlabel("time [s]")
+        return figure
+
+    title = f"{name.capitalize()}: measured, before and after"
+    return drawn(f"diagnosis-{name}", title, caption, alt, draw)
+
+
+def _labelled(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit != "1" else name
+
+
+def _traces(axes: "Axes", traces: "Traces", name: str, label: str) -> None:
+    lines = (
+        ("measured", traces.measured, MEASURED),
+        ("as given", traces.as_given, GIVEN),
+        ("before: base refitted", traces.before, style.SECOND),
+        ("after", traces.after, style.FIRST),
+    )
+    for text, channels, look in lines:
+        axes.plot(*thinned(traces.time, channels[name]), label=text, **{**look, "zorder": 2})
+    axes.set_ylabel(label)
+    style.legend(axes)
+
+
+def _left(axes: "Axes", traces: "Traces", name: str, floor: float, label: str) -> None:
+    """Simulated minus measured, with the floor as a band."""
+    axes.axhspan(-floor, floor, color=style.GREY, alpha=0.25, linewidth=0, label="floor")
+    for text, channels, look in (
+        ("before", traces.before, style.SECOND),
+        ("after", traces.after, style.FIRST),
+    ):
+        miss = np.where(traces.mask, channels[name] - traces.measured[name], np.nan)
+        axes.plot(*thinned(traces.time, miss), label=text, **{**look, "linewidth": 1.1})
+    axes.set_ylabel(label)
+    style.legend(axes, ncols=3)
+
+
+def thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return at most about POINTS points that keep every extreme, shapes (m,)."""
+    width = -(-2 * time.size // POINTS)
+    if width <= 2:
+        return time, values
+    kept = []
+    for start in range(0, time.size, width):
+        part = values[start : start + width]
+        if np.isnan(part).all():
+            kept.append(start)
+        else:
+            kept += sorted({start + int(np.nanargmin(part)), start + int(np.nanargmax(part))})
+    return time[kept], values[kept]
+
+
+def _where(diagnosis: "Diagnosis") -> Drawn:
+    rows = diagnosis.verdict.where[::-1]
+    names = [f"{row['channel']}, {row['phase']}" for row in rows]
+    sizes = [row["times_floor"] for row in rows]
+
+    def draw() -> "Figure":
+        figure, (axes,) = style.panels(1, 0.5 + 0.22 * len(rows))
+        axes.barh(names, sizes, color=style.VERMILLION, height=0.6)
+        axes.axvline(1.0, **style.MARK)
+        axes.set_xlabel("RMS of what the refitted base leaves, times the floor")
+        axes.grid(axis="y", visible=False)
+        return figure
+
+    worst = diagnosis.verdict.where[0]
+    alt = (
+        f"Worst: {worst['channel']} while {worst['phase']}, {worst['times_floor']:.1f} times "
+        "the floor."
+    )
+    return drawn("diagnosis-where", "Where it disagrees", f"{alt} Dotted: the floor.", alt, draw)
+
+
+def _ranking(diagnosis: "Diagnosis") -> Drawn:
+    rows = diagnosis.verdict.candidates[::-1]
+    names = [row["effect"].rpartition(":")[2] for row in rows]
+    gains = [100.0 * row["gain_select"] for row in rows]
+    chosen = diagnosis.verdict.effects
+
+    def draw() -> "Figure":
+        figure, (axes,) = style.panels(1, 0.6 + 0.3 * len(rows))
+        colours = [style.BLUE if row["effect"] in chosen else style.GREY for row in rows]
+        bars = axes.barh(names, gains, color=colours, height=0.6)
+        axes.bar_label(bars, [f"{gain:.0f} %" for gain in gains], padding=3)
+        axes.set_xlabel("misfit above the floor that it takes away [%]")
+        axes.set_xlim(min(0.0, *gains), max(10.0, *gains) * 1.15)
+        axes.grid(axis="y", visible=False)
+        return figure
+
+    alt = "; ".join(f"{n} {g:.0f} %" for n, g in zip(names[::-1], gains[::-1], strict=True))
+    caption = "On recordings that chose and were not fitted. Blue: what the verdict names."
+    return drawn("diagnosis-ranking", "What each effect would explain", caption, alt, draw)
