@@ -1,0 +1,120 @@
+"""The energy ledger closes: whatever goes into the motor is found again, part by part."""
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from runs import grasp, reference
+
+from hannes.errors import BadInput
+from hannes.hand import Hand
+from hannes.ledger import energy_ledger
+from hannes.library import names
+from hannes.simulate import simulate
+from hannes.spec import load
+
+CLOSE = ((0.0, 0.0), (1.4, 23.0))  # winds all the wire up to the stops
+EFFECTS = {
+    "leader_slack": {"length": 0.003},
+    "direction_friction": {"dry": 0.2, "viscous": 0.3},
+    "gear_load": {"coefficient": 0.05},
+}
+CASES = {
+    "void closure": (grasp(None, 0.6), {}),
+    "closure to the stops": (
+        replace(grasp(None), reference=reference(CLOSE), duration=1.6),
+        {"position_pid.limit": 1.5},
+    ),
+    "dynamometer": (grasp(), {}),
+    "soft sphere": (grasp("sphere", stiffness=800.0, radius=0.035), {}),
+    "prism": (grasp("prism", radius=0.005, half_x=0.02, half_y=0.02), {}),
+    "gravity in the fingers' plane": (grasp(), {"gravity.x": 3.0, "gravity.y": -9.3}),
+    "sampled controller": (grasp(controller="sampled"), {}),
+}
+LOST = (
+    "copper",
+    "gear_friction",
+    "cart_friction",
+    "joint_friction",
+    "contact_normal",
+    "contact_tangential",
+)
+
+
+@functools.cache
+def finely(case):
+    """The case's trajectory at 20 kHz."""
+    experiment, values = CASES[case]
+    experiment = replace(experiment, sampling=20_000.0, values=values)
+    return simulate(Hand(), experiment, rtol=1e-6).require()
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_ledger_closes(case):
+    run = finely(case)
+    ledger = energy_ledger(run)
+    assert abs(ledger["residual"]) < 1e-4
+    assert all(ledger[name] >= -1e-9 for name in LOST)
+    touched = run["force"].max() > 0.0
+    assert (ledger["contact_normal"] > 0.0) == touched == (ledger["contact_tangential"] > 0.0)
+    if "stops" in case:
+        assert (run["joint_angle"][-1] > 1.0).all() and ledger["stop"] > 1e-3
+    if "gravity" in case:
+        assert abs(ledger["gravity"]) > 1e-4
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_stored_energies_are_functions_of_the_state(case):
+    """Springs, gravity and taut wires hold what their powers brought, from the states alone."""
+    run, hand = finely(case), Hand().with_values(CASES[case][1])
+    ledger, value = energy_ledger(run), hand.parameters
+    allowed = 1e-5 * ledger["electrical"]
+    bend = run["joint_angle"][-1] - run["joint_angle"][0]
+    spring = sum(
+        value[f"{name}.spring_preload"] * bend[at::2].sum()
+        + 0.5 * value[f"{name}.spring_stiffness"] * (bend[at::2] ** 2).sum()
+        for at, name in enumerate(("mcp", "pip"))
+    )
+    assert ledger["spring"] == pytest.approx(spring, abs=allowed)
+    if "slack" not in case:
+        leader = 0.5 * value["leader.stiffness"] * max(run["leader_stretch"][-1], 0.0) ** 2
+        follower = 0.5 * (run["follower_tension"][-1] ** 2).sum() / value["follower.stiffness"]
+        # the wires' damping share of the last tension is of no account at rest
+        assert ledger["wire_elastic"] == pytest.approx(leader + follower, abs=20 * allowed)
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_ledger_stays_closed_with_effects(effect):
+    values = {f"{effect}.{name}": size for name, size in EFFECTS[effect].items()}
+    hand = Hand().with_effects(*sorted(EFFECTS)).with_values(values)
+    experiment = replace(grasp(), sampling=20_000.0)
+    run = simulate(hand, experiment, rtol=1e-6, effects=hand.effects).require()
+    ledger, without = energy_ledger(run), energy_ledger(finely("dynamometer"))
+    assert abs(ledger["residual"]) < 1e-4
+    assert abs(ledger["electrical"] - without["electrical"]) > 1e-4 * without["electrical"]
+
+
+@pytest.mark.parametrize("name", names())
+def test_ledger_closes_over_shipped_experiments(name):
+    found = load(name)
+    if not isinstance(found, list):
+        pytest.skip("needs no simulation")
+    for variant in found:
+        experiment = replace(variant.experiment, sampling=20_000.0)
+        run = simulate(variant.hand, experiment, rtol=1e-6).require()
+        assert abs(energy_ledger(run)["residual"]) < 1e-3
+
+
+def test_coarse_samples_are_refused():
+    run = simulate(Hand(), grasp(duration=0.02))
+    with pytest.raises(BadInput, match=r"4000 Hz or more.*sampling.*1000 Hz"):
+        energy_ledger(run)
+
+
+def test_a_run_without_energy_is_refused():
+    rest = replace(grasp(None, 0.01), reference=reference(((0.0, 0.0), (1.0, 0.0))))
+    run = simulate(Hand(), replace(rest, sampling=20_000.0))
+    assert np.abs(run["current"]).max() == 0.0
+    with pytest.raises(BadInput, match="takes energy"):
+        energy_ledger(run)
