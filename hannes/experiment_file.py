@@ -4,18 +4,17 @@ from pathlib import Path
 
 import numpy as np
 
-from hannes import channels
+from hannes import channels, library
 from hannes.contact.shapes import SHAPES
 from hannes.errors import BadInput
 from hannes.experiment import CONTROLLERS, Experiment, Reference, Target
 from hannes.hand_file import checked
-from hannes.table import Table
+from hannes.table import Table, read_text
 from hannes.units import quantity
 
 COMMON = ("title", "kind", "hand", "effects", "parameters")
-KEYS = (
-    *COMMON, "duration", "sampling", "controller", "reference", "object", "noise", "sweep", "scatter"
-)  # fmt: skip
+TABLES = ("reference", "object", "noise", "sweep", "scatter")
+KEYS = (*COMMON, "duration", "sampling", "controller", *TABLES)
 REFERENCE = ("kind", "points", "path")
 OBJECT = ("shape", "radius", "size", "position", "material", "sensor")
 MATERIAL = ("stiffness", "damping", "friction", "slip_speed", "onset")
@@ -31,7 +30,7 @@ _DECLARED = {each.name: each for each in channels.PARAMETERS}
 def parse_experiment(
     text: str, where: str = "experiment", folder: Path | None = None
 ) -> Experiment:
-    """Return what was done with the hand, from TOML text; its hand, effects, parameters are not read.
+    """Return what was done with the hand, from TOML text; which hand it was is not read.
 
     This is for the experiment text of a recording: sweep and scatter are refused.
     """
@@ -40,6 +39,11 @@ def parse_experiment(
         if key in root:
             root.refuse(key, "stands for several experiments; expected one")
     return read_experiment(root, folder)
+
+
+def experiment_text(name: str, folder: Path | None = None) -> str:
+    """Return the TOML text of an experiment: a shipped name, or a .toml relative to `folder`."""
+    return read_text((folder or Path()) / library.find(name))
 
 
 def read_experiment(root: Table, folder: Path | None) -> Experiment:

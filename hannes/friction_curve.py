@@ -1,4 +1,4 @@
-"""Friction of joints and guides against speed: equations 1 and 2 alone, as in the paper's Fig. 2."""
+"""Friction of joints and guides against speed: equations 1 and 2 alone, as in Fig. 2."""
 
 from dataclasses import dataclass
 

@@ -108,11 +108,7 @@ class Hand:
         return state
 
     def __str__(self) -> str:
-        """Parts, effects with their equations, and every value that differs from the shipped."""
-        lines = ["Hannes hand: 5 fingers, 2 carts, 1 motor; equations in hannes/equations.py"]
-        lines += [str(each) for each in self.effects] or ["no effects beyond the base model"]
-        lines += [
-            f"{name} = {value:g} {self.parameters.declared[name].unit}"
-            for name, value in self.parameters.items()
-        ]
-        return "\n".join(lines)
+        """Stages with their equations, effects, values that differ from the shipped, sources."""
+        from hannes.hand_text import described
+
+        return described(self)

@@ -1,0 +1,8 @@
+"""`python -m hannes` is `hannes`."""
+
+import sys
+
+from hannes.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

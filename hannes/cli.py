@@ -1,0 +1,225 @@
+"""The command `hannes`: parses, calls the library, prints; libraries load where they are used."""
+
+import argparse
+import json
+import os
+import sys
+import textwrap
+from collections.abc import Callable, Sequence
+from typing import Any, NoReturn
+
+from hannes import __version__
+from hannes.errors import BadInput, HannesError, nearest
+
+INTERRUPTED, PIPE_CLOSED = 130, 141  # what a shell reports for SIGINT and SIGPIPE
+
+DESCRIPTION = "A model of the Hannes prosthetic hand that says what it is missing."
+EXAMPLES = {
+    "": """\
+hannes run dynamometer           simulate a shipped experiment, write results/dynamometer
+hannes experiments               what there is to run
+hannes reproduce                 the paper's figures and tables beside ours, one page
+hannes diagnose campaign.toml    what a model is missing that recordings disagree with""",
+    "run": """\
+hannes run void-closure
+hannes run my.toml --out results/mine
+hannes run dynamometer --method Radau --rtol 1e-6 --json""",
+    "experiments": """\
+hannes experiments""",
+    "effects": """\
+hannes effects
+hannes effects leader_slack
+hannes effects my_effect.py:EFFECT""",
+    "hand": """\
+hannes hand
+hannes hand results/closure/hand.toml
+hannes hand --equations | less""",
+    "reproduce": """\
+hannes reproduce
+hannes reproduce --out results/paper --json""",
+    "diagnose": """\
+hannes diagnose campaign.toml
+hannes diagnose campaign.toml --out results/verdict --json""",
+}
+
+
+class _Parser(argparse.ArgumentParser):
+    """Reports errors as every other bad input: one line, exit status 2."""
+
+    def error(self, message: str) -> NoReturn:
+        raise BadInput(f"{message}; see `{self.prog} --help`")
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """As argparse, but with the nearest match instead of a long list of choices."""
+        if action.choices is not None and value not in action.choices:
+            names = [str(each) for each in action.choices]
+            what = "command" if action.dest == "command" else action.dest
+            self.error(f'no {what} "{value}"{nearest(value, names)} ({", ".join(names)})')
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; return its exit status (0 done, 2 bad input, 3 computation failed)."""
+    try:
+        return _run(arguments)
+    except HannesError as error:
+        print(f"hannes: {_one_line(error)}", file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt:
+        print("hannes: interrupted; earlier results are as they were", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read us has gone; Python would complain once more when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return PIPE_CLOSED
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    parser = _parser()
+    chosen = parser.parse_args(arguments)
+    if chosen.command is None:
+        parser.print_help()
+        return 0
+    chosen.call(chosen)
+    sys.stdout.flush()
+    return 0
+
+
+def _one_line(error: Exception) -> str:
+    text = " ".join(str(error).split())
+    return "".join(each if each.isprintable() else "?" for each in text)
+
+
+def _parser() -> _Parser:
+    parser = _Parser(prog="hannes", description=DESCRIPTION, **_with_examples(""))
+    parser.add_argument("--version", action="version", version=f"hannes {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
+
+    run = _command(commands, "run", _run_experiment, "simulate an experiment and write its results")
+    run.add_argument("experiment", help="a shipped experiment's name, or a .toml file")
+    _results(run, "results/<experiment>")
+    run.add_argument("--method", default="LSODA", help="of scipy's solve_ivp (default LSODA)")
+    run.add_argument("--rtol", type=float, default=1e-4, help="relative tolerance (default 1e-4)")
+
+    _command(commands, "experiments", _experiments, "list the shipped experiments")
+
+    effects = _command(commands, "effects", _effects, "list the effects, or tell all about one")
+    effects.add_argument("effect", nargs="?", help="a name, or file.py:EFFECT of your own")
+
+    hand = _command(commands, "hand", _hand, "show a hand: parts, equations, effects, values")
+    hand.add_argument("hand", nargs="?", default="hannes", help="a hand.toml (default: shipped)")
+    hand.add_argument("--equations", action="store_true", help="print the assembled equations")
+    hand.add_argument("--values", action="store_true", help="print every value with its source")
+
+    reproduce = _command(commands, "reproduce", _reproduce, "the paper's results beside ours")
+    _results(reproduce, "results/reproduce")
+
+    diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
+    diagnose.add_argument("campaign", help="a campaign's .toml file")
+    _results(diagnose, "as the campaign says")
+    return parser
+
+
+def _command(
+    commands: Any, name: str, call: Callable[[argparse.Namespace], None], told: str
+) -> _Parser:
+    parser = commands.add_parser(name, help=told, description=told, **_with_examples(name))
+    parser.set_defaults(call=call)
+    return parser
+
+
+def _with_examples(name: str) -> dict[str, Any]:
+    lines = "\n".join(f"  {line}" for line in EXAMPLES[name].splitlines())
+    return {
+        "epilog": f"examples:\n{lines}",
+        "formatter_class": argparse.RawDescriptionHelpFormatter,
+        "allow_abbrev": False,
+    }
+
+
+def _results(parser: _Parser, default: str) -> None:
+    parser.add_argument("--out", metavar="FOLDER", help=f"folder of the results ({default})")
+    parser.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
+
+
+def _run_experiment(chosen: argparse.Namespace) -> None:
+    from hannes.run import run
+
+    summary = run(chosen.experiment, chosen.out, method=chosen.method, rtol=chosen.rtol)
+    if chosen.json:
+        _print_json(summary)
+    else:
+        print(_told(summary))
+
+
+def _told(summary: dict[str, Any]) -> str:
+    """A run's results for a terminal."""
+    lines = [summary["title"]]
+    for each in summary["runs"]:
+        if each["name"]:
+            lines.append(f"  {each['name']}")
+        for name, figure in {**each.get("metrics", {}), **each.get("peaks", {})}.items():
+            value = "-" if figure["value"] is None else f"{figure['value']:.4g} {figure['unit']}"
+            lines.append(f"    {name:<16} {value}")
+    return "\n".join([*lines, f"wrote {summary['out']}/"])
+
+
+def _experiments(chosen: argparse.Namespace) -> None:
+    from hannes import library
+
+    for name in library.names():
+        print(name)
+        told = library.question(library.find(name))
+        print(textwrap.fill(told, 78, initial_indent="  ", subsequent_indent="  "))
+
+
+def _effects(chosen: argparse.Namespace) -> None:
+    from hannes import catalogue
+
+    if chosen.effect:
+        print(catalogue.effect(chosen.effect))
+        return
+    for each in catalogue.effects().values():
+        told = textwrap.fill(each.meaning, 78, initial_indent="  ", subsequent_indent="  ")
+        print(f"{each.name}\n{told}\n  {each.equation}\n  source: {each.source}")
+
+
+def _hand(chosen: argparse.Namespace) -> None:
+    from hannes.hand_file import load_hand
+    from hannes.hand_text import described, value_table
+
+    hand = load_hand(chosen.hand)
+    if chosen.equations:
+        print(hand.equations())
+    else:
+        print(value_table(hand) if chosen.values else described(hand))
+
+
+def _reproduce(chosen: argparse.Namespace) -> None:
+    from hannes.report.reproduce import reproduce
+
+    out = chosen.out or "results/reproduce"
+    found = reproduce(out)
+    if chosen.json:
+        _print_json(found)
+        return
+    holds = sum(row["holds"] for row in found["must_show"])
+    print(f"{holds} of {len(found['must_show'])} figures hold")
+    print(f"open {out}/index.html")
+
+
+def _diagnose(chosen: argparse.Namespace) -> None:
+    from hannes.campaign import read_campaign
+    from hannes.diagnose import diagnose
+
+    campaign = read_campaign(chosen.campaign)
+    out = chosen.out or campaign.out
+    result = diagnose(campaign, out=out)
+    if chosen.json:
+        _print_json(json.loads(result.verdict.json()))
+        return
+    print(result.verdict.summary())
+    print(f"open {out}/report.html")
+
+
+def _print_json(content: Any) -> None:
+    print(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))

@@ -1,0 +1,160 @@
+"""`hannes run`: simulate an experiment's variants; write recordings, summary.json, figure.svg."""
+
+import datetime
+import json
+import platform
+import warnings
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import hannes
+from hannes import figure, metrics
+from hannes.files import atomic_folder
+from hannes.friction_curve import FrictionCurve
+from hannes.hand_file import differences, effect_names, texts
+from hannes.observe import observe
+from hannes.recording import Recording
+from hannes.simulate import simulate
+from hannes.spec import load
+from hannes.trajectory import Trajectory
+from hannes.variants import Variant
+
+UNITS = {
+    "contact": "s", "release": "s", "I_avgc": "A", "I_avgo": "A", "I_max": "A", "I_sc": "A/s",
+    "I_so": "A/s", "F_max": "N", "void current": "A", "closing time": "s",
+}  # fmt: skip
+LIBRARIES = ("numpy", "scipy", "numba", "h5py", "matplotlib")
+VOID_END = 0.3  # s, of the window of the void current
+
+
+def run(
+    name: str | Path,
+    out: str | Path | None = None,
+    *,
+    method: str = "LSODA",
+    rtol: float = 1e-4,
+) -> dict[str, Any]:
+    """Simulate an experiment and write its results to `out` (default: results/<experiment>).
+
+    Returns the content of summary.json. Raises BadInput for an experiment or folder that cannot
+    be used, ComputationFailed where a simulation does not end; then nothing is written.
+    """
+    asked, stem = load(name), Path(name).stem
+    target = Path(out) if out is not None else Path("results") / stem
+    if isinstance(asked, FrictionCurve):
+        return _curve(asked, stem, target)
+    done = [_simulated(each, method, rtol) for each in asked]
+    recordings = {each.name: observe(each.hand, ran) for each, ran in zip(asked, done, strict=True)}
+    summary = {
+        "experiment": stem,
+        "title": asked[0].experiment.title,
+        "out": str(target),
+        "method": method,
+        "rtol": rtol,
+        "runs": [_row(each, ran) for each, ran in zip(asked, done, strict=True)],
+        **provenance(),
+    }
+    svg = figure.runs_svg(asked[0].experiment.title, recordings)
+    files = {each.file: recordings[each.name] for each in asked}
+    return _written(target, files, summary, svg)
+
+
+def _curve(curve: FrictionCurve, stem: str, target: Path) -> dict[str, Any]:
+    recording = curve.recording()
+    peaks = {
+        name: {"value": float(recording[name].max()), "unit": recording.units[name]}
+        for name in recording.names
+        if name.endswith("_friction")
+    }
+    summary = {
+        "experiment": stem,
+        "title": curve.title,
+        "out": str(target),
+        "runs": [{"name": "", "recording": "recording.h5", "peaks": peaks}],
+        **provenance(),
+    }
+    return _written(
+        target, {"recording.h5": recording}, summary, figure.friction_svg(curve.title, recording)
+    )
+
+
+def _simulated(variant: Variant, method: str, rtol: float) -> Trajectory:
+    """Simulate one variant; the solver's own words are kept in the outcome, not printed."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return simulate(variant.hand, variant.experiment, method=method, rtol=rtol).require()
+
+
+def _row(variant: Variant, ran: Trajectory) -> dict[str, Any]:
+    """One simulation's line in the summary."""
+    return {
+        "name": variant.name,
+        "recording": variant.file,
+        "outcome": ran.outcome.value,
+        "controller": variant.experiment.controller,
+        "metrics": measured(ran),
+        "cost": {name: float(value) for name, value in asdict(ran.cost).items()},
+        "effects": effect_names(variant.hand),
+        "parameters": texts(variant.hand, differences(variant.hand)),
+    }
+
+
+def measured(ran: Trajectory) -> dict[str, dict[str, Any]]:
+    """Figures of merit with unit and definition: of a grasp, or of a free closure."""
+    time, position = ran.time, ran["position"]
+    if ran.experiment.object is not None:
+        found = asdict(metrics.grasp_metrics(time, ran["current"], ran["force"], position))
+    else:
+        found = _free(time, ran["current"], position)
+    return {
+        name: {
+            "value": float(value) if np.isfinite(value) else None,
+            "unit": UNITS[name],
+            "definition": metrics.DEFINITIONS.get(name, "last total force above 1 N"),
+        }
+        for name, value in found.items()
+    }
+
+
+def _free(time: np.ndarray, current: np.ndarray, position: np.ndarray) -> dict[str, float]:
+    found = {}
+    if time[-1] >= VOID_END:
+        found["void current"] = metrics.void_current(time, current)
+    if position[-1] > 0.5 * position.max() > 0.0:  # it ends closed
+        found["closing time"] = metrics.closing_time(time, position)
+    return found
+
+
+def provenance() -> dict[str, Any]:
+    """What depends on the day and the machine: kept out of the recordings."""
+    return {
+        "versions": {"hannes": hannes.__version__, "python": platform.python_version()}
+        | {name: _version(name) for name in LIBRARIES},
+        "machine": platform.machine(),
+        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    }
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _written(
+    target: Path, recordings: Mapping[str, Recording], summary: dict[str, Any], svg: str
+) -> dict[str, Any]:
+    """Write the results folder, whole or not at all; return the summary."""
+    with atomic_folder(target) as folder:
+        for file, recording in recordings.items():
+            recording.to_hdf5(folder / file)
+        text = json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False)
+        (folder / "summary.json").write_text(text + "\n", encoding="utf-8")
+        (folder / "figure.svg").write_text(svg, encoding="utf-8", newline="\n")
+    return summary
