@@ -12,11 +12,11 @@ JOINTS = tuple(f"{finger}_{joint}" for finger in FINGERS for joint in ("mcp", "p
 
 # mm: MCP x, y, z; first, second, third phalanx; g: second, third phalanx
 _TABLE = {
-    "index": (0, 0, 33, 40, 44, 48, 15, 14),
-    "middle": (0, 0, 11, 42, 47, 53, 17, 16),
-    "ring": (0, 0, -11, 40, 45, 50, 16, 14),
-    "little": (0, 0, -33, 36, 38, 42, 13, 12),
-    "thumb": (0, -89, 0, 30, 40, 36, 16, 14),
+    "index": (0, 0, 30, 40, 44, 48, 15, 14),
+    "middle": (0, 0, 10, 42, 47, 53, 17, 16),
+    "ring": (0, 0, -10, 40, 45, 50, 16, 14),
+    "little": (0, 0, -30, 36, 38, 42, 13, 12),
+    "thumb": (0, -89, 20, 30, 40, 36, 16, 14),
 }
 _ANGLES = {  # rad: rest MCP, rest PIP, end MCP, end PIP
     finger: (0.192, 0.242, 1.1, 1.3) if finger == "thumb" else (0.242, 0.292, 1.55, 1.75)

@@ -64,7 +64,7 @@ NOMINAL: dict[str, Any] = {
     "fingers.pip_upper": (1.75, 1.75, 1.75, 1.75, 1.3),
     "fingers.origin_x": (0.0, 0.0, 0.0, 0.0, 0.0),
     "fingers.origin_y": (0.0, 0.0, 0.0, 0.0, -89e-3),
-    "fingers.plane_z": (33e-3, 11e-3, -11e-3, -33e-3, 0.0),
+    "fingers.plane_z": (30e-3, 10e-3, -10e-3, -30e-3, 20e-3),
     "fingers.side": (1.0, 1.0, 1.0, 1.0, -1.0),
     "gravity.x": 0.0,  # m/s2 in the hand frame; off unless asked for
     "gravity.y": 0.0,
