@@ -18,6 +18,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from hannes._jit import cache_folder, entry, kernel, plain
 from hannes.effect import Effect, Term
 from hannes.errors import BadInput
@@ -170,7 +172,8 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
         for term in effect.terms
     }
     names = {**vars(plant.module), **kernels}
-    origin = "".join(_fingerprint(each) for each in kernels.values())
+    reached = [each for each in names.values() if hasattr(plain(each), "__code__")]
+    origin = "".join(_fingerprint(each) for each in reached)
     return Compiled(
         text,
         layouts.p,
@@ -298,24 +301,41 @@ def _is_output(target: ast.AST | None) -> bool:
 
 
 def _fingerprint(function: Any) -> str:
-    """Digest of a kernel's file and of what it reaches through its globals."""
-    seen: set[str] = set()
+    """Digest of all that enters a function's machine code, wherever it is written.
+
+    These are its file and name, the constants it reads, and the same of every function that it
+    reaches by its globals, by modules named there, or by its closure.
+    """
+    seen: set[Any] = set()
+    parts: set[bytes] = set()
 
     def visit(each: Any) -> None:
-        source = inspect.getsourcefile(plain(each)) or ""
-        if source in seen:
+        if each.__code__ in seen:
             return
-        seen.add(source)
-        for name in plain(each).__code__.co_names:
-            value = plain(each).__globals__.get(name)
-            if callable(plain(value)) and hasattr(plain(value), "__code__"):
-                visit(value)
+        seen.add(each.__code__)
+        source = inspect.getsourcefile(each)
+        parts.add(f"{each.__module__}.{each.__qualname__}".encode())
+        parts.add(Path(source).read_bytes() if source and Path(source).exists() else b"")
+        for name, value in _reached(each):
+            if hasattr(plain(value), "__code__"):
+                visit(plain(value))
+            elif isinstance(value, bool | int | float | complex | str | tuple):
+                parts.add(f"{name} = {value!r}".encode())
+            elif isinstance(value, np.ndarray):
+                parts.add(name.encode() + str(value.dtype).encode() + value.tobytes())
 
-    visit(function)
-    digest = hashlib.sha256()
-    for path in sorted(seen):
-        digest.update(Path(path).read_bytes())
-    return digest.hexdigest()
+    visit(plain(function))
+    return hashlib.sha256(b"".join(sorted(parts))).hexdigest()
+
+
+def _reached(function: Any) -> list[tuple[str, Any]]:
+    """Name and value of whatever a function can look up."""
+    names = function.__code__.co_names
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    found = list(zip(function.__code__.co_freevars, cells, strict=True))
+    found += [(name, function.__globals__.get(name)) for name in names]
+    modules = [value for _, value in found if isinstance(value, ModuleType)]
+    return found + [(name, getattr(each, name, None)) for each in modules for name in names]
 
 
 def _module(

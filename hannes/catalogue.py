@@ -5,7 +5,9 @@ import hashlib
 import importlib
 import importlib.util
 import pkgutil
+import sys
 from pathlib import Path
+from types import ModuleType
 
 from hannes import contact, control, dynamics
 from hannes.effect import Effect
@@ -39,19 +41,28 @@ def effect(name: str, folder: Path | None = None) -> Effect:
 
 
 def _own_effect(path: Path, attribute: str) -> Effect:
+    found = getattr(_own_module(path), attribute, None)
+    if not isinstance(found, Effect):
+        raise BadInput(f"{path} has no Effect named {attribute}")
+    return found
+
+
+def _own_module(path: Path) -> ModuleType:
+    """Load a user's file once for each content, under a name that depends on nothing else."""
     try:
         source = path.read_bytes()
     except OSError as error:
         raise BadInput(f"cannot read effect file {path}: {error.strerror}") from None
-    digest = hashlib.sha256(source).hexdigest()[:16]
-    spec = importlib.util.spec_from_file_location(f"hannes_own_{path.stem}_{digest}", path)
+    name = f"hannes_own_{path.stem}_{hashlib.sha256(source).hexdigest()[:16]}"
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # where kept machine code looks for the kernels' globals
     try:
         spec.loader.exec_module(module)
     except Exception as error:
+        del sys.modules[name]
         raise BadInput(f"effect file {path} does not run: {error}") from None
-    found = getattr(module, attribute, None)
-    if not isinstance(found, Effect):
-        raise BadInput(f"{path} has no Effect named {attribute}")
-    return found
+    return module
