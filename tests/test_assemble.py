@@ -1,0 +1,322 @@
+"""Effects and plants from outside the package; machine code that is never older than its source."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from runs import grasp, worst
+
+import hannes
+from hannes.catalogue import effect as find_effect
+from hannes.errors import BadInput
+from hannes.hand import Hand
+from hannes.simulate import simulate
+
+OWN = '''
+"""Effects of a user's own."""
+from hannes._jit import kernel
+from hannes.effect import Effect, Term
+from hannes.layout import Slot
+from hannes.parameter import Parameter
+
+
+@kernel
+def warmed(motor_current, temperature, gain, time_constant):
+    return gain * temperature, (motor_current**2 - temperature) / time_constant
+
+
+@kernel
+def stiffened(joint_angle, rest, joint_spring_stiffness, share):
+    return share * joint_spring_stiffness * (joint_angle - rest)
+
+
+WARM = Effect(
+    name="warm_winding",
+    meaning="The winding warms with the square of its current.",
+    equation="R += gain T; T' = (i^2 - T) / time_constant",
+    source="a test",
+    parameters=(
+        Parameter("gain", 0.0, "ohm/K", (0.0, 10.0), "per kelvin", off=0.0),
+        Parameter("time_constant", 0.2, "s", (1e-3, 1e3), "of the winding"),
+    ),
+    terms=(Term(warmed, writes=("resistance",), states=("temperature",)),),
+    states=(Slot("temperature", "K", "above rest", tolerance=1e-3),),
+)
+STIFF = Effect(
+    name="stiff_springs",
+    meaning="The re-opening springs are stiffer than told.",
+    equation="T_spring += share k (q - q_rest)",
+    source="a test",
+    parameters=(Parameter("share", 0.0, "1", (-0.9, 9.0), "of the stiffness", off=0.0),),
+    terms=(Term(stiffened, writes=("spring_torque",)),),
+)
+'''
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory):
+    """File of the user's own effects."""
+    path = tmp_path_factory.mktemp("own") / "own.py"
+    path.write_text(OWN)
+    return path
+
+
+@pytest.fixture(scope="module")
+def dressed(own):
+    """The hand with both of the user's effects."""
+    return Hand([f"{own}:WARM", f"{own}:STIFF"])
+
+
+JOINTS = ("mcp", "pip")
+
+
+def short(hand):
+    """The start of a free closure with both effects compiled in."""
+    experiment = grasp(None, 0.15)
+    return simulate(hand, experiment, rtol=1e-8, effects=hand.effects).require()
+
+
+def test_an_own_effect_over_all_joints_works(dressed):
+    """Springs stiffened by the effect equal springs that are stiffer."""
+    mine = short(dressed.with_values({"stiff_springs.share": 0.5}))
+    shipped = dressed.parameters
+    stiff = {f"{j}.spring_stiffness": 1.5 * shipped[f"{j}.spring_stiffness"] for j in JOINTS}
+    theirs = short(dressed.with_values(stiff))
+    soft = short(dressed)
+    for name in ("motor_angle", "joint_angle", "cart_position"):
+        assert np.abs(mine[name] - theirs[name]).max() < 1e-6 * np.ptp(theirs[name])
+    assert worst(mine["joint_angle"], soft["joint_angle"]) > 1e-3
+
+
+def test_an_own_effect_with_a_state_works(dressed):
+    """The state obeys its equation: T = int exp(-(t - s) / tau) i(s)^2 ds / tau."""
+    found = short(dressed.with_values({"warm_winding.gain": 2.0}))
+    temperature, current, time = found["warm_winding.temperature"], found["current"], found.time
+    assert temperature[0] == 0.0 and temperature[-1] > 0.005
+    weight = np.exp(-(time[-1] - time) / 0.2) / 0.2
+    assert temperature[-1] == pytest.approx(np.trapezoid(weight * current**2, time), rel=2e-3)
+    resistance = found["power_copper"][1:] / current[1:] ** 2
+    expected = dressed.parameters["motor.resistance"] + 2.0 * temperature[1:]
+    assert resistance == pytest.approx(expected, rel=1e-9)
+
+
+def test_an_own_effect_is_loaded_once(own):
+    assert find_effect(f"{own}:WARM") is find_effect("own.py:WARM", own.parent)
+
+
+def test_own_effects_at_off_change_nothing(dressed):
+    bare = simulate(Hand(), grasp(None, 0.15), rtol=1e-8).require()
+    for name in ("current", "joint_angle", "leader_tension"):
+        assert np.abs(short(dressed)[name] - bare[name]).max() <= 1e-6 * np.ptp(bare[name])
+
+
+def test_equations_show_the_effects_call(own):
+    hand = Hand([f"{own}:WARM", f"{own}:STIFF", "leader_slack"])
+    values = {"warm_winding.gain": 1.0, "stiff_springs.share": 0.1, "leader_slack.length": 1e-3}
+    text = hand.with_values(values).equations()
+    assert "leader_slack_free_length(p[" in text
+    assert "warm_winding_warmed(" in text and "stiff_springs_stiffened(" in text
+    after = text[text.index("# effects: slack") :].splitlines()
+    assert "slack += leader_slack_free_length(" in after[1]
+    assert "leader_slack" not in hand.equations()
+
+
+# --- refused ----------------------------------------------------------------------------------
+
+REFUSED = {
+    "reads_unknown": ("('slack',)", "nowhere", "nowhere"),
+    "writes_unknown": ("('wobble',)", "share", "wobble"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_an_effect_that_names_an_unknown_channel_is_refused(tmp_path, case):
+    writes, argument, named = REFUSED[case]
+    path = tmp_path / "bad.py"
+    path.write_text(f"""
+from hannes._jit import kernel
+from hannes.effect import Effect, Term
+from hannes.parameter import Parameter
+
+@kernel
+def odd({argument}, share{"d" if argument == "share" else ""}):
+    return 0.0
+
+BAD = Effect(
+    "bad", "A bad one.", "none", "a test",
+    (Parameter("share", 0.0, "1", (0.0, 1.0), "share", off=0.0),),
+    (Term(odd, {writes}),),
+)
+""")
+    hand = Hand([f"{path}:BAD"]).with_values({"bad.share": 0.5})
+    with pytest.raises(BadInput) as refusal:
+        hand.compiled()
+    text = str(refusal.value)
+    assert "bad" in text and named in text and "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("leader_slak", "leader_slack"),
+        ("nowhere.py:EFFECT", "nowhere.py"),
+        ("own.py:NONE", "no Effect named NONE"),
+        ("broken.py:EFFECT", "does not run"),
+    ],
+)
+def test_effects_that_cannot_be_found_are_refused(own, name, expected):
+    (own.parent / "broken.py").write_text("1 / 0\n")
+    with pytest.raises(BadInput, match=expected) as refusal:
+        find_effect(name, own.parent)
+    assert "\n" not in str(refusal.value)
+
+
+# --- machine code is never stale --------------------------------------------------------------
+
+PLANT = {
+    "plant.py": '''
+"""A mass on a spring: a plant of the user's own."""
+from springs import restoring
+from hannes.dynamics.friction import dry
+
+
+def equations(t, y, dy, p, c, reference, hold, out):
+    push = 0.0
+    # effects: push
+    dy.place = y.speed
+    dy.speed = push - restoring(y.place, p.stiffness) - dry(y.speed, p.level, 1.0)
+
+
+def sample(t, y, dy, p, c, reference, hold, out):
+    hold[0] = 0.0
+''',
+    "springs.py": """
+from hannes._jit import kernel
+
+
+@kernel
+def restoring(place, stiffness):
+    return 1.0 * stiffness * place
+""",
+    "own.py": """
+from helper import scaled
+from numbers_of_mine import WEIGHT
+import more_numbers
+from hannes._jit import kernel
+from hannes.effect import Effect, Term
+from hannes.parameter import Parameter
+
+@kernel
+def inner(place):
+    return scaled(place) * WEIGHT
+
+
+@kernel
+def drive(place, share):
+    return share * inner(place) + more_numbers.OFFSET
+
+
+EFFECT = Effect(
+    "own", "It pushes.", "push += share place", "a test",
+    (Parameter("share", 0.0, "1", (0.0, 10.0), "share", off=0.0),),
+    (Term(drive, ("push",)),),
+)
+""",
+    "helper.py": """
+from hannes._jit import kernel
+
+
+@kernel
+def scaled(x):
+    return 1.0 * x
+""",
+    "numbers_of_mine.py": "WEIGHT = 1.0\n",
+    "more_numbers.py": "OFFSET = 0.0\n",
+    "run.py": """
+import json
+import numpy as np
+import plant
+from hannes.assemble import Equations, assemble
+from hannes.catalogue import effect
+from hannes.layout import Layout, Slot
+
+
+def layout(*names):
+    return Layout(tuple(Slot(name, "1", "of the test") for name in names))
+
+
+written = Equations(
+    plant, layout("stiffness", "level"), layout("place", "speed"), layout("push"), layout("force")
+)
+model = assemble(written, (effect("own.py:EFFECT"),))
+given = np.array([1.0, 100.0]), np.array([3.0, 2.0, 5.0]), np.zeros((2, 2)), np.zeros(7)
+print(json.dumps([model.is_warm(), *model.fast.rates(0.0, *given)]))
+""",
+}
+# rate of the speed: 5 WEIGHT + OFFSET - 3 - 2 tanh(100)
+PLAIN = 5.0 - 3.0 - 2.0
+EDITS = [
+    ("own.py", "return scaled(place) * WEIGHT", "return 3.0 * scaled(place) * WEIGHT", 15.0 - 5.0),
+    ("helper.py", "return 1.0 * x", "return 4.0 * x", 20.0 - 5.0),
+    ("numbers_of_mine.py", "WEIGHT = 1.0", "WEIGHT = 5.0", 25.0 - 5.0),
+    ("more_numbers.py", "OFFSET = 0.0", "OFFSET = 7.0", 12.0 - 5.0),
+    ("springs.py", "return 1.0 *", "return 2.0 *", 5.0 - 8.0),
+]
+
+
+def ran(folder, package):
+    """Run the plant in a process of its own: was machine code at hand, rate of the speed."""
+    done = subprocess.run(
+        [sys.executable, "run.py"],
+        cwd=folder,
+        env={
+            **os.environ,
+            "HANNES_CACHE": str(folder / "cache"),
+            "PYTHONPATH": os.pathsep.join([str(folder), str(package)]),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        },
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    warm, _, rate = json.loads(done.stdout)
+    return warm, rate
+
+
+@pytest.fixture
+def plant(tmp_path):
+    """Folder with a plant and an effect of the user's own."""
+    for name, text in PLANT.items():
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+PACKAGE = Path(hannes.__file__).parent
+
+
+def test_edits_outside_the_package_never_run_stale_machine_code(plant):
+    assert ran(plant, PACKAGE.parent) == (False, PLAIN)
+    assert ran(plant, PACKAGE.parent) == (True, PLAIN)
+    for name, old, new, expected in EDITS:
+        text = (plant / name).read_text()
+        assert old in text
+        (plant / name).write_text(text.replace(old, new))
+        assert ran(plant, PACKAGE.parent)[1] == expected, f"{name}: {new}"
+        (plant / name).write_text(text)
+
+
+def test_an_edit_of_the_package_never_runs_stale_machine_code(plant):
+    copy = plant / "copied"
+    shutil.copytree(PACKAGE, copy / "hannes", ignore=shutil.ignore_patterns("__pycache__"))
+    assert ran(plant, copy) == (False, PLAIN)
+    friction = copy / "hannes" / "dynamics" / "friction.py"
+    text = friction.read_text()
+    assert "return level * math.tanh" in text
+    friction.write_text(text.replace("return level * math.tanh", "return 3.0 * level * math.tanh"))
+    assert ran(plant, copy) == (False, PLAIN - 4.0)
