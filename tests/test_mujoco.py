@@ -20,7 +20,7 @@ from hannes.simulate import simulate
 
 mujoco = pytest.importorskip("mujoco")
 
-DURATION, STEP, EVERY = 0.36, 10e-6, 200
+DURATION, STEP, EVERY = 0.36, 5e-6, 400
 RAMP = ((0.0, 0.0), (1.0, 15.5))
 VALUES = {
     "gravity.x": 3.0,
