@@ -1,0 +1,1 @@
+"""A compiled stiff integrator behind scipy's interface: `solve_ivp(..., method=Rodas)`."""

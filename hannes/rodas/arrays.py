@@ -1,0 +1,79 @@
+"""The few loops over states that the method consists of; in place, nothing is allocated."""
+
+import math
+
+from hannes._jit import kernel
+
+
+@kernel
+def copy_to(target, row):
+    """target = row."""
+    for i in range(target.size):
+        target[i] = row[i]
+
+
+@kernel
+def add_scaled(target, factor, row):
+    """target += factor row."""
+    if factor == 0.0:
+        return
+    for i in range(target.size):
+        target[i] += factor * row[i]
+
+
+@kernel
+def scaled_size(row, first, second, rtol, atol):
+    """RMS of row_i / (atol_i + rtol max(|first_i|, |second_i|))."""
+    total = 0.0
+    for i in range(row.size):
+        part = row[i] / (atol[i] + rtol * max(abs(first[i]), abs(second[i])))
+        total += part * part
+    return math.sqrt(total / row.size)
+
+
+@kernel
+def interpolate_piece(x, piece, row):
+    """Fill row with a step's solution at x in [0, 1]; piece as `keep_piece` leaves it."""
+    left = 1.0 - x
+    bend = x * left
+    for i in range(row.size):
+        row[i] = left * piece[0, i] + x * piece[1, i] + bend * (piece[2, i] + x * piece[3, i])
+
+
+@kernel
+def factor(matrix, shift, factors, rows):
+    """factors = LU of shift I - matrix with row exchanges, whose order goes into `rows`."""
+    n = rows.size
+    for i in range(n):
+        for j in range(n):
+            factors[i, j] = -matrix[i, j]
+        factors[i, i] += shift
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(factors[i, k]) > abs(factors[best, k]):
+                best = i
+        rows[k] = best
+        if best != k:
+            for j in range(n):
+                factors[k, j], factors[best, j] = factors[best, j], factors[k, j]
+        for i in range(k + 1, n):
+            factors[i, k] /= factors[k, k]
+            if factors[i, k] != 0.0:
+                for j in range(k + 1, n):
+                    factors[i, j] -= factors[i, k] * factors[k, j]
+
+
+@kernel
+def substitute(factors, rows, b):
+    """Replace b by the solution of the factored system."""
+    n = rows.size
+    for k in range(n):
+        b[k], b[rows[k]] = b[rows[k]], b[k]
+    for k in range(n):
+        for i in range(k + 1, n):
+            b[i] -= factors[i, k] * b[k]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            b[k] -= factors[k, j] * b[j]
+        b[k] /= factors[k, k]

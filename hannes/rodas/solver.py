@@ -1,0 +1,143 @@
+"""Rodas as a method of scipy: `solve_ivp(fun, span, y0, method=Rodas)`."""
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.integrate import DenseOutput, OdeSolver
+
+from hannes.rodas.problem import Plain
+from hannes.rodas.step import NOT_FINITE, TOO_SMALL, WORK
+
+MESSAGES = {
+    TOO_SMALL: "Required step size is less than spacing between numbers.",
+    NOT_FINITE: "The right-hand side is not finite.",
+}
+
+
+class Rodas(OdeSolver):
+    """Linearly implicit method of order 4 for stiff problems, Rodas4P2.
+
+    Arguments as for scipy's own implicit solvers; `jac` a function, a constant matrix (dense or
+    sparse) or None for forward differences. Two arguments are its own:
+
+    problem : object or None
+        The right-hand side compiled together with the method (see problem.py); `fun` and `jac`
+        are then not called.
+    run : int
+        How many steps one `step` may take. Its dense output spans them all, so `t_eval` and
+        `dense_output` lose nothing by a long run; events are looked for between its ends, so
+        leave it at 1 where there are any.
+    """
+
+    def __init__(
+        self,
+        fun: Callable[..., Any],
+        t0: float,
+        y0: np.ndarray,
+        t_bound: float,
+        max_step: float = np.inf,
+        rtol: float = 1e-3,
+        atol: float | np.ndarray = 1e-6,
+        jac: Any = None,
+        vectorized: bool = False,
+        first_step: float | None = None,
+        problem: Any = None,
+        run: int = 1,
+        **extraneous: Any,
+    ) -> None:
+        if extraneous:
+            names = ", ".join(extraneous)
+            warnings.warn(f"Rodas has no argument {names}: not used", stacklevel=3)
+        super().__init__(fun, t0, y0, t_bound, vectorized)
+        self.y = np.array(self.y)  # steps move it in place
+        self.rtol, self.atol = _tolerances(rtol, atol, self.n)
+        if not max_step > 0.0:
+            raise ValueError("`max_step` must be positive.")
+        self.run, self._counted = int(run), problem is not None
+        scale = np.maximum(self.atol / self.rtol, 1e-12)
+        self.problem = problem or Plain(
+            self.fun, self.fun_vectorized, _jacobian(jac), scale, self.direction
+        )
+        self.clock = np.array([t0, 0.0, t_bound, max_step], float)
+        self.counts = np.zeros(5, np.int64)
+        self.work = np.zeros((WORK, self.n))
+        self._choose_first(first_step)
+
+    def _choose_first(self, asked: float | None) -> None:
+        if asked is None:
+            self._call(self.problem.first_step, self.work)
+        elif not 0.0 < asked <= abs(self.t_bound - self.t):
+            raise ValueError("`first_step` must be positive and within the interval.")
+        else:
+            self.clock[1] = self.direction * asked
+
+    def _call(self, function: Callable[..., Any], *arrays: np.ndarray) -> Any:
+        with np.errstate(all="ignore"):
+            found = function(
+                self.problem.data, self.y, self.rtol, self.atol, self.clock, self.counts, *arrays
+            )
+        if self._counted:
+            self.nfev = int(self.counts[0])
+        self.njev, self.nlu = int(self.counts[1]), int(self.counts[2])
+        return found
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        ends, pieces = np.empty(self.run + 1), np.empty((self.run, 4, self.n))
+        self.y = self.y.copy()
+        taken = self._call(self.problem.advance, ends, pieces, self.work)
+        if taken == 0:
+            return False, MESSAGES[int(self.counts[4])]
+        self.t = float(self.clock[0])
+        self._ends, self._pieces = ends[: taken + 1], pieces[:taken]
+        return True, None
+
+    def _dense_output_impl(self) -> "Pieces":
+        return Pieces(self.problem.sample, self._ends, self._pieces)
+
+
+class Pieces(DenseOutput):
+    """Dense output over a run of steps."""
+
+    def __init__(self, sample: Callable[..., Any], ends: np.ndarray, pieces: np.ndarray) -> None:
+        super().__init__(ends[0], ends[-1])
+        self._sample, self._ends, self._pieces = sample, ends, pieces
+
+    def _call_impl(self, t: np.ndarray) -> np.ndarray:
+        times = np.atleast_1d(np.asarray(t, float))
+        order = np.argsort(times if self.t >= self.t_old else -times, kind="stable")
+        rows = np.empty((times.size, self._pieces.shape[2]))
+        self._sample(times[order], self._ends, self._pieces, rows)
+        found = np.empty_like(rows)
+        found[order] = rows
+        return found[0] if np.ndim(t) == 0 else found.T
+
+
+def _tolerances(rtol: float, atol: Any, n: int) -> tuple[float, np.ndarray]:
+    """Check as scipy does; the absolute one as (n,)."""
+    least = 100.0 * np.finfo(float).eps
+    if np.ndim(rtol):
+        raise ValueError("Rodas takes one `rtol`; give `atol` per state.")
+    if rtol < least:
+        warnings.warn(f"At least one element of `rtol` is too small, set to {least}.", stacklevel=4)
+    atol = np.asarray(atol, float)
+    if atol.ndim > 0 and atol.shape != (n,):
+        raise ValueError("`atol` has wrong shape.")
+    if (atol < 0.0).any():
+        raise ValueError("`atol` must be positive.")
+    return max(float(rtol), least), np.array(np.broadcast_to(atol, (n,)))
+
+
+def _jacobian(jac: Any) -> Callable[..., Any] | None:
+    """`jac` as a function of t and y that returns a dense matrix, or None."""
+    if jac is None:
+        return None
+
+    def dense(matrix: Any) -> np.ndarray:
+        return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix, float)
+
+    if callable(jac):
+        return lambda t, y: dense(jac(t, y))
+    constant = dense(jac)
+    return lambda t, y: constant

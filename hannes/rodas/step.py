@@ -1,0 +1,148 @@
+"""The method: steps with error control, the same text for every problem.
+
+`problem` stands for four functions over `data`, which holds whatever they need:
+
+    slope(t, y, dy, data)                       fill dy with f(t, y)
+    linearise(t, y, rates, drift, data)         keep J = df/dy, fill drift with df/dt; rates = f
+    decompose(shift, data)                      factor shift - J
+    resolve(b, data)                            replace b by the solution of (shift - J) x = b
+
+It may be an object with these methods; for compiled code the text is taken with `problem.`
+dropped (see text.py), so that the names are those of the module it lands in.
+"""
+
+import math
+
+import numpy as np
+
+from hannes.rodas.arrays import add_scaled, copy_to, interpolate_piece, scaled_size
+from hannes.rodas.coefficients import COUPLING, DENSE, DRIFT, GAMMA, NODES, ORDER, STAGE
+
+STAGES = 6
+WORK = STAGES + 4  # rows of workspace: k_1 .. k_6, f(t, y), df/dt, argument, right-hand side
+SAFETY, SHRINK, GROW = 0.9, 0.2, 6.0
+HOPELESS = 30.0  # size of the nonlinear remainder at which a step is given up after two stages
+TOO_SMALL, NOT_FINITE = -1, -2
+
+
+def advance(problem, data, y, rtol, atol, clock, counts, ends, pieces, work):
+    """Take steps until the bound is reached or `pieces` is full; return how many.
+
+    `y` (n,) moves along. `clock`: time, next step (signed), bound, longest step. `counts` grows:
+    evaluations, Jacobians, factorings, rejected steps. `ends` (m + 1,) and `pieces` (m, 4, n)
+    take each step's ends and its dense output. A negative number is one of the failures above;
+    the steps before it are then lost to the caller but for `clock` and `y`.
+    """
+    taken = 0
+    ends[0] = clock[0]
+    while taken < pieces.shape[0] and clock[0] != clock[2]:
+        failure = step(problem, data, y, rtol, atol, clock, counts, pieces[taken], work)
+        if failure != 0:
+            counts[4] = failure
+            break
+        taken += 1
+        ends[taken] = clock[0]
+    return taken
+
+
+def step(problem, data, y, rtol, atol, clock, counts, piece, work):
+    """Take one step that is accepted; 0 or a failure."""
+    rates, drift, moved = work[STAGES], work[STAGES + 1], work[STAGES + 2]
+    t, bound = clock[0], clock[2]
+    problem.slope(t, y, rates, data)
+    if not math.isfinite(np.sum(rates)):
+        return NOT_FINITE
+    problem.linearise(t, y, rates, drift, data)
+    counts[0] += 1
+    counts[1] += 1
+    least = 10.0 * abs(np.nextafter(t, bound) - t)
+    rejected = False
+    while True:
+        h = clock[1]
+        if abs(h) > clock[3]:
+            h = math.copysign(clock[3], h)
+        if abs(h) * 1.01 >= abs(bound - t):
+            h = bound - t
+        elif abs(h) < least:
+            return TOO_SMALL
+        problem.decompose(1.0 / (GAMMA * h), data)
+        counts[2] += 1
+        error = attempt(problem, data, t, h, y, rtol, atol, counts, work)
+        if error < 1.0:
+            break
+        rejected = True
+        counts[3] += 1
+        shrink = SHRINK if not error < 1e6 else max(SHRINK, SAFETY * error ** (-1.0 / ORDER))
+        clock[1] = h * shrink
+    keep_piece(piece, y, moved, work)
+    copy_to(y, moved)
+    clock[0] = bound if h == bound - t else t + h
+    grow = SAFETY * max(error, 1e-8) ** (-1.0 / ORDER)
+    clock[1] = h * min(max(grow, SHRINK), 1.0 if rejected else GROW)
+    return 0
+
+
+def attempt(problem, data, t, h, y, rtol, atol, counts, work):
+    """Compute the stages k and y(t + h); return the error in units of the tolerance."""
+    rates, drift, moved, b = work[STAGES], work[STAGES + 1], work[STAGES + 2], work[STAGES + 3]
+    copy_to(work[0], rates)
+    add_scaled(work[0], h * DRIFT[0], drift)
+    problem.resolve(work[0], data)
+    for stage in range(1, STAGES):
+        copy_to(moved, y)
+        for j in range(stage):
+            add_scaled(moved, STAGE[stage, j], work[j])
+        problem.slope(t + NODES[stage] * h, moved, b, data)
+        counts[0] += 1
+        add_scaled(b, h * DRIFT[stage], drift)
+        for j in range(stage):
+            add_scaled(b, COUPLING[stage, j] / h, work[j])
+        problem.resolve(b, data)
+        copy_to(work[stage], b)
+        if stage == 1:
+            # k_2 = -2 k_1 where f is linear: what differs is a remainder of order h^2
+            add_scaled(b, 2.0, work[0])
+            if not scaled_size(b, y, moved, rtol, atol) < HOPELESS:
+                return np.inf
+    add_scaled(moved, 1.0, work[STAGES - 1])
+    return scaled_size(work[STAGES - 1], y, moved, rtol, atol)
+
+
+def keep_piece(piece, y, moved, work):
+    """Store the dense output of a step: start, end, two rows of curvature."""
+    copy_to(piece[0], y)
+    copy_to(piece[1], moved)
+    for row in range(2):
+        piece[2 + row][:] = 0.0
+        for j in range(STAGES):
+            add_scaled(piece[2 + row], DENSE[row, j], work[j])
+
+
+def first_step(problem, data, y, rtol, atol, clock, counts, work):
+    """Choose the first step as Hairer, Norsett & Wanner (1993), section II.4, do."""
+    rates, other, moved = work[STAGES], work[STAGES + 1], work[STAGES + 2]
+    reach = clock[2] - clock[0]
+    problem.slope(clock[0], y, rates, data)
+    size, speed = scaled_size(y, y, y, rtol, atol), scaled_size(rates, y, y, rtol, atol)
+    h = 1e-6 if size < 1e-5 or speed < 1e-5 else 0.01 * size / speed
+    h = math.copysign(min(h, abs(reach)), reach)
+    copy_to(moved, y)
+    add_scaled(moved, h, rates)
+    problem.slope(clock[0] + h, moved, other, data)
+    counts[0] += 2
+    add_scaled(other, -1.0, rates)
+    bend = scaled_size(other, y, y, rtol, atol) / abs(h)
+    worst = max(speed, bend)
+    asked = max(1e-6, abs(h) * 1e-3) if worst < 1e-15 else (0.01 / worst) ** (1.0 / ORDER)
+    clock[1] = math.copysign(min(100.0 * abs(h), asked, abs(reach)), reach)
+
+
+def sample(times, ends, pieces, rows):
+    """Fill rows (k, n) with the solution at ascending or descending `times` (k,)."""
+    last, at = ends.size - 2, 0
+    forward = ends[last + 1] >= ends[0]
+    for k in range(times.size):
+        while at < last and (times[k] > ends[at + 1]) == forward and times[k] != ends[at + 1]:
+            at += 1
+        x = (times[k] - ends[at]) / (ends[at + 1] - ends[at])
+        interpolate_piece(x, pieces[at], rows[k])
