@@ -16,11 +16,16 @@ from typing import Any
 import numba
 import numpy as np
 
-SOURCES = (".", "dynamics", "contact", "control")
+SOURCES = (".", "dynamics", "contact", "control", "rodas")
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """Compile a scalar formula; runs as plain Python under NUMBA_DISABLE_JIT=1."""
+    """Compile a formula into its callers; runs as plain Python under NUMBA_DISABLE_JIT=1."""
+    return numba.njit(nogil=True, error_model="numpy", forceinline=True)(function)
+
+
+def routine(function: Callable[..., Any]) -> Any:
+    """Compile a function that stays one, because it is long and called from several places."""
     return numba.njit(nogil=True, error_model="numpy")(function)
 
 

@@ -12,7 +12,7 @@ import importlib.util
 import inspect
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -20,14 +20,24 @@ from typing import Any
 
 import numpy as np
 
-from hannes._jit import cache_folder, entry, kernel, plain
+from hannes import full
+from hannes._jit import cache_folder, entry, kernel, plain, routine
 from hannes.effect import Effect, Term
 from hannes.errors import BadInput
 from hannes.files import write_text
 from hannes.layout import Layout, Slot
+from hannes.rodas import text as method
+from hannes.rodas.problem import Problem
 
 _SLOT = re.compile(r"\b(p|y|dy|c|out)\.([a-z]\w*)")
+_ELEMENT = re.compile(r"\b(p|y|dy|c|out)\[(\d+):\d+\]\[")
 _HOOK = re.compile(r"^(\s*)# effects: (.+)$")
+
+_OPEN = "workspace|advance|first_step|sample_pieces"
+_CLOSED = (
+    "equations|step|attempt|linearise|decompose|resolve|"
+    "motor_stages|wire_stages|finger_stages|eliminate|solve_triangles"
+)
 
 _ENTRIES = '''
 
@@ -40,18 +50,26 @@ def rates(t, y, p, reference, hold):
 
 @entry
 def jacobian(t, y, p, reference, hold):
-    """Forward differences, one column a state: dy_i / dy_j."""
+    """df/dy as the integrator has it."""
+    data, rates = workspace(y, p, reference, hold), np.zeros({states})
+    slope(t, y, rates, data)
+    linearise(t, y, rates, np.zeros({states}), data)
+    columns = np.zeros(({states}, {states}))
+    gather(data, columns)
+    return columns
+
+
+@entry
+def differences(t, y, p, reference, hold):
+    """df/dy by forward differences, one column a state."""
     c, out, moved = np.zeros({channels}), np.zeros({outputs}), y.copy()
     base, dy, columns = np.zeros({states}), np.zeros({states}), np.zeros(({states}, {states}))
     equations(t, moved, base, p, c, reference, hold, out)
     for j in range({states}):
-        step = 1e-7 * max(abs(y[j]), steps[j])
-        moved[j] = y[j] + step
-        dy[:] = 0.0
+        moved[j] += 1e-7 * max(abs(y[j]), steps[j])
         equations(t, moved, dy, p, c, reference, hold, out)
+        columns[:, j] = (dy - base) / (moved[j] - y[j])
         moved[j] = y[j]
-        for i in range({states}):
-            columns[i, j] = (dy[i] - base[i]) / step
     return columns
 
 
@@ -78,6 +96,8 @@ class Equations:
     """A plant's written equations: the module that holds them and what its slots mean.
 
     `entries` is the text of further entry points of its own, a template like `_ENTRIES`.
+    `shape` places the states of a plant whose Jacobian has a known shape: it returns the module
+    with the text that solves it, that module's constants, and why the shape does not hold.
     """
 
     module: ModuleType
@@ -86,12 +106,11 @@ class Equations:
     channels: Layout
     outputs: Layout
     entries: str = ""
+    shape: Callable[..., tuple[ModuleType, dict[str, str], str]] | None = None
 
     def source(self) -> str:
         """Text of the module's functions, without its imports and head."""
-        text = inspect.getsource(self.module)
-        first = next(node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef))
-        return "\n".join(text.splitlines()[first.lineno - 1 :]) + "\n"
+        return _functions(self.module)
 
     def stage_of(self, channel: str) -> str:
         """Name of the written function whose hook is open for `channel`."""
@@ -142,12 +161,19 @@ class Compiled:
     outputs: Layout
     fast: ModuleType
     observed: ModuleType
+    jacobian_kind: str = "dense differences"
+
+    def problem(self, p: np.ndarray, reference: np.ndarray, hold: np.ndarray) -> Problem:
+        """The rates with these parameters as a problem for `Rodas`."""
+        fast = self.fast
+        data = fast.workspace(np.zeros(self.states.size), p, reference, hold)
+        return Problem(fast.advance, fast.first_step, fast.sample_pieces, data)
 
     def is_warm(self) -> bool:
         """Tell whether machine code of a former run can be used."""
         folder = Path(str(self.fast.__file__)).parent / "__pycache__"
         stem = Path(str(self.fast.__file__)).stem
-        return "rates" in vars(self.fast) and any(folder.glob(f"{stem}.rates*.nbi"))
+        return any(folder.glob(f"{stem}.advance*.nbi"))
 
 
 def assemble(plant: Equations, effects: Iterable[Effect] = ()) -> Compiled:
@@ -171,19 +197,45 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
         for effect in effects
         for term in effect.terms
     }
-    names = {**vars(plant.module), **kernels}
+    solution, constants, kind = _solution(plant, layouts, effects)
+    names = {**vars(plant.module), **vars(solution), **method.NAMES, **kernels}
     reached = [each for each in names.values() if hasattr(plain(each), "__code__")]
     origin = "".join(_fingerprint(each) for each in reached)
+    quick += layouts.fill(_functions(solution)) + method.source()
+    quick += layouts.sized(_ENTRIES + plant.entries)
     return Compiled(
         text,
         layouts.p,
         layouts.y,
         layouts.out,
-        _module(
-            "fast", quick + layouts.sized(_ENTRIES + plant.entries), names, origin, layouts.steps()
-        ),
-        _module("observed", text + layouts.sized(_OBSERVED), names, origin, layouts.steps()),
+        _module("fast", quick, names, origin, constants),
+        _module("observed", text + layouts.sized(_OBSERVED), names, origin, {}),
+        kind,
     )
+
+
+def _solution(
+    plant: Equations, layouts: "_Layouts", effects: tuple[Effect, ...]
+) -> tuple[ModuleType, dict[str, str], str]:
+    """Text that differences and solves, its constants, and what it is."""
+    constants = {
+        "steps": f"np.array({layouts.steps()})",
+        "CHANNELS": str(layouts.c.size),
+        "OUTPUTS": str(layouts.out.size),
+    }
+    if plant.shape is None:
+        return full, constants, "dense differences"
+    module, places, broken = plant.shape(layouts.y, layouts.c, plant.stage_of, effects)
+    if broken:
+        return full, constants, f"dense differences, because {broken}"
+    return module, constants | places, "structured"
+
+
+def _functions(module: ModuleType) -> str:
+    """Text of a module from its first function on."""
+    text = inspect.getsource(module)
+    first = next(node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef))
+    return "\n".join(text.splitlines()[first.lineno - 1 :]) + "\n"
 
 
 class _Layouts:
@@ -218,7 +270,7 @@ class _Layouts:
             lines.append(line)
             if hook := _HOOK.match(line):
                 lines += [hook[1] + call for call in self._calls(hook[2].split(", "))]
-        return _SLOT.sub(self._subscript, "\n".join(lines)) + "\n"
+        return _flat(_SLOT.sub(self._subscript, "\n".join(lines))) + "\n"
 
     def _subscript(self, match: re.Match[str]) -> str:
         letter, name = match.groups()
@@ -283,6 +335,19 @@ class _Layouts:
         return ""
 
 
+def _flat(text: str) -> str:
+    """Turn an element of a slot, `c[5:10][k]`, into one subscript, `c[5 + k]`: no view is made."""
+    found = _ELEMENT.search(text)
+    if not found:
+        return text
+    end, depth = found.end(), 1
+    while depth:
+        depth += {"[": 1, "]": -1}.get(text[end], 0)
+        end += 1
+    inner = _flat(text[found.end() : end - 1])
+    return f"{text[: found.start()]}{found[1]}[{found[2]} + {inner}]" + _flat(text[end:])
+
+
 def _without_outputs(text: str) -> str:
     """Drop the statements that only fill outputs, which the integrator does not need."""
     lines = text.splitlines()
@@ -339,11 +404,12 @@ def _reached(function: Any) -> list[tuple[str, Any]]:
 
 
 def _module(
-    kind: str, text: str, names: dict[str, Any], origin: str, steps: list[float]
+    kind: str, text: str, names: dict[str, Any], origin: str, constants: dict[str, str]
 ) -> ModuleType:
     """Write the generated text once, under its digest, and load it with its kernels."""
     head = '"""Generated by hannes from its equations; edit those, not this."""\n\n'
-    body = head + f"import numpy as np\n\nsteps = np.array({steps})\n\n\n" + _decorated(text)
+    values = "\n".join(f"{name} = {value}" for name, value in constants.items())
+    body = head + f"import numpy as np\n\n{values}\n\n\n" + _decorated(text)
     digest = hashlib.sha256((body + origin).encode()).hexdigest()[:16]
     path = cache_folder() / f"{kind}_{digest}.py"
     if not path.exists():
@@ -354,12 +420,15 @@ def _module(
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     functions = {key: value for key, value in names.items() if not key.startswith("__")}
-    vars(module).update(functions, kernel=kernel, entry=entry)
+    vars(module).update(functions, kernel=kernel, routine=routine, entry=entry)
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
 
 
 def _decorated(text: str) -> str:
-    """Mark every bare function of the generated text as a kernel."""
-    return re.sub(r"^(?<!@entry\n)def ", "@kernel\ndef ", text, flags=re.MULTILINE)
+    """Mark entry points, what stays a function of its own, and kernels."""
+    for mark, names in (("entry", _OPEN), ("routine", _CLOSED)):
+        text = re.sub(rf"^def ({names})\(", rf"@{mark}\ndef \1(", text, flags=re.MULTILINE)
+    bare = r"^(?<!@entry\n)(?<!@routine\n)def "
+    return re.sub(bare, "@kernel\ndef ", text, flags=re.MULTILINE)

@@ -85,6 +85,8 @@ CHANNELS = (
     + _slots(
         "joint",
         """
+        cosine         | 1 | of the direction of the link that starts at the joint
+        sine           | 1 | of the direction of the link that starts at the joint
         joint_friction | N m | opposing the joint
         spring_torque  | N m | re-opening
         joint_torque   | N m | everything that acts on the joint

@@ -6,6 +6,8 @@ numbers, inserts the calls of the chosen effects after each line `# effects: cha
 compiles the result. `print(hand.equations())` shows it. SI units; the motor at its own side.
 """
 
+import math
+
 from hannes.contact.penalty import normal_law, sensed, tangential_law
 from hannes.contact.section import contact_place, signed_distance
 from hannes.control.drive import drive_voltage
@@ -13,7 +15,7 @@ from hannes.control.encoder import quantised
 from hannes.control.pid import integral_rate, pid, saturated
 from hannes.control.reference import interpolate
 from hannes.dynamics.carts import cart_rate
-from hannes.dynamics.finger import accelerations, gravity_torque, kinetic_energy, link_frame
+from hannes.dynamics.finger import gravity_torque, kinetic_energy, solve_inertia
 from hannes.dynamics.friction import dry, stribeck
 from hannes.dynamics.joints import spring_torque, stop_torque
 from hannes.dynamics.motor import current_rate, speed_rate
@@ -26,7 +28,7 @@ def equations(t, y, dy, p, c, reference, hold, out):
     position, current = sense(t, y, dy, p, c, out)
     duty = control(t, y, dy, p, c, hold, target, position, current, out)
     torque_constant = drive(t, y, dy, p, c, duty, out)
-    excursions(y, p, c)
+    kinematics(y, p, c)
     load = leader(t, y, dy, p, c, out)
     gear(t, y, dy, p, c, torque_constant, load, out)
     carts(t, y, dy, p, c, out)
@@ -138,8 +140,18 @@ def drive(t, y, dy, p, c, duty, out):
     return torque_constant
 
 
+def kinematics(y, p, c):
+    """Directions of the links, and flexor wire taken up: r_1 (q_1 - q_1rest) + r_2 (...)."""
+    for f in range(5):
+        mcp, pip = 2 * f, 2 * f + 1
+        bend, turn = y.joint_angle[mcp], y.joint_angle[mcp] + y.joint_angle[pip]
+        c.cosine[mcp], c.sine[mcp] = math.cos(bend), math.sin(bend)
+        c.cosine[pip], c.sine[pip] = math.cos(turn), math.sin(turn)
+    excursions(y, p, c)
+
+
 def excursions(y, p, c):
-    """Flexor wire taken up by each finger: r_1 (q_1 - q_1rest) + r_2 (q_2 - q_2rest)."""
+    """Flexor wire taken up by each finger [m], and its rate [m/s]."""
     for f in range(5):
         mcp, pip = 2 * f, 2 * f + 1
         c.excursion[f] = p.joint_moment_arm[0] * (y.joint_angle[mcp] - p.rest[mcp])
@@ -255,6 +267,13 @@ def joints(t, y, dy, p, c, out):
         out.power_spring += c.spring_torque[joint] * y.joint_speed[joint]
         out.power_joint_friction += c.joint_friction[joint] * y.joint_speed[joint]
         out.power_stop -= stop * y.joint_speed[joint]
+    if p.gravity_x != 0.0 or p.gravity_y != 0.0:
+        gravity(t, y, p, c, out)
+    # effects: joint_torque
+
+
+def gravity(t, y, p, c, out):
+    """Weight of the links."""
     for f in range(5):
         mcp, pip = 2 * f, 2 * f + 1
         torque_1, torque_2 = gravity_torque(
@@ -270,7 +289,6 @@ def joints(t, y, dy, p, c, out):
         c.joint_torque[mcp] += torque_1
         c.joint_torque[pip] += torque_2
         out.power_gravity -= torque_1 * y.joint_speed[mcp] + torque_2 * y.joint_speed[pip]
-    # effects: joint_torque
 
 
 def contact(t, y, dy, p, c, out):
@@ -302,8 +320,11 @@ def contact(t, y, dy, p, c, out):
 def touch(y, p, c, phalanx, object_x, object_y):
     """Depth, rate, slip and lever arms of one phalanx (capsule) against the section."""
     f = phalanx // 2
-    mcp, pip = y.joint_angle[2 * f], y.joint_angle[2 * f + 1]
-    start_x, start_y, along_x, along_y = link_frame(phalanx % 2, mcp, pip, p.link_length[2 * f])
+    along_x, along_y = c.cosine[phalanx], -c.sine[phalanx]
+    start_x, start_y = 0.0, 0.0
+    if phalanx % 2 == 1:
+        length = p.link_length[2 * f]
+        start_x, start_y = length * c.cosine[2 * f], -length * c.sine[2 * f]
     centre_x = object_x - p.mount_x[f]
     centre_y = p.facing[f] * (object_y - p.mount_y[f])
     half_x, half_y = p.section_half_x[f], p.section_half_y[f]
@@ -351,10 +372,11 @@ def inertia(t, y, dy, p, c, out):
     """Solve M(q) q'' + c(q, q') = torque for each finger."""
     for f in range(5):
         mcp, pip = 2 * f, 2 * f + 1
-        first, second = accelerations(
+        first, second = solve_inertia(
             c.joint_torque[mcp],
             c.joint_torque[pip],
-            y.joint_angle[pip],
+            c.cosine[pip] * c.cosine[mcp] + c.sine[pip] * c.sine[mcp],
+            c.sine[pip] * c.cosine[mcp] - c.cosine[pip] * c.sine[mcp],
             y.joint_speed[mcp],
             y.joint_speed[pip],
             p.link_length[mcp],

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hannes import channels, equations
+from hannes import channels, equations, structure
 from hannes.anatomy import FINGERS
 from hannes.assemble import Compiled, Equations, assemble
 from hannes.catalogue import effect as find_effect
@@ -20,6 +20,7 @@ EQUATIONS = Equations(
     Layout(channels.STATES),
     Layout(channels.CHANNELS),
     Layout(channels.OUTPUTS),
+    shape=structure.arrow,
 )
 
 # The paper's void currents are those of four other hands: a unit like them differs from the

@@ -15,7 +15,8 @@ from hannes.experiment import Experiment
 from hannes.hand import Hand
 from hannes.trajectory import Cost, Outcome, Trajectory
 
-METHODS = ("LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
+METHODS = ("Rodas", "LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
+RUN = 256  # steps that Rodas takes between two returns to Python
 IMPLICIT = ("LSODA", "BDF", "Radau")
 HOLD = 7
 
@@ -24,13 +25,13 @@ def simulate(
     hand: Hand,
     experiment: Experiment,
     *,
-    method: str = "LSODA",
+    method: str = "Rodas",
     rtol: float = 1e-4,
     effects: tuple[Effect, ...] | None = None,
 ) -> Trajectory:
     """Simulate `experiment` with `hand` and return its Trajectory, completed or not.
 
-    `method` is one of scipy's solve_ivp; `rtol` the relative tolerance, absolute ones follow
+    `method` is "Rodas" (hannes/rodas) or one of scipy's; `rtol` the relative tolerance, absolute ones follow
     from each state's declared tolerance. `effects` fixes the set that is compiled in (default:
     those of `hand` that are not off). Raises BadInput for a bad method, tolerance or value.
     """
@@ -102,7 +103,7 @@ class _Run:
         from scipy.integrate import solve_ivp
 
         rates, inside = self._rates(knots), self._samples(end)
-        if not np.isfinite(rates(start, self.state)).all():  # scipy would step on the spot
+        if not self._sets_out(rates, start):
             return self._fail(Outcome.NOT_FINITE, f"the rates at {start:g} s are not finite")
         clock = time.perf_counter()
         try:
@@ -111,11 +112,10 @@ class _Run:
                     rates,
                     (start, end),
                     self.state,
-                    method=self.method,
                     t_eval=np.clip(np.append(self.times[self.filled : inside], end), start, end),
                     rtol=self.rtol,
                     atol=self.atol,
-                    **self._jacobian(knots),
+                    **self._method(knots),
                 )
         except ValueError as error:
             if "infs or NaNs" not in str(error):
@@ -150,6 +150,19 @@ class _Run:
     def _rates(self, knots: np.ndarray) -> Callable[[float, np.ndarray], np.ndarray]:
         rates, p, hold = self.compiled.fast.rates, self.p, self.hold
         return lambda t, y: rates(t, y, p, knots, hold)
+
+    def _sets_out(self, rates: Callable[..., np.ndarray], start: float) -> bool:
+        """Tell whether the rates are finite; scipy's methods would step on the spot."""
+        return self.method == "Rodas" or bool(np.isfinite(rates(start, self.state)).all())
+
+    def _method(self, knots: np.ndarray) -> dict[str, Any]:
+        """Method and its options."""
+        if self.method != "Rodas":
+            return {"method": self.method, **self._jacobian(knots)}
+        from hannes.rodas.solver import Rodas
+
+        problem = self.compiled.problem(self.p, knots, self.hold)
+        return {"method": Rodas, "problem": problem, "run": RUN}
 
     def _jacobian(self, knots: np.ndarray) -> dict[str, Any]:
         if self.method not in IMPLICIT:

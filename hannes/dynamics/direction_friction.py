@@ -1,9 +1,8 @@
 """Direction-dependent friction: harder one way than the other."""
 
-import math
-
 from hannes._jit import kernel
 from hannes.effect import Effect, Term
+from hannes.onset import soft_sign
 from hannes.parameter import Parameter
 
 
@@ -12,7 +11,7 @@ def asymmetry(
     motor_speed, motor_dry_friction, motor_friction_speed, motor_viscous_friction, dry, viscous
 ):
     """Friction (1 + a) closing and (1 - a) opening, dry and viscous apart: what this adds."""
-    slide = abs(math.tanh(motor_speed / motor_friction_speed))
+    slide = abs(soft_sign(motor_speed / motor_friction_speed))
     return dry * motor_dry_friction * slide + viscous * motor_viscous_friction * abs(motor_speed)
 
 

@@ -10,17 +10,17 @@ from hannes._jit import kernel
 
 
 @kernel
-def accelerations(
-    torque_1, torque_2, angle_2, speed_1, speed_2, length_1, length_2, mass_1, mass_2
+def solve_inertia(
+    torque_1, torque_2, cosine, sine, speed_1, speed_2, length_1, length_2, mass_1, mass_2
 ):
     """Solve M(q) q'' + c(q, q') = torque for both joints: returns q'' [rad/s2] (2 scalars).
 
-    `torque` [N m] holds everything that acts on a joint; lengths [m], masses [kg].
+    `torque` [N m] holds everything that acts on a joint; `cosine` and `sine` are those of the
+    second joint's angle; lengths [m], masses [kg].
     """
     inertia_1 = mass_1 * length_1 * length_1 / 3.0 + mass_2 * length_1 * length_1
     inertia_2 = mass_2 * length_2 * length_2 / 3.0
     coupling = 0.5 * mass_2 * length_1 * length_2
-    cosine, sine = math.cos(angle_2), math.sin(angle_2)
     m_11 = inertia_1 + inertia_2 + 2.0 * coupling * cosine
     m_12 = inertia_2 + coupling * cosine
     tau_1 = torque_1 + coupling * sine * (2.0 * speed_1 + speed_2) * speed_2
@@ -30,6 +30,16 @@ def accelerations(
         (inertia_2 * tau_1 - m_12 * tau_2) / determinant,
         (m_11 * tau_2 - m_12 * tau_1) / determinant,
     )
+
+
+@kernel
+def accelerations(
+    torque_1, torque_2, angle_2, speed_1, speed_2, length_1, length_2, mass_1, mass_2
+):
+    """`solve_inertia` at the second joint's angle [rad]."""
+    cosine, sine = math.cos(angle_2), math.sin(angle_2)
+    rods = (length_1, length_2, mass_1, mass_2)
+    return solve_inertia(torque_1, torque_2, cosine, sine, speed_1, speed_2, *rods)
 
 
 @kernel

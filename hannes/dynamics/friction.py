@@ -3,6 +3,7 @@
 import math
 
 from hannes._jit import kernel
+from hannes.onset import soft_sign
 from hannes.parameter import Parameter
 
 
@@ -19,13 +20,13 @@ def stribeck(speed, breakaway, coulomb, breakaway_speed, viscous):
     """
     x = speed / (breakaway_speed * math.sqrt(2.0))
     peak = math.sqrt(2.0 * math.e) * (breakaway - coulomb) * math.exp(-x * x) * x
-    return peak + coulomb * math.tanh(speed / (0.1 * breakaway_speed)) + viscous * speed
+    return peak + coulomb * soft_sign(speed / (0.1 * breakaway_speed)) + viscous * speed
 
 
 @kernel
 def dry(speed, level, onset_speed):
     """Coulomb friction regularised over `onset_speed`: T tanh(w / w_s); T [N m], w [rad/s]."""
-    return level * math.tanh(speed / onset_speed)
+    return level * soft_sign(speed / onset_speed)
 
 
 def friction_parameters(

@@ -1,16 +1,15 @@
 """Load-dependent gear friction: the reducer loses a share of what it transmits."""
 
-import math
-
 from hannes._jit import kernel
 from hannes.effect import Effect, Term
+from hannes.onset import soft_sign
 from hannes.parameter import Parameter
 
 
 @kernel
 def load_loss(motor_speed, motor_friction_speed, load, coefficient):
     """Friction proportional to the transmitted load: mu |tl| tanh(w / w_s) [N m]."""
-    return coefficient * abs(load) * math.tanh(motor_speed / motor_friction_speed)
+    return coefficient * abs(load) * soft_sign(motor_speed / motor_friction_speed)
 
 
 EFFECT = Effect(

@@ -46,7 +46,7 @@ class Plain:
         self.fun, self.many, self.jac = fun, many, jac
         self.scale, self.direction = scale, direction
         self.matrix, self.factors = np.zeros((n, n)), np.zeros((n, n))
-        self.rows, self.data, self.sample = np.zeros(n, np.int64), (), step.sample
+        self.rows, self.data, self.sample = np.zeros(n, np.int64), (), step.sample_pieces
 
     def slope(self, t: float, y: np.ndarray, dy: np.ndarray, data: Any) -> None:
         """Fill dy with f(t, y)."""
@@ -114,4 +114,4 @@ def compiled(fun: Any, scale: np.ndarray, direction: float = 1.0) -> Problem:
     space = text.compiled({**functions, "decompose": decompose, "resolve": resolve})
     n = scale.size
     data = (np.zeros((n, n)), np.zeros((n, n)), np.zeros(n, np.int64), scale, direction)
-    return Problem(space["advance"], space["first_step"], space["sample"], data)
+    return Problem(space["advance"], space["first_step"], space["sample_pieces"], data)

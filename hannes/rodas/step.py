@@ -137,7 +137,7 @@ def first_step(problem, data, y, rtol, atol, clock, counts, work):
     clock[1] = math.copysign(min(100.0 * abs(h), asked, abs(reach)), reach)
 
 
-def sample(times, ends, pieces, rows):
+def sample_pieces(times, ends, pieces, rows):
     """Fill rows (k, n) with the solution at ascending or descending `times` (k,)."""
     last, at = ends.size - 2, 0
     forward = ends[last + 1] >= ends[0]

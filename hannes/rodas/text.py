@@ -18,7 +18,7 @@ PARTS: tuple[Callable[..., Any], ...] = (
     step.step,
     step.advance,
     step.first_step,
-    step.sample,
+    step.sample_pieces,
 )
 # What the text reaches by name.
 _WRITTEN = {part.__name__ for part in PARTS}
