@@ -1,15 +1,16 @@
 """The hand's Jacobian and its solution: fingers meet in the carts, carts in the motor.
 
 Text of the same kind as equations.py, compiled together with it. The rates of a finger depend
-on its own states and on its wire's tension; tensions and the rates of all other states (the
-core: motor, controller, carts) depend on the core and on how much wire each finger takes up.
+on its own states x_f and on its wire's tension T_f; tensions and the rates of all other states
+(the core: motor, controller, carts) depend on the core and on the wire l_f that each finger
+takes up, and its rate:
+
+    dx_f/dt = F_f x_f + a_f T_f + C_f core,    (T, dcore/dt) = Z (core, l, dl/dt)
+
 Stages are differenced one at a time with what they receive held, all fingers at once: whatever
-effects are in the stages are in the differences. `structure.py` tells which states an effect
-adds to a finger or to the core, and when this shape does not hold.
-
-With x_f the states of a finger, z = (tensions, core), l_f = (excursion, its rate):
-
-    (s - F_f) x_f = b_f + a_f T_f + C_f core,   z = Z (core, l) (+ b on the core's rows)
+effects are in the stages are in the differences. structure.py tells which states an effect adds
+to a finger or to the core, what it reads, and when this shape does not hold. Arrays over fingers
+have the finger last, so that the five are worked on at once.
 """
 
 import numpy as np
@@ -27,17 +28,23 @@ from hannes.equations import (
     kinematics,
     leader,
     position_reference,
+    press,
     sense,
 )
 from hannes.rodas.arrays import copy_to
 
-# Places of the core's states and of each finger's: two angles, two speeds, those of effects.
-CORE = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10])
-OWN = np.array([[11 + 2 * f, 12 + 2 * f, 21 + 2 * f, 22 + 2 * f] for f in range(5)])
-SEEN = np.array([0])[:0]  # numbers of core states that finger stages read
-PART = np.array([0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2])  # who reads a core state: see structure.py
-steps = np.full(31, 1e-3)
+# Filled in by structure.py; here those of the hand without effects.
+CORE = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10])  # places of the core's states
+OWN = np.array([[11 + k + 2 * f for f in range(5)] for k in (0, 1, 10, 11)])  # of each finger's
+SEEN = np.array([0])[:0]  # which of CORE the finger stages read
+PART = np.array([0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2])  # who reads which of CORE: see structure.py
+CART = np.array([0, 0, 1, 1, -1] + 7 * [-1] + [0, 1, 0, 1])  # whose row it is, of ROWS
+TIMED = False  # whether other stages than the motor's read the time
+HELD = True  # whether nothing but the flexor reads a tension in the fingers
+PAIRED = True  # whether only the carts, each for itself, read the wire taken up by a pair
+SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, CORE, SEEN; tensions and core
 CHANNELS, OUTPUTS = 1, 1
+steps = np.full(31, 1e-3)
 
 
 def motor_stages(t, y, dy, p, c, reference, hold, out):
@@ -63,190 +70,12 @@ def finger_stages(t, y, dy, p, c, out):
     inertia(t, y, dy, p, c, out)
 
 
-def linearise(t, y, rates, drift, data):
-    """Fill the blocks of df/dy, and df/dt; `rates` = f(t, y) was the last evaluation."""
-    p, reference, hold, c, out, dy, moved = data[0]
-    blocks, core, tensions = data[1], data[2], data[3]
-    copy_to(moved, y)
-    copy_to(tensions, c.tendon_tension)
-    difference_fingers(t, y, moved, rates, dy, p, c, out, tensions, blocks)
-    copy_to(c.tendon_tension, tensions)
-    kinematics(y, p, c)
-    later = t + 1e-7 * max(1.0, abs(t))
-    slope_later(later, y, dy, p, c, reference, hold, out)
-    for i in range(y.size):
-        drift[i] = (dy[i] - rates[i]) / (later - t)
-    kinematics(y, p, c)
-    difference_core(t, y, moved, rates, dy, p, c, reference, hold, out, tensions, core)
-
-
-def slope_later(t, y, dy, p, c, reference, hold, out):
-    """Rates at another time."""
-    torque_constant = motor_stages(t, y, dy, p, c, reference, hold, out)
-    wire_stages(t, y, dy, p, c, torque_constant, out)
-    finger_stages(t, y, dy, p, c, out)
-
-
-def difference_fingers(t, y, moved, rates, dy, p, c, out, tensions, blocks):
-    """blocks[f, i, j]: rate i of finger f by its state j, by its tension, by core states SEEN."""
-    size = OWN.shape[1]
-    for f in range(5):
-        c.tendon_tension[f] = tensions[f] + 1e-4 * max(1.0, abs(tensions[f]))
-    finger_stages(t, moved, dy, p, c, out)
-    for f in range(5):
-        nudge = c.tendon_tension[f] - tensions[f]
-        for i in range(size):
-            blocks[f, i, size] = (dy[OWN[f, i]] - rates[OWN[f, i]]) / nudge
-        c.tendon_tension[f] = tensions[f]
-    for n in range(SEEN.size):
-        place = CORE[SEEN[n]]
-        moved[place] += 1e-7 * max(abs(y[place]), steps[place])
-        finger_stages(t, moved, dy, p, c, out)
-        for f in range(5):
-            for i in range(size):
-                change = dy[OWN[f, i]] - rates[OWN[f, i]]
-                blocks[f, i, size + 1 + n] = change / (moved[place] - y[place])
-        moved[place] = y[place]
-    for j in range(size - 1, -1, -1):  # angles last: the directions of the links hold till then
-        for f in range(5):
-            place = OWN[f, j]
-            moved[place] += 1e-7 * max(abs(y[place]), steps[place])
-        if j < 2:
-            kinematics(moved, p, c)
-        else:
-            excursions(moved, p, c)
-        finger_stages(t, moved, dy, p, c, out)
-        for f in range(5):
-            place = OWN[f, j]
-            for i in range(size):
-                change = dy[OWN[f, i]] - rates[OWN[f, i]]
-                blocks[f, i, j] = change / (moved[place] - y[place])
-            moved[place] = y[place]
-
-
-def difference_core(t, y, moved, rates, dy, p, c, reference, hold, out, tensions, core):
-    """core[i, j]: tensions (i < 5) and core rates by core states, excursions, their rates."""
-    count = CORE.size
-    base = motor_stages(t, y, dy, p, c, reference, hold, out)
-    for j in range(count):
-        place = CORE[j]
-        moved[place] += 1e-7 * max(abs(y[place]), steps[place])
-        copy_to(dy, rates)
-        torque_constant = base
-        if PART[j] != 2:
-            torque_constant = motor_stages(t, moved, dy, p, c, reference, hold, out)
-        if PART[j] != 1:
-            wire_stages(t, moved, dy, p, c, torque_constant, out)
-        keep_core(moved[place] - y[place], j, rates, dy, c, tensions, core)
-        copy_to(c.tendon_tension, tensions)
-        moved[place] = y[place]
-    for f in range(5):
-        held = c.excursion[f]
-        c.excursion[f] = held + 1e-9
-        wire_stages(t, y, dy, p, c, base, out)
-        keep_core(c.excursion[f] - held, count + f, rates, dy, c, tensions, core)
-        c.excursion[f] = held
-        held = c.excursion_rate[f]
-        c.excursion_rate[f] = held + 1e-7
-        wire_stages(t, y, dy, p, c, base, out)
-        keep_core(c.excursion_rate[f] - held, count + 5 + f, rates, dy, c, tensions, core)
-        c.excursion_rate[f] = held
-    copy_to(c.tendon_tension, tensions)
-
-
-def keep_core(nudge, column, rates, dy, c, tensions, core):
-    """Store one column of differences."""
-    for f in range(5):
-        core[f, column] = (c.tendon_tension[f] - tensions[f]) / nudge
-    for i in range(CORE.size):
-        core[5 + i, column] = (dy[CORE[i]] - rates[CORE[i]]) / nudge
-
-
-def decompose(shift, data):
-    """Factor shift - df/dy: each finger, then what is left of tensions and core."""
-    p = data[0][0]
-    blocks, core, lifts, middle, takes = data[1], data[2], data[4], data[5], data[6]
-    size, count = OWN.shape[1], CORE.size
-    for f in range(5):
-        factor_finger(shift, blocks[f], lifts[f])
-        for n in range(1 + SEEN.size):
-            for kind in range(2):
-                takes[f, kind, n] = p.joint_moment_arm[0] * lifts[f, 2 * kind, size + n]
-                takes[f, kind, n] += p.joint_moment_arm[1] * lifts[f, 2 * kind + 1, size + n]
-    for i in range(5 + count):
-        for f in range(5):
-            pulled = core[i, count + f] * takes[f, 0, 0]
-            middle[i, f] = -pulled - core[i, count + 5 + f] * takes[f, 1, 0]
-        for j in range(count):
-            middle[i, 5 + j] = -core[i, j]
-        for n in range(SEEN.size):
-            for f in range(5):
-                middle[i, 5 + SEEN[n]] -= core[i, count + f] * takes[f, 0, 1 + n]
-                middle[i, 5 + SEEN[n]] -= core[i, count + 5 + f] * takes[f, 1, 1 + n]
-        middle[i, i] += 1.0 if i < 5 else shift
-    eliminate(middle, 5 + count)
-
-
-def factor_finger(shift, block, lift):
-    """LU of shift - F in lift's first columns; the others solved: states by tension, by SEEN."""
-    size = OWN.shape[1]
-    for i in range(size):
-        for j in range(size):
-            lift[i, j] = -block[i, j]
-        lift[i, i] += shift
-        for n in range(1 + SEEN.size):
-            lift[i, size + n] = block[i, size + n]
-    eliminate(lift, size)
-    for n in range(1 + SEEN.size):
-        solve_triangles(lift, size, lift[:, size + n])
-
-
-def eliminate(matrix, size):
-    """LU in place without row exchanges, which the shift makes needless for short steps."""
-    for k in range(size):
-        pivot = 1.0 / matrix[k, k]
-        for i in range(k + 1, size):
-            if matrix[i, k] != 0.0:
-                matrix[i, k] *= pivot
-                for j in range(k + 1, size):
-                    matrix[i, j] -= matrix[i, k] * matrix[k, j]
-
-
-def solve_triangles(matrix, size, b):
-    """Replace b by the solution."""
-    for k in range(size):
-        for i in range(k + 1, size):
-            b[i] -= matrix[i, k] * b[k]
-    for k in range(size - 1, -1, -1):
-        b[k] /= matrix[k, k]
-        for i in range(k):
-            b[i] -= matrix[i, k] * b[k]
-
-
-def resolve(b, data):
-    """Replace b by the solution x of (shift - df/dy) x = b."""
-    p = data[0][0]
-    core, lifts, middle, z, own = data[2], data[4], data[5], data[7], data[8]
-    size, count = OWN.shape[1], CORE.size
-    for i in range(5 + count):
-        z[i] = 0.0 if i < 5 else b[CORE[i - 5]]
-    for f in range(5):
-        for i in range(size):
-            own[f, i] = b[OWN[f, i]]
-        solve_triangles(lifts[f], size, own[f])
-        taken = p.joint_moment_arm[0] * own[f, 0] + p.joint_moment_arm[1] * own[f, 1]
-        rate = p.joint_moment_arm[0] * own[f, 2] + p.joint_moment_arm[1] * own[f, 3]
-        for i in range(5 + count):
-            z[i] += core[i, count + f] * taken + core[i, count + 5 + f] * rate
-    solve_triangles(middle, 5 + count, z)
-    for i in range(count):
-        b[CORE[i]] = z[5 + i]
-    for f in range(5):
-        for i in range(size):
-            x = own[f, i] + lifts[f, i, size] * z[f]
-            for n in range(SEEN.size):
-                x += lifts[f, i, size + 1 + n] * z[5 + SEEN[n]]
-            b[OWN[f, i]] = x
+def moving_stages(t, y, dy, p, c, out):
+    """Finger stages where only the joints' speeds are others: contacts stay where they are."""
+    joints(t, y, dy, p, c, out)
+    if p.object_present > 0.5:
+        press(t, y, dy, p, c, out)
+    inertia(t, y, dy, p, c, out)
 
 
 def slope(t, y, dy, data):
@@ -255,44 +84,305 @@ def slope(t, y, dy, data):
     equations(t, y, dy, p, c, reference, hold, out)
 
 
+def linearise(t, y, rates, drift, data):
+    """Fill the blocks of df/dy, and df/dt; `rates` = f(t, y) was the last evaluation."""
+    p, reference, hold, c, out, dy, moved = data[0]
+    blocks, core, tensions = data[1], data[2], data[3]
+    copy_to(moved, y)
+    copy_to(tensions, c.tendon_tension)
+    difference_tensions(t, y, rates, dy, p, c, out, tensions, blocks)
+    for n in range(SEEING):
+        difference_seen(t, y, moved, rates, dy, p, c, out, n, blocks)
+    for j in range(SIZE - 1, -1, -1):  # angles last: the links' directions hold till then
+        difference_own(t, y, moved, rates, dy, p, c, out, j, blocks)
+    kinematics(y, p, c)
+    base = difference_time(t, y, rates, dy, p, c, reference, hold, out, drift)
+    copy_to(c.tendon_tension, tensions)
+    for j in range(COUNT):
+        difference_core(t, y, moved, rates, dy, p, c, reference, hold, out, base, j, core, tensions)
+    for f in range(5):
+        if not PAIRED or f % 2 == 0:
+            difference_taking(t, y, rates, dy, p, c, out, base, f, core, tensions)
+
+
+def difference_tensions(t, y, rates, dy, p, c, out, tensions, blocks):
+    """Rates of each finger by its tension; alone, a tension is as much torque on each joint."""
+    nudge = 1e-3
+    if HELD:
+        for joint in range(10):
+            c.joint_torque[joint] += nudge * p.joint_moment_arm[joint % 2]
+        copy_to(dy, rates)
+        inertia(t, y, dy, p, c, out)
+    else:
+        for f in range(5):
+            c.tendon_tension[f] = tensions[f] + nudge
+        finger_stages(t, y, dy, p, c, out)
+        copy_to(c.tendon_tension, tensions)
+    for i in range(SIZE):
+        for f in range(5):
+            blocks[i, SIZE, f] = (dy[OWN[i, f]] - rates[OWN[i, f]]) / nudge
+
+
+def difference_seen(t, y, moved, rates, dy, p, c, out, n, blocks):
+    """Rates of each finger by a core state that the finger stages read."""
+    place = CORE[SEEN[n]]
+    moved[place] += 1e-7 * max(abs(y[place]), steps[place])
+    finger_stages(t, moved, dy, p, c, out)
+    for i in range(SIZE):
+        for f in range(5):
+            change = dy[OWN[i, f]] - rates[OWN[i, f]]
+            blocks[i, SIZE + 1 + n, f] = change / (moved[place] - y[place])
+    moved[place] = y[place]
+
+
+def difference_own(t, y, moved, rates, dy, p, c, out, j, blocks):
+    """Rates of each finger by its own state j: all fingers moved at once."""
+    for f in range(5):
+        place = OWN[j, f]
+        moved[place] += 1e-7 * max(abs(y[place]), steps[place])
+    if j < 2:
+        kinematics(moved, p, c)
+        finger_stages(t, moved, dy, p, c, out)
+    else:
+        excursions(moved, p, c)
+        moving_stages(t, moved, dy, p, c, out)
+    for f in range(5):
+        place = OWN[j, f]
+        per = 1.0 / (moved[place] - y[place])
+        for i in range(SIZE):
+            blocks[i, j, f] = (dy[OWN[i, f]] - rates[OWN[i, f]]) * per
+        moved[place] = y[place]
+
+
+def difference_time(t, y, rates, dy, p, c, reference, hold, out, drift):
+    """Fill df/dt; returns the torque constant."""
+    later = t + 1e-7 * max(1.0, abs(t))
+    copy_to(dy, rates)
+    torque_constant = motor_stages(later, y, dy, p, c, reference, hold, out)
+    if TIMED:
+        wire_stages(later, y, dy, p, c, torque_constant, out)
+        finger_stages(later, y, dy, p, c, out)
+    for i in range(y.size):
+        drift[i] = (dy[i] - rates[i]) / (later - t)
+    return motor_stages(t, y, dy, p, c, reference, hold, out)
+
+
+def difference_core(
+    t, y, moved, rates, dy, p, c, reference, hold, out, base, j, core, tensions
+):
+    """Tensions and core rates by core state j."""
+    place = CORE[j]
+    moved[place] += 1e-7 * max(abs(y[place]), steps[place])
+    copy_to(dy, rates)
+    torque_constant = base
+    if PART[j] != 2:
+        torque_constant = motor_stages(t, moved, dy, p, c, reference, hold, out)
+    if PART[j] != 1:
+        wire_stages(t, moved, dy, p, c, torque_constant, out)
+    per = 1.0 / (moved[place] - y[place])
+    moved[place] = y[place]
+    for f in range(5):
+        core[j, f] = (c.tendon_tension[f] - tensions[f]) * per
+        c.tendon_tension[f] = tensions[f]
+    for i in range(COUNT):
+        core[j, 5 + i] = (dy[CORE[i]] - rates[CORE[i]]) * per
+
+
+def difference_taking(t, y, rates, dy, p, c, out, base, f, core, tensions):
+    """Tensions and core rates by the wire that finger f takes up, then by its rate."""
+    if PAIRED and f == 2:
+        return  # along with finger 0
+    copy_to(dy, rates)
+    nudge_taking(c.excursion, f, 1e-9)
+    wire_stages(t, y, dy, p, c, base, out)
+    keep_taking(COUNT, f, 1e9, rates, dy, c, core, tensions)
+    excursions(y, p, c)
+    nudge_taking(c.excursion_rate, f, 1e-7)
+    wire_stages(t, y, dy, p, c, base, out)
+    keep_taking(COUNT + 5, f, 1e7, rates, dy, c, core, tensions)
+    excursions(y, p, c)
+
+
+def nudge_taking(taken, f, nudge):
+    """Let finger f, or a finger of each cart, take up more."""
+    taken[f] += nudge
+    if PAIRED and f == 0:
+        taken[2] += nudge
+
+
+def keep_taking(first, f, per, rates, dy, c, core, tensions):
+    """Store the column of finger f, or those of both carts' fingers."""
+    for g in range(5):
+        core[first + f, g] = (c.tendon_tension[g] - tensions[g]) * per
+    for i in range(COUNT):
+        core[first + f, 5 + i] = (dy[CORE[i]] - rates[CORE[i]]) * per
+    copy_to(c.tendon_tension, tensions)
+    if PAIRED and f == 0:
+        for i in range(ROWS):
+            core[first + 1, i] = core[first, i] if CART[i] == 0 else 0.0
+            core[first + 2, i] = core[first, i] if CART[i] == 1 else 0.0
+            core[first, i] = core[first + 1, i]
+            core[first + 3, i] = core[first + 2, i]
+
+
+def decompose(shift, data):
+    """Factor shift - df/dy: all fingers, then what is left of tensions and core."""
+    p = data[0][0]
+    blocks, core, lifts, middle, takes = data[1], data[2], data[4], data[5], data[6]
+    factor_fingers(shift, blocks, lifts)
+    for n in range(1 + SEEING):
+        solve_fingers(lifts, lifts[:, SIZE + n])
+        for kind in range(2):
+            for f in range(5):
+                takes[kind, n, f] = p.joint_moment_arm[0] * lifts[2 * kind, SIZE + n, f]
+                takes[kind, n, f] += p.joint_moment_arm[1] * lifts[2 * kind + 1, SIZE + n, f]
+    for j in range(COUNT):
+        for i in range(ROWS):
+            middle[5 + j, i] = -core[j, i]
+        middle[5 + j, 5 + j] += shift
+    for f in range(5):
+        for i in range(ROWS):
+            pulled = core[COUNT + f, i] * takes[0, 0, f]
+            middle[f, i] = -pulled - core[COUNT + 5 + f, i] * takes[1, 0, f]
+        middle[f, f] += 1.0
+    for n in range(SEEING):
+        for f in range(5):
+            for i in range(ROWS):
+                pulled = core[COUNT + f, i] * takes[0, 1 + n, f]
+                pulled += core[COUNT + 5 + f, i] * takes[1, 1 + n, f]
+                middle[5 + SEEN[n], i] -= pulled
+    factor_middle(middle, data[9], data[10])
+
+
+def factor_fingers(shift, blocks, lifts):
+    """LU of shift - F of all fingers in the first columns of lifts; what acts on them beside."""
+    for i in range(SIZE):
+        for j in range(SIZE):
+            for f in range(5):
+                lifts[i, j, f] = -blocks[i, j, f]
+        for n in range(1 + SEEING):
+            for f in range(5):
+                lifts[i, SIZE + n, f] = blocks[i, SIZE + n, f]
+        for f in range(5):
+            lifts[i, i, f] += shift
+    for k in range(SIZE):
+        for f in range(5):
+            lifts[k, k, f] = 1.0 / lifts[k, k, f]
+        for i in range(k + 1, SIZE):
+            for f in range(5):
+                lifts[i, k, f] *= lifts[k, k, f]
+            for j in range(k + 1, SIZE):
+                for f in range(5):
+                    lifts[i, j, f] -= lifts[i, k, f] * lifts[k, j, f]
+
+
+def solve_fingers(lifts, b):
+    """Replace b (states of a finger, fingers) by the solution of the factored fingers."""
+    for i in range(1, SIZE):
+        for k in range(i):
+            for f in range(5):
+                b[i, f] -= lifts[i, k, f] * b[k, f]
+    for i in range(SIZE - 1, -1, -1):
+        for k in range(i + 1, SIZE):
+            for f in range(5):
+                b[i, f] -= lifts[i, k, f] * b[k, f]
+        for f in range(5):
+            b[i, f] *= lifts[i, i, f]
+
+
+def factor_middle(middle, lower, pivots):
+    """LU of what is left, columns as rows, zeros kept so that every loop has the same length.
+
+    Short steps make row exchanges needless.
+    """
+    for k in range(ROWS):
+        pivots[k] = 1.0 / middle[k, k]
+        for i in range(ROWS):
+            lower[k, i] = middle[k, i] * pivots[k] if i > k else 0.0
+            middle[k, i] = middle[k, i] if i < k else 0.0
+        for j in range(k + 1, ROWS):
+            factor = middle[j, k]
+            if factor != 0.0:
+                for i in range(ROWS):
+                    middle[j, i] -= lower[k, i] * factor
+
+
+def solve_middle(middle, lower, pivots, z):
+    """Replace z by the solution of the factored rest."""
+    for k in range(ROWS):
+        part = z[k]
+        for i in range(ROWS):
+            z[i] -= lower[k, i] * part
+    for k in range(ROWS - 1, -1, -1):
+        part = z[k] * pivots[k]
+        for i in range(ROWS):
+            z[i] -= middle[k, i] * part
+        z[k] = part
+
+
+def resolve(b, data):
+    """Replace b by the solution x of (shift - df/dy) x = b."""
+    p = data[0][0]
+    core, lifts, middle, z, own = data[2], data[4], data[5], data[7], data[8]
+    for i in range(ROWS):
+        z[i] = 0.0 if i < 5 else b[CORE[i - 5]]
+    for i in range(SIZE):
+        for f in range(5):
+            own[i, f] = b[OWN[i, f]]
+    solve_fingers(lifts, own)
+    for f in range(5):
+        taken = p.joint_moment_arm[0] * own[0, f] + p.joint_moment_arm[1] * own[1, f]
+        rate = p.joint_moment_arm[0] * own[2, f] + p.joint_moment_arm[1] * own[3, f]
+        for i in range(ROWS):
+            z[i] += core[COUNT + f, i] * taken + core[COUNT + 5 + f, i] * rate
+    solve_middle(middle, data[9], data[10], z)
+    for i in range(COUNT):
+        b[CORE[i]] = z[5 + i]
+    for i in range(SIZE):
+        for n in range(SEEING):
+            for f in range(5):
+                own[i, f] += lifts[i, SIZE + 1 + n, f] * z[5 + SEEN[n]]
+        for f in range(5):
+            b[OWN[i, f]] = own[i, f] + lifts[i, SIZE, f] * z[f]
+
+
 def gather(data, columns):
     """Fill columns (n, n) with df/dy from the blocks that `linearise` left."""
     p, blocks, core = data[0][0], data[1], data[2]
-    size, count = OWN.shape[1], CORE.size
     columns[:] = 0.0
-    for i in range(count):
-        for j in range(count):
-            columns[CORE[i], CORE[j]] = core[5 + i, j]
+    for i in range(COUNT):
+        for j in range(COUNT):
+            columns[CORE[i], CORE[j]] = core[j, 5 + i]
     for f in range(5):
-        for i in range(size):
-            for j in range(size):
-                columns[OWN[f, i], OWN[f, j]] = blocks[f, i, j]
-            for n in range(SEEN.size):
-                columns[OWN[f, i], CORE[SEEN[n]]] = blocks[f, i, size + 1 + n]
-            for j in range(count):
-                columns[OWN[f, i], CORE[j]] += blocks[f, i, size] * core[f, j]
+        for i in range(SIZE):
+            for j in range(SIZE):
+                columns[OWN[i, f], OWN[j, f]] = blocks[i, j, f]
+            for n in range(SEEING):
+                columns[OWN[i, f], CORE[SEEN[n]]] = blocks[i, SIZE + 1 + n, f]
+            for j in range(COUNT):
+                columns[OWN[i, f], CORE[j]] += blocks[i, SIZE, f] * core[j, f]
         for j in range(4):
-            arm, kind = p.joint_moment_arm[j % 2], j // 2
+            arm, column = p.joint_moment_arm[j % 2], COUNT + 5 * (j // 2) + f
             for g in range(5):
-                by_wire = arm * core[g, count + 5 * kind + f]
-                for i in range(size):
-                    columns[OWN[g, i], OWN[f, j]] += blocks[g, i, size] * by_wire
-            for i in range(count):
-                columns[CORE[i], OWN[f, j]] = arm * core[5 + i, count + 5 * kind + f]
+                for i in range(SIZE):
+                    columns[OWN[i, g], OWN[j, f]] += blocks[i, SIZE, g] * arm * core[column, g]
+            for i in range(COUNT):
+                columns[CORE[i], OWN[j, f]] = arm * core[column, 5 + i]
 
 
 def workspace(y, p, reference, hold):
     """Everything that these functions pass around."""
-    size, count, seen = OWN.shape[1], CORE.size, SEEN.size
     n = y.size
     return (
         (p, reference, hold, np.zeros(CHANNELS), np.zeros(OUTPUTS), np.zeros(n), np.zeros(n)),
-        np.zeros((5, size, size + 1 + seen)),  # blocks
-        np.zeros((5 + count, count + 10)),  # core
+        np.zeros((SIZE, SIZE + 1 + SEEING, 5)),  # blocks: by own states, tension, SEEN
+        np.zeros((COUNT + 10, ROWS)),  # core: columns by core states, wire taken up, its rate
         np.zeros(5),  # tensions
-        np.zeros((5, size, size + 1 + seen)),  # lifts
-        np.zeros((5 + count, 5 + count)),  # middle
-        np.zeros((5, 2, 1 + seen)),  # takes
-        np.zeros(5 + count),  # z
-        np.zeros((5, size)),  # own
+        np.zeros((SIZE, SIZE + 1 + SEEING, 5)),  # lifts: factors of the fingers, what acts solved
+        np.zeros((ROWS, ROWS)),  # middle: factors of the rest
+        np.zeros((2, 1 + SEEING, 5)),  # takes: wire taken up for what acts, its rate
+        np.zeros(ROWS),  # z: tensions and core
+        np.zeros((SIZE, 5)),  # own states of the fingers
+        np.zeros((ROWS, ROWS)),  # the lower factor
+        np.zeros(ROWS),  # one over each pivot
     )

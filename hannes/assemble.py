@@ -36,7 +36,7 @@ _HOOK = re.compile(r"^(\s*)# effects: (.+)$")
 _OPEN = "workspace|advance|first_step|sample_pieces"
 _CLOSED = (
     "equations|step|attempt|linearise|decompose|resolve|"
-    "motor_stages|wire_stages|finger_stages|eliminate|solve_triangles"
+    "motor_stages|wire_stages|finger_stages|moving_stages|factor_middle"
 )
 
 _ENTRIES = '''

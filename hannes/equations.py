@@ -295,30 +295,16 @@ def contact(t, y, dy, p, c, out):
     """Every phalanx against the object's section in its plane: eq. 3 and sliding friction."""
     object_x, object_y = p.object_x, p.object_y
     # effects: object_x, object_y
-    for f in range(5):
-        if p.section_radius[f] > 0.0:
-            for link in range(2):
-                touch(y, p, c, 2 * f + link, object_x, object_y)
+    for phalanx in range(10):
+        if p.section_radius[phalanx // 2] > 0.0:
+            touch(y, p, c, phalanx, object_x, object_y)
         else:
-            c.penetration[2 * f] = c.penetration[2 * f + 1] = 0.0
-            c.penetration_rate[2 * f] = c.penetration_rate[2 * f + 1] = 0.0
-    for phalanx in range(10):
-        c.normal_force[phalanx] = normal_law(
-            c.penetration[phalanx],
-            c.penetration_rate[phalanx],
-            p.object_stiffness,
-            p.object_damping,
-            p.object_onset,
-        )
-    # effects: normal_force
-    for phalanx in range(10):
-        c.normal_force[phalanx] = max(0.0, c.normal_force[phalanx])
-        if c.normal_force[phalanx] > 0.0:
-            push(t, y, p, c, phalanx, out)
+            c.penetration[phalanx] = 0.0
+    press(t, y, dy, p, c, out)
 
 
 def touch(y, p, c, phalanx, object_x, object_y):
-    """Depth, rate, slip and lever arms of one phalanx (capsule) against the section."""
+    """Depth and lever arms of one phalanx (capsule) against the section."""
     f = phalanx // 2
     along_x, along_y = c.cosine[phalanx], -c.sine[phalanx]
     start_x, start_y = 0.0, 0.0
@@ -344,13 +330,36 @@ def touch(y, p, c, phalanx, object_x, object_y):
         from_x, from_y = surface_x - start_x, surface_y - start_y
         c.normal_arm[2 * phalanx + 1] = normal_x * from_y - normal_y * from_x
         c.slip_arm[2 * phalanx + 1] = -normal_y * from_y - normal_x * from_x
-    speed_1, speed_2 = y.joint_speed[2 * f], y.joint_speed[2 * f + 1]
-    c.penetration_rate[phalanx] = -(
-        c.normal_arm[2 * phalanx] * speed_1 + c.normal_arm[2 * phalanx + 1] * speed_2
-    )
-    c.slip_speed[phalanx] = (
-        c.slip_arm[2 * phalanx] * speed_1 + c.slip_arm[2 * phalanx + 1] * speed_2
-    )
+
+
+def press(t, y, dy, p, c, out):
+    """Forces of all contacts, given their depths and lever arms."""
+    for phalanx in range(10):
+        if p.section_radius[phalanx // 2] > 0.0:
+            slide(y, c, phalanx)
+        else:
+            c.penetration_rate[phalanx] = 0.0
+        c.normal_force[phalanx] = normal_law(
+            c.penetration[phalanx],
+            c.penetration_rate[phalanx],
+            p.object_stiffness,
+            p.object_damping,
+            p.object_onset,
+        )
+    # effects: normal_force
+    for phalanx in range(10):
+        c.normal_force[phalanx] = max(0.0, c.normal_force[phalanx])
+        if c.normal_force[phalanx] > 0.0:
+            push(t, y, p, c, phalanx, out)
+
+
+def slide(y, c, phalanx):
+    """Rate of depth and speed of slip of one phalanx."""
+    mcp, pip = phalanx - phalanx % 2, phalanx - phalanx % 2 + 1
+    speed_1, speed_2 = y.joint_speed[mcp], y.joint_speed[pip]
+    first, second = 2 * phalanx, 2 * phalanx + 1
+    c.penetration_rate[phalanx] = -(c.normal_arm[first] * speed_1 + c.normal_arm[second] * speed_2)
+    c.slip_speed[phalanx] = c.slip_arm[first] * speed_1 + c.slip_arm[second] * speed_2
 
 
 def push(t, y, p, c, phalanx, out):

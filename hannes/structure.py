@@ -14,7 +14,7 @@ from hannes.layout import Layout, Slot
 PARTS = {
     **dict.fromkeys(("position_reference", "sense", "control", "drive"), "motor"),
     **dict.fromkeys(("leader", "gear", "carts"), "wires"),
-    **dict.fromkeys(("joints", "contact", "inertia"), "fingers"),
+    **dict.fromkeys(("joints", "contact", "press", "inertia"), "fingers"),
 }
 PER_FINGER = {"joint": 2, "phalanx": 2, "finger": 1}
 BOTH, MOTOR_ONLY, WIRES_ONLY = 0, 1, 2  # PART in arrow.py
@@ -31,16 +31,23 @@ class Arrow:
     core: list[int] = field(default_factory=list)
     own: list[list[int]] = field(default_factory=lambda: [[] for _ in range(5)])
     part: list[int] = field(default_factory=list)
+    cart: list[int] = field(default_factory=lambda: [0, 0, 1, 1, -1])
     seen: list[int] = field(default_factory=list)
+    timed: bool = False
+    held: bool = True
+    paired: bool = True
     broken: str = ""
 
     def constants(self) -> dict[str, str]:
         """Text of the constants by name."""
+        lists = {"CORE": self.core, "PART": self.part, "CART": self.cart, "SEEN": self.seen}
+        numbers = {"SIZE": len(self.own[0]), "COUNT": len(self.core), "SEEING": len(self.seen)}
+        flags = {"TIMED": self.timed, "HELD": self.held, "PAIRED": self.paired}
         return {
-            "CORE": f"np.array({self.core})",
-            "OWN": f"np.array({self.own})",
-            "PART": f"np.array({self.part})",
-            "SEEN": f"np.array({self.seen}, np.int64)",
+            **{name: f"np.array({values}, np.int64)" for name, values in lists.items()},
+            "OWN": f"np.array({self.own}).T.copy()",
+            **{name: str(value) for name, value in (numbers | flags).items()},
+            "ROWS": str(5 + len(self.core)),
         }
 
 
@@ -62,6 +69,7 @@ def arrow(
         part = WIRES_ONLY if slot.name in _OF_WIRES else part
         found.core += places
         found.part += [part] * slot.size
+        found.cart += [0, 1] if slot.name in _OF_WIRES else [-1] * slot.size
     for effect in effects:
         for term in effect.terms:
             _join(found, effect, term, states, channels, PARTS[stages[term.writes[0]]])
@@ -84,6 +92,8 @@ def _join(
     found: Arrow, effect: Effect, term: Term, states: Layout, channels: Layout, part: str
 ) -> None:
     axis = channels.slot(term.writes[0]).axis
+    found.timed = found.timed or (part != "motor" and "t" in term.arguments)
+    found.paired = found.paired and not (part == "wires" and term.states)
     for name in term.states:
         slot = states.slot(f"{effect.name}.{name}")
         if part == "fingers" and slot.axis not in PER_FINGER:
@@ -93,6 +103,8 @@ def _join(
         found.broken = found.broken or (why and f"{effect.name} {why}")
     for name in term.arguments:
         if name in channels and channels.slot(name).axis:
+            found.held = found.held and (part != "fingers" or name != "tendon_tension")
+            found.paired = found.paired and part != "wires"
             why = _reads_channel(channels.slot(name), axis, part)
             found.broken = found.broken or (why and f"{effect.name} {why}")
 

@@ -101,7 +101,7 @@ class Touch:
 
     def __init__(self, shape, values):
         self.bench = Bench(values, shape)
-        self.stage = plain(self.bench.compiled.observed.touch)
+        self.stages = self.bench.compiled.observed
         self.centre = values["object.x"], values["object.y"]
 
     def __call__(self, phalanx, angles, speeds=None):
@@ -109,7 +109,9 @@ class Touch:
         state[self.bench.place("joint_angle")] = angles
         state[self.bench.place("joint_speed")] = np.zeros(10) if speeds is None else speeds
         c, layout = channels()
-        self.stage(state, self.bench.p, c, phalanx, *self.centre)
+        plain(self.stages.kinematics)(state, self.bench.p, c)
+        plain(self.stages.touch)(state, self.bench.p, c, phalanx, *self.centre)
+        plain(self.stages.slide)(state, c, phalanx)
         return lambda name: c[layout[name]]
 
 
