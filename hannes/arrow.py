@@ -44,6 +44,7 @@ HELD = True  # whether nothing but the flexor reads a tension in the fingers
 PAIRED = True  # whether only the carts, each for itself, read the wire taken up by a pair
 SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, CORE, SEEN; tensions and core
 CHANNELS, OUTPUTS = 1, 1
+KINKS = 30
 steps = np.full(31, 1e-3)
 
 
@@ -346,6 +347,31 @@ def resolve(b, data):
             b[OWN[i, f]] = own[i, f] + lifts[i, SIZE, f] * z[f]
 
 
+def mark(y, data):
+    """Keep the depths of all one-sided contacts."""
+    depths(y, data[0][0], data[0][3], data[11])
+
+
+def crossing(y, data):
+    """How far on the way to y the first contact is made or lost; 1 where none is."""
+    depths(y, data[0][0], data[0][3], data[12])
+    first = 1.0
+    for k in range(KINKS):
+        before, after = data[11][k], data[12][k]
+        if before * after < 0.0:
+            first = min(first, before / (before - after))
+    return first
+
+
+def depths(y, p, c, found):
+    """Depth of each phalanx in the object, of each joint in its stops."""
+    for k in range(10):
+        found[k] = c.penetration[k] if p.object_present > 0.5 else -1.0
+        rest = p.rest[k] + p.joint_spring_preload[k % 2] / p.joint_stop_stiffness[k % 2]
+        found[10 + k] = rest - y.joint_angle[k]
+        found[20 + k] = y.joint_angle[k] - p.end[k]
+
+
 def gather(data, columns):
     """Fill columns (n, n) with df/dy from the blocks that `linearise` left."""
     p, blocks, core = data[0][0], data[1], data[2]
@@ -385,4 +411,6 @@ def workspace(y, p, reference, hold):
         np.zeros((SIZE, 5)),  # own states of the fingers
         np.zeros((ROWS, ROWS)),  # the lower factor
         np.zeros(ROWS),  # one over each pivot
+        np.zeros(KINKS),  # depths at the start of a step
+        np.zeros(KINKS),  # depths at a stage
     )

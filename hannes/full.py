@@ -44,6 +44,15 @@ def resolve(b, data):
     substitute(data[2], data[3], b)
 
 
+def mark(y, data):
+    """Kinks are not known."""
+
+
+def crossing(y, data):
+    """None is crossed."""
+    return 1.0
+
+
 def gather(data, columns):
     """Copy df/dy."""
     columns[:] = data[1]

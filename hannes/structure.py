@@ -47,6 +47,7 @@ class Arrow:
             **{name: f"np.array({values}, np.int64)" for name, values in lists.items()},
             "OWN": f"np.array({self.own}).T.copy()",
             **{name: str(value) for name, value in (numbers | flags).items()},
+            "KINKS": "30",
             "ROWS": str(5 + len(self.core)),
         }
 

@@ -73,6 +73,13 @@ class Plain:
         """Replace b by the solution of the factored system."""
         substitute(self.factors, self.rows, b)
 
+    def mark(self, y: np.ndarray, data: Any) -> None:
+        """Kinks of f are not known."""
+
+    def crossing(self, y: np.ndarray, data: Any) -> float:
+        """None is crossed."""
+        return 1.0
+
     def advance(self, *arguments: Any) -> int:
         """See step.advance."""
         return step.advance(self, *arguments)
@@ -110,7 +117,15 @@ def compiled(fun: Any, scale: np.ndarray, direction: float = 1.0) -> Problem:
         _, factors, rows, _, _ = data
         substitute(factors, rows, b)
 
-    functions = {"slope": slope, "linearise": linearise}
+    @kernel
+    def mark(y, data):
+        pass
+
+    @kernel
+    def crossing(y, data):
+        return 1.0
+
+    functions = {"mark": mark, "crossing": crossing, "slope": slope, "linearise": linearise}
     space = text.compiled({**functions, "decompose": decompose, "resolve": resolve})
     n = scale.size
     data = (np.zeros((n, n)), np.zeros((n, n)), np.zeros(n, np.int64), scale, direction)

@@ -60,7 +60,7 @@ class Rodas(OdeSolver):
         self.problem = problem or Plain(
             self.fun, self.fun_vectorized, _jacobian(jac), scale, self.direction
         )
-        self.clock = np.array([t0, 0.0, t_bound, max_step], float)
+        self.clock = np.array([t0, 0.0, t_bound, max_step, 1.0], float)
         self.counts = np.zeros(5, np.int64)
         self.work = np.zeros((WORK, self.n))
         self._choose_first(first_step)

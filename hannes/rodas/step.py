@@ -6,6 +6,11 @@
     linearise(t, y, rates, drift, data)         keep J = df/dy, fill drift with df/dt; rates = f
     decompose(shift, data)                      factor shift - J
     resolve(b, data)                            replace b by the solution of (shift - J) x = b
+    mark(y, data)                               note on which side of each kink of f y lies
+    crossing(y, data)                           how far on the way from there to y the first kink
+                                                lies, 1 where none is crossed
+
+The last two may do nothing and return 1; they follow an evaluation of `slope` at that y.
 
 It may be an object with these methods; for compiled code the text is taken with `problem.`
 dropped (see text.py), so that the names are those of the module it lands in.
@@ -22,6 +27,7 @@ STAGES = 6
 WORK = STAGES + 4  # rows of workspace: k_1 .. k_6, f(t, y), df/dt, argument, right-hand side
 SAFETY, SHRINK, GROW = 0.9, 0.2, 6.0
 HOPELESS = 30.0  # size of the nonlinear remainder at which a step is given up after two stages
+KINK_MORE, KINK_ADD = 1.02, 0.005
 TOO_SMALL, NOT_FINITE = -1, -2
 
 
@@ -52,6 +58,7 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
     problem.slope(t, y, rates, data)
     if not math.isfinite(np.sum(rates)):
         return NOT_FINITE
+    problem.mark(y, data)
     problem.linearise(t, y, rates, drift, data)
     counts[0] += 1
     counts[1] += 1
@@ -67,12 +74,14 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
             return TOO_SMALL
         problem.decompose(1.0 / (GAMMA * h), data)
         counts[2] += 1
-        error = attempt(problem, data, t, h, y, rtol, atol, counts, work)
+        error = attempt(problem, data, t, h, y, rtol, atol, clock, counts, work)
         if error < 1.0:
             break
+        shrink = SHRINK if not error < 1e6 else max(SHRINK, SAFETY * error ** (-1.0 / ORDER))
+        if clock[4] < 1.0 and not rejected:
+            shrink = min(KINK_MORE * clock[4] + KINK_ADD, 0.95)
         rejected = True
         counts[3] += 1
-        shrink = SHRINK if not error < 1e6 else max(SHRINK, SAFETY * error ** (-1.0 / ORDER))
         clock[1] = h * shrink
     keep_piece(piece, y, moved, work)
     copy_to(y, moved)
@@ -82,7 +91,7 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
     return 0
 
 
-def attempt(problem, data, t, h, y, rtol, atol, counts, work):
+def attempt(problem, data, t, h, y, rtol, atol, clock, counts, work):
     """Compute the stages k and y(t + h); return the error in units of the tolerance."""
     rates, drift, moved, b = work[STAGES], work[STAGES + 1], work[STAGES + 2], work[STAGES + 3]
     copy_to(work[0], rates)
@@ -100,6 +109,9 @@ def attempt(problem, data, t, h, y, rtol, atol, counts, work):
         problem.resolve(b, data)
         copy_to(work[stage], b)
         if stage == 1:
+            clock[4] = NODES[1] * problem.crossing(moved, data)
+            if clock[4] == NODES[1]:
+                clock[4] = 1.0
             # k_2 = -2 k_1 where f is linear: what differs is a remainder of order h^2
             add_scaled(b, 2.0, work[0])
             if not scaled_size(b, y, moved, rtol, atol) < HOPELESS:
