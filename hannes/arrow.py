@@ -44,7 +44,8 @@ HELD = True  # whether nothing but the flexor reads a tension in the fingers
 PAIRED = True  # whether only the carts, each for itself, read the wire taken up by a pair
 SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, CORE, SEEN; tensions and core
 CHANNELS, OUTPUTS = 1, 1
-KINKS = 30
+KINKS, ENTRIES = 30, 110
+factor_rest = solve_rest = None  # written out by elimination.py
 steps = np.full(31, 1e-3)
 
 
@@ -229,7 +230,7 @@ def keep_taking(first, f, per, rates, dy, c, core, tensions):
 def decompose(shift, data):
     """Factor shift - df/dy: all fingers, then what is left of tensions and core."""
     p = data[0][0]
-    blocks, core, lifts, middle, takes = data[1], data[2], data[4], data[5], data[6]
+    blocks, core, lifts, takes = data[1], data[2], data[4], data[6]
     factor_fingers(shift, blocks, lifts)
     for n in range(1 + SEEING):
         solve_fingers(lifts, lifts[:, SIZE + n])
@@ -237,22 +238,7 @@ def decompose(shift, data):
             for f in range(5):
                 takes[kind, n, f] = p.joint_moment_arm[0] * lifts[2 * kind, SIZE + n, f]
                 takes[kind, n, f] += p.joint_moment_arm[1] * lifts[2 * kind + 1, SIZE + n, f]
-    for j in range(COUNT):
-        for i in range(ROWS):
-            middle[5 + j, i] = -core[j, i]
-        middle[5 + j, 5 + j] += shift
-    for f in range(5):
-        for i in range(ROWS):
-            pulled = core[COUNT + f, i] * takes[0, 0, f]
-            middle[f, i] = -pulled - core[COUNT + 5 + f, i] * takes[1, 0, f]
-        middle[f, f] += 1.0
-    for n in range(SEEING):
-        for f in range(5):
-            for i in range(ROWS):
-                pulled = core[COUNT + f, i] * takes[0, 1 + n, f]
-                pulled += core[COUNT + 5 + f, i] * takes[1, 1 + n, f]
-                middle[5 + SEEN[n], i] -= pulled
-    factor_middle(middle, data[9], data[10])
+    factor_rest(shift, core, takes, data[5])
 
 
 def factor_fingers(shift, blocks, lifts):
@@ -291,60 +277,24 @@ def solve_fingers(lifts, b):
             b[i, f] *= lifts[i, i, f]
 
 
-def factor_middle(middle, lower, pivots):
-    """LU of what is left, columns as rows, zeros kept so that every loop has the same length.
-
-    Short steps make row exchanges needless.
-    """
-    for k in range(ROWS):
-        pivots[k] = 1.0 / middle[k, k]
-        for i in range(ROWS):
-            lower[k, i] = middle[k, i] * pivots[k] if i > k else 0.0
-            middle[k, i] = middle[k, i] if i < k else 0.0
-        for j in range(k + 1, ROWS):
-            factor = middle[j, k]
-            if factor != 0.0:
-                for i in range(ROWS):
-                    middle[j, i] -= lower[k, i] * factor
-
-
-def solve_middle(middle, lower, pivots, z):
-    """Replace z by the solution of the factored rest."""
-    for k in range(ROWS):
-        part = z[k]
-        for i in range(ROWS):
-            z[i] -= lower[k, i] * part
-    for k in range(ROWS - 1, -1, -1):
-        part = z[k] * pivots[k]
-        for i in range(ROWS):
-            z[i] -= middle[k, i] * part
-        z[k] = part
-
-
 def resolve(b, data):
     """Replace b by the solution x of (shift - df/dy) x = b."""
     p = data[0][0]
-    core, lifts, middle, z, own = data[2], data[4], data[5], data[7], data[8]
-    for i in range(ROWS):
-        z[i] = 0.0 if i < 5 else b[CORE[i - 5]]
+    lifts, own, taken, rate, pulls = data[4], data[7], data[8], data[9], data[10]
     for i in range(SIZE):
         for f in range(5):
             own[i, f] = b[OWN[i, f]]
     solve_fingers(lifts, own)
     for f in range(5):
-        taken = p.joint_moment_arm[0] * own[0, f] + p.joint_moment_arm[1] * own[1, f]
-        rate = p.joint_moment_arm[0] * own[2, f] + p.joint_moment_arm[1] * own[3, f]
-        for i in range(ROWS):
-            z[i] += core[COUNT + f, i] * taken + core[COUNT + 5 + f, i] * rate
-    solve_middle(middle, data[9], data[10], z)
-    for i in range(COUNT):
-        b[CORE[i]] = z[5 + i]
+        taken[f] = p.joint_moment_arm[0] * own[0, f] + p.joint_moment_arm[1] * own[1, f]
+        rate[f] = p.joint_moment_arm[0] * own[2, f] + p.joint_moment_arm[1] * own[3, f]
+    solve_rest(b, taken, rate, data[2], data[5], pulls)
     for i in range(SIZE):
         for n in range(SEEING):
             for f in range(5):
-                own[i, f] += lifts[i, SIZE + 1 + n, f] * z[5 + SEEN[n]]
+                own[i, f] += lifts[i, SIZE + 1 + n, f] * b[CORE[SEEN[n]]]
         for f in range(5):
-            b[OWN[i, f]] = own[i, f] + lifts[i, SIZE, f] * z[f]
+            b[OWN[i, f]] = own[i, f] + lifts[i, SIZE, f] * pulls[f]
 
 
 def mark(y, data):
@@ -405,12 +355,12 @@ def workspace(y, p, reference, hold):
         np.zeros((COUNT + 10, ROWS)),  # core: columns by core states, wire taken up, its rate
         np.zeros(5),  # tensions
         np.zeros((SIZE, SIZE + 1 + SEEING, 5)),  # lifts: factors of the fingers, what acts solved
-        np.zeros((ROWS, ROWS)),  # middle: factors of the rest
+        np.zeros(ENTRIES),  # factors of the rest
         np.zeros((2, 1 + SEEING, 5)),  # takes: wire taken up for what acts, its rate
-        np.zeros(ROWS),  # z: tensions and core
         np.zeros((SIZE, 5)),  # own states of the fingers
-        np.zeros((ROWS, ROWS)),  # the lower factor
-        np.zeros(ROWS),  # one over each pivot
+        np.zeros(5),  # wire taken up
+        np.zeros(5),  # its rate
+        np.zeros(5),  # tensions that solve
         np.zeros(KINKS),  # depths at the start of a step
         np.zeros(KINKS),  # depths at a stage
     )

@@ -13,7 +13,7 @@ import inspect
 import re
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -36,7 +36,7 @@ _HOOK = re.compile(r"^(\s*)# effects: (.+)$")
 _OPEN = "workspace|advance|first_step|sample_pieces"
 _CLOSED = (
     "equations|step|attempt|linearise|decompose|resolve|"
-    "motor_stages|wire_stages|finger_stages|moving_stages|factor_middle"
+    "motor_stages|wire_stages|finger_stages|moving_stages|factor_rest"
 )
 
 _ENTRIES = '''
@@ -92,12 +92,25 @@ def observe(times, states, p, reference, holds):
 
 
 @dataclass(frozen=True)
+class Shape:
+    """How a plant's Jacobian is differenced and solved.
+
+    `module` holds the text; `constants` its constants; `written` further text; `broken` says why
+    the shape does not hold with these effects, or nothing.
+    """
+
+    module: ModuleType
+    constants: dict[str, str]
+    written: str
+    broken: str
+
+
+@dataclass(frozen=True)
 class Equations:
     """A plant's written equations: the module that holds them and what its slots mean.
 
     `entries` is the text of further entry points of its own, a template like `_ENTRIES`.
-    `shape` places the states of a plant whose Jacobian has a known shape: it returns the module
-    with the text that solves it, that module's constants, and why the shape does not hold.
+    `shape(states, channels, stage_of, effects)` finds the Shape of a plant that has one.
     """
 
     module: ModuleType
@@ -106,7 +119,7 @@ class Equations:
     channels: Layout
     outputs: Layout
     entries: str = ""
-    shape: Callable[..., tuple[ModuleType, dict[str, str], str]] | None = None
+    shape: Callable[..., Shape] | None = None
 
     def source(self) -> str:
         """Text of the module's functions, without its imports and head."""
@@ -197,18 +210,18 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
         for effect in effects
         for term in effect.terms
     }
-    solution, constants, kind = _solution(plant, layouts, effects)
-    names = {**vars(plant.module), **vars(solution), **method.NAMES, **kernels}
+    solution, kind = _solution(plant, layouts, effects)
+    names = {**vars(plant.module), **vars(solution.module), **method.NAMES, **kernels}
     reached = [each for each in names.values() if hasattr(plain(each), "__code__")]
     origin = "".join(_fingerprint(each) for each in reached)
-    quick += layouts.fill(_functions(solution)) + method.source()
+    quick += layouts.fill(_functions(solution.module)) + solution.written + method.source()
     quick += layouts.sized(_ENTRIES + plant.entries)
     return Compiled(
         text,
         layouts.p,
         layouts.y,
         layouts.out,
-        _module("fast", quick, names, origin, constants),
+        _module("fast", quick, names, origin, solution.constants),
         _module("observed", text + layouts.sized(_OBSERVED), names, origin, {}),
         kind,
     )
@@ -216,19 +229,20 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
 
 def _solution(
     plant: Equations, layouts: "_Layouts", effects: tuple[Effect, ...]
-) -> tuple[ModuleType, dict[str, str], str]:
-    """Text that differences and solves, its constants, and what it is."""
-    constants = {
+) -> tuple[Shape, str]:
+    """How to difference and solve, and what to call it."""
+    sizes = {
         "steps": f"np.array({layouts.steps()})",
         "CHANNELS": str(layouts.c.size),
         "OUTPUTS": str(layouts.out.size),
     }
+    dense = Shape(full, sizes, "", "")
     if plant.shape is None:
-        return full, constants, "dense differences"
-    module, places, broken = plant.shape(layouts.y, layouts.c, plant.stage_of, effects)
-    if broken:
-        return full, constants, f"dense differences, because {broken}"
-    return module, constants | places, "structured"
+        return dense, "dense differences"
+    shape = plant.shape(layouts.y, layouts.c, plant.stage_of, effects)
+    if shape.broken:
+        return dense, f"dense differences, because {shape.broken}"
+    return replace(shape, constants=sizes | shape.constants), "structured"
 
 
 def _functions(module: ModuleType) -> str:

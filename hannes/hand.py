@@ -20,7 +20,7 @@ EQUATIONS = Equations(
     Layout(channels.STATES),
     Layout(channels.CHANNELS),
     Layout(channels.OUTPUTS),
-    shape=structure.arrow,
+    shape=structure.shape,
 )
 
 # The paper's void currents are those of four other hands: a unit like them differs from the

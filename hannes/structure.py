@@ -5,9 +5,9 @@ Decided from what each kernel reads and where it joins, before anything is compi
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from types import ModuleType
 
-from hannes import arrow as arrow_text
+from hannes import arrow, elimination
+from hannes.assemble import Shape
 from hannes.effect import Effect, Term
 from hannes.layout import Layout, Slot
 
@@ -20,6 +20,29 @@ PER_FINGER = {"joint": 2, "phalanx": 2, "finger": 1}
 BOTH, MOTOR_ONLY, WIRES_ONLY = 0, 1, 2  # PART in arrow.py
 _OF_MOTOR = ("position_integral", "position_lag", "current_integral", "current_lag")
 _OF_WIRES = ("cart_position", "cart_speed")
+_OF_WINDING = ("motor_current", *_OF_MOTOR)
+_LEADER = ("cart_position0", "cart_position1", "cart_speed0", "cart_speed1")
+_LEADER += ("motor_angle", "motor_speed")
+# What tensions and wire stages read without effects: core states; fingers' wires.
+_READS: dict[str, tuple[str, ...]] = {
+    **{f"T{f}": (f"cart_position{f // 2}", f"cart_speed{f // 2}") for f in range(4)},
+    "T4": _LEADER,
+    "cart_position0": ("cart_speed0",),
+    "cart_position1": ("cart_speed1",),
+    "cart_speed0": _LEADER,
+    "cart_speed1": _LEADER,
+    "motor_angle": ("motor_speed",),
+    "motor_speed": (*_LEADER, "motor_current"),
+}
+_ALL = (0, 1, 2, 3, 4)
+_BY_WIRE: dict[str, tuple[int, ...]] = {
+    **dict.fromkeys(("T0", "T1"), (0, 1)),
+    **dict.fromkeys(("T2", "T3"), (2, 3)),
+    **dict.fromkeys(("T4", "motor_speed"), (4,)),
+    "cart_speed0": (0, 1, 4),
+    "cart_speed1": (2, 3, 4),
+    **dict.fromkeys(("cart_position0", "cart_position1", "motor_angle", *_OF_WINDING), ()),
+}
 _TAKEN_UP = ("excursion", "excursion_rate")
 _FROM_WIRES = ("leader_pull", "cart_friction", "tendon_tension")
 
@@ -36,7 +59,9 @@ class Arrow:
     timed: bool = False
     held: bool = True
     paired: bool = True
+    plain: bool = True  # no effect reads in the wires' stages what these do not read anyway
     broken: str = ""
+    names: list[str] = field(default_factory=list)  # of the core's states, one each
 
     def constants(self) -> dict[str, str]:
         """Text of the constants by name."""
@@ -49,17 +74,49 @@ class Arrow:
             **{name: str(value) for name, value in (numbers | flags).items()},
             "KINKS": "30",
             "ROWS": str(5 + len(self.core)),
+            "ENTRIES": str(elimination.entries(self.pattern()[0])),
         }
 
+    def pattern(self) -> tuple[elimination.Pattern, elimination.Pattern]:
+        """Where tensions and core may depend on each other, and on each finger's wire."""
+        rows = ["T0", "T1", "T2", "T3", "T4", *self.names]
+        plain, reads = self.plain, {name: self._reads(name) for name in rows}
+        takes = [[(f in _BY_WIRE.get(row, _ALL) if plain else row not in _OF_WINDING)
+                  for f in range(5)] for row in rows]
+        needed = [[name in reads[row] for name in self.names] for row in rows]
+        for n in self.seen:
+            for i, row in enumerate(needed):
+                row[n] = row[n] or any(takes[i])
+        full = [
+            [f == i or takes[i][f] for f in range(5)] + needed[i] for i in range(len(rows))
+        ]
+        for n in range(len(self.names)):
+            full[5 + n][5 + n] = True
+        return full, takes
 
-def arrow(
+    def _reads(self, row: str) -> set[str]:
+        """Core states that a tension or the rate of a core state may depend on."""
+        if row in _OF_WINDING:
+            return self._of_part(MOTOR_ONLY)
+        if row not in _READS:
+            return set(self.names)
+        if not self.plain:
+            return self._of_part(WIRES_ONLY)
+        odd = {n for n, part in zip(self.names, self.part, strict=True) if part == BOTH}
+        return set(_READS[row]) | (odd - {"motor_current"} if row != "motor_speed" else odd)
+
+    def _of_part(self, part: int) -> set[str]:
+        return {n for n, of in zip(self.names, self.part, strict=True) if of in (BOTH, part)}
+
+
+def shape(
     states: Layout, channels: Layout, stage_of: Callable[[str], str], effects: tuple[Effect, ...]
-) -> tuple[ModuleType, dict[str, str], str]:
-    """Place all `states`, those of `effects` included; see Equations.shape for what returns."""
+) -> Shape:
+    """Place all `states`, those of `effects` included."""
     found = Arrow()
     stages = {term.writes[0]: stage_of(term.writes[0]) for each in effects for term in each.terms}
     elsewhere = _states_of_other_stages(effects, stages)
-    for slot in states.slots:
+    for slot in sorted(states.slots, key=lambda slot: slot.name not in _OF_WIRES):
         places = range(states[slot.name].start, states[slot.name].stop)
         if slot.axis in PER_FINGER and slot.name not in elsewhere:
             share = PER_FINGER[slot.axis]
@@ -69,13 +126,16 @@ def arrow(
         part = MOTOR_ONLY if slot.name in _OF_MOTOR else BOTH
         part = WIRES_ONLY if slot.name in _OF_WIRES else part
         found.core += places
+        found.names += [f"{slot.name}{n}" if slot.axis else slot.name for n in range(slot.size)]
         found.part += [part] * slot.size
         found.cart += [0, 1] if slot.name in _OF_WIRES else [-1] * slot.size
     for effect in effects:
         for term in effect.terms:
             _join(found, effect, term, states, channels, PARTS[stages[term.writes[0]]])
     found.seen.sort()
-    return arrow_text, found.constants(), found.broken
+    pattern, takes = found.pattern()
+    written = elimination.text(pattern, takes, found.core, found.seen)
+    return Shape(arrow, found.constants(), written, found.broken)
 
 
 def _states_of_other_stages(effects: tuple[Effect, ...], stages: dict[str, str]) -> set[str]:
@@ -94,7 +154,8 @@ def _join(
 ) -> None:
     axis = channels.slot(term.writes[0]).axis
     found.timed = found.timed or (part != "motor" and "t" in term.arguments)
-    found.paired = found.paired and not (part == "wires" and term.states)
+    own = part == "wires" and bool(term.states)
+    found.paired, found.plain = found.paired and not own, found.plain and not own
     for name in term.states:
         slot = states.slot(f"{effect.name}.{name}")
         if part == "fingers" and slot.axis not in PER_FINGER:
@@ -106,6 +167,7 @@ def _join(
         if name in channels and channels.slot(name).axis:
             found.held = found.held and (part != "fingers" or name != "tendon_tension")
             found.paired = found.paired and part != "wires"
+            found.plain = found.plain and part != "wires"
             why = _reads_channel(channels.slot(name), axis, part)
             found.broken = found.broken or (why and f"{effect.name} {why}")
 

@@ -1,0 +1,111 @@
+"""Straight-line text that factors and solves what the arrow leaves: tensions and core.
+
+Most of the matrix is always zero; writing the elimination out, entry by entry, leaves only the
+work that is needed, about a tenth of that of loops over all of it.
+"""
+
+from collections.abc import Sequence
+
+TENSIONS = 5
+Pattern = list[list[bool]]
+
+
+def filled(pattern: Sequence[Sequence[bool]]) -> Pattern:
+    """Return where the factors of a matrix with this pattern may differ from zero."""
+    full = [list(row) for row in pattern]
+    for k in range(len(full)):
+        for i in range(k + 1, len(full)):
+            for j in range(k + 1, len(full)):
+                full[i][j] = full[i][j] or (full[i][k] and full[k][j])
+    return full
+
+
+def text(
+    pattern: Sequence[Sequence[bool]], takes: Sequence[Sequence[bool]], core: Sequence[int],
+    seen: Sequence[int],
+) -> str:
+    """Functions `factor_rest` and `solve_rest` for arrow.py.
+
+    `pattern`: rows and columns of tensions, then core; `takes`: their rows by the wire that each
+    finger takes up; `core`: places of the core's states; `seen`: which of them fingers read.
+    """
+    return "\n\n".join([_factor(pattern, takes, seen), _solve(pattern, takes, core)])
+
+
+def _factor(pattern, takes, seen):
+    full = filled(pattern)
+    size, count = len(full), len(full) - TENSIONS
+    lines = ["def factor_rest(shift, core, takes, lu):"]
+    lines += ['    """LU of tensions and core; short steps make row exchanges needless."""']
+    for i in range(size):
+        lines += [
+            f"    m_{i}_{j} = {_entry(i, j, pattern, takes, seen, count)}"
+            for j in range(size)
+            if full[i][j]
+        ]
+    for k in range(size):
+        lines.append(f"    m_{k}_{k} = 1.0 / m_{k}_{k}")
+        for i in range(k + 1, size):
+            if full[i][k]:
+                lines.append(f"    m_{i}_{k} *= m_{k}_{k}")
+                lines += [
+                    f"    m_{i}_{j} -= m_{i}_{k} * m_{k}_{j}"
+                    for j in range(k + 1, size)
+                    if full[k][j]
+                ]
+    places = _places(full)
+    lines += [f"    lu[{n}] = m_{i}_{j}" for (i, j), n in places.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _entry(i, j, pattern, takes, seen, count):
+    """One entry of the matrix: the unit or shift on the diagonal minus what `core` tells."""
+    parts = []
+    if i == j:
+        parts.append("1.0" if i < TENSIONS else "shift")
+    if j < TENSIONS and takes[i][j]:
+        parts.append(f"- {_taking(i, j, 0, count)}")
+    if j >= TENSIONS and pattern[i][j]:
+        parts.append(f"- core[{j - TENSIONS}, {i}]")
+    if j - TENSIONS in seen:
+        n = 1 + list(seen).index(j - TENSIONS)
+        parts += [f"- {_taking(i, f, n, count)}" for f in range(TENSIONS) if takes[i][f]]
+    return " ".join(parts) if parts else "0.0"
+
+
+def _taking(i, f, n, count):
+    first, second = f"core[{count + f}, {i}]", f"core[{count + TENSIONS + f}, {i}]"
+    return f"({first} * takes[0, {n}, {f}] + {second} * takes[1, {n}, {f}])"
+
+
+def _places(full):
+    cells = [(i, j) for i in range(len(full)) for j in range(len(full)) if full[i][j]]
+    return {cell: n for n, cell in enumerate(cells)}
+
+
+def _solve(pattern, takes, core):
+    full = filled(pattern)
+    size, count, places = len(full), len(core), _places(full)
+    lines = ["def solve_rest(b, taken, rate, core, lu, pulls):"]
+    lines += ['    """Solve for the core in b, and for the tensions in pulls."""']
+    for i in range(size):
+        terms = ["0.0" if i < TENSIONS else f"b[{core[i - TENSIONS]}]"]
+        for f in range(TENSIONS):
+            if takes[i][f]:
+                terms.append(f"core[{count + f}, {i}] * taken[{f}]")
+                terms.append(f"core[{count + TENSIONS + f}, {i}] * rate[{f}]")
+        lines.append(f"    z_{i} = {' + '.join(terms)}")
+        lines += [f"    z_{i} -= lu[{places[i, k]}] * z_{k}" for k in range(i) if full[i][k]]
+    for i in reversed(range(size)):
+        lines += [
+            f"    z_{i} -= lu[{places[i, k]}] * z_{k}" for k in range(i + 1, size) if full[i][k]
+        ]
+        lines.append(f"    z_{i} *= lu[{places[i, i]}]")
+        target = f"pulls[{i}]" if i < TENSIONS else f"b[{core[i - TENSIONS]}]"
+        lines.append(f"    {target} = z_{i}")
+    return "\n".join(lines) + "\n"
+
+
+def entries(pattern: Sequence[Sequence[bool]]) -> int:
+    """Number of entries of the factors."""
+    return sum(map(sum, filled(pattern)))
