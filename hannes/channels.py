@@ -26,7 +26,7 @@ STATES = (
         "",
         """
         motor_angle       | rad | 1e-3 | motor side
-        motor_speed       | rad/s | 1e-2 | motor side
+        motor_speed       | rad/s | 1e-3 | motor side
         motor_current     | A | 1e-4 | winding
         position_integral | A | 1e-4 | integral term of the position PID
         position_lag      | rad | 1e-4 | filtered motor-side position, for its derivative

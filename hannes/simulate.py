@@ -17,6 +17,7 @@ from hannes.trajectory import Cost, Outcome, Trajectory
 
 METHODS = ("Rodas", "LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
 RUN = 256  # steps that Rodas takes between two returns to Python
+LONGEST = 0.1  # s, of its steps: a longer one may not see a contact that comes and goes
 IMPLICIT = ("LSODA", "BDF", "Radau")
 HOLD = 7
 
@@ -78,7 +79,10 @@ class _Run:
         self.filled = 0
 
     def continuous(self) -> Trajectory:
-        """Integrate from kink to kink."""
+        """Integrate from kink to kink; Rodas knows them itself."""
+        if self.method == "Rodas":
+            self._advance(0.0, self.experiment.duration, self.experiment.reference.knots)
+            return self._result()
         for start, end, knots in self.experiment.reference.segments(self.experiment.duration):
             if not self._advance(start, end, knots):
                 break
@@ -162,7 +166,9 @@ class _Run:
         from hannes.rodas.solver import Rodas
 
         problem = self.compiled.problem(self.p, knots, self.hold)
-        return {"method": Rodas, "problem": problem, "run": RUN}
+        reference = self.experiment.reference
+        kinks = reference.knots[0] if reference.kinked else ()
+        return {"method": Rodas, "problem": problem, "run": RUN, "kinks": kinks, "max_step": LONGEST}
 
     def _jacobian(self, knots: np.ndarray) -> dict[str, Any]:
         if self.method not in IMPLICIT:

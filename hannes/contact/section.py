@@ -17,7 +17,8 @@ def signed_distance(x, y, half_x, half_y):
     sign_y = 1.0 if y >= 0.0 else -1.0
     if over_x > 0.0 and over_y > 0.0:
         distance = math.sqrt(over_x * over_x + over_y * over_y)
-        return distance, sign_x * over_x / distance, sign_y * over_y / distance
+        per = 1.0 / distance
+        return distance, sign_x * over_x * per, sign_y * over_y * per
     if over_x > over_y:
         return over_x, sign_x, 0.0
     return over_y, 0.0, sign_y

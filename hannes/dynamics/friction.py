@@ -18,9 +18,9 @@ def stribeck(speed, breakaway, coulomb, breakaway_speed, viscous):
     `breakaway_speed` w_bf [rad/s or m/s], `viscous` f [N m s/rad or N s/m]; after
     Armstrong & Canudas de Wit (1995).
     """
-    x = speed / (breakaway_speed * math.sqrt(2.0))
-    peak = math.sqrt(2.0 * math.e) * (breakaway - coulomb) * math.exp(-x * x) * x
-    return peak + coulomb * soft_sign(speed / (0.1 * breakaway_speed)) + viscous * speed
+    x = speed / breakaway_speed  # sqrt(2) times the argument above
+    peak = math.sqrt(math.e) * (breakaway - coulomb) * math.exp(-0.5 * x * x) * x
+    return peak + coulomb * soft_sign(10.0 * x) + viscous * speed
 
 
 @kernel

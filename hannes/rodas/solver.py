@@ -20,7 +20,7 @@ class Rodas(OdeSolver):
     """Linearly implicit method of order 4 for stiff problems, Rodas4P2.
 
     Arguments as for scipy's own implicit solvers; `jac` a function, a constant matrix (dense or
-    sparse) or None for forward differences. Two arguments are its own:
+    sparse) or None for forward differences. Three arguments are its own:
 
     problem : object or None
         The right-hand side compiled together with the method (see problem.py); `fun` and `jac`
@@ -29,6 +29,8 @@ class Rodas(OdeSolver):
         How many steps one `step` may take. Its dense output spans them all, so `t_eval` and
         `dense_output` lose nothing by a long run; events are looked for between its ends, so
         leave it at 1 where there are any.
+    kinks : array_like, shape (k,)
+        Times at which the right-hand side has a kink or a jump: no step leads across one.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class Rodas(OdeSolver):
         first_step: float | None = None,
         problem: Any = None,
         run: int = 1,
+        kinks: Any = (),
         **extraneous: Any,
     ) -> None:
         if extraneous:
@@ -60,7 +63,8 @@ class Rodas(OdeSolver):
         self.problem = problem or Plain(
             self.fun, self.fun_vectorized, _jacobian(jac), scale, self.direction
         )
-        self.clock = np.array([t0, 0.0, t_bound, max_step, 1.0], float)
+        self._bounds = _bounds(kinks, float(t0), float(t_bound))
+        self.clock = np.array([t0, 0.0, self._bounds.pop(), max_step, 1.0])
         self.counts = np.zeros(5, np.int64)
         self.work = np.zeros((WORK, self.n))
         self._choose_first(first_step)
@@ -87,6 +91,13 @@ class Rodas(OdeSolver):
         ends, pieces = np.empty(self.run + 1), np.empty((self.run, 4, self.n))
         self.y = self.y.copy()
         taken = self._call(self.problem.advance, ends, pieces, self.work)
+        while self._bounds and self.clock[0] == self.clock[2]:
+            self.clock[2] = self._bounds.pop()
+            self._call(self.problem.first_step, self.work)
+            if taken < self.run:
+                taken += self._call(
+                    self.problem.advance, ends[taken:], pieces[taken:], self.work
+                )
         if taken == 0:
             return False, MESSAGES[int(self.counts[4])]
         self.t = float(self.clock[0])
@@ -106,12 +117,16 @@ class Pieces(DenseOutput):
 
     def _call_impl(self, t: np.ndarray) -> np.ndarray:
         times = np.atleast_1d(np.asarray(t, float))
-        order = np.argsort(times if self.t >= self.t_old else -times, kind="stable")
         rows = np.empty((times.size, self._pieces.shape[2]))
-        self._sample(times[order], self._ends, self._pieces, rows)
-        found = np.empty_like(rows)
-        found[order] = rows
-        return found[0] if np.ndim(t) == 0 else found.T
+        self._sample(times, self._ends, self._pieces, rows)
+        return rows[0] if np.ndim(t) == 0 else rows.T
+
+
+def _bounds(kinks: Any, start: float, end: float) -> list[float]:
+    """Ends of the smooth parts of the way, the last one first."""
+    low, high = min(start, end), max(start, end)
+    inside = {float(t) for t in np.ravel(kinks) if low < t < high}
+    return [end, *sorted(inside, reverse=start < end)]
 
 
 def _tolerances(rtol: float, atol: Any, n: int) -> tuple[float, np.ndarray]:

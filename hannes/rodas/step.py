@@ -25,19 +25,20 @@ from hannes.rodas.coefficients import COUPLING, DENSE, DRIFT, GAMMA, NODES, ORDE
 
 STAGES = 6
 WORK = STAGES + 4  # rows of workspace: k_1 .. k_6, f(t, y), df/dt, argument, right-hand side
-SAFETY, SHRINK, GROW = 0.9, 0.2, 6.0
-HOPELESS = 30.0  # size of the nonlinear remainder at which a step is given up after two stages
-KINK_MORE, KINK_ADD = 1.02, 0.005
+SAFETY, SHRINK, GROW, AGAIN = 0.9, 0.2, 6.0, 1.5  # AGAIN: growth after a rejection
+HOPELESS = 8.0  # size of the nonlinear remainder at which a step is given up after two stages
+BEYOND, ADDED = 1.02, 0.005  # a step that fails at a kink is cut to end just beyond it
+DOUBT = 3.0  # what an error estimate may be wrong by across a kink
 TOO_SMALL, NOT_FINITE = -1, -2
 
 
 def advance(problem, data, y, rtol, atol, clock, counts, ends, pieces, work):
     """Take steps until the bound is reached or `pieces` is full; return how many.
 
-    `y` (n,) moves along. `clock`: time, next step (signed), bound, longest step. `counts` grows:
-    evaluations, Jacobians, factorings, rejected steps. `ends` (m + 1,) and `pieces` (m, 4, n)
-    take each step's ends and its dense output. A negative number is one of the failures above;
-    the steps before it are then lost to the caller but for `clock` and `y`.
+    `y` (n,) moves along. `clock`: time, next step (signed), bound, longest step, share of the step
+    before a kink. `counts` grows: evaluations, Jacobians, factorings, rejected steps; its last
+    is a failure's number. `ends` (m + 1,) and `pieces` (m, 4, n)
+    take each step's ends and its dense output.
     """
     taken = 0
     ends[0] = clock[0]
@@ -75,11 +76,13 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
         problem.decompose(1.0 / (GAMMA * h), data)
         counts[2] += 1
         error = attempt(problem, data, t, h, y, rtol, atol, clock, counts, work)
+        if clock[4] < 1.0:
+            error *= DOUBT
         if error < 1.0:
             break
         shrink = SHRINK if not error < 1e6 else max(SHRINK, SAFETY * error ** (-1.0 / ORDER))
         if clock[4] < 1.0 and not rejected:
-            shrink = min(KINK_MORE * clock[4] + KINK_ADD, 0.95)
+            shrink = min(BEYOND * clock[4] + ADDED, 0.95)
         rejected = True
         counts[3] += 1
         clock[1] = h * shrink
@@ -87,7 +90,7 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
     copy_to(y, moved)
     clock[0] = bound if h == bound - t else t + h
     grow = SAFETY * max(error, 1e-8) ** (-1.0 / ORDER)
-    clock[1] = h * min(max(grow, SHRINK), 1.0 if rejected else GROW)
+    clock[1] = h * min(max(grow, SHRINK), AGAIN if rejected else GROW)
     return 0
 
 
@@ -101,7 +104,10 @@ def attempt(problem, data, t, h, y, rtol, atol, clock, counts, work):
         copy_to(moved, y)
         for j in range(stage):
             add_scaled(moved, STAGE[stage, j], work[j])
-        problem.slope(t + NODES[stage] * h, moved, b, data)
+        now = t + NODES[stage] * h
+        if (now - clock[2]) * h >= 0.0:
+            now = np.nextafter(clock[2], t)  # there f may jump
+        problem.slope(now, moved, b, data)
         counts[0] += 1
         add_scaled(b, h * DRIFT[stage], drift)
         for j in range(stage):
@@ -150,11 +156,13 @@ def first_step(problem, data, y, rtol, atol, clock, counts, work):
 
 
 def sample_pieces(times, ends, pieces, rows):
-    """Fill rows (k, n) with the solution at ascending or descending `times` (k,)."""
+    """Fill rows (k, n) with the solution at `times` (k,); fastest where they are in order."""
     last, at = ends.size - 2, 0
-    forward = ends[last + 1] >= ends[0]
+    sign = 1.0 if ends[last + 1] >= ends[0] else -1.0
     for k in range(times.size):
-        while at < last and (times[k] > ends[at + 1]) == forward and times[k] != ends[at + 1]:
+        while at < last and sign * times[k] > sign * ends[at + 1]:
             at += 1
+        while at > 0 and sign * times[k] <= sign * ends[at]:
+            at -= 1
         x = (times[k] - ends[at]) / (ends[at + 1] - ends[at])
         interpolate_piece(x, pieces[at], rows[k])
