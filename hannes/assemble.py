@@ -105,7 +105,7 @@ class Shape:
     broken: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equations:
     """A plant's written equations: the module that holds them and what its slots mean.
 
@@ -164,7 +164,7 @@ class Equations:
         return bound | set(inspect.signature(function).parameters)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Compiled:
     """Entry points of one plant with one set of effects; see the names in `_ENTRIES`."""
 
@@ -182,11 +182,11 @@ class Compiled:
         data = fast.workspace(np.zeros(self.states.size), p, reference, hold)
         return Problem(fast.advance, fast.first_step, fast.sample_pieces, data)
 
-    def is_warm(self) -> bool:
-        """Tell whether machine code of a former run can be used."""
+    def is_warm(self, entry: str = "rates") -> bool:
+        """Tell whether machine code of a former run can be used for an entry point."""
         folder = Path(str(self.fast.__file__)).parent / "__pycache__"
         stem = Path(str(self.fast.__file__)).stem
-        return any(folder.glob(f"{stem}.advance*.nbi"))
+        return any(folder.glob(f"{stem}.{entry}*.nbi"))
 
 
 def assemble(plant: Equations, effects: Iterable[Effect] = ()) -> Compiled:

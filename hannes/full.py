@@ -8,6 +8,7 @@ import numpy as np
 from hannes.equations import equations
 from hannes.rodas.arrays import copy_to, factor, substitute
 
+CHANNELS, OUTPUTS = 1, 1  # sizes and steps of the plant come from the assembly
 steps = np.full(31, 1e-3)
 
 
@@ -64,5 +65,3 @@ def workspace(y, p, reference, hold):
     scratch = (p, reference, hold, np.zeros(CHANNELS), np.zeros(OUTPUTS), np.zeros(n), np.zeros(n))
     return (scratch, np.zeros((n, n)), np.zeros((n, n)), np.zeros(n, np.int64))
 
-
-CHANNELS, OUTPUTS = 1, 1

@@ -1,5 +1,6 @@
 """Run an experiment: scipy's solve_ivp over the compiled rates, restarted at every kink."""
 
+import functools
 import sys
 import time
 from collections.abc import Callable
@@ -42,14 +43,15 @@ def simulate(
         raise BadInput(f"rtol = {rtol:g}: expected a value between 1e-13 and 1")
     posed = hand.with_values(experiment.overrides())
     compiled = posed.compiled(effects)
-    _say_when_compiling(compiled)
+    _say_when_compiling(compiled, "advance" if method == "Rodas" else "rates")
     packed = posed.vector(experiment.shape, effects)
     run = _Run(compiled, packed, posed.rest(compiled), experiment, method, rtol)
     return run.sampled() if experiment.controller == "sampled" else run.continuous()
 
 
-def _say_when_compiling(compiled: Compiled) -> None:
-    if compiles() and not compiled.is_warm():
+@functools.cache
+def _say_when_compiling(compiled: Compiled, entry: str) -> None:
+    if compiles() and not compiled.is_warm(entry):
         print("hannes: compiling the model, once (about 10 s)", file=sys.stderr, flush=True)
 
 
@@ -125,7 +127,7 @@ class _Run:
             if "infs or NaNs" not in str(error):
                 raise
             return self._fail(Outcome.NOT_FINITE, str(error))  # scipy will not factor such
-        self.cost += Cost(part.nfev, part.njev, 1, time.perf_counter() - clock)
+        self.cost += Cost(part.nfev, part.njev, self._parts(), time.perf_counter() - clock)
         rows = np.asarray(part.y).T.reshape(-1, self.state.size)  # a bare list when empty
         sound = np.isfinite(rows).all(axis=1)
         if not sound.all():
@@ -136,6 +138,12 @@ class _Run:
             return self._fail(Outcome.SOLVER_GAVE_UP, part.message)
         self.state = rows[-1].copy()
         return True
+
+    def _parts(self) -> int:
+        """Number of smooth parts that one call of the solver covers."""
+        if self.method != "Rodas" or self.experiment.controller == "sampled":
+            return 1
+        return len(self.experiment.reference.segments(self.experiment.duration))
 
     def _fail(self, outcome: Outcome, message: str) -> bool:
         self.outcome, self.message = outcome, message

@@ -21,7 +21,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Cost:
-    """What a simulation took: evaluations, Jacobians, steps and solver time [s]."""
+    """What a simulation took: evaluations, Jacobians, smooth parts and solver time [s]."""
 
     evaluations: int = 0
     jacobians: int = 0

@@ -32,7 +32,7 @@ def grasp(shape="cylinder", duration=1.15, sampling=1000.0, controller="continuo
 
 
 @functools.cache
-def run(shape="cylinder", method="LSODA", rtol=1e-4, duration=1.15, **values):
+def run(shape="cylinder", method="Rodas", rtol=1e-4, duration=1.15, **values):
     """A cached trajectory of `grasp`."""
     return simulate(Hand(), grasp(shape, duration, **values), method=method, rtol=rtol).require()
 

@@ -317,6 +317,6 @@ def test_an_edit_of_the_package_never_runs_stale_machine_code(plant):
     assert ran(plant, copy) == (False, PLAIN)
     friction = copy / "hannes" / "dynamics" / "friction.py"
     text = friction.read_text()
-    assert "return level * math.tanh" in text
-    friction.write_text(text.replace("return level * math.tanh", "return 3.0 * level * math.tanh"))
+    assert "return level * soft_sign" in text
+    friction.write_text(text.replace("return level * soft_sign", "return 3.0 * level * math.tanh"))
     assert ran(plant, copy) == (False, PLAIN - 4.0)
