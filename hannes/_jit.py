@@ -24,9 +24,16 @@ def kernel(function: Callable[..., Any]) -> Any:
     return numba.njit(nogil=True, error_model="numpy", forceinline=True)(function)
 
 
+def inner(function: Callable[..., Any]) -> Any:
+    """Compile a formula into its callers; cannot be called from Python, which halves its cost."""
+    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
+    return numba.njit(nogil=True, error_model="numpy", **options)(function)
+
+
 def routine(function: Callable[..., Any]) -> Any:
-    """Compile a function that stays one, because it is long and called from several places."""
-    return numba.njit(nogil=True, error_model="numpy")(function)
+    """Like `inner` for a function that stays one, long and called from several places."""
+    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return numba.njit(nogil=True, error_model="numpy", **options)(function)
 
 
 def entry(function: Callable[..., Any]) -> Any:

@@ -13,6 +13,8 @@ to a finger or to the core, what it reads, and when this shape does not hold. Ar
 have the finger last, so that the five are worked on at once.
 """
 
+from typing import Any
+
 import numpy as np
 
 from hannes.equations import (
@@ -45,7 +47,8 @@ PAIRED = True  # whether only the carts, each for itself, read the wire taken up
 SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, CORE, SEEN; tensions and core
 CHANNELS, OUTPUTS = 1, 1
 KINKS, ENTRIES = 30, 110
-factor_rest = solve_rest = None  # written out by elimination.py
+factor_rest: Any = None  # both written out by elimination.py
+solve_rest: Any = None
 steps = np.full(31, 1e-3)
 
 
@@ -169,9 +172,7 @@ def difference_time(t, y, rates, dy, p, c, reference, hold, out, drift):
     return motor_stages(t, y, dy, p, c, reference, hold, out)
 
 
-def difference_core(
-    t, y, moved, rates, dy, p, c, reference, hold, out, base, j, core, tensions
-):
+def difference_core(t, y, moved, rates, dy, p, c, reference, hold, out, base, j, core, tensions):
     """Tensions and core rates by core state j."""
     place = CORE[j]
     moved[place] += 1e-7 * max(abs(y[place]), steps[place])

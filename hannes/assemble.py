@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from hannes import full
-from hannes._jit import cache_folder, entry, kernel, plain, routine
+from hannes._jit import cache_folder, entry, inner, plain, routine
 from hannes.effect import Effect, Term
 from hannes.errors import BadInput
 from hannes.files import write_text
@@ -36,7 +36,7 @@ _HOOK = re.compile(r"^(\s*)# effects: (.+)$")
 _OPEN = "workspace|advance|first_step|sample_pieces"
 _CLOSED = (
     "equations|step|attempt|linearise|decompose|resolve|"
-    "motor_stages|wire_stages|finger_stages|moving_stages|factor_rest"
+    "motor_stages|wire_stages|joints|contact|press|inertia|factor_rest"
 )
 
 _ENTRIES = '''
@@ -263,7 +263,7 @@ class _Layouts:
             for each in effect.parameters
         )
         self.y = plant.states.extended(
-            Slot(f"{effect.name}.{each.name}", each.unit, each.doc, each.axis, each.size)
+            replace(each, name=f"{effect.name}.{each.name}")
             for effect in effects
             for each in effect.states
         )
@@ -434,7 +434,7 @@ def _module(
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     functions = {key: value for key, value in names.items() if not key.startswith("__")}
-    vars(module).update(functions, kernel=kernel, routine=routine, entry=entry)
+    vars(module).update(functions, inner=inner, routine=routine, entry=entry)
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
@@ -445,4 +445,4 @@ def _decorated(text: str) -> str:
     for mark, names in (("entry", _OPEN), ("routine", _CLOSED)):
         text = re.sub(rf"^def ({names})\(", rf"@{mark}\ndef \1(", text, flags=re.MULTILINE)
     bare = r"^(?<!@entry\n)(?<!@routine\n)def "
-    return re.sub(bare, "@kernel\ndef ", text, flags=re.MULTILINE)
+    return re.sub(bare, "@inner\ndef ", text, flags=re.MULTILINE)

@@ -21,7 +21,9 @@ def filled(pattern: Sequence[Sequence[bool]]) -> Pattern:
 
 
 def text(
-    pattern: Sequence[Sequence[bool]], takes: Sequence[Sequence[bool]], core: Sequence[int],
+    pattern: Sequence[Sequence[bool]],
+    takes: Sequence[Sequence[bool]],
+    core: Sequence[int],
     seen: Sequence[int],
 ) -> str:
     """Functions `factor_rest` and `solve_rest` for arrow.py.

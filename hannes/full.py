@@ -64,4 +64,3 @@ def workspace(y, p, reference, hold):
     n = y.size
     scratch = (p, reference, hold, np.zeros(CHANNELS), np.zeros(OUTPUTS), np.zeros(n), np.zeros(n))
     return (scratch, np.zeros((n, n)), np.zeros((n, n)), np.zeros(n, np.int64))
-

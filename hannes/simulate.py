@@ -33,9 +33,10 @@ def simulate(
 ) -> Trajectory:
     """Simulate `experiment` with `hand` and return its Trajectory, completed or not.
 
-    `method` is "Rodas" (hannes/rodas) or one of scipy's; `rtol` the relative tolerance, absolute ones follow
-    from each state's declared tolerance. `effects` fixes the set that is compiled in (default:
-    those of `hand` that are not off). Raises BadInput for a bad method, tolerance or value.
+    `method` is "Rodas" (hannes/rodas) or one of scipy's; `rtol` the relative tolerance, absolute
+    ones follow from each state's declared tolerance. `effects` fixes the set that is compiled in
+    (default: those of `hand` that are not off). Raises BadInput for a bad method, tolerance or
+    value.
     """
     if method not in METHODS:
         raise BadInput(f'unknown method "{method}"{nearest(method, METHODS)}')
@@ -176,7 +177,13 @@ class _Run:
         problem = self.compiled.problem(self.p, knots, self.hold)
         reference = self.experiment.reference
         kinks = reference.knots[0] if reference.kinked else ()
-        return {"method": Rodas, "problem": problem, "run": RUN, "kinks": kinks, "max_step": LONGEST}
+        return {
+            "method": Rodas,
+            "problem": problem,
+            "run": RUN,
+            "kinks": kinks,
+            "max_step": LONGEST,
+        }
 
     def _jacobian(self, knots: np.ndarray) -> dict[str, Any]:
         if self.method not in IMPLICIT:

@@ -21,8 +21,8 @@ BOTH, MOTOR_ONLY, WIRES_ONLY = 0, 1, 2  # PART in arrow.py
 _OF_MOTOR = ("position_integral", "position_lag", "current_integral", "current_lag")
 _OF_WIRES = ("cart_position", "cart_speed")
 _OF_WINDING = ("motor_current", *_OF_MOTOR)
-_LEADER = ("cart_position0", "cart_position1", "cart_speed0", "cart_speed1")
-_LEADER += ("motor_angle", "motor_speed")
+_CARTS = ("cart_position0", "cart_position1", "cart_speed0", "cart_speed1")
+_LEADER = (*_CARTS, "motor_angle", "motor_speed")
 # What tensions and wire stages read without effects: core states; fingers' wires.
 _READS: dict[str, tuple[str, ...]] = {
     **{f"T{f}": (f"cart_position{f // 2}", f"cart_speed{f // 2}") for f in range(4)},
@@ -44,6 +44,7 @@ _BY_WIRE: dict[str, tuple[int, ...]] = {
     **dict.fromkeys(("cart_position0", "cart_position1", "motor_angle", *_OF_WINDING), ()),
 }
 _TAKEN_UP = ("excursion", "excursion_rate")
+_WHOLE = ("y", "dy", "c", "out", "reference", "hold")
 _FROM_WIRES = ("leader_pull", "cart_friction", "tendon_tension")
 
 
@@ -81,15 +82,15 @@ class Arrow:
         """Where tensions and core may depend on each other, and on each finger's wire."""
         rows = ["T0", "T1", "T2", "T3", "T4", *self.names]
         plain, reads = self.plain, {name: self._reads(name) for name in rows}
-        takes = [[(f in _BY_WIRE.get(row, _ALL) if plain else row not in _OF_WINDING)
-                  for f in range(5)] for row in rows]
+        takes = [
+            [(f in _BY_WIRE.get(row, _ALL) if plain else row not in _OF_WINDING) for f in range(5)]
+            for row in rows
+        ]
         needed = [[name in reads[row] for name in self.names] for row in rows]
         for n in self.seen:
             for i, row in enumerate(needed):
                 row[n] = row[n] or any(takes[i])
-        full = [
-            [f == i or takes[i][f] for f in range(5)] + needed[i] for i in range(len(rows))
-        ]
+        full = [[f == i or takes[i][f] for f in range(5)] + needed[i] for i in range(len(rows))]
         for n in range(len(self.names)):
             full[5 + n][5 + n] = True
         return full, takes
@@ -131,7 +132,9 @@ def shape(
         found.cart += [0, 1] if slot.name in _OF_WIRES else [-1] * slot.size
     for effect in effects:
         for term in effect.terms:
-            _join(found, effect, term, states, channels, PARTS[stages[term.writes[0]]])
+            _join(found, effect, term, states, channels, stages[term.writes[0]])
+    if found.broken:
+        return Shape(arrow, {}, "", found.broken)
     found.seen.sort()
     pattern, takes = found.pattern()
     written = elimination.text(pattern, takes, found.core, found.seen)
@@ -150,26 +153,27 @@ def _states_of_other_stages(effects: tuple[Effect, ...], stages: dict[str, str])
 
 
 def _join(
-    found: Arrow, effect: Effect, term: Term, states: Layout, channels: Layout, part: str
+    found: Arrow, effect: Effect, term: Term, states: Layout, channels: Layout, stage: str
 ) -> None:
-    axis = channels.slot(term.writes[0]).axis
-    found.timed = found.timed or (part != "motor" and "t" in term.arguments)
-    own = part == "wires" and bool(term.states)
-    found.paired, found.plain = found.paired and not own, found.plain and not own
-    for name in term.states:
-        slot = states.slot(f"{effect.name}.{name}")
-        if part == "fingers" and slot.axis not in PER_FINGER:
-            found.broken = f"{effect.name}.{name} belongs to no finger"
-    for slot in _read_states(effect, term, states):
-        why = _reads_state(found, slot, states, axis, part, "torque_constant" in term.writes)
-        found.broken = found.broken or (why and f"{effect.name} {why}")
-    for name in term.arguments:
-        if name in channels and channels.slot(name).axis:
-            found.held = found.held and (part != "fingers" or name != "tendon_tension")
-            found.paired = found.paired and part != "wires"
-            found.plain = found.plain and part != "wires"
-            why = _reads_channel(channels.slot(name), axis, part)
-            found.broken = found.broken or (why and f"{effect.name} {why}")
+    """Note what one kernel of an effect adds to the structure."""
+    part, axis = PARTS[stage], channels.slot(term.writes[0]).axis
+    reads = tuple(_read_states(effect, term, states))
+    arrays = [channels.slot(n) for n in term.arguments if n in channels and channels.slot(n).axis]
+    whys = [_reads_state(found, slot, states, axis, part, term) for slot in reads]
+    whys += [_reads_channel(slot, axis, part) for slot in arrays]
+    whys += [f"reads all of {name}" for name in term.arguments if name in _WHOLE]
+    whys += [
+        f"has a state {name} of no finger"
+        for name in term.states
+        if part == "fingers" and states.slot(f"{effect.name}.{name}").axis not in PER_FINGER
+    ]
+    found.broken = found.broken or next((f"{effect.name} {why}" for why in whys if why), "")
+    found.timed |= part != "motor" and "t" in term.arguments
+    names = {slot.name for slot in arrays}
+    found.held &= part != "fingers" or not names & {"tendon_tension", "joint_torque"}
+    if part == "wires":
+        found.paired &= not term.states and not arrays
+        found.plain &= found.paired and (stage == "gear" or not reads)
 
 
 def _read_states(effect: Effect, term: Term, states: Layout) -> Iterator[Slot]:
@@ -180,9 +184,7 @@ def _read_states(effect: Effect, term: Term, states: Layout) -> Iterator[Slot]:
                 break
 
 
-def _reads_state(
-    found: Arrow, slot: Slot, states: Layout, axis: str, part: str, to_torque: bool
-) -> str:
+def _reads_state(found: Arrow, slot: Slot, states: Layout, axis: str, part: str, term: Term) -> str:
     """Note who reads a state; say what the arrow has no place for."""
     first = states[slot.name].start
     if first not in found.core:
@@ -191,7 +193,7 @@ def _reads_state(
         if part == "fingers" and n not in found.seen:
             found.seen.append(n)
         reader = {"motor": MOTOR_ONLY, "wires": WIRES_ONLY}.get(part, found.part[n])
-        if found.part[n] != reader or to_torque:
+        if found.part[n] != reader or "torque_constant" in term.writes:
             found.part[n] = BOTH
     return ""
 

@@ -54,7 +54,7 @@ class Rodas(OdeSolver):
             names = ", ".join(extraneous)
             warnings.warn(f"Rodas has no argument {names}: not used", stacklevel=3)
         super().__init__(fun, t0, y0, t_bound, vectorized)
-        self.y = np.array(self.y)  # steps move it in place
+        self.y = np.array(y0, float)  # steps move it in place
         self.rtol, self.atol = _tolerances(rtol, atol, self.n)
         if not max_step > 0.0:
             raise ValueError("`max_step` must be positive.")
@@ -95,9 +95,7 @@ class Rodas(OdeSolver):
             self.clock[2] = self._bounds.pop()
             self._call(self.problem.first_step, self.work)
             if taken < self.run:
-                taken += self._call(
-                    self.problem.advance, ends[taken:], pieces[taken:], self.work
-                )
+                taken += self._call(self.problem.advance, ends[taken:], pieces[taken:], self.work)
         if taken == 0:
             return False, MESSAGES[int(self.counts[4])]
         self.t = float(self.clock[0])

@@ -1,0 +1,302 @@
+"""Rodas: order, stiff problems, scipy's conventions, and the hand beside stock methods."""
+
+import functools
+import math
+import warnings
+
+import numpy as np
+import pytest
+from runs import GRASP, grasp, reference, run
+from scipy.integrate import solve_ivp
+from scipy.sparse import csc_array
+
+from hannes._jit import kernel
+from hannes.experiment import Experiment, Target
+from hannes.hand import Hand
+from hannes.rodas.problem import compiled
+from hannes.rodas.solver import Rodas
+from hannes.simulate import simulate
+from hannes.trajectory import Outcome
+
+# --- order ------------------------------------------------------------------------------------
+
+
+def prothero_robinson(t, y):
+    """Follows cos t however stiff it is (Prothero & Robinson 1974), with a smooth companion."""
+    return np.array([-STIFF * (y[0] - math.cos(t)) - math.sin(t), -y[0] * y[1] / math.cos(t)])
+
+
+STIFF = 50.0
+
+
+def exact(t):
+    return np.array([np.cos(t), np.exp(-np.asarray(t))])
+
+
+def fixed(h, end=1.0):
+    """Steps of one length: a tolerance that accepts all of them."""
+    return solve_ivp(
+        prothero_robinson,
+        (0.0, end),
+        [1.0, 1.0],
+        method=Rodas,
+        rtol=1e8,
+        atol=1e8,
+        first_step=h,
+        max_step=h,
+        dense_output=True,
+    )
+
+
+def test_order_four_at_the_ends_and_in_between():
+    ends, between = [], []
+    times = np.linspace(0.0, 1.0, 333)
+    for count in (10, 20, 40, 80):
+        found = fixed(1.0 / count)
+        assert found.t.size == count + 1
+        ends.append(np.abs(found.y[:, -1] - exact(1.0)).max())
+        between.append(np.abs(found.sol(times) - exact(times)).max())
+    assert np.all(np.log2(np.array(ends[:-1]) / ends[1:]) > 3.7)
+    assert np.all(np.log2(np.array(between[:-1]) / between[1:]) > 2.7)
+
+
+def test_backward_in_time():
+    found = solve_ivp(lambda t, y: [y[1], -y[0]], (2.0, -1.0), [1.0, 0.0], Rodas, rtol=1e-8)
+    assert found.y[:, -1] == pytest.approx([np.cos(3.0), np.sin(3.0)], abs=1e-5)
+    assert np.all(np.diff(found.t) < 0.0)
+
+
+# --- stiff problems ---------------------------------------------------------------------------
+
+
+@kernel
+def robertson(t, y):
+    slow, fast, pair = 0.04 * y[0], 3e7 * y[1] ** 2, 1e4 * y[1] * y[2]
+    return np.array([pair - slow, slow - pair - fast, fast])
+
+
+@kernel
+def van_der_pol(t, y):
+    return np.array([y[1], 1e3 * (1.0 - y[0] ** 2) * y[1] - y[0]])
+
+
+@kernel
+def hires(t, y):
+    """Hairer & Wanner (1996), section IV.10."""
+    meets = 280.0 * y[5] * y[7]
+    return np.array(
+        [
+            -1.71 * y[0] + 0.43 * y[1] + 8.32 * y[2] + 0.0007,
+            1.71 * y[0] - 8.75 * y[1],
+            -10.03 * y[2] + 0.43 * y[3] + 0.035 * y[4],
+            8.32 * y[1] + 1.71 * y[2] - 1.12 * y[3],
+            -1.745 * y[4] + 0.43 * y[5] + 0.43 * y[6],
+            -meets + 0.69 * y[3] + 1.71 * y[4] - 0.43 * y[5] + 0.69 * y[6],
+            meets - 1.81 * y[6],
+            -meets + 1.81 * y[6],
+        ]
+    )
+
+
+STANDARD = {
+    "robertson": (robertson, 1e5, [1.0, 0.0, 0.0], 1e-6),
+    "van der pol": (van_der_pol, 1500.0, [2.0, 0.0], 1.0),
+    "hires": (hires, 321.8122, [1.0, 0, 0, 0, 0, 0, 0, 0.0057], 1e-3),
+}
+
+
+@functools.cache
+def converged(name):
+    fun, end, start, size = STANDARD[name]
+    return solve_ivp(
+        fun, (0.0, end), start, "Radau", rtol=1e-10, atol=1e-12 * size, dense_output=True
+    )
+
+
+@pytest.mark.parametrize("name", STANDARD)
+@pytest.mark.parametrize("machine", [False, True], ids=["plain", "compiled"])
+def test_standard_stiff_problems_against_radau(name, machine):
+    """The same text, interpreted and compiled; errors stay near the tolerance and fall with it."""
+    fun, end, start, size = STANDARD[name]
+    problem = compiled(fun, np.full(len(start), 1e-3 * size)) if machine else None
+    worst = []
+    for rtol in (1e-4, 1e-6) if machine else (1e-4,):
+        found = solve_ivp(
+            fun,
+            (0.0, end),
+            start,
+            Rodas,
+            rtol=rtol,
+            atol=1e-3 * rtol * size,
+            problem=problem,
+            run=50 if machine else 1,
+        )
+        assert found.success
+        off = np.abs(found.y[:, -1] - converged(name).y[:, -1])
+        worst.append((off / (np.abs(converged(name).y[:, -1]) + 1e-3 * size)).max())
+        assert worst[-1] < 30.0 * rtol
+    assert not machine or worst[1] < 0.1 * worst[0]
+
+
+def test_interpreted_and_compiled_take_the_same_steps():
+    fun, end, start, _ = STANDARD["hires"]
+    scale = np.full(8, 1e-6 / 1e-4)
+    given = {"rtol": 1e-4, "atol": 1e-6, "method": Rodas}
+    mine = solve_ivp(fun, (0.0, end), start, **given)
+    theirs = solve_ivp(fun, (0.0, end), start, problem=compiled(fun, scale), **given)
+    assert theirs.t == pytest.approx(mine.t, rel=1e-9)
+    assert theirs.njev == mine.njev == theirs.t.size - 1
+
+
+# --- scipy's conventions ----------------------------------------------------------------------
+
+
+def decay(t, y):
+    return -1000.0 * (y - np.sin(t))
+
+
+def test_events_are_honoured():
+    def falls(t, y):
+        return y[0] - 0.5
+
+    falls.terminal, falls.direction = True, -1
+    found = solve_ivp(lambda t, y: -y, (0.0, 5.0), [1.0], Rodas, events=falls, rtol=1e-6)
+    assert found.status == 1
+    assert found.t_events[0] == pytest.approx([math.log(2.0)], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "jac",
+    [
+        lambda t, y: np.array([[-1000.0]]),
+        np.array([[-1000.0]]),
+        csc_array([[-1000.0]]),
+        lambda t, y: csc_array([[-1000.0]]),
+        None,
+    ],
+)
+def test_every_form_of_jacobian(jac):
+    found = solve_ivp(decay, (0.0, 2.0), [0.0], Rodas, jac=jac)
+    assert found.y[0, -1] == pytest.approx(math.sin(2.0), abs=2e-3)
+    assert found.nlu >= found.njev > 0
+
+
+def test_vectorised_and_arguments():
+    found = solve_ivp(
+        lambda t, y, k: -k * y, (0.0, 1.0), [1.0, 2.0], Rodas, vectorized=True, args=(3.0,)
+    )
+    assert found.y[:, -1] == pytest.approx(np.array([1.0, 2.0]) * math.exp(-3.0), rel=2e-3)
+
+
+def test_times_asked_for_and_steps_bounded():
+    times = np.linspace(0.0, 2.0, 41)
+    found = solve_ivp(decay, (0.0, 2.0), [0.0], Rodas, t_eval=times, rtol=1e-6, atol=1e-9)
+    assert np.array_equal(found.t, times)
+    assert found.y[0, 5:] == pytest.approx(np.sin(times[5:]) - 1e-3 * np.cos(times[5:]), abs=1e-5)
+    found = solve_ivp(decay, (0.0, 2.0), [0.0], Rodas, max_step=0.01)
+    assert np.diff(found.t).max() <= 0.01 + 1e-15
+    found = solve_ivp(decay, (0.0, 2.0), [0.0], Rodas, first_step=1e-5)
+    assert found.t[1] == pytest.approx(1e-5)
+
+
+def test_a_run_of_steps_has_the_output_of_single_ones():
+    times = np.linspace(0.0, 2.0, 41)
+    one, many = (
+        solve_ivp(decay, (0.0, 2.0), [0.0], Rodas, run=run, dense_output=True) for run in (1, 100)
+    )
+    assert many.t.size == 2
+    assert np.array_equal(one.sol(times), many.sol(times))
+    assert np.array_equal(many.sol(times[::-1]), many.sol(times)[:, ::-1])
+
+
+def test_no_step_leads_across_a_kink():
+    def jumps(t, y):
+        return np.array([1.0 if t < 0.3 else -2.0])
+
+    found = solve_ivp(jumps, (0.0, 1.0), [0.0], Rodas, kinks=[0.3], rtol=1e-10)
+    assert 0.3 in found.t
+    assert found.y[0, -1] == pytest.approx(0.3 - 1.4, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "bad", [{"rtol": [1e-3, 1e-3]}, {"atol": [1.0, 1.0]}, {"atol": -1.0}, {"max_step": 0.0}]
+)
+def test_bad_arguments_are_refused(bad):
+    with pytest.raises(ValueError):
+        solve_ivp(decay, (0.0, 1.0), [0.0], Rodas, **bad)
+    with pytest.raises(ValueError):
+        solve_ivp(decay, (0.0, 1.0), [0.0], Rodas, first_step=2.0)
+
+
+def test_odd_arguments_are_warned_of():
+    with pytest.warns(UserWarning, match="no argument colour"):
+        solve_ivp(decay, (0.0, 1.0), [0.0], Rodas, colour="red")
+    with pytest.warns(UserWarning, match="too small"):
+        solve_ivp(lambda t, y: 0.0 * y, (0.0, 1.0), [0.0], Rodas, rtol=0.0)
+
+
+def test_blowing_up_is_told():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        found = solve_ivp(lambda t, y: y**2, (0.0, 2.0), [1.0], Rodas)
+    assert found.status == -1
+    assert "step size" in found.message or "not finite" in found.message
+    assert found.t[-1] == pytest.approx(1.0, abs=1e-2)
+
+
+def test_rates_that_are_not_numbers_are_told():
+    def rates(t, y):
+        return y * (np.nan if t > 0.5 else 1.0)
+
+    found = solve_ivp(rates, (0.0, 1.0), [1.0], Rodas, max_step=0.1)
+    assert found.status == -1
+    assert found.t[-1] <= 0.5
+
+
+# --- the hand ---------------------------------------------------------------------------------
+
+TRACES = ("current", "force", "leader_tension")
+HARSH = {
+    "object.stiffness": 1e6,
+    "mcp.breakaway_speed": 1.0,
+    "pip.breakaway_speed": 1.0,
+    "motor.inductance": 1e-5,
+    "cart.mass": 2e-3,
+}
+
+
+def error(mine, exact):
+    """Worst error of all traces as a share of each peak."""
+    off = [np.abs(mine[n] - exact[n]).max() / np.abs(exact[n]).max() for n in TRACES]
+    return max(off)
+
+
+def test_errors_fall_with_the_tolerance_on_the_hand():
+    exact = run(method="Radau", rtol=1e-9)
+    found = [error(run(rtol=rtol), exact) for rtol in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)]
+    assert np.all(np.diff(found) < 0.0)
+    assert found[1] < 0.01 and found[2] < 1e-3
+
+
+def test_a_harsh_hand_is_right_or_refused():
+    """Stiff object, steep friction, fast winding, light carts: no silent inaccuracy.
+
+    The worst error is that of the force in the instant of the impact, 1 N for each um; stock
+    methods at the same tolerance are off by as much (LSODA less, BDF more).
+    """
+    hand = Hand().with_values(HARSH)
+    exact = simulate(hand, grasp(), method="Radau", rtol=1e-8).require()
+    for rtol, allowed in ((1e-3, 0.1), (1e-4, 0.03), (1e-5, 3e-3), (1e-6, 3e-4)):
+        found = simulate(hand, grasp(), rtol=rtol)
+        if found.outcome is Outcome.COMPLETED:
+            assert error(found, exact) < allowed
+            off = (found["force"] - exact["force"]) / exact["force"].max()
+            assert np.sqrt(np.mean(off**2)) < 10.0 * rtol
+
+
+def test_overflow_ends_in_a_named_outcome():
+    values = {"leader.stiffness": 1e7, "motor.inertia": 1e-9, "object.stiffness": 1e7}
+    experiment = Experiment("off", 0.5, reference(GRASP), Target("cylinder", {}), values=values)
+    found = simulate(Hand(), experiment, rtol=1e-3)
+    assert isinstance(found.outcome, Outcome)
+    assert np.isfinite(found.states).all()
