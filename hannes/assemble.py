@@ -79,6 +79,39 @@ def tick(t, y, p, reference, hold):
     sample(t, y, scratch, p, np.zeros({channels}), reference, hold, np.zeros({outputs}))
 '''
 
+_FIRMWARE = '''
+
+@entry
+def firmware(
+    data, y, rtol, atol, period, duration, counts, work, times, rows, holds
+):
+    """Tick after tick of the sampled controller; returns how many samples were reached."""
+    p, reference, hold, c, out, dy, _ = data[0]
+    ends, pieces, clock = np.zeros(65), np.zeros((64, 4, y.size)), np.zeros(5)
+    filled = 0
+    for k in range(int(np.ceil(duration / period - 1e-9))):
+        start, end = k * period, min((k + 1) * period, duration)
+        sample(start, y, dy, p, c, reference, hold, out)
+        clock[:] = (start, end - start, end, period, 1.0)
+        while clock[0] != end:
+            taken = advance(data, y, rtol, atol, clock, counts, ends, pieces, work)
+            if taken == 0:
+                return filled
+            last = filled
+            before = ends[taken] * (1.0 - 1e-12) if ends[taken] == end else ends[taken]
+            while last < times.size and times[last] < before:
+                last += 1
+            sample_pieces(times[filled:last], ends[: taken + 1], pieces[:taken], rows[filled:last])
+            for row in range(filled, last):
+                holds[row] = hold
+            filled = last
+    if filled < times.size:
+        rows[filled] = y
+        holds[filled] = hold
+        filled += 1
+    return filled
+'''
+
 _OBSERVED = """
 
 @entry
@@ -215,7 +248,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     reached = [each for each in names.values() if hasattr(plain(each), "__code__")]
     origin = "".join(_fingerprint(each) for each in reached)
     quick += layouts.fill(_functions(solution.module)) + solution.written + method.source()
-    quick += layouts.sized(_ENTRIES + plant.entries)
+    quick += layouts.sized(_ENTRIES + _FIRMWARE + plant.entries)
     return Compiled(
         text,
         layouts.p,

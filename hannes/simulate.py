@@ -77,8 +77,8 @@ class _Run:
         tolerances = [s.tolerance for s in compiled.states.slots for _ in range(s.size)]
         self.atol = np.array(tolerances) * rtol / 1e-4
         self.times = experiment.times
-        self.rows = np.zeros((self.times.size, self.state.size))
-        self.holds = np.zeros((self.times.size, HOLD))
+        self.rows: list[np.ndarray] = []
+        self.holds: list[np.ndarray] = []
         self.filled = 0
 
     def continuous(self) -> Trajectory:
@@ -94,12 +94,37 @@ class _Run:
     def sampled(self) -> Trajectory:
         """Integrate from tick to tick of the firmware, its duty held in between."""
         knots, period = self.experiment.reference.knots, self._period()
+        if self.method == "Rodas":
+            return self._firmware(knots, period)
         ticks = int(np.ceil(self.experiment.duration / period - 1e-9))
         for k in range(ticks):
             start, end = k * period, min((k + 1) * period, self.experiment.duration)
             self.compiled.fast.tick(start, self.state, self.p, knots, self.hold)
             if not self._advance(start, end, knots):
                 break
+        return self._result()
+
+    def _firmware(self, knots: np.ndarray, period: float) -> Trajectory:
+        """The same in one compiled call."""
+        from hannes.rodas.solver import MESSAGES
+        from hannes.rodas.step import NOT_FINITE, WORK
+
+        times, n = self.times, self.state.size
+        rows, holds = np.zeros((times.size, n)), np.zeros((times.size, HOLD))
+        counts, work = np.zeros(5, np.int64), np.zeros((WORK, n))
+        problem, clock = self.compiled.problem(self.p, knots, self.hold), time.perf_counter()
+        span = (period, self.experiment.duration)
+        filled = self.compiled.fast.firmware(
+            problem.data, self.state, self.rtol, self.atol, *span, counts, work, times, rows, holds
+        )
+        seconds = time.perf_counter() - clock
+        self.cost += Cost(int(counts[0]), int(counts[1]), round(span[1] / span[0]), seconds)
+        sound = np.isfinite(rows[:filled]).all(axis=1)
+        self.filled = filled if sound.all() else int(np.argmin(sound))
+        self.rows, self.holds = [rows[: self.filled]], [holds[: self.filled]]
+        if counts[4] != 0:
+            outcome = Outcome.NOT_FINITE if counts[4] == NOT_FINITE else Outcome.SOLVER_GAVE_UP
+            self._fail(outcome, MESSAGES[int(counts[4])])
         return self._result()
 
     def _period(self) -> float:
@@ -130,8 +155,8 @@ class _Run:
             return self._fail(Outcome.NOT_FINITE, str(error))  # scipy will not factor such
         self.cost += Cost(part.nfev, part.njev, self._parts(), time.perf_counter() - clock)
         rows = np.asarray(part.y).T.reshape(-1, self.state.size)  # a bare list when empty
-        sound = np.isfinite(rows).all(axis=1)
-        if not sound.all():
+        if not np.isfinite(rows.sum()):
+            sound = np.isfinite(rows).all(axis=1)
             self._store(rows[: min(int(np.argmin(sound)), inside - self.filled)])
             return self._fail(Outcome.NOT_FINITE, part.message)
         self._store(rows[: inside - self.filled])
@@ -155,10 +180,9 @@ class _Run:
         return int(np.searchsorted(self.times, end * (1.0 - 1e-12), "left"))
 
     def _store(self, rows: np.ndarray) -> None:
-        count = rows.shape[0]
-        self.rows[self.filled : self.filled + count] = rows
-        self.holds[self.filled : self.filled + count] = self.hold
-        self.filled += count
+        self.rows.append(rows)
+        self.holds.append(np.tile(self.hold, (rows.shape[0], 1)))
+        self.filled += rows.shape[0]
 
     def _rates(self, knots: np.ndarray) -> Callable[[float, np.ndarray], np.ndarray]:
         rates, p, hold = self.compiled.fast.rates, self.p, self.hold
@@ -194,16 +218,19 @@ class _Run:
     def _result(self) -> Trajectory:
         if self.outcome is Outcome.COMPLETED and self.filled < self.times.size:
             self._store(self.state[np.newaxis])
-        kept = slice(0, self.filled)
         return Trajectory(
             self.experiment,
-            self.times[kept],
-            self.rows[kept],
+            self.times[: self.filled],
+            self.rows[0] if len(self.rows) == 1 else _stacked(self.rows, self.state.size),
             self.outcome,
             self.message,
             self.cost,
             self.compiled,
             self.p,
             self.experiment.reference.knots,
-            self.holds[kept],
+            _stacked(self.holds, HOLD),
         )
+
+
+def _stacked(blocks: list[np.ndarray], width: int) -> np.ndarray:
+    return np.concatenate([np.zeros((0, width)), *blocks])

@@ -75,7 +75,7 @@ def errors(method, rtol, name):
 
 
 @pytest.mark.parametrize("name", TRACES)
-@pytest.mark.parametrize("method", ["LSODA", "BDF", "Radau"])
+@pytest.mark.parametrize("method", ["Rodas", "LSODA", "BDF", "Radau"])
 def test_errors_fall_as_tolerances_tighten(method, name):
     found = np.array([errors(method, rtol, name) for rtol in TOLERANCES])
     assert (np.diff(found, axis=0) < 0.0).all()
@@ -197,7 +197,7 @@ WAYS = {
 }
 
 
-@pytest.mark.parametrize("method", ["LSODA", "BDF", "Radau", "RK45"])
+@pytest.mark.parametrize("method", ["Rodas", "LSODA", "BDF", "Radau", "RK45"])
 @pytest.mark.parametrize("how", WAYS)
 def test_a_run_that_breaks_has_a_named_outcome(broken, method, how):
     broken(WAYS[how])
@@ -213,7 +213,7 @@ def test_a_run_that_breaks_has_a_named_outcome(broken, method, how):
     assert found.message in text and found.outcome.value in text and "\n" not in text
 
 
-@pytest.mark.parametrize("method", ["LSODA", "BDF", "Radau", "RK45"])
+@pytest.mark.parametrize("method", ["Rodas", "LSODA", "BDF", "Radau", "RK45"])
 def test_rates_that_are_not_finite_at_the_start_end_at_once(broken, method):
     broken(WAYS["not a number"], since=0.0)
     found = simulate(Hand(), grasp(duration=0.1), method=method)
