@@ -1,0 +1,65 @@
+"""`hannes reproduce`: the paper's experiments, its figures and tables beside ours, one page."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import hannes
+from hannes.files import atomic_folder
+from hannes.report import checks, paper, tables
+from hannes.report.drawn import Drawn
+from hannes.report.figures import figures
+from hannes.report.findings import Finding, findings
+from hannes.report.page import holding, render
+from hannes.report.runs import Runs, measured, run_all
+from hannes.report.summary import summary
+
+
+def reproduce(
+    out: str | Path,
+    progress: bool = True,
+    *,
+    quick: bool = False,
+    diagnoses: Mapping[str, Any] | None = None,
+    more: Sequence[checks.Row] = (),
+) -> dict[str, Any]:
+    """Simulate the paper's experiments and write `index.html`, `figures/`, `summary.json` to `out`.
+
+    `diagnoses` maps "emps" and "slack" to a Finding, the content of a verdict.json, or the reason
+    why there is none; `more` are further rows that must hold. `quick` runs a short sweep. Returns
+    `rows`, `must_show` and `out`. Raises BadInput where `out` cannot be written,
+    ComputationFailed where a simulation fails.
+    """
+    runs = run_all(quick=quick, progress=progress)
+    drawings = figures(runs)
+    must_show = [*checks.must_show(runs), *more]
+    page = render("page.html.j2", _content(runs, drawings, must_show, findings(diagnoses)))
+    told = summary(runs, must_show)
+    with atomic_folder(out) as folder:
+        (folder / "index.html").write_text(page, encoding="utf-8", newline="\n")
+        (folder / "summary.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        (folder / "figures").mkdir()
+        for each in drawings.values():
+            file = folder / "figures" / f"{each.name}.svg"
+            file.write_text(each.svg, encoding="utf-8", newline="\n")
+    return {"rows": told["rows"], "must_show": must_show, "out": str(out)}
+
+
+def _content(
+    runs: Runs, drawings: Mapping[str, Drawn], must_show: list[checks.Row], found: list[Finding]
+) -> dict[str, Any]:
+    return {
+        "version": hannes.__version__,
+        "paper_title": paper.TITLE,
+        "simulations": 4 + len(runs.hands) + 1 + len(runs.sweep),
+        "must_show": tables.must_show_table(must_show),
+        "holding": holding(must_show),
+        "figures": drawings,
+        "findings": found,
+        "table1": tables.table_1(runs.hand),
+        "table2": tables.table_2(measured(runs.rigid)),
+        "void": tables.void_table(runs.hand, runs.unit),
+        "definitions": tables.definitions(),
+        "parameters": tables.parameters(runs.hand),
+    }
