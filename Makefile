@@ -18,7 +18,9 @@ env:  ## the environment in .venv, up to date
 	@sh tools/bootstrap.sh
 
 run: env  ## the paper's experiments and a first diagnosis: pages in results/
-	$(bin)/hannes reproduce
+	$(bin)/python -m benchmarks.truth.closures --out results/closures --slack "3 mm" --runs 6 --seed 1
+	$(bin)/hannes diagnose results/closures/campaign.toml --out results/hidden-slack
+	$(bin)/hannes reproduce --out results/reproduce --slack results/hidden-slack
 
 test: lint  ## format, lint, types, direction of imports, tests
 	$(bin)/python -m pytest

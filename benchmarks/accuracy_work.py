@@ -8,11 +8,11 @@ import statistics
 from typing import Any
 
 import numpy as np
-from hannes.spec import load_experiment
 
 from benchmarks.harness import Row, main, must_show
 from hannes.hand import Hand
 from hannes.simulate import simulate
+from hannes.spec import load_experiment
 from hannes.trajectory import Trajectory
 
 TRACES = ("current", "force", "leader_tension")

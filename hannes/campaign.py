@@ -11,7 +11,7 @@ from hannes import library, measured
 from hannes.axis_record import load as load_mat
 from hannes.catalogue import effect, effects
 from hannes.effect import Effect
-from hannes.errors import BadInput, nearest
+from hannes.errors import BadInput, MissingRecording, nearest
 from hannes.plant import Plant, find_plant
 from hannes.plant_file import read_toml, with_plant_file
 from hannes.recording import Recording
@@ -62,7 +62,7 @@ def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
     content = read_toml(path)
     try:
         return _campaign(content, path, seed)
-    except measured.MissingRecording:
+    except MissingRecording:
         raise
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from None

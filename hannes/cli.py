@@ -112,6 +112,9 @@ def _parser() -> _Parser:
 
     reproduce = _command(commands, "reproduce", _reproduce, "the paper's results beside ours")
     _results(reproduce, "results/reproduce")
+    reproduce.add_argument(
+        "--slack", metavar="FOLDER", help="results of a diagnosis of closures with hidden slack"
+    )
 
     diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
     diagnose.add_argument("campaign", help="a campaign's .toml file")
@@ -195,10 +198,10 @@ def _hand(chosen: argparse.Namespace) -> None:
 
 
 def _reproduce(chosen: argparse.Namespace) -> None:
-    from hannes.report.reproduce import reproduce
+    from hannes.reproduce import reproduce
 
     out = chosen.out or "results/reproduce"
-    found = reproduce(out)
+    found = reproduce(out, slack=chosen.slack)
     if chosen.json:
         _print_json(found)
         return

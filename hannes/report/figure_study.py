@@ -70,9 +70,7 @@ def controllers(continuous: Trajectory, sampled: Trajectory) -> Drawn:
     )
 
 
-def _draw_controllers(
-    continuous: Trajectory, sampled: Trajectory, apart: np.ndarray
-) -> "Figure":
+def _draw_controllers(continuous: Trajectory, sampled: Trajectory, apart: np.ndarray) -> "Figure":
     figure, (current, force, difference) = style.panels(3, 1.6)
     for run, label, line in (
         (continuous, "continuous", style.FIRST),

@@ -6,16 +6,7 @@ from typing import Any
 
 from hannes.errors import HannesError
 from hannes.report.tables import Table, gap_table
-
-VERDICTS = {
-    "no_gap": "The recordings agree with the model: nothing is missing.",
-    "recalibrated": "Parameters were off; with them refitted, nothing is missing.",
-    "named": "The model was missing {effects}.",
-    "one_of": "The model was missing one of {effects}; these recordings cannot tell which.",
-    "named_with_remainder": "The model was missing {effects}, and something else remains.",
-    "unknown": "The model was missing something that no effect of the catalogue explains.",
-    "undecided": "These recordings are too few for a claim.",
-}
+from hannes.verdict import Verdict
 
 
 @dataclass(frozen=True)
@@ -34,12 +25,7 @@ class Finding:
     @property
     def sentence(self) -> str:
         """The verdict in plain words."""
-        verdict = self.verdict or {}
-        effects = " and ".join(each.replace("_", " ") for each in verdict.get("effects", []))
-        kind = str(verdict.get("verdict", ""))
-        if kind == "one_of":
-            effects = effects.replace(" and ", ", ")
-        return VERDICTS.get(kind, kind).format(effects=effects)
+        return Verdict(**self.verdict).sentence if self.verdict else ""
 
     @property
     def sizes(self) -> list[str]:
@@ -80,12 +66,20 @@ def findings(given: Mapping[str, Any] | None) -> list[Finding]:
     return [_finding(name, (given or {}).get(name)) for name in ABOUT]
 
 
+def finding(
+    name: str, verdict: Mapping[str, Any], *, link: str = "", tables: tuple[Table, ...] = ()
+) -> Finding:
+    """Return the finding `name` ("emps" or "slack") with the content of its verdict.json."""
+    title, about = ABOUT[name]
+    return Finding(name, title, about, verdict=verdict, link=link, tables=tables)
+
+
 def _finding(name: str, given: Any) -> Finding:
     title, about = ABOUT[name]
     if isinstance(given, Finding):
         return given
     if isinstance(given, Mapping):
-        return Finding(name, title, about, verdict=given)
+        return finding(name, given)
     if isinstance(given, HannesError | str):
         return Finding(name, title, about, missing=str(given))
     command = f"hannes diagnose {name}.toml"

@@ -72,7 +72,9 @@ def styled() -> Iterator[None]:
         yield
 
 
-def panels(rows: int, height: float = PANEL, *, share: bool = True) -> tuple["Figure", list["Axes"]]:
+def panels(
+    rows: int, height: float = PANEL, *, share: bool = True
+) -> tuple["Figure", list["Axes"]]:
     """Return a figure and its `rows` panels one above the other, `height` [inch] each."""
     from matplotlib.figure import Figure
 
