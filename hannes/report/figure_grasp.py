@@ -119,7 +119,9 @@ def _draw_dynamometer(run: Trajectory, ours: GraspMetrics) -> "Figure":
 
 def _level(axes: "Axes", span: tuple[float, float], hand: float, model: float) -> None:
     labelled = axes.get_legend_handles_labels()[1]
-    named = "published, hand" not in labelled and axes.get_subplotspec().rowspan.start == 0
+    place = axes.get_subplotspec()
+    top = place is not None and place.rowspan.start == 0
+    named = top and "published, hand" not in labelled
     hands, models = ("published, hand", "published, model") if named else ("", "")
     axes.plot(span, (model, model), label=models or None, zorder=4, **style.PUBLISHED_MODEL)
     axes.plot(span, (hand, hand), label=hands or None, zorder=5, **style.PUBLISHED)

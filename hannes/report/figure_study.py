@@ -30,10 +30,10 @@ def stiffness(sweep: Mapping[float, Trajectory]) -> Drawn:
         "stiffness",
         "Stiffness sweep",
         "One shape, one command, only the contact stiffness differs. The paper reports a "
-        '"proportionality" between stiffness and the current\'s slope and peak; here both rise with '
+        '"proportionality" of slope and peak of the current with stiffness; here both rise with '
         "stiffness and level off, so a stiffer object is told from a softer one, but no straight "
         "line through zero holds over the range.",
-        f"Three panels against stiffness from {low:g} to {high:g} N/m on a logarithmic axis. Slope, "
+        f"Three panels against stiffness from {low:g} to {high:g} N/m, logarithmic axis. Slope, "
         f"peak current and peak force go from {number(metrics[0].I_sc)} A/s, "
         f"{number(metrics[0].I_max)} A and {number(metrics[0].F_max)} N to "
         f"{number(metrics[-1].I_sc)} A/s, {number(metrics[-1].I_max)} A, "

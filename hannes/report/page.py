@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import jinja2
+    from markupsafe import Markup
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -32,7 +33,7 @@ def environment() -> "jinja2.Environment":
     return made
 
 
-def inline(svg: str, alt: str) -> "jinja2.utils.markupsafe.Markup":
+def inline(svg: str, alt: str) -> "Markup":
     """Return the SVG for use inside HTML: one labelled image that scales with the page."""
     from markupsafe import Markup, escape
 

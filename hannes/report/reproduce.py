@@ -52,14 +52,14 @@ def _content(
     return {
         "version": hannes.__version__,
         "paper_title": paper.TITLE,
-        "simulations": 4 + len(runs.hands) + 1 + len(runs.sweep),
+        "simulations": 5 + len(runs.hands) + len(runs.sweep),
         "must_show": tables.must_show_table(must_show),
         "holding": holding(must_show),
         "figures": drawings,
         "findings": found,
         "table1": tables.table_1(runs.hand),
         "table2": tables.table_2(measured(runs.rigid)),
-        "void": tables.void_table(runs.hand, runs.unit),
+        "void": tables.void_table(runs.hand, runs.unit_hand, runs.unit),
         "definitions": tables.definitions(),
         "parameters": tables.parameters(runs.hand),
     }

@@ -2,21 +2,14 @@
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
-from hannes import hand as hand_module
-from hannes.experiment import Experiment, Reference, Target
 from hannes.hand import Hand
 from hannes.metrics import GraspMetrics, grasp_metrics
-from hannes.report import virtual
 from hannes.simulate import simulate
+from hannes.spec import load_experiment
 from hannes.trajectory import Trajectory
-
-# The paper's void current comes from other hands than its dynamometer grasp.
-VOID_UNIT: dict[str, float] = getattr(hand_module, "VOID_UNIT", {"motor.dry_friction": 3.6e-3})
-
-STIFFNESSES = (300.0, 800.0, 1500.0, 3000.0, 5000.0, 8344.0, 15000.0, 30000.0)
-QUICK_STIFFNESSES = (800.0, 3000.0, 8344.0)
+from hannes.variants import Variant
 
 
 @dataclass
@@ -24,6 +17,7 @@ class Runs:
     """Every trajectory the page shows."""
 
     hand: Hand
+    unit_hand: Hand
     rigid: Trajectory
     soft: Trajectory
     closure: Trajectory
@@ -40,20 +34,28 @@ def measured(run: Trajectory) -> GraspMetrics:
 
 def run_all(*, quick: bool = False, progress: bool = True) -> Runs:
     """Run everything; `quick` leaves out part of the sweep. ComputationFailed where one fails."""
-    hand, unit = Hand(), Hand().with_values(VOID_UNIT)
-    grasp, free = _dynamometer(), _closure()
-    sweep = QUICK_STIFFNESSES if quick else STIFFNESSES
-    with _Bar(5 + virtual.COUNT + len(sweep), progress) as run:
+    (rigid,), (soft,) = load_experiment("dynamometer"), load_experiment("soft-ball")
+    (closure,), (unit,) = load_experiment("full-closure"), load_experiment("void-unit")
+    hands, (_, sampled) = load_experiment("virtual-hands"), load_experiment("controllers")
+    sweep = load_experiment("stiffness-sweep")[:: 3 if quick else 1]
+    with _Bar(5 + len(hands) + len(sweep), progress) as run:
         return Runs(
-            hand,
-            run(hand, grasp),
-            run(hand, _ball()),
-            run(hand, free),
-            run(unit, free),
-            [run(each, free) for each in virtual.hands(unit)],
-            run(hand, replace(grasp, title="Dynamometer, sampled", controller="sampled")),
-            {k: run(hand, _stiffened(grasp, k)) for k in sweep},
+            rigid.hand,
+            unit.hand,
+            run(rigid),
+            run(soft),
+            run(closure),
+            run(unit),
+            [run(each) for each in hands],
+            run(sampled),
+            {stiffness(each): run(each) for each in sweep},
         )
+
+
+def stiffness(variant: Variant) -> float:
+    """Contact stiffness of a variant's object [N/m]."""
+    target = variant.experiment.object
+    return target.values["object.stiffness"] if target else 0.0
 
 
 class _Bar:
@@ -64,37 +66,14 @@ class _Bar:
 
         self.bar = tqdm(total=total, disable=not shown, file=sys.stderr, unit="run")
 
-    def __enter__(self) -> Callable[[Hand, Experiment], Trajectory]:
+    def __enter__(self) -> Callable[[Variant], Trajectory]:
         return self._run
 
     def __exit__(self, *_: object) -> None:
         self.bar.close()
 
-    def _run(self, hand: Hand, experiment: Experiment) -> Trajectory:
-        self.bar.set_description(experiment.title)
-        done = simulate(hand, experiment).require()
+    def _run(self, variant: Variant) -> Trajectory:
+        self.bar.set_description(variant.name or variant.experiment.title)
+        done = simulate(variant.hand, variant.experiment).require()
         self.bar.update()
         return done
-
-
-def _stiffened(experiment: Experiment, stiffness: float) -> Experiment:
-    assert experiment.object is not None
-    values = {**experiment.object.values, "object.stiffness": stiffness}
-    target = replace(experiment.object, values=values)
-    return replace(experiment, title=f"{stiffness:g} N/m", object=target)
-
-
-def _dynamometer() -> Experiment:
-    reference = Reference([[0.0, 0.637, 1.022], [0.0, 9.84, 0.0]])
-    return Experiment("Dynamometer", 1.15, reference, Target("cylinder", {}, sensor=True))
-
-
-def _ball() -> Experiment:
-    values = {"object.stiffness": 800.0, "object.damping": 20.0}
-    values |= {"object.radius": 0.034, "object.x": 0.0}
-    return replace(_dynamometer(), title="Soft ball", object=Target("sphere", values))
-
-
-def _closure() -> Experiment:
-    reference = Reference([[0.0, 21.0 / 15.4], [0.0, 21.0]])
-    return Experiment("Free closure", 1.6, reference)

@@ -7,7 +7,6 @@ from hannes.hand import Hand
 from hannes.metrics import DEFINITIONS, GraspMetrics, relative_error, void_current
 from hannes.report import paper
 from hannes.report.formats import decimals, number, power, signed
-from hannes.report.runs import VOID_UNIT
 from hannes.trajectory import Trajectory
 
 
@@ -70,18 +69,15 @@ def _contact_row(ours: GraspMetrics) -> tuple[str, ...]:
     return ("first contact [s]", "0.3", "0.3", decimals(ours.contact, 3), *errors)
 
 
-def void_table(hand: Hand, unit: Trajectory) -> Table:
+def void_table(hand: Hand, unit_hand: Hand, unit: Trajectory) -> Table:
     """Void current of the hand unit in which only motor and gear dry friction differ."""
     ours = void_current(unit.time, unit["current"])
-    rows = [
-        (f"{name} of the unit", f"{power(value, 3)} {hand.parameters.declared[name].unit}")
-        for name, value in VOID_UNIT.items()
-    ]
-    rows += [
-        (f"{name} of the shipped hand", f"{power(hand.parameters[name], 3)} {each.unit}")
-        for name in VOID_UNIT
-        for each in [hand.parameters.declared[name]]
-    ]
+    rows = []
+    for name, value in hand.parameters.items():
+        if (other := unit_hand.parameters[name]) != value:
+            measure = hand.parameters.declared[name].unit
+            rows.append((f"{name} of the unit", f"{power(other, 3)} {measure}"))
+            rows.append((f"{name} of the shipped hand", f"{power(value, 3)} {measure}"))
     rows += [
         ("void current, four hands (paper)", f"{paper.VOID_CURRENT} ± {paper.VOID_SPREAD} A"),
         ("void current, model (paper)", f"{paper.VOID_MODEL} A"),
