@@ -1,4 +1,4 @@
-"""The thin diagnosis, whole: hidden slack is named, none is not, the real axis tells its friction."""
+"""The thin diagnosis, whole: hidden slack is named, none is not, the real axis tells its effect."""
 
 import json
 import subprocess
