@@ -205,6 +205,11 @@ def _reproduce(chosen: argparse.Namespace) -> None:
     if chosen.json:
         _print_json(found)
         return
+    for row in found["must_show"]:
+        verdict = "holds" if row["holds"] else "DOES NOT HOLD"
+        print(
+            f"  {row['name']}: {row['value']:.3g} {row['unit']} (<= {row['bound']:.3g}) {verdict}"
+        )
     holds = sum(row["holds"] for row in found["must_show"])
     print(f"{holds} of {len(found['must_show'])} figures hold")
     print(f"open {out}/index.html")

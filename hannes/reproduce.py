@@ -21,7 +21,7 @@ GAIN = 0.5  # points that the missing effect is worth at least on the file not f
 
 
 def reproduce(
-    out: str | Path, *, slack: str | Path | None = None, progress: bool = True
+    out: str | Path, *, slack: str | Path | None = None, progress: bool | None = None
 ) -> dict[str, Any]:
     """Write the page to `out` and the diagnosis of the real axis beside it, to `out`/../emps.
 
@@ -34,7 +34,7 @@ def reproduce(
     return paper_page(out, progress, diagnoses=found, more=rows)
 
 
-def _emps(folder: Path, progress: bool) -> tuple[Finding | HannesError, list[Row]]:
+def _emps(folder: Path, progress: bool | None) -> tuple[Finding | HannesError, list[Row]]:
     try:
         campaign = read_campaign("emps")
     except MissingRecording as missing:

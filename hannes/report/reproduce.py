@@ -18,7 +18,7 @@ from hannes.report.summary import summary
 
 def reproduce(
     out: str | Path,
-    progress: bool = True,
+    progress: bool | None = None,
     *,
     quick: bool = False,
     diagnoses: Mapping[str, Any] | None = None,

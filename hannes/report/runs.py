@@ -32,7 +32,7 @@ def measured(run: Trajectory) -> GraspMetrics:
     return grasp_metrics(run.time, run["current"], run["force"], run["position"])
 
 
-def run_all(*, quick: bool = False, progress: bool = True) -> Runs:
+def run_all(*, quick: bool = False, progress: bool | None = None) -> Runs:
     """Run everything; `quick` leaves out part of the sweep. ComputationFailed where one fails."""
     (rigid,), (soft,) = load_experiment("dynamometer"), load_experiment("soft-ball")
     (closure,), (unit,) = load_experiment("full-closure"), load_experiment("void-unit")
@@ -61,10 +61,12 @@ def stiffness(variant: Variant) -> float:
 class _Bar:
     """Runs one experiment after another and counts them on standard error."""
 
-    def __init__(self, total: int, shown: bool) -> None:
+    def __init__(self, total: int, shown: bool | None) -> None:
         from tqdm import tqdm
 
-        self.bar = tqdm(total=total, disable=not shown, file=sys.stderr, unit="run")
+        self.bar = tqdm(
+            total=total, disable=None if shown is None else not shown, file=sys.stderr, unit="run"
+        )
 
     def __enter__(self) -> Callable[[Variant], Trajectory]:
         return self._run
