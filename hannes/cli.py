@@ -115,6 +115,9 @@ def _parser() -> _Parser:
     reproduce.add_argument(
         "--slack", metavar="FOLDER", help="results of a diagnosis of closures with hidden slack"
     )
+    reproduce.add_argument(
+        "--taut", metavar="FOLDER", help="results of a diagnosis of the same closures without it"
+    )
 
     diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
     diagnose.add_argument("campaign", help="a campaign's .toml file")
@@ -201,7 +204,7 @@ def _reproduce(chosen: argparse.Namespace) -> None:
     from hannes.reproduce import reproduce
 
     out = chosen.out or "results/reproduce"
-    found = reproduce(out, slack=chosen.slack)
+    found = reproduce(out, slack=chosen.slack, taut=chosen.taut)
     if chosen.json:
         _print_json(found)
         return

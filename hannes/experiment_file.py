@@ -56,9 +56,20 @@ def read_experiment(root: Table, folder: Path | None) -> Experiment:
         read_object(root),
         _sampling(root, reference),
         root.choice("controller", CONTROLLERS, "continuous"),
+        _surroundings(root),
         noise=_noise(noise),
         seed=noise.whole("seed", 0, LARGEST_SEED, 0),
     )
+
+
+def _surroundings(root: Table) -> dict[str, float]:
+    """Values of `[parameters]` that belong to the experiment, whichever hand makes it."""
+    table = root.table("parameters")
+    return {
+        name: checked(given, _DECLARED[name], table)
+        for name, given in table.content.items()
+        if name in _DECLARED and name.startswith(("gravity.", "object."))
+    }
 
 
 def _duration(root: Table, reference: Reference) -> float:

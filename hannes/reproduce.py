@@ -1,6 +1,7 @@
 """`hannes reproduce`: the paper's experiments and a first diagnosis, on one page."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +10,12 @@ import numpy as np
 from hannes.campaign import read_campaign
 from hannes.diagnose import Diagnosis, Traces, diagnose
 from hannes.errors import BadInput, HannesError, MissingRecording
+from hannes.files import atomic_folder
 from hannes.report.checks import Row, row
 from hannes.report.findings import Finding, finding
-from hannes.report.reproduce import reproduce as paper_page
+from hannes.report.reproduce import write_page
 from hannes.report.tables import Table
+from hannes.verdict import Verdict
 
 # Relative force errors of the closed-loop simulation [%], identification and pulses file.
 PUBLISHED = (5.848, 8.94)  # Janot, Gautier & Brunot (2019), Coulomb + viscous + offset
@@ -21,17 +24,25 @@ GAIN = 0.5  # points that the missing effect is worth at least on the file not f
 
 
 def reproduce(
-    out: str | Path, *, slack: str | Path | None = None, progress: bool | None = None
+    out: str | Path,
+    *,
+    slack: str | Path | None = None,
+    taut: str | Path | None = None,
+    progress: bool | None = None,
 ) -> dict[str, Any]:
-    """Write the page to `out` and the diagnosis of the real axis beside it, to `out`/../emps.
+    """Write the page to `out`, with the diagnosis of the real axis under `out`/emps.
 
-    `slack` is the results folder of a diagnosis of closures with hidden slack. Returns `rows`,
-    `must_show` and `out`. Raises BadInput where a folder cannot be used, ComputationFailed where
-    a simulation fails; a recording that is missing is named on the page instead.
+    `slack` and `taut` are results folders of diagnoses of closures with hidden slack and of the
+    same closures without it. Returns `rows`, `must_show` and `out`. Raises BadInput where a
+    folder cannot be used, ComputationFailed where a simulation fails; a recording that is
+    missing is named on the page instead.
     """
-    emps, rows = _emps(Path(out).parent / "emps", progress)
-    found = {"emps": emps, "slack": _given(slack, Path(out))}
-    return paper_page(out, progress, diagnoses=found, more=rows)
+    hidden, rows = _hidden(slack, taut, Path(out))
+    with atomic_folder(out) as folder:
+        emps, more = _emps(folder / "emps", progress)
+        found = {"emps": emps, "slack": hidden}
+        told = write_page(folder, progress, diagnoses=found, more=[*more, *rows])
+    return {**told, "out": str(out)}
 
 
 def _emps(folder: Path, progress: bool | None) -> tuple[Finding | HannesError, list[Row]]:
@@ -44,7 +55,7 @@ def _emps(folder: Path, progress: bool | None) -> tuple[Finding | HannesError, l
     made = finding(
         "emps",
         json.loads(result.verdict.json()),
-        link=f"../{folder.name}/report.html",
+        link=f"{folder.name}/report.html",
         tables=(_table(result, errors),),
     )
     return made, _rows(result, errors)
@@ -96,17 +107,33 @@ def _rows(result: Diagnosis, errors: list[tuple[float, float, float]]) -> list[R
     ]
 
 
-def _given(folder: str | Path | None, out: Path) -> Finding | str:
-    if folder is None:
-        return "not diagnosed in this run; `make run` makes the closures and diagnoses them"
+def _hidden(
+    slack: str | Path | None, taut: str | Path | None, out: Path
+) -> tuple[Finding | str, list[Row]]:
+    """What was said of closures with slack, and rows for both verdicts."""
+    rows = []
+    if taut is not None:
+        called = "leader_slack" in _verdict(taut).effects
+        rows.append(row("closures without slack that are called slack", float(called), 0.0))
+    if slack is None:
+        missing = "not diagnosed in this run; `make run` makes the closures and diagnoses them"
+        return missing, rows
+    verdict = _verdict(slack)
+    missed = verdict.effects != ["leader_slack"]
+    rows.append(row("closures with slack that are not called slack", float(missed), 0.0))
+    return finding("slack", asdict(verdict), link=_link(Path(slack), out)), rows
+
+
+def _verdict(folder: str | Path) -> Verdict:
     file = Path(folder) / "verdict.json"
     try:
-        verdict = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        return Verdict(**json.loads(file.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError) as error:
         raise BadInput(f"{file} is no verdict of a diagnosis: {error}") from None
-    link = Path(folder).resolve() / "report.html"
-    try:
-        shown = link.relative_to(out.resolve().parent)
-        return finding("slack", verdict, link=f"../{shown.as_posix()}")
-    except ValueError:
-        return finding("slack", verdict, link=link.as_uri())
+
+
+def _link(folder: Path, out: Path) -> str:
+    report = folder.resolve() / "report.html"
+    if report.is_relative_to(out.resolve().parent):
+        return f"../{report.relative_to(out.resolve().parent).as_posix()}"
+    return report.as_uri()

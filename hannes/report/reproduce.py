@@ -17,33 +17,40 @@ from hannes.report.summary import summary
 
 
 def reproduce(
-    out: str | Path,
+    out: str | Path, progress: bool | None = None, *, quick: bool = False
+) -> dict[str, Any]:
+    """Write the page without any diagnosis to `out`, whole or not at all; see `write_page`."""
+    with atomic_folder(out) as folder:
+        told = write_page(folder, progress, quick=quick)
+    return {**told, "out": str(out)}
+
+
+def write_page(
+    folder: Path,
     progress: bool | None = None,
     *,
     quick: bool = False,
     diagnoses: Mapping[str, Any] | None = None,
     more: Sequence[checks.Row] = (),
 ) -> dict[str, Any]:
-    """Simulate the paper's experiments and write `index.html`, `figures/`, `summary.json` to `out`.
+    """Simulate the paper's experiments; write `index.html`, `figures/`, `summary.json`.
 
     `diagnoses` maps "emps" and "slack" to a Finding, the content of a verdict.json, or the reason
     why there is none; `more` are further rows that must hold. `quick` runs a short sweep. Returns
-    `rows`, `must_show` and `out`. Raises BadInput where `out` cannot be written,
-    ComputationFailed where a simulation fails.
+    `rows` and `must_show`. Raises ComputationFailed where a simulation fails.
     """
     runs = run_all(quick=quick, progress=progress)
     drawings = figures(runs)
     must_show = [*checks.must_show(runs), *more]
     page = render("page.html.j2", _content(runs, drawings, must_show, findings(diagnoses)))
     told = summary(runs, must_show)
-    with atomic_folder(out) as folder:
-        (folder / "index.html").write_text(page, encoding="utf-8", newline="\n")
-        (folder / "summary.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
-        (folder / "figures").mkdir()
-        for each in drawings.values():
-            file = folder / "figures" / f"{each.name}.svg"
-            file.write_text(each.svg, encoding="utf-8", newline="\n")
-    return {"rows": told["rows"], "must_show": must_show, "out": str(out)}
+    (folder / "index.html").write_text(page, encoding="utf-8", newline="\n")
+    (folder / "summary.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    (folder / "figures").mkdir()
+    for each in drawings.values():
+        file = folder / "figures" / f"{each.name}.svg"
+        file.write_text(each.svg, encoding="utf-8", newline="\n")
+    return {"rows": told["rows"], "must_show": must_show}
 
 
 def _content(
