@@ -18,7 +18,11 @@ env:  ## the environment in .venv, up to date
 	@sh tools/bootstrap.sh
 
 run: env  ## the paper's experiments and a first diagnosis: pages in results/
-	$(bin)/hannes reproduce
+	$(bin)/python -m benchmarks.truth.closures --out results/closures --slack "3 mm" --runs 6 --seed 1
+	$(bin)/hannes diagnose results/closures/campaign.toml --out results/hidden-slack
+	$(bin)/python -m benchmarks.truth.closures --out results/taut-closures --slack none --runs 6 --seed 1
+	$(bin)/hannes diagnose results/taut-closures/campaign.toml --out results/no-slack
+	$(bin)/hannes reproduce --out results/reproduce --slack results/hidden-slack --taut results/no-slack
 
 test: lint  ## format, lint, types, direction of imports, tests
 	$(bin)/python -m pytest

@@ -13,7 +13,7 @@ from hannes import axis_equations
 from hannes.assemble import Equations, assemble
 from hannes.control import cascade
 from hannes.effect import Effect
-from hannes.errors import ComputationFailed
+from hannes.errors import BadInput, ComputationFailed
 from hannes.layout import Layout, Slot
 from hannes.parameter import Parameter, ParameterSet, group
 from hannes.recording import Recording
@@ -93,6 +93,8 @@ EQUATIONS = Equations(
 
 SUBSTEPS = 2  # per sample; tests/test_axis.py shows that more change nothing
 START = 0.02  # s of the record from which the start speed is read
+FEWEST = 4  # samples from which the start position and speed are read
+SHORTEST = 0.2  # s, of a recording that can be judged
 
 
 @cache
@@ -193,5 +195,10 @@ def start_state(recording: Recording) -> np.ndarray:
     """Position [m] and speed [m/s] at the first sample, from a parabola through the first 20 ms."""
     t = recording.time - recording.time[0]
     first = t <= START
+    if np.count_nonzero(first) < FEWEST or t[-1] - t[0] < SHORTEST:
+        raise BadInput(
+            f"an axis recording of {len(recording)} samples over {t[-1] - t[0]:.3g} s: expected at "
+            f"least {SHORTEST:g} s, and {FEWEST} samples in the first {START:g} s to start from"
+        )
     slope = np.polyfit(t[first], recording["position"][first], 2)[1]
     return np.array([recording["position"][0], slope])

@@ -11,7 +11,7 @@ from hannes import library, measured
 from hannes.axis_record import load as load_mat
 from hannes.catalogue import effect, effects
 from hannes.effect import Effect
-from hannes.errors import BadInput, nearest
+from hannes.errors import BadInput, MissingRecording, nearest
 from hannes.plant import Plant, find_plant
 from hannes.plant_file import read_toml, with_plant_file
 from hannes.recording import Recording
@@ -62,7 +62,7 @@ def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
     content = read_toml(path)
     try:
         return _campaign(content, path, seed)
-    except measured.MissingRecording:
+    except MissingRecording:
         raise
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from None
@@ -118,6 +118,8 @@ def _text(table: Mapping[str, Any], key: str, default: str) -> str:
 def _existing(path: Path) -> Path:
     if path.is_file():
         return path
+    if path.is_dir():
+        raise BadInput(f"{path} is a folder; expected a file, or a glob such as {path.name}/*.csv")
     near = nearest(path.name, [each.name for each in path.parent.glob("*")])
     raise BadInput(f"there is no file {path}{near}")
 
@@ -175,6 +177,11 @@ def _read(path: Path) -> Recording:
 
 
 def _checked(recording: Recording, plant: Plant, path: Path) -> Recording:
+    if recording.plant and recording.plant != plant.name:
+        raise BadInput(
+            f'{path.name} is a recording of the plant "{recording.plant}", not of "{plant.name}"; '
+            "choose the campaign's plant to match"
+        )
     try:
         recording.expect(plant.channels, plant.required, f"the plant {plant.name}")
     except BadInput as error:

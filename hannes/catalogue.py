@@ -62,7 +62,7 @@ def _own_module(path: Path) -> ModuleType:
     sys.modules[name] = module  # where kept machine code looks for the kernels' globals
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         del sys.modules[name]
         raise BadInput(f"effect file {path} does not run: {error}") from None
     return module

@@ -112,6 +112,12 @@ def _parser() -> _Parser:
 
     reproduce = _command(commands, "reproduce", _reproduce, "the paper's results beside ours")
     _results(reproduce, "results/reproduce")
+    reproduce.add_argument(
+        "--slack", metavar="FOLDER", help="results of a diagnosis of closures with hidden slack"
+    )
+    reproduce.add_argument(
+        "--taut", metavar="FOLDER", help="results of a diagnosis of the same closures without it"
+    )
 
     diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
     diagnose.add_argument("campaign", help="a campaign's .toml file")
@@ -195,13 +201,18 @@ def _hand(chosen: argparse.Namespace) -> None:
 
 
 def _reproduce(chosen: argparse.Namespace) -> None:
-    from hannes.report.reproduce import reproduce
+    from hannes.reproduce import reproduce
 
     out = chosen.out or "results/reproduce"
-    found = reproduce(out)
+    found = reproduce(out, slack=chosen.slack, taut=chosen.taut)
     if chosen.json:
         _print_json(found)
         return
+    for row in found["must_show"]:
+        verdict = "holds" if row["holds"] else "DOES NOT HOLD"
+        print(
+            f"  {row['name']}: {row['value']:.3g} {row['unit']} (<= {row['bound']:.3g}) {verdict}"
+        )
     holds = sum(row["holds"] for row in found["must_show"])
     print(f"{holds} of {len(found['must_show'])} figures hold")
     print(f"open {out}/index.html")

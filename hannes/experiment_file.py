@@ -56,9 +56,20 @@ def read_experiment(root: Table, folder: Path | None) -> Experiment:
         read_object(root),
         _sampling(root, reference),
         root.choice("controller", CONTROLLERS, "continuous"),
+        _surroundings(root),
         noise=_noise(noise),
         seed=noise.whole("seed", 0, LARGEST_SEED, 0),
     )
+
+
+def _surroundings(root: Table) -> dict[str, float]:
+    """Values of `[parameters]` that belong to the experiment, whichever hand makes it."""
+    table = root.table("parameters")
+    return {
+        name: checked(given, _DECLARED[name], table)
+        for name, given in table.content.items()
+        if name in _DECLARED and name.startswith(("gravity.", "object."))
+    }
 
 
 def _duration(root: Table, reference: Reference) -> float:
@@ -180,11 +191,11 @@ def _size(table: Table) -> dict[str, float]:
     size.require("width", '"40 mm"')
     size.require("height", '"30 mm"')
     rounding = _value(size, "rounding", "object.radius") if "rounding" in size else ROUNDING
-    return {
-        "object.half_x": _value(size, "width", "object.half_x", 0.5),
-        "object.half_y": _value(size, "height", "object.half_y", 0.5),
-        "object.radius": rounding,
-    }
+    half_x = _value(size, "width", "object.half_x", 0.5)
+    half_y = _value(size, "height", "object.half_y", 0.5)
+    if "rounding" in size and rounding > min(half_x, half_y):
+        size.refuse("rounding", "is more than half of the smaller side; make it smaller")
+    return {"object.half_x": half_x, "object.half_y": half_y, "object.radius": rounding}
 
 
 def _position(table: Table) -> dict[str, float]:

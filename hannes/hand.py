@@ -23,10 +23,6 @@ EQUATIONS = Equations(
     shape=structure.shape,
 )
 
-# The paper's void currents are those of four other hands: a unit like them differs from the
-# dynamometer's hand only in the dry friction of motor and gear.
-VOID_UNIT = {"motor.dry_friction": 3.4e-3}
-
 
 class Hand:
     """A Hannes hand: immutable; `with_values` and `with_effects` return changed copies."""

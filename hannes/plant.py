@@ -100,7 +100,7 @@ def _imported(module: str, attribute: str, folder: Path | None) -> Any:
         sys.path.insert(0, str(folder))
     try:
         return getattr(importlib.import_module(module), attribute)
-    except (ImportError, AttributeError) as error:
+    except (Exception, SystemExit) as error:  # the user's module may do anything
         raise BadInput(f"plant {module}:{attribute} cannot be loaded: {error}") from None
     finally:
         sys.path[:] = before

@@ -107,6 +107,8 @@ def _named(result: Verdict) -> str:
 
 
 def _with_remainder(result: Verdict) -> str:
+    if explained(result.gap) > 0.995:
+        return _named(result)[:-1] + "; a little above the floor remains."
     return _named(result)[:-1] + "; the rest is something else."
 
 

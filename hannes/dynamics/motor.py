@@ -13,7 +13,9 @@ PARAMETERS = group(
     Parameter("inertia", 3.31e-7, "kg m2", (1e-9, 1e-3), "rotor and reducer, motor side"),
     Parameter("dry_friction", 4.7e-3, "N m", (0, 0.1), "motor and gear, motor side", FIT),
     Parameter("friction_speed", 5.0, "rad/s", (0.01, 100), "width of the dry-friction tanh"),
-    Parameter("viscous_friction", 5.25e-7, "N m s/rad", (0, 1e-3), "motor and gear, motor side", FIT),
+    Parameter(
+        "viscous_friction", 5.25e-7, "N m s/rad", (0, 1e-3), "motor and gear, motor side", FIT
+    ),
 ) + group(
     "gear",
     Parameter("ratio", 19.0, "1", (1, 1000), "motor turns per output turn", "paper, section II.B"),

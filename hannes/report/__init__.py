@@ -1,0 +1,1 @@
+"""The paper's figures and tables beside ours, and the page that shows them."""

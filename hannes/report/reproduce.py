@@ -1,0 +1,72 @@
+"""`hannes reproduce`: the paper's experiments, its figures and tables beside ours, one page."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import hannes
+from hannes.files import atomic_folder
+from hannes.report import checks, paper, tables
+from hannes.report.drawn import Drawn
+from hannes.report.figures import figures
+from hannes.report.findings import Finding, findings
+from hannes.report.page import holding, render
+from hannes.report.runs import Runs, measured, run_all
+from hannes.report.summary import summary
+
+
+def reproduce(
+    out: str | Path, progress: bool | None = None, *, quick: bool = False
+) -> dict[str, Any]:
+    """Write the page without any diagnosis to `out`, whole or not at all; see `write_page`."""
+    with atomic_folder(out) as folder:
+        told = write_page(folder, progress, quick=quick)
+    return {**told, "out": str(out)}
+
+
+def write_page(
+    folder: Path,
+    progress: bool | None = None,
+    *,
+    quick: bool = False,
+    diagnoses: Mapping[str, Any] | None = None,
+    more: Sequence[checks.Row] = (),
+) -> dict[str, Any]:
+    """Simulate the paper's experiments; write `index.html`, `figures/`, `summary.json`.
+
+    `diagnoses` maps "emps" and "slack" to a Finding, the content of a verdict.json, or the reason
+    why there is none; `more` are further rows that must hold. `quick` runs a short sweep. Returns
+    `rows` and `must_show`. Raises ComputationFailed where a simulation fails.
+    """
+    runs = run_all(quick=quick, progress=progress)
+    drawings = figures(runs)
+    must_show = [*checks.must_show(runs), *more]
+    page = render("page.html.j2", _content(runs, drawings, must_show, findings(diagnoses)))
+    told = summary(runs, must_show)
+    (folder / "index.html").write_text(page, encoding="utf-8", newline="\n")
+    (folder / "summary.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    (folder / "figures").mkdir()
+    for each in drawings.values():
+        file = folder / "figures" / f"{each.name}.svg"
+        file.write_text(each.svg, encoding="utf-8", newline="\n")
+    return {"rows": told["rows"], "must_show": must_show}
+
+
+def _content(
+    runs: Runs, drawings: Mapping[str, Drawn], must_show: list[checks.Row], found: list[Finding]
+) -> dict[str, Any]:
+    return {
+        "version": hannes.__version__,
+        "paper_title": paper.TITLE,
+        "simulations": 5 + len(runs.hands) + len(runs.sweep),
+        "must_show": tables.must_show_table(must_show),
+        "holding": holding(must_show),
+        "figures": drawings,
+        "findings": found,
+        "table1": tables.table_1(runs.hand),
+        "table2": tables.table_2(measured(runs.rigid)),
+        "void": tables.void_table(runs.hand, runs.unit_hand, runs.unit),
+        "definitions": tables.definitions(),
+        "parameters": tables.parameters(runs.hand),
+    }

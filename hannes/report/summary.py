@@ -1,0 +1,64 @@
+"""What depends on the day and the machine, beside the figures: kept off the page."""
+
+import datetime
+import platform
+from dataclasses import asdict
+from importlib.metadata import version
+from typing import Any
+
+from hannes.report.checks import Row
+from hannes.report.runs import Runs, measured
+from hannes.simulate import simulate
+from hannes.trajectory import Trajectory
+
+LIBRARIES = ("hannes", "numpy", "scipy", "numba", "matplotlib")
+
+
+def summary(runs: Runs, must_show: list[Row]) -> dict[str, Any]:
+    """Content of summary.json: figures of every grasp, solver time, versions, date."""
+    return {
+        "rows": [*_grasps(runs), _solver_time(runs)],
+        "must_show": must_show,
+        "versions": {"python": platform.python_version(), **_versions()},
+        "machine": platform.machine(),
+        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    }
+
+
+def _grasps(runs: Runs) -> list[Row]:
+    grasps: dict[str, Trajectory] = {
+        "dynamometer": runs.rigid,
+        "soft ball": runs.soft,
+        "dynamometer, sampled": runs.sampled,
+        **{f"{k:g} N/m": run for k, run in runs.sweep.items()},
+    }
+    return [{"name": name, **_plain(asdict(measured(run)))} for name, run in grasps.items()]
+
+
+def _plain(values: dict[str, float]) -> dict[str, float | None]:
+    """NaN has no place in JSON."""
+    return {name: value if value == value else None for name, value in values.items()}
+
+
+def _solver_time(runs: Runs) -> Row:
+    """Best of three, all compiled: solver time of the dynamometer grasp at rtol 1e-4 [ms]."""
+    costs = [simulate(runs.hand, runs.rigid.experiment).cost for _ in range(3)]
+    best = min(costs, key=lambda cost: cost.seconds)
+    return {
+        "name": "solver time of the dynamometer grasp",
+        "value": best.seconds * 1e3,
+        "unit": "ms",
+        "evaluations": int(best.evaluations),
+    }
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import PackageNotFoundError
+
+    found = {}
+    for name in LIBRARIES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:  # run from a checkout that is not installed
+            found[name] = "not installed"
+    return found

@@ -1,0 +1,72 @@
+"""The thin diagnosis, whole: hidden slack is named, none is not, the real axis tells its effect."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from hannes import measured
+from hannes.cli import main
+from hannes.diagnose import diagnose
+from hannes.errors import MissingRecording
+from hannes.hand_file import load_hand
+
+FIELDS = {
+    *("verdict", "effects", "parameters", "gap", "where", "candidates", "next_run", "reason"),
+    *("tried", "alpha", "recordings", "smallest_detectable", "seed", "versions"),
+}
+
+
+def closures(folder, *arguments):
+    """Recordings made by the second hand, in another process; returns their campaign."""
+    command = [sys.executable, "-m", "benchmarks.truth.closures", "--out", str(folder)]
+    subprocess.run([*command, "--runs", "6", *arguments], check=True, capture_output=True)
+    return folder / "campaign.toml"
+
+
+@pytest.mark.slow
+def test_hidden_slack_is_named_with_its_length(tmp_path, capsys):
+    campaign = closures(tmp_path / "loose", "--slack", "3 mm", "--seed", "1")
+    assert main(["diagnose", str(campaign), "--out", str(tmp_path / "out"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told == json.loads((tmp_path / "out" / "verdict.json").read_text(encoding="utf-8"))
+    assert set(told) >= FIELDS
+    assert (told["verdict"], told["effects"]) == ("named", ["leader_slack"])
+    assert told["parameters"]["leader_slack.length"]["value"] == pytest.approx(3e-3, rel=0.15)
+    for gap in told["gap"].values():
+        assert gap["after"] < gap["before"] < gap["as_given"]
+    hand = load_hand(tmp_path / "out" / "hand.toml")
+    assert [each.name for each in hand.present_effects()] == ["leader_slack"]
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<script" not in page and 'src="http' not in page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", ["1", "11"])
+def test_the_same_closures_without_slack_are_not_called_slack(tmp_path, seed):
+    campaign = closures(tmp_path / "taut", "--slack", "none", "--seed", seed)
+    verdict = diagnose(campaign).verdict
+    assert verdict.effects == []
+    assert verdict.verdict in ("no_gap", "recalibrated")
+
+
+@pytest.mark.slow
+def test_a_verdict_is_the_same_where_the_answer_is_gone(tmp_path):
+    campaign = closures(tmp_path / "loose", "--slack", "2 mm", "--seed", "5")
+    first = diagnose(campaign).verdict.json()
+    (tmp_path / "loose" / "sealed" / "answer.json").unlink()
+    assert diagnose(campaign).verdict.json() == first
+
+
+@pytest.mark.slow
+def test_the_real_axis_rubs_harder_one_way():
+    try:
+        measured.folder("emps")
+    except MissingRecording as missing:
+        pytest.skip(f"needs the EMPS recordings: {missing}")
+    verdict = diagnose("emps").verdict
+    assert verdict.effects == ["direction_friction"]
+    gap = verdict.gap["drive"]
+    assert gap["before_percent"] - gap["after_percent"] >= 0.5
+    assert verdict.verdict == "named_with_remainder"

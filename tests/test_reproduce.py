@@ -1,0 +1,60 @@
+"""The page: whole without a network, honest about what is missing, the same bytes each time."""
+
+import json
+import re
+
+import pytest
+
+from hannes.cli import main
+from hannes.report.reproduce import reproduce
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """Results folder, what `reproduce` returned, and the page's text."""
+    out = tmp_path_factory.mktemp("page") / "reproduce"
+    told = reproduce(out, progress=False, quick=True)
+    return out, told, (out / "index.html").read_text(encoding="utf-8")
+
+
+def test_every_figure_that_must_hold_holds(page):
+    _, told, _ = page
+    assert len(told["must_show"]) >= 15
+    assert [row["name"] for row in told["must_show"] if not row["holds"]] == []
+    assert all({"name", "value", "bound", "holds"} <= set(row) for row in told["must_show"])
+
+
+def test_the_page_loads_nothing_from_elsewhere(page):
+    _, _, text = page
+    assert "<script" not in text
+    assert re.findall(r'(?:src|srcset|@import|url\()\s*=?\s*["\']?https?:', text) == []
+    assert re.findall(r'<link[^>]+href="http', text) == []
+
+
+def test_the_page_tells_a_fit_from_a_validation_and_virtual_from_real(page):
+    _, _, text = page
+    assert "not a validation" in text and "virtual" in text
+    assert "Missing here" in text  # no diagnosis was given
+
+
+def test_figures_are_named_and_described(page):
+    _, _, text = page
+    figures = re.findall(r"<figure.*?</figure>", text, flags=re.DOTALL)
+    assert len(figures) >= 7
+    assert all('aria-label="' in each and "<figcaption>" in each for each in figures)
+
+
+def test_same_run_same_bytes(page, tmp_path):
+    _, _, text = page
+    reproduce(tmp_path / "again", progress=False, quick=True)
+    assert (tmp_path / "again" / "index.html").read_text(encoding="utf-8") == text
+
+
+def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("HANNES_MEASURED", str(tmp_path / "nowhere"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    assert main(["reproduce", "--out", str(tmp_path / "out"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert all(row["holds"] for row in told["must_show"])
+    text = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+    assert "DATA_EMPS.mat" in text and "HANNES_MEASURED" in text
