@@ -161,7 +161,8 @@ class _Run:
             return self._fail(Outcome.NOT_FINITE, part.message)
         self._store(rows[: inside - self.filled])
         if not part.success:
-            return self._fail(Outcome.SOLVER_GAVE_UP, part.message)
+            lost = "not finite" in part.message
+            return self._fail(Outcome.NOT_FINITE if lost else Outcome.SOLVER_GAVE_UP, part.message)
         self.state = rows[-1].copy()
         return True
 
