@@ -97,7 +97,7 @@ def _parser() -> _Parser:
     run = _command(commands, "run", _run_experiment, "simulate an experiment and write its results")
     run.add_argument("experiment", help="a shipped experiment's name, or a .toml file")
     _results(run, "results/<experiment>")
-    run.add_argument("--method", default="LSODA", help="of scipy's solve_ivp (default LSODA)")
+    run.add_argument("--method", default="Rodas", help="Rodas (default) or one of scipy's")
     run.add_argument("--rtol", type=float, default=1e-4, help="relative tolerance (default 1e-4)")
 
     _command(commands, "experiments", _experiments, "list the shipped experiments")

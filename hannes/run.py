@@ -36,7 +36,7 @@ def run(
     name: str | Path,
     out: str | Path | None = None,
     *,
-    method: str = "LSODA",
+    method: str = "Rodas",
     rtol: float = 1e-4,
 ) -> dict[str, Any]:
     """Simulate an experiment and write its results to `out` (default: results/<experiment>).
