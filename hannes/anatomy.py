@@ -60,7 +60,7 @@ TABLES: dict[str, tuple[str, ...]] = {
     "mount_y": tuple(f"{finger}.mount_y" for finger in FINGERS),
     "mount_z": tuple(f"{finger}.mount_z" for finger in FINGERS),
     "facing": tuple(f"{finger}.facing" for finger in FINGERS),
-    "radius": tuple(f"{finger}.radius" for finger in FINGERS),
+    "phalanx_radius": tuple(f"{finger}.radius" for finger in FINGERS for _ in ("second", "third")),
     "link_length": tuple(
         f"{finger}.{link}_length" for finger in FINGERS for link in ("second", "third")
     ),
@@ -74,4 +74,4 @@ for _quantity in (
     "moment_arm spring_stiffness spring_preload stop_stiffness stop_damping stop_onset "
     "breakaway_friction coulomb_friction breakaway_speed viscous_friction"
 ).split():
-    TABLES[f"joint_{_quantity}"] = (f"mcp.{_quantity}", f"pip.{_quantity}")
+    TABLES[f"joint_{_quantity}"] = (f"mcp.{_quantity}", f"pip.{_quantity}") * len(FINGERS)

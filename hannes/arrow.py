@@ -115,7 +115,7 @@ def difference_tensions(t, y, rates, dy, p, c, out, tensions, blocks):
     nudge = 1e-3
     if HELD:
         for joint in range(10):
-            c.joint_torque[joint] += nudge * p.joint_moment_arm[joint % 2]
+            c.joint_torque[joint] += nudge * p.joint_moment_arm[joint]
         copy_to(dy, rates)
         inertia(t, y, dy, p, c, out)
     else:
@@ -318,7 +318,7 @@ def depths(y, p, c, found):
     """Depth of each phalanx in the object, of each joint in its stops."""
     for k in range(10):
         found[k] = c.penetration[k] if p.object_present > 0.5 else -1.0
-        rest = p.rest[k] + p.joint_spring_preload[k % 2] / p.joint_stop_stiffness[k % 2]
+        rest = p.rest[k] + p.joint_spring_preload[k] / p.joint_stop_stiffness[k]
         found[10 + k] = rest - y.joint_angle[k]
         found[20 + k] = y.joint_angle[k] - p.end[k]
 

@@ -369,11 +369,9 @@ class _Layouts:
 
     @staticmethod
     def _element(slot: Slot, axis: str) -> str:
-        """Index of a slot's element in a loop over `axis`; joint kinds repeat MCP, PIP."""
+        """Index of a slot's element in a loop over `axis`."""
         if not slot.axis or not axis:
             return ""
-        if slot.axis == "kind":
-            return "[k % 2]"
         same = {"phalanx": "joint"}
         if same.get(slot.axis, slot.axis) == same.get(axis, axis):
             return "[k]"

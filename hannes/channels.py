@@ -7,7 +7,7 @@ from hannes.dynamics import carts, joints, motor, wires
 from hannes.layout import Slot
 from hannes.parameter import Parameter
 
-SIZES = {"kind": 2, "cart": 2, "branch": 3, "finger": 5, "joint": 10, "phalanx": 10, "arm": 20}
+SIZES = {"cart": 2, "branch": 3, "finger": 5, "joint": 10, "phalanx": 10}
 
 
 def _slots(axis: str, rows: str) -> tuple[Slot, ...]:
@@ -85,6 +85,8 @@ CHANNELS = (
     + _slots(
         "joint",
         """
+        bend_cosine    | 1 | of the joint's angle
+        bend_sine      | 1 | of the joint's angle
         cosine         | 1 | of the direction of the link that starts at the joint
         sine           | 1 | of the direction of the link that starts at the joint
         joint_friction | N m | opposing the joint
@@ -102,13 +104,14 @@ CHANNELS = (
         normal_x         | 1 | out of the object, in the finger's plane
         normal_y         | 1 | out of the object, in the finger's plane
         slip_speed       | m/s | of the phalanx along the object
-        """,
-    )
-    + _slots(
-        "arm",
-        """
-        normal_arm | m | of each phalanx's normal force about its finger's MCP and PIP
-        slip_arm   | m | of each phalanx's tangential force about its finger's MCP and PIP
+        start_x          | m | of the phalanx's joint, in the finger's plane
+        start_y          | m | of the phalanx's joint, in the finger's plane
+        centre_x         | m | of the object, in the finger's plane
+        centre_y         | m | of the object, in the finger's plane
+        normal_arm_mcp   | m | of the normal force about the finger's MCP
+        normal_arm_pip   | m | of the normal force about the finger's PIP
+        slip_arm_mcp     | m | of the tangential force about the finger's MCP
+        slip_arm_pip     | m | of the tangential force about the finger's PIP
         """,
     )
 )
@@ -163,18 +166,25 @@ PARAMETERS: tuple[Parameter, ...] = (
 TABLES = anatomy.TABLES
 _TABLED = {name for names in TABLES.values() for name in names}
 _SINGLES = tuple(each for each in PARAMETERS if each.name not in _TABLED)
-_AXES = {2: "kind", 5: "finger", 10: "joint"}
+_AXES = {5: "finger", 10: "joint"}
 
 PARAMETER_SLOTS = (
     *(Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in _SINGLES),
     *(Slot(name, "", "", _AXES[len(names)], len(names)) for name, names in TABLES.items()),
     Slot("object_present", "1", "1 where there is an object"),
+    Slot("object_flat", "1", "1 where its sections have flat sides"),
     *_slots(
         "finger",
         """
         section_half_x | m | of the section's core in the finger's plane
         section_half_y | m | of the section's core in the finger's plane
-        section_radius | m | around the core; 0 where the plane misses the object
+        """,
+    ),
+    *_slots(
+        "phalanx",
+        """
+        reach  | m | from the section's core to where the phalanx's axis touches; -1 where it can't
+        distal | 1 | 1 for the phalanx beyond PIP
         """,
     ),
 )

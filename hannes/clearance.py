@@ -31,7 +31,7 @@ def overlaps(hand: Hand, experiment: Experiment) -> dict[str, float]:
         )
         for f, name in enumerate(FINGERS)
         for link in range(2)
-        if p["section_radius"][f] > 0.0
+        if p["reach"][2 * f] > 0.0
     }
 
 
@@ -59,4 +59,4 @@ def _depth(p: dict[str, np.ndarray], f: int, link: int) -> float:
         plain(section.signed_distance)(x + place * along_x, y + place * along_y, *half)[0]
         for place in np.linspace(0.0, lengths[link], PLACES)
     )
-    return float(p["radius"][f] + p["section_radius"][f] - gap)
+    return float(p["reach"][2 * f + link] - gap)

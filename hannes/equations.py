@@ -20,6 +20,7 @@ from hannes.dynamics.friction import dry, stribeck
 from hannes.dynamics.joints import spring_torque, stop_torque
 from hannes.dynamics.motor import current_rate, speed_rate
 from hannes.dynamics.wires import follower_stretch, leader_stretch, tension
+from hannes.lanes import direction
 
 
 def equations(t, y, dy, p, c, reference, hold, out):
@@ -141,12 +142,19 @@ def drive(t, y, dy, p, c, duty, out):
 
 
 def kinematics(y, p, c):
-    """Directions of the links, and flexor wire taken up: r_1 (q_1 - q_1rest) + r_2 (...)."""
+    """Directions of the links, and flexor wire taken up: r_1 (q_1 - q_1rest) + r_2 (...).
+
+    The size of an array is a number that the compiler does not know: loops over it stay loops,
+    worked on several elements at a time.
+    """
+    for joint in range(p.rest.size):
+        c.bend_cosine[joint], c.bend_sine[joint] = direction(y.joint_angle[joint])
     for f in range(5):
         mcp, pip = 2 * f, 2 * f + 1
-        bend, turn = y.joint_angle[mcp], y.joint_angle[mcp] + y.joint_angle[pip]
-        c.cosine[mcp], c.sine[mcp] = math.cos(bend), math.sin(bend)
-        c.cosine[pip], c.sine[pip] = math.cos(turn), math.sin(turn)
+        cosine, sine = c.bend_cosine[mcp], c.bend_sine[mcp]
+        c.cosine[mcp], c.sine[mcp] = cosine, sine
+        c.cosine[pip] = cosine * c.bend_cosine[pip] - sine * c.bend_sine[pip]
+        c.sine[pip] = sine * c.bend_cosine[pip] + cosine * c.bend_sine[pip]
     excursions(y, p, c)
 
 
@@ -234,39 +242,39 @@ def carts(t, y, dy, p, c, out):
 
 def joints(t, y, dy, p, c, out):
     """Torques on MCP and PIP: flexor wire, re-opening spring, friction (eq. 1), stops, gravity."""
-    for joint in range(10):
-        kind = joint % 2
+    for joint in range(p.rest.size):
         c.spring_torque[joint] = spring_torque(
             y.joint_angle[joint],
             p.rest[joint],
-            p.joint_spring_stiffness[kind],
-            p.joint_spring_preload[kind],
+            p.joint_spring_stiffness[joint],
+            p.joint_spring_preload[joint],
         )
+    for joint in range(p.rest.size):
         c.joint_friction[joint] = stribeck(
             y.joint_speed[joint],
-            p.joint_breakaway_friction[kind],
-            p.joint_coulomb_friction[kind],
-            p.joint_breakaway_speed[kind],
-            p.joint_viscous_friction[kind],
+            p.joint_breakaway_friction[joint],
+            p.joint_coulomb_friction[joint],
+            p.joint_breakaway_speed[joint],
+            p.joint_viscous_friction[joint],
         )
     # effects: spring_torque, joint_friction
-    for joint in range(10):
-        kind = joint % 2
-        stop = stop_torque(
+    for joint in range(p.rest.size):
+        c.joint_torque[joint] = stop_torque(
             y.joint_angle[joint],
             y.joint_speed[joint],
             p.rest[joint],
             p.end[joint],
-            p.joint_spring_preload[kind],
-            p.joint_stop_stiffness[kind],
-            p.joint_stop_damping[kind],
-            p.joint_stop_onset[kind],
+            p.joint_spring_preload[joint],
+            p.joint_stop_stiffness[joint],
+            p.joint_stop_damping[joint],
+            p.joint_stop_onset[joint],
         )
-        flexor = p.joint_moment_arm[kind] * c.tendon_tension[joint // 2]
-        c.joint_torque[joint] = flexor + stop - c.spring_torque[joint] - c.joint_friction[joint]
+    for joint in range(10):
         out.power_spring += c.spring_torque[joint] * y.joint_speed[joint]
         out.power_joint_friction += c.joint_friction[joint] * y.joint_speed[joint]
-        out.power_stop -= stop * y.joint_speed[joint]
+        out.power_stop -= c.joint_torque[joint] * y.joint_speed[joint]
+        flexor = p.joint_moment_arm[joint] * c.tendon_tension[joint // 2]
+        c.joint_torque[joint] += flexor - c.spring_torque[joint] - c.joint_friction[joint]
     if p.gravity_x != 0.0 or p.gravity_y != 0.0:
         gravity(t, y, p, c, out)
     # effects: joint_torque
@@ -295,50 +303,78 @@ def contact(t, y, dy, p, c, out):
     """Every phalanx against the object's section in its plane: eq. 3 and sliding friction."""
     object_x, object_y = p.object_x, p.object_y
     # effects: object_x, object_y
-    for phalanx in range(10):
-        if p.section_radius[phalanx // 2] > 0.0:
-            touch(y, p, c, phalanx, object_x, object_y)
-        else:
-            c.penetration[phalanx] = 0.0
+    for f in range(5):
+        place_finger(p, c, f, object_x, object_y)
+    if p.object_flat > 0.5:
+        for phalanx in range(10):
+            touch_flat(p, c, phalanx)
+    else:
+        for phalanx in range(p.link_length.size):
+            touch_round(p, c, phalanx)
+    for phalanx in range(p.link_length.size):
+        levers(p, c, phalanx)
     press(t, y, dy, p, c, out)
 
 
-def touch(y, p, c, phalanx, object_x, object_y):
-    """Depth and lever arms of one phalanx (capsule) against the section."""
+def place_finger(p, c, f, object_x, object_y):
+    """Joints of a finger's phalanges and centre of the object in the finger's plane."""
+    mcp, pip = 2 * f, 2 * f + 1
+    length = p.link_length[mcp]
+    c.start_x[mcp], c.start_y[mcp] = 0.0, 0.0
+    c.start_x[pip], c.start_y[pip] = length * c.cosine[mcp], -length * c.sine[mcp]
+    centre_x, centre_y = object_x - p.mount_x[f], p.facing[f] * (object_y - p.mount_y[f])
+    c.centre_x[mcp], c.centre_x[pip] = centre_x, centre_x
+    c.centre_y[mcp], c.centre_y[pip] = centre_y, centre_y
+
+
+def touch_round(p, c, phalanx):
+    """Nearest place, normal and depth of one phalanx (capsule) against a circle."""
+    away_x = c.start_x[phalanx] - c.centre_x[phalanx]
+    away_y = c.start_y[phalanx] - c.centre_y[phalanx]
+    place = away_y * c.sine[phalanx] - away_x * c.cosine[phalanx]
+    place = min(max(place, 0.0), p.link_length[phalanx])
+    away_x += place * c.cosine[phalanx]
+    away_y -= place * c.sine[phalanx]
+    distance = math.sqrt(away_x * away_x + away_y * away_y) + 1e-30
+    c.place[phalanx] = place
+    c.normal_x[phalanx] = away_x / distance
+    c.normal_y[phalanx] = away_y / distance
+    c.penetration[phalanx] = p.reach[phalanx] - distance
+
+
+def touch_flat(p, c, phalanx):
+    """The same against a section with flat sides."""
     f = phalanx // 2
-    along_x, along_y = c.cosine[phalanx], -c.sine[phalanx]
-    start_x, start_y = 0.0, 0.0
-    if phalanx % 2 == 1:
-        length = p.link_length[2 * f]
-        start_x, start_y = length * c.cosine[2 * f], -length * c.sine[2 * f]
-    centre_x = object_x - p.mount_x[f]
-    centre_y = p.facing[f] * (object_y - p.mount_y[f])
     half_x, half_y = p.section_half_x[f], p.section_half_y[f]
-    away_x, away_y = start_x - centre_x, start_y - centre_y
+    along_x, along_y = c.cosine[phalanx], -c.sine[phalanx]
+    away_x = c.start_x[phalanx] - c.centre_x[phalanx]
+    away_y = c.start_y[phalanx] - c.centre_y[phalanx]
     place = contact_place(away_x, away_y, along_x, along_y, p.link_length[phalanx], half_x, half_y)
     gap, normal_x, normal_y = signed_distance(
         away_x + place * along_x, away_y + place * along_y, half_x, half_y
     )
-    c.penetration[phalanx] = p.radius[f] + p.section_radius[f] - gap
+    c.penetration[phalanx] = p.reach[phalanx] - gap
     c.place[phalanx], c.normal_x[phalanx], c.normal_y[phalanx] = place, normal_x, normal_y
-    surface_x = start_x + place * along_x - p.radius[f] * normal_x
-    surface_y = start_y + place * along_y - p.radius[f] * normal_y
-    c.normal_arm[2 * phalanx] = normal_x * surface_y - normal_y * surface_x
-    c.slip_arm[2 * phalanx] = -normal_y * surface_y - normal_x * surface_x
-    c.normal_arm[2 * phalanx + 1], c.slip_arm[2 * phalanx + 1] = 0.0, 0.0
-    if phalanx % 2 == 1:
-        from_x, from_y = surface_x - start_x, surface_y - start_y
-        c.normal_arm[2 * phalanx + 1] = normal_x * from_y - normal_y * from_x
-        c.slip_arm[2 * phalanx + 1] = -normal_y * from_y - normal_x * from_x
+
+
+def levers(p, c, phalanx):
+    """Lever arms of one phalanx's contact forces about its finger's joints."""
+    normal_x, normal_y = c.normal_x[phalanx], c.normal_y[phalanx]
+    from_x = c.place[phalanx] * c.cosine[phalanx] - p.phalanx_radius[phalanx] * normal_x
+    from_y = -c.place[phalanx] * c.sine[phalanx] - p.phalanx_radius[phalanx] * normal_y
+    surface_x, surface_y = c.start_x[phalanx] + from_x, c.start_y[phalanx] + from_y
+    c.normal_arm_mcp[phalanx] = normal_x * surface_y - normal_y * surface_x
+    c.slip_arm_mcp[phalanx] = -normal_y * surface_y - normal_x * surface_x
+    c.normal_arm_pip[phalanx] = p.distal[phalanx] * (normal_x * from_y - normal_y * from_x)
+    c.slip_arm_pip[phalanx] = -p.distal[phalanx] * (normal_y * from_y + normal_x * from_x)
 
 
 def press(t, y, dy, p, c, out):
     """Forces of all contacts, given their depths and lever arms."""
-    for phalanx in range(10):
-        if p.section_radius[phalanx // 2] > 0.0:
-            slide(y, c, phalanx)
-        else:
-            c.penetration_rate[phalanx] = 0.0
+    for f in range(5):
+        slide(y, c, 2 * f, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
+        slide(y, c, 2 * f + 1, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
+    for phalanx in range(p.link_length.size):
         c.normal_force[phalanx] = normal_law(
             c.penetration[phalanx],
             c.penetration_rate[phalanx],
@@ -353,23 +389,23 @@ def press(t, y, dy, p, c, out):
             push(t, y, p, c, phalanx, out)
 
 
-def slide(y, c, phalanx):
+def slide(y, c, phalanx, mcp_speed, pip_speed):
     """Rate of depth and speed of slip of one phalanx."""
-    mcp, pip = phalanx - phalanx % 2, phalanx - phalanx % 2 + 1
-    speed_1, speed_2 = y.joint_speed[mcp], y.joint_speed[pip]
-    first, second = 2 * phalanx, 2 * phalanx + 1
-    c.penetration_rate[phalanx] = -(c.normal_arm[first] * speed_1 + c.normal_arm[second] * speed_2)
-    c.slip_speed[phalanx] = c.slip_arm[first] * speed_1 + c.slip_arm[second] * speed_2
+    c.penetration_rate[phalanx] = -(
+        c.normal_arm_mcp[phalanx] * mcp_speed + c.normal_arm_pip[phalanx] * pip_speed
+    )
+    c.slip_speed[phalanx] = (
+        c.slip_arm_mcp[phalanx] * mcp_speed + c.slip_arm_pip[phalanx] * pip_speed
+    )
 
 
 def push(t, y, p, c, phalanx, out):
     """Hand the contact force of one phalanx to its joints: J^T F."""
-    f = phalanx // 2
+    mcp, pip = phalanx - phalanx % 2, phalanx - phalanx % 2 + 1
     normal = c.normal_force[phalanx]
     drag = tangential_law(normal, c.slip_speed[phalanx], p.object_friction, p.object_slip_speed)
-    for joint in range(2):
-        arm = 2 * phalanx + joint
-        c.joint_torque[2 * f + joint] += normal * c.normal_arm[arm] - drag * c.slip_arm[arm]
+    c.joint_torque[mcp] += normal * c.normal_arm_mcp[phalanx] - drag * c.slip_arm_mcp[phalanx]
+    c.joint_torque[pip] += normal * c.normal_arm_pip[phalanx] - drag * c.slip_arm_pip[phalanx]
     out.phalanx_force[phalanx] = normal
     out.force += normal
     out.sensor += sensed(normal, drag, c.normal_x[phalanx], c.normal_y[phalanx])
@@ -384,8 +420,8 @@ def inertia(t, y, dy, p, c, out):
         first, second = solve_inertia(
             c.joint_torque[mcp],
             c.joint_torque[pip],
-            c.cosine[pip] * c.cosine[mcp] + c.sine[pip] * c.sine[mcp],
-            c.sine[pip] * c.cosine[mcp] - c.cosine[pip] * c.sine[mcp],
+            c.bend_cosine[pip],
+            c.bend_sine[pip],
             y.joint_speed[mcp],
             y.joint_speed[pip],
             p.link_length[mcp],

@@ -77,24 +77,25 @@ class Hand:
         """
         values = self.parameters
         packed = [values[name] for name in channels.PACKED]
-        packed += [0.0 if shape is None else 1.0, *self._sections(shape)]
+        packed += [0.0] * 22 if shape is None else [1.0, *self._sections(shape)]
+        packed += [0.0, 1.0] * 5
         for effect in self.present_effects() if effects is None else effects:
             packed += [values[effect.full_name(each.name)] for each in effect.parameters]
         return np.array(packed)
 
-    def _sections(self, shape: str | None) -> list[float]:
-        if shape is None:
-            return [0.0] * 15
+    def _sections(self, shape: str) -> list[float]:
+        """Values of the slots from `object_flat` to `reach`."""
         values = self.parameters
         offsets = [values[f"{finger}.mount_z"] - values["object.z"] for finger in FINGERS]
-        cuts = sections(
-            shape,
-            values["object.radius"],
-            values["object.half_x"],
-            values["object.half_y"],
-            offsets,
-        )
-        return [cut[column] for column in range(3) for cut in cuts]
+        size = (values[f"object.{name}"] for name in ("radius", "half_x", "half_y"))
+        cuts = sections(shape, *size, offsets)
+        halves = [cut[column] for column in (0, 1) for cut in cuts]
+        reach = [
+            values[f"{finger}.radius"] + cut[2] if cut[2] > 0.0 else -1.0
+            for finger, cut in zip(FINGERS, cuts, strict=True)
+            for _ in range(2)
+        ]
+        return [1.0 if any(halves) else 0.0, *halves, *reach]
 
     def rest(self, compiled: Compiled) -> np.ndarray:
         """State of the open hand at rest, shape (states,)."""

@@ -12,10 +12,7 @@ from hannes._jit import kernel
 @kernel
 def smoothstep(x):
     """0 below 0, 1 above 1, 3 x^2 - 2 x^3 between; dimensionless."""
-    if x <= 0.0:
-        return 0.0
-    if x >= 1.0:
-        return 1.0
+    x = min(max(x, 0.0), 1.0)
     return x * x * (3.0 - 2.0 * x)
 
 
@@ -26,10 +23,8 @@ def one_sided(stiffness, damping, depth, rate, onset):
     `stiffness` [N/m], `damping` [N s/m], `depth` s [m], `rate` s' [m/s], `onset` [m]; the same
     with N m and rad. The ramp keeps a wire from pulling before it is taut.
     """
-    if depth <= 0.0:
-        return 0.0
-    force = stiffness * depth + damping * rate * smoothstep(depth / onset)
-    return max(0.0, force)
+    force = stiffness * max(depth, 0.0) + damping * rate * smoothstep(depth / onset)
+    return max(force, 0.0)
 
 
 @kernel

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from runs import Bench, channels
 
-from hannes._jit import plain
+from hannes._jit import kernel, plain
 from hannes.dynamics import finger
 
 LENGTHS, MASSES = st.floats(0.005, 0.2), st.floats(1e-4, 0.5)
@@ -96,22 +96,33 @@ def test_kinetic_energy_is_never_negative(angle, speed_1, speed_2, rods):
     assert plain(finger.kinetic_energy)(angle, speed_1, speed_2, *rods) >= -1e-12 * scale
 
 
+@functools.cache
+def touching(compiled):
+    """The stages that touch consists of, as one function."""
+    kinematics, contact = compiled.observed.kinematics, compiled.observed.contact
+    outputs = np.zeros(compiled.outputs.size)
+
+    @kernel
+    def of_pose(y, p, c):
+        kinematics(y, p, c)
+        contact(0.0, y, y, p, c, outputs.copy())
+
+    return of_pose
+
+
 class Touch:
-    """Contact geometry of the compiled hand's own stage, as plain Python."""
+    """Contact geometry of the compiled hand's own stages."""
 
     def __init__(self, shape, values):
         self.bench = Bench(values, shape)
-        self.stages = self.bench.compiled.observed
-        self.centre = values["object.x"], values["object.y"]
+        self.touch = touching(self.bench.compiled)
 
-    def __call__(self, phalanx, angles, speeds=None):
+    def __call__(self, angles, speeds=None):
         state = self.bench.rest.copy()
         state[self.bench.place("joint_angle")] = angles
         state[self.bench.place("joint_speed")] = np.zeros(10) if speeds is None else speeds
         c, layout = channels()
-        plain(self.stages.kinematics)(state, self.bench.p, c)
-        plain(self.stages.touch)(state, self.bench.p, c, phalanx, *self.centre)
-        plain(self.stages.slide)(state, c, phalanx)
+        self.touch(state, self.bench.p, c)
         return lambda name: c[layout[name]]
 
 
@@ -143,10 +154,10 @@ def test_penetration_rate_is_the_rate_of_penetration(phalanx):
     touch, step = Touch("cylinder", SECTIONS["cylinder"]), 1e-6
     for angles, speeds in moving():
         deeper, before = (
-            touch(phalanx, angles + sign * step * speeds)("penetration")[phalanx]
+            touch(angles + sign * step * speeds)("penetration")[phalanx]
             for sign in (1.0, -1.0)
         )
-        mine = touch(phalanx, angles, speeds)("penetration_rate")[phalanx]
+        mine = touch(angles, speeds)("penetration_rate")[phalanx]
         assert mine == pytest.approx((deeper - before) / (2.0 * step), rel=1e-6, abs=1e-8)
 
 
@@ -158,7 +169,8 @@ def test_penetration_rate_against_a_prism_is_that_of_the_touching_point(phalanx)
     p, (mcp, pip) = touch.bench.p, (2 * f, 2 * f + 1)
     lengths, facing = p[table["link_length"]], p[table["facing"]][f]
     mount = np.array([p[table["mount_x"]][f], p[table["mount_y"]][f]])
-    centre = (np.array(touch.centre) - mount) * np.array([1.0, facing])
+    centre = [SECTIONS["prism"][f"object.{axis}"] for axis in "xy"] - mount
+    centre *= np.array([1.0, facing])
     core = np.array([0.02, 0.015]) - 0.005
 
     def distance(angles, place):
@@ -172,7 +184,7 @@ def test_penetration_rate_against_a_prism_is_that_of_the_touching_point(phalanx)
         return np.linalg.norm(np.maximum(over, 0.0)) + min(over.max(), 0.0)
 
     for angles, speeds in moving():
-        found = touch(phalanx, angles, speeds)
+        found = touch(angles, speeds)
         place = found("place")[phalanx]
         after, before = (distance(angles + sign * step * speeds, place) for sign in (1.0, -1.0))
         expected = (before - after) / (2.0 * step)
@@ -187,9 +199,9 @@ def test_lever_arms_are_the_jacobian_of_the_touching_point(shape, phalanx):
     touch, f, step = Touch(shape, SECTIONS[shape]), phalanx // 2, 1e-6
     bench = touch.bench
     lengths = bench.p[bench.compiled.parameters["link_length"]]
-    radius = bench.p[bench.compiled.parameters["radius"]][f]
+    radius = bench.p[bench.compiled.parameters["phalanx_radius"]][phalanx]
     for angles in poses():
-        found = touch(phalanx, angles)
+        found = touch(angles)
         normal = np.array([found("normal_x")[phalanx], found("normal_y")[phalanx]])
         along = found("place")[phalanx]
 
@@ -213,9 +225,9 @@ def test_lever_arms_are_the_jacobian_of_the_touching_point(shape, phalanx):
             moved = np.zeros(10)
             moved[2 * f + joint] = step
             slope = (skin(angles + moved, fixed) - skin(angles - moved, fixed)) / (2 * step)
-            at = 2 * phalanx + joint
-            assert found("normal_arm")[at] == pytest.approx(slope @ normal, abs=1e-9)
-            assert found("slip_arm")[at] == pytest.approx(slope @ tangent, abs=1e-9)
+            about = ("mcp", "pip")[joint]
+            arms = [found(f"{kind}_arm_{about}")[phalanx] for kind in ("normal", "slip")]
+            assert arms == pytest.approx([slope @ normal, slope @ tangent], abs=1e-9)
 
 
 def test_the_thumb_mirrors_a_finger():
@@ -225,7 +237,7 @@ def test_the_thumb_mirrors_a_finger():
     touch = Touch("cylinder", values | {"object.x": 0.02, "object.y": -0.0445})
     angles = np.tile([0.7, 0.6], 5)
     for link in range(2):
-        index, thumb = touch(link, angles), touch(8 + link, angles)
+        index, thumb = touch(angles), touch(angles)
         mine, theirs = index("penetration")[link], thumb("penetration")[8 + link]
         assert mine == pytest.approx(theirs, abs=1e-15)
         assert index("normal_x")[link] == pytest.approx(thumb("normal_x")[8 + link])

@@ -26,9 +26,7 @@ def normal_law(depth, rate, stiffness, damping, onset):
 
     The damping term grows over `onset`, so a touch begins without a jump.
     """
-    if depth <= 0.0:
-        return 0.0
-    return stiffness * depth + damping * rate * smoothstep(depth / onset)
+    return stiffness * max(depth, 0.0) + damping * rate * smoothstep(depth / onset)
 
 
 @kernel

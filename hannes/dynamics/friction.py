@@ -3,6 +3,7 @@
 import math
 
 from hannes._jit import kernel
+from hannes.lanes import faded, lane_sign
 from hannes.onset import soft_sign
 from hannes.parameter import Parameter
 
@@ -19,8 +20,8 @@ def stribeck(speed, breakaway, coulomb, breakaway_speed, viscous):
     Armstrong & Canudas de Wit (1995).
     """
     x = speed / breakaway_speed  # sqrt(2) times the argument above
-    peak = math.sqrt(math.e) * (breakaway - coulomb) * math.exp(-0.5 * x * x) * x
-    return peak + coulomb * soft_sign(10.0 * x) + viscous * speed
+    peak = math.sqrt(math.e) * (breakaway - coulomb) * (1.0 + faded(0.5 * x * x)) * x
+    return peak + coulomb * lane_sign(10.0 * x) + viscous * speed
 
 
 @kernel

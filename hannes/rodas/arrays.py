@@ -22,6 +22,21 @@ def add_scaled(target, factor, row):
 
 
 @kernel
+def add_stages(target, scale, factors, stages):
+    """target += scale * (factors of the first five stages), in one pass."""
+    first, second, third = scale * factors[0], scale * factors[1], scale * factors[2]
+    fourth, fifth = scale * factors[3], scale * factors[4]
+    for i in range(target.size):
+        target[i] += (
+            first * stages[0, i]
+            + second * stages[1, i]
+            + third * stages[2, i]
+            + fourth * stages[3, i]
+            + fifth * stages[4, i]
+        )
+
+
+@kernel
 def scaled_size(row, first, second, rtol, atol):
     """RMS of row_i / (atol_i + rtol max(|first_i|, |second_i|))."""
     total = 0.0

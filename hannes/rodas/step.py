@@ -20,7 +20,7 @@ import math
 
 import numpy as np
 
-from hannes.rodas.arrays import add_scaled, copy_to, interpolate_piece, scaled_size
+from hannes.rodas.arrays import add_scaled, add_stages, copy_to, interpolate_piece, scaled_size
 from hannes.rodas.coefficients import COUPLING, DENSE, DRIFT, GAMMA, NODES, ORDER, STAGE
 
 STAGES = 6
@@ -64,7 +64,7 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
     counts[0] += 1
     counts[1] += 1
     least = 10.0 * abs(np.nextafter(t, bound) - t)
-    rejected = False
+    rejected, tried, failed = False, 0.0, 0.0
     while True:
         h = clock[1]
         if abs(h) > clock[3]:
@@ -80,10 +80,16 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
             error *= DOUBT
         if error < 1.0:
             break
-        shrink = SHRINK if not error < 1e6 else max(SHRINK, SAFETY * error ** (-1.0 / ORDER))
+        shrink = SHRINK
+        if error < 1e6:
+            order = ORDER
+            if rejected and failed < 1e6:
+                order = math.log(failed / error) / math.log(tried / h)
+            shrink = SAFETY * error ** (-1.0 / min(max(order, 0.5), ORDER))
+            shrink = min(max(SHRINK, shrink), 0.9)
         if clock[4] < 1.0 and not rejected:
             shrink = min(BEYOND * clock[4] + ADDED, 0.95)
-        rejected = True
+        rejected, tried, failed = True, h, error
         counts[3] += 1
         clock[1] = h * shrink
     keep_piece(piece, y, moved, work)
@@ -97,21 +103,20 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
 def attempt(problem, data, t, h, y, rtol, atol, clock, counts, work):
     """Compute the stages k and y(t + h); return the error in units of the tolerance."""
     rates, drift, moved, b = work[STAGES], work[STAGES + 1], work[STAGES + 2], work[STAGES + 3]
+    work[1:STAGES] = 0.0
     copy_to(work[0], rates)
     add_scaled(work[0], h * DRIFT[0], drift)
     problem.resolve(work[0], data)
     for stage in range(1, STAGES):
         copy_to(moved, y)
-        for j in range(stage):
-            add_scaled(moved, STAGE[stage, j], work[j])
+        add_stages(moved, 1.0, STAGE[stage], work)
         now = t + NODES[stage] * h
         if (now - clock[2]) * h >= 0.0:
             now = np.nextafter(clock[2], t)  # there f may jump
         problem.slope(now, moved, b, data)
         counts[0] += 1
         add_scaled(b, h * DRIFT[stage], drift)
-        for j in range(stage):
-            add_scaled(b, COUPLING[stage, j] / h, work[j])
+        add_stages(b, 1.0 / h, COUPLING[stage], work)
         problem.resolve(b, data)
         copy_to(work[stage], b)
         if stage == 1:
@@ -132,8 +137,7 @@ def keep_piece(piece, y, moved, work):
     copy_to(piece[1], moved)
     for row in range(2):
         piece[2 + row][:] = 0.0
-        for j in range(STAGES):
-            add_scaled(piece[2 + row], DENSE[row, j], work[j])
+        add_stages(piece[2 + row], 1.0, DENSE[row], work)
 
 
 def first_step(problem, data, y, rtol, atol, clock, counts, work):
