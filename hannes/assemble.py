@@ -369,9 +369,11 @@ class _Layouts:
 
     @staticmethod
     def _element(slot: Slot, axis: str) -> str:
-        """Index of a slot's element in a loop over `axis`."""
+        """Index of a slot's element in a loop over `axis`; joint kinds repeat MCP, PIP."""
         if not slot.axis or not axis:
             return ""
+        if slot.axis == "kind":
+            return "[k % 2]"
         same = {"phalanx": "joint"}
         if same.get(slot.axis, slot.axis) == same.get(axis, axis):
             return "[k]"

@@ -18,7 +18,7 @@ from hannes.trajectory import Cost, Outcome, Trajectory
 
 METHODS = ("Rodas", "LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
 RUN = 256  # steps that Rodas takes between two returns to Python
-LONGEST = 0.03  # s, of its steps: a longer one may miss a contact that comes and goes
+LONGEST = 0.1  # s, of its steps: a longer one may not see a contact that comes and goes
 IMPLICIT = ("LSODA", "BDF", "Radau")
 HOLD = 7
 
