@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 from hannes import __version__
 from hannes.errors import BadInput, HannesError, nearest
+from hannes.kernel_error import blamed
 
 INTERRUPTED, PIPE_CLOSED = 130, 141  # what a shell reports for SIGINT and SIGPIPE
 
@@ -79,7 +80,12 @@ def _run(arguments: Sequence[str] | None) -> int:
     if chosen.command is None:
         parser.print_help()
         return 0
-    chosen.call(chosen)
+    try:
+        chosen.call(chosen)
+    except Exception as error:
+        if (told := blamed(error)) is None:
+            raise
+        raise told from None
     sys.stdout.flush()
     return 0
 
