@@ -7,8 +7,10 @@ import numpy as np
 
 from hannes.effect import Effect
 from hannes.errors import BadInput
+from hannes.expected import Expected
 from hannes.experiment import Experiment, Reference
 from hannes.hand import EQUATIONS, Hand
+from hannes.hand_expected import EXPECTED
 from hannes.parameter import ParameterSet
 from hannes.recording import Recording
 from hannes.simulate import simulate
@@ -35,6 +37,12 @@ FREE = (
 )
 MOST_KNOTS = 40  # a reference with more corners is integrated without restarts
 TOLERANCE = 1e-5
+MISTAKEN_ANGLE = {
+    "degrees taken for rad": 57.29578,
+    "the motor's side taken for the output's": 19.0,
+}
+MISTAKEN_SIZE = {"thousandths taken for whole units": 1000.0}
+MISTAKEN_SHARE = {"percent taken for a share": 100.0}
 
 
 class HandPlant:
@@ -54,6 +62,18 @@ class HandPlant:
     required: tuple[str, ...] = ()
     judged = ("current", "position", "duty", "force", "sensor")
     block = 0.2
+    # Wide: a hand that is far from the shipped one still lies inside, a wrong unit does not.
+    expected: Mapping[str, Expected] = {
+        "reference": Expected(peak=(0.2, 40.0), forward=True, mistakes=MISTAKEN_ANGLE),
+        "position": Expected(
+            follows="reference", peak=(0.1, 40.0), rate=120.0, forward=True, mistakes=MISTAKEN_ANGLE
+        ),
+        "current": Expected(drives="position", peak=(0.03, 8.0), mistakes=MISTAKEN_SIZE),
+        "duty": Expected(drives="position", peak=(0.02, 1.05), limit=1.0, mistakes=MISTAKEN_SHARE),
+        "supply": Expected(peak=(4.0, 40.0), forward=True, mistakes=MISTAKEN_SIZE),
+        "force": Expected(peak=(0.5, 800.0), forward=True, mistakes=MISTAKEN_SIZE),
+        "sensor": Expected(peak=(0.5, 800.0), mistakes=MISTAKEN_SIZE),
+    }
 
     def __init__(self, hand: Hand | None = None) -> None:
         self.hand = hand or Hand()
@@ -90,7 +110,8 @@ class HandPlant:
     ) -> dict[str, np.ndarray]:
         """Run the recording's experiment under its reference; channels at the recorded times.
 
-        The controller is the continuous one. Raises ComputationFailed where the solver gives up.
+        The controller is the experiment's, the continuous one where the recording has none.
+        Raises ComputationFailed where the solver gives up.
         """
         hand = self.hand.with_values(parameters)
         run = simulate(hand, posed(recording), rtol=TOLERANCE, effects=hand.effects).require()
@@ -127,7 +148,7 @@ class HandPlant:
 
 
 def posed(recording: Recording) -> Experiment:
-    """The experiment of a recording: its object and values, and the recorded reference.
+    """The experiment of a recording: object, values, controller, and the recorded reference.
 
     Raises BadInput where neither a reference nor an experiment tells what was asked of the hand.
     """
@@ -138,19 +159,14 @@ def posed(recording: Recording) -> Experiment:
                 "the recording has neither a channel reference_rad nor an experiment: "
                 "nothing tells what was asked of the hand"
             )
-        return replace(planned, noise={}, controller="continuous")
+        return replace(planned, noise={})
     since = recording.time - recording.time[0]
     sampling = 1.0 / float(np.median(np.diff(since)))
     reference = recorded_reference(since, recording["reference"])
     if planned is None:
         return Experiment("recorded", float(since[-1]), reference, sampling=sampling)
     return replace(
-        planned,
-        duration=float(since[-1]),
-        reference=reference,
-        sampling=sampling,
-        noise={},
-        controller="continuous",
+        planned, duration=float(since[-1]), reference=reference, sampling=sampling, noise={}
     )
 
 
