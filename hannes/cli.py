@@ -6,9 +6,10 @@ import os
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NoReturn
 
-from hannes import __version__
+from hannes import __version__, cli_data
 from hannes.errors import BadInput, HannesError, nearest
 from hannes.kernel_error import blamed
 
@@ -41,6 +42,7 @@ hannes reproduce --out results/paper --json""",
     "diagnose": """\
 hannes diagnose campaign.toml
 hannes diagnose campaign.toml --out results/verdict --json""",
+    **cli_data.EXAMPLES,
 }
 
 
@@ -128,6 +130,8 @@ def _parser() -> _Parser:
     diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
     diagnose.add_argument("campaign", help="a campaign's .toml file")
     _results(diagnose, "as the campaign says")
+
+    cli_data.add(partial(_command, commands))
     return parser
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from hannes.effect import Effect
 from hannes.errors import BadInput, nearest
+from hannes.expected import Expected
 from hannes.parameter import ParameterSet
 from hannes.recording import Recording
 
@@ -109,6 +110,11 @@ def _imported(module: str, attribute: str, folder: Path | None) -> Any:
 def _lacks(plant: object) -> list[str]:
     names = [*Plant.__annotations__, *(n for n in vars(Plant) if not n.startswith("_"))]
     return [name for name in dict.fromkeys(names) if not hasattr(plant, name)]
+
+
+def expectations(plant: Plant) -> Mapping[str, Expected]:
+    """What a plant expects of its channels; a plant may leave out the attribute `expected`."""
+    return getattr(plant, "expected", {})
 
 
 def free_amplitudes(effect: Effect) -> dict[str, float]:
