@@ -7,7 +7,6 @@ import numpy as np
 
 from hannes.effect import Effect
 from hannes.errors import BadInput
-from hannes.expected import Expected
 from hannes.experiment import Experiment, Reference
 from hannes.hand import EQUATIONS, Hand
 from hannes.hand_expected import EXPECTED
@@ -37,12 +36,6 @@ FREE = (
 )
 MOST_KNOTS = 40  # a reference with more corners is integrated without restarts
 TOLERANCE = 1e-5
-MISTAKEN_ANGLE = {
-    "degrees taken for rad": 57.29578,
-    "the motor's side taken for the output's": 19.0,
-}
-MISTAKEN_SIZE = {"thousandths taken for whole units": 1000.0}
-MISTAKEN_SHARE = {"percent taken for a share": 100.0}
 
 
 class HandPlant:
@@ -62,18 +55,7 @@ class HandPlant:
     required: tuple[str, ...] = ()
     judged = ("current", "position", "duty", "force", "sensor")
     block = 0.2
-    # Wide: a hand that is far from the shipped one still lies inside, a wrong unit does not.
-    expected: Mapping[str, Expected] = {
-        "reference": Expected(peak=(0.2, 40.0), forward=True, mistakes=MISTAKEN_ANGLE),
-        "position": Expected(
-            follows="reference", peak=(0.1, 40.0), rate=120.0, forward=True, mistakes=MISTAKEN_ANGLE
-        ),
-        "current": Expected(drives="position", peak=(0.03, 8.0), mistakes=MISTAKEN_SIZE),
-        "duty": Expected(drives="position", peak=(0.02, 1.05), limit=1.0, mistakes=MISTAKEN_SHARE),
-        "supply": Expected(peak=(4.0, 40.0), forward=True, mistakes=MISTAKEN_SIZE),
-        "force": Expected(peak=(0.5, 800.0), forward=True, mistakes=MISTAKEN_SIZE),
-        "sensor": Expected(peak=(0.5, 800.0), mistakes=MISTAKEN_SIZE),
-    }
+    expected = EXPECTED
 
     def __init__(self, hand: Hand | None = None) -> None:
         self.hand = hand or Hand()
