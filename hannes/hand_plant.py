@@ -9,6 +9,7 @@ from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.experiment import Experiment, Reference
 from hannes.hand import EQUATIONS, Hand
+from hannes.hand_expected import EXPECTED
 from hannes.parameter import ParameterSet
 from hannes.recording import Recording
 from hannes.simulate import simulate
@@ -54,6 +55,7 @@ class HandPlant:
     required: tuple[str, ...] = ()
     judged = ("current", "position", "duty", "force", "sensor")
     block = 0.2
+    expected = EXPECTED
 
     def __init__(self, hand: Hand | None = None) -> None:
         self.hand = hand or Hand()
