@@ -42,15 +42,15 @@ def effect(name: str, folder: Path | None = None) -> Effect:
     return effects()[name]
 
 
-def own_effects() -> list[tuple[Path, Effect]]:
-    """The user's own effects in the files that this process has loaded, each with its file."""
-    return [
-        (Path(str(module.__file__)), each)
-        for name, module in list(sys.modules.items())
-        if name.startswith(_OWN)
-        for each in vars(module).values()
-        if isinstance(each, Effect)
-    ]
+def own_effects() -> dict[str, Effect]:
+    """The user's own effects that this process has loaded, by `path/to/file.py:EFFECT`."""
+    return {
+        f"{Path(str(module.__file__)).resolve()}:{name}": value
+        for known, module in list(sys.modules.items())
+        if known.startswith(_OWN)
+        for name, value in vars(module).items()
+        if isinstance(value, Effect)
+    }
 
 
 def _own_effect(path: Path, attribute: str) -> Effect:

@@ -114,7 +114,9 @@ def _parser() -> _Parser:
     effects.add_argument("effect", nargs="?", help="a name, or file.py:EFFECT of your own")
 
     hand = _command(commands, "hand", _hand, "show a hand: parts, equations, effects, values")
-    hand.add_argument("hand", nargs="?", default="hannes", help="a hand.toml (default: shipped)")
+    hand.add_argument(
+        "hand", nargs="?", default="hannes", help="a hand.toml, of any plant (default: shipped)"
+    )
     hand.add_argument("--equations", action="store_true", help="print the assembled equations")
     hand.add_argument("--values", action="store_true", help="print every value with its source")
 
@@ -200,14 +202,17 @@ def _effects(chosen: argparse.Namespace) -> None:
 
 
 def _hand(chosen: argparse.Namespace) -> None:
-    from hannes.hand_file import load_hand
-    from hannes.hand_text import described, value_table
+    from hannes.hand import Hand
+    from hannes.hand_text import described, equations_of, plant_described, value_table
+    from hannes.plant_file import load_model
 
-    hand = load_hand(chosen.hand)
+    model = load_model(chosen.hand)
     if chosen.equations:
-        print(hand.equations())
+        print(equations_of(model))
+    elif chosen.values:
+        print(value_table(model))
     else:
-        print(value_table(hand) if chosen.values else described(hand))
+        print(described(model) if isinstance(model, Hand) else plant_described(model, model.name))
 
 
 def _reproduce(chosen: argparse.Namespace) -> None:

@@ -74,9 +74,7 @@ class Diagnosis:
 
     def toml(self) -> str:
         """Text of the hand.toml of `plant`."""
-        places = {effect.name: name for name, effect in self.campaign.effects.items()}
-        names = [places.get(each.name, each.name) for each in self.plant.effects]
-        return plant_toml(self.plant, self.campaign.shipped, names)
+        return plant_toml(self.plant, self.campaign.shipped, self.campaign.base)
 
 
 def diagnose(

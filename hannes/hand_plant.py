@@ -87,6 +87,10 @@ class HandPlant:
         """Return why the hand cannot carry `effect`, or an empty string."""
         return EQUATIONS.accepts(effect)
 
+    def check(self, recording: Recording) -> None:
+        """Raise BadInput unless the recording tells what was asked of the hand."""
+        posed(recording)
+
     def simulate(
         self, parameters: Mapping[str, float], recording: Recording
     ) -> dict[str, np.ndarray]:

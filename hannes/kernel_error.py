@@ -45,8 +45,8 @@ def _kernels() -> list[_Own]:
     from hannes.catalogue import own_effects
 
     return [
-        _Own(path, effect.name, term.kernel)
-        for path, effect in own_effects()
+        _Own(Path(place.rpartition(":")[0]), effect.name, term.kernel)
+        for place, effect in own_effects().items()
         for term in effect.terms
     ]
 

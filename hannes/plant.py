@@ -117,6 +117,15 @@ def expectations(plant: Plant) -> Mapping[str, Expected]:
     return getattr(plant, "expected", {})
 
 
+def require_usable(plant: Plant, recording: Recording) -> None:
+    """Raise the BadInput of a plant's own `check(recording)`; a plant may leave that out.
+
+    It tells before any work what `simulate` could not start from.
+    """
+    if (check := getattr(plant, "check", None)) is not None:
+        check(recording)
+
+
 def free_amplitudes(effect: Effect) -> dict[str, float]:
     """Full names of an effect's parameters, with the size on which a refit moves them."""
     return {

@@ -1,18 +1,14 @@
 """`hannes run`: simulate an experiment's variants; write recordings, summary.json, figure.svg."""
 
-import datetime
 import json
-import platform
 import warnings
 from collections.abc import Mapping
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import hannes
 from hannes import figure, metrics
 from hannes.files import atomic_folder
 from hannes.friction_curve import FrictionCurve
@@ -23,12 +19,12 @@ from hannes.simulate import simulate
 from hannes.spec import load
 from hannes.trajectory import Trajectory
 from hannes.variants import Variant
+from hannes.versions import provenance
 
 UNITS = {
     "contact": "s", "release": "s", "I_avgc": "A", "I_avgo": "A", "I_max": "A", "I_sc": "A/s",
     "I_so": "A/s", "F_max": "N", "void current": "A", "closing time": "s",
 }  # fmt: skip
-LIBRARIES = ("numpy", "scipy", "numba", "h5py", "matplotlib")
 VOID_END = 0.3  # s, of the window of the void current
 
 
@@ -128,23 +124,6 @@ def _free(time: np.ndarray, current: np.ndarray, position: np.ndarray) -> dict[s
     if position[-1] > 0.5 * position.max() > 0.0:  # it ends closed
         found["closing time"] = metrics.closing_time(time, position)
     return found
-
-
-def provenance() -> dict[str, Any]:
-    """What depends on the day and the machine: kept out of the recordings."""
-    return {
-        "versions": {"hannes": hannes.__version__, "python": platform.python_version()}
-        | {name: _version(name) for name in LIBRARIES},
-        "machine": platform.machine(),
-        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-    }
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 def _written(

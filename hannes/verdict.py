@@ -1,10 +1,10 @@
 """The verdict of a diagnosis: what verdict.json holds, and the sentence a person reads first."""
 
 import json
-import platform
 from dataclasses import asdict, dataclass, field
-from importlib import metadata
 from typing import Any
+
+from hannes.versions import versions
 
 VERDICTS = (
     "no_gap",
@@ -41,7 +41,7 @@ class Verdict:
     cut: str = ""
     next_run: dict[str, Any] | None = None
     smallest_detectable: dict[str, Any] | None = None
-    versions: dict[str, str] = field(default_factory=lambda: versions())
+    versions: dict[str, str] = field(default_factory=versions)
 
     def json(self) -> str:
         """Text of verdict.json, keys in the order of the contract."""
@@ -62,17 +62,6 @@ class Verdict:
                 f"floor {gap['floor']:.2g})"
             )
         return "\n".join(lines)
-
-
-def versions() -> dict[str, str]:
-    """Versions that the numbers depend on."""
-    found = {"python": platform.python_version()}
-    for name in ("hannes", "numpy", "scipy", "numba"):
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            found[name] = "source"
-    return found
 
 
 def explained(gap: dict[str, dict[str, Any]]) -> float:
