@@ -141,9 +141,17 @@ class Axis:
         changed.parameters = self.parameters.with_values(values)
         return changed
 
+    def equations(self) -> str:
+        """Text of the assembled equations, effects included."""
+        return assemble(EQUATIONS, self.effects).text
+
     def accepts(self, effect: Effect) -> str:
         """Return why the axis cannot carry `effect`, or an empty string."""
         return EQUATIONS.accepts(effect)
+
+    def check(self, recording: Recording) -> None:
+        """Raise BadInput unless the recording is long enough to start from."""
+        start_state(recording)
 
     def simulate(
         self, parameters: Mapping[str, float], recording: Recording, substeps: int = SUBSTEPS
