@@ -11,6 +11,7 @@ import numpy as np
 
 from hannes import axis_equations
 from hannes.assemble import Equations, assemble
+from hannes.axis_expected import EXPECTED
 from hannes.control import cascade
 from hannes.effect import Effect
 from hannes.errors import BadInput, ComputationFailed
@@ -116,6 +117,7 @@ class Axis:
     }
     required = ("reference", "position")
     judged = ("drive",)
+    expected = EXPECTED
     # What a refit may move, with how far the given value may be off (one standard deviation).
     free: Mapping[str, float] = {
         "axis.mass": 10.0,

@@ -149,7 +149,7 @@ def _entries(row: Table, folder: Path, plant: Plant) -> list[Entry]:
     planned = _experiment_text(row, experiment, folder) if experiment else None
     made = []
     for path in _paths(row, name, folder):
-        recording = _read(path)
+        recording = read_recording(path)
         if planned is not None:
             recording = replace(recording, experiment=planned)
         _check(recording, plant, path)
@@ -170,7 +170,8 @@ def _paths(row: Table, name: str, folder: Path) -> list[Path]:
     return found
 
 
-def _read(path: Path) -> Recording:
+def read_recording(path: Path) -> Recording:
+    """Read a recording, or an EMPS file of MATLAB's; BadInput where it is neither."""
     return load_mat(path) if path.suffix == ".mat" else Recording.read(path)
 
 

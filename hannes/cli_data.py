@@ -1,9 +1,14 @@
-"""The commands about recordings at large: convert foreign files."""
+"""The commands about recordings at large: convert foreign files, check any before a fit."""
 
 import argparse
 import json
-from collections.abc import Callable
-from typing import Any
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hannes.findings.finding import Finding
 
 EXAMPLES = {
     "convert": """\
@@ -40,6 +45,11 @@ rig.toml; all of it but time and channels may be left out:
   to = "experiment"               # or "reference", where that is another logger's
   by = "simulation"               # or "command", with lag = "60 ms" of the machine itself
   within = "2 s\"""",
+    "check": """\
+hannes check void_01.csv void_02.h5
+hannes check campaign.toml --notes
+hannes check axis.csv --plant axis --json
+hannes check log.csv --experiment void-closure""",
 }
 
 
@@ -51,22 +61,71 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     convert.add_argument(
         "--out", required=True, metavar="FILE", help="a .csv or .h5 file, or a folder for several"
     )
-    convert.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
+    _json(convert)
+
+    check = command("check", _check, "say what may be wrong with recordings, before any fit")
+    check.add_argument("file", nargs="+", help="recordings, or a campaign's .toml file")
+    check.add_argument("--plant", help="hand (default), axis, or module:object of your own")
+    check.add_argument("--experiment", metavar="NAME", help="what was done, where it is not told")
+    check.add_argument("--notes", action="store_true", help="print notes too: noise, resolution")
+    _json(check)
+
+
+def _json(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
 
 
 def _convert(chosen: argparse.Namespace) -> None:
+    from hannes.check import check
     from hannes.convert import convert, write
+    from hannes.foreign.mapping_file import read_mapping
 
-    made = convert(chosen.file, chosen.mapping)
+    mapping = read_mapping(chosen.mapping)
+    made = convert(chosen.file, mapping)
+    found = [check(each.recording, mapping.plant) for each in made]
     rows = [
         {**each.report, "out": str(path)}
         for each, path in zip(made, write(made, chosen.out), strict=True)
     ]
     if chosen.json:
-        print(json.dumps({"recordings": rows}, indent=1, ensure_ascii=False, allow_nan=False))
+        for row, findings in zip(rows, found, strict=True):
+            row["findings"] = [asdict(each) for each in findings]
+        _print_json({"recordings": rows})
         return
-    for row in rows:
-        print(_told(row))
+    for row, findings in zip(rows, found, strict=True):
+        print("\n".join([_told(row), *_lines(findings, notes=False)]))
+
+
+def _check(chosen: argparse.Namespace) -> None:
+    from hannes.check import check, refuse_faults, subjects
+
+    found = [
+        (name, check(recording, plant))
+        for path in chosen.file
+        for name, recording, plant in subjects(path, chosen.plant, chosen.experiment)
+    ]
+    if chosen.json:
+        _print_json({name: [asdict(each) for each in findings] for name, findings in found})
+    else:
+        for name, findings in found:
+            print("\n".join([f"{name}: {_counted(findings)}", *_lines(findings, chosen.notes)]))
+    sys.stdout.flush()  # before the line on standard error
+    refuse_faults(found)
+
+
+def _lines(findings: Sequence["Finding"], notes: bool) -> list[str]:
+    return [f"  {each}" for each in findings if notes or each.level != "note"]
+
+
+def _counted(findings: Sequence["Finding"]) -> str:
+    """`1 fault, 2 warnings, 6 notes`."""
+    levels = [each.level for each in findings]
+    counts = {level: levels.count(level) for level in ("fault", "warning", "note")}
+    return ", ".join(f"{n} {level}{'' if n == 1 else 's'}" for level, n in counts.items())
+
+
+def _print_json(content: Any) -> None:
+    print(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
 
 
 def _told(row: dict[str, Any]) -> str:

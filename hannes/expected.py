@@ -13,6 +13,7 @@ class Expected:
     peak:     smallest and largest plausible peak magnitude [unit of the channel]
     limit:    magnitude [unit] at which the machine itself saturates, 0 for none
     rate:     fastest plausible change [unit/s], 0 where it is unknown
+    lag:      longest time [s] that it takes behind what it follows, 0 where it is unknown
     forward:  whether it is positive nearly always
     mistakes: what was mistaken -> the factor by which the values are then too large
     """
@@ -22,5 +23,6 @@ class Expected:
     peak: tuple[float, float] = (0.0, float("inf"))
     limit: float = 0.0
     rate: float = 0.0
+    lag: float = 0.0
     forward: bool = False
     mistakes: Mapping[str, float] = field(default_factory=dict)

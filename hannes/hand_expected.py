@@ -12,7 +12,7 @@ SHARE = {"percent taken for a share": 100.0}
 EXPECTED: Mapping[str, Expected] = {
     "reference": Expected(peak=(0.2, 40.0), forward=True, mistakes=ANGLE),
     "position": Expected(
-        follows="reference", peak=(0.1, 40.0), rate=120.0, forward=True, mistakes=ANGLE
+        follows="reference", peak=(0.1, 40.0), rate=120.0, lag=0.2, forward=True, mistakes=ANGLE
     ),
     "current": Expected(drives="position", peak=(0.03, 8.0), mistakes=SIZE),
     "duty": Expected(drives="position", peak=(0.02, 1.05), limit=1.0, mistakes=SHARE),
