@@ -1,4 +1,4 @@
-"""hand.toml, of the hand and of any other plant: read, written, printed, and refused in one line."""
+"""hand.toml, of the hand and any other plant: read, written, printed, refused in one line."""
 
 import pytest
 from test_own_kernels import EFFECT
