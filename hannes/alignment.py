@@ -2,8 +2,9 @@
 
 Both are brought to one grid and pass the same Savitzky-Golay derivative (Savitzky & Golay 1964), so
 that the filter moves neither against the other. The best whole step of their cross-correlation
-starts a Gauss-Newton search between steps; the deviation counts what remains as correlated in time
-(Newey & West 1987). It does not know how a machine follows: a lag holds the machine's own.
+starts a Gauss-Newton search between steps. The deviation counts what remains as correlated in time
+(Newey & West 1987), and is the larger of two: as if what remains were alike throughout, and as it
+pulls where it stands. It does not know how a machine follows: a lag holds the machine's own.
 """
 
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ FloatArray = NDArray[np.float64]
 MOST_POINTS = 20_000  # of the common grid
 SMOOTHED = 21  # grid points under one derivative
 LEAST_LIKENESS = 0.5  # correlation below which nothing follows anything
-ALIKE = 0.98  # a second maximum this near the best makes the lag ambiguous
+ALIKE = 0.95  # a second maximum this near the best makes the lag ambiguous
 ROUNDS = 20
 
 
@@ -145,7 +146,8 @@ def _refined(speeds: _Speeds, start: float) -> Lag:
         lag = float(np.clip(lag + move, -speeds.margin, speeds.margin))
         if abs(move) < 1e-6:
             break
-    deviation = speeds.step * float(np.sqrt(_long_run(free * rest))) / float(free @ free)
+    spread = max(_pulled(free * rest), _alike(free, rest))
+    deviation = speeds.step * float(np.sqrt(spread)) / float(free @ free)
     likeness = float(follows @ speeds.motion) / float(
         np.linalg.norm(follows) * np.linalg.norm(speeds.motion)
     )
@@ -156,13 +158,28 @@ def _at(values: FloatArray, places: FloatArray) -> FloatArray:
     return np.interp(places, np.arange(values.size), values)
 
 
-def _long_run(pulls: FloatArray) -> float:
-    """Variance of the sum of a correlated series, by Bartlett weights over its memory."""
+def _pulled(pulls: FloatArray) -> float:
+    """Variance of the sum of a correlated series, wherever in it the large ones stand."""
+    products = _products(pulls - pulls.mean())
+    return float(max(products[0], 2.0 * _weights(products) @ products - products[0]))
+
+
+def _alike(free: FloatArray, rest: FloatArray) -> float:
+    """Variance of the sum of free * rest, were rest alike throughout and only correlated."""
+    covariance = _products(rest - rest.mean()) / rest.size
+    terms = _weights(covariance) * covariance * _products(free)
+    return float(max(0.0, 2.0 * terms.sum() - terms[0]))
+
+
+def _products(values: FloatArray) -> FloatArray:
+    """Sums of products of a series with itself, 0, 1, 2, ... places later."""
     from scipy.signal import correlate
 
-    pulls = pulls - pulls.mean()
-    products = correlate(pulls, pulls, "full")[pulls.size - 1 :]
+    return np.asarray(correlate(values, values, "full")[values.size - 1 :])
+
+
+def _weights(products: FloatArray) -> FloatArray:
+    """Bartlett weights over the memory of a series: twice the time until it has forgotten."""
     ended = np.flatnonzero(products <= 0.0)
-    memory = 2 * max(int(ended[0]) if ended.size else pulls.size // 4, SMOOTHED)
-    weights = np.maximum(0.0, 1.0 - np.arange(products.size) / memory)
-    return float(max(products[0], 2.0 * weights @ products - products[0]))
+    memory = 2 * max(int(ended[0]) if ended.size else products.size // 4, SMOOTHED)
+    return np.maximum(0.0, 1.0 - np.arange(products.size) / memory)

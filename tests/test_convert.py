@@ -291,6 +291,7 @@ def test_the_command_tells_what_it_did_and_keeps_it(tmp_path, capsys):
         assert main([*words, "--json"]) == 0
         (told,) = json.loads(capsys.readouterr().out)["recordings"]
         assert told.pop("out") == str(out)
+        assert {"level", "kind", "channel", "text"} <= set(told.pop("findings")[0])
         kept = Recording.read(out)
         sidecar = tmp_path / f"{name}{SIDECAR}"
         stored = kept.conversion or sidecar.read_text(encoding="utf-8")

@@ -13,9 +13,11 @@ FloatArray = NDArray[np.float64]
 GAP = 1.5  # median intervals
 JITTER = 0.05  # of the median interval, beyond which uneven times are worth a note
 LEAST_DRIFT = 2e-3  # of the rate, from the recording's start to its end
-LEAST_LOST = 2.0  # samples by which a drifting clock is off
+SURE = 10.0  # standard deviations, from six degrees of freedom
+LEAST_LOST = 0.5  # samples by which a drifting clock is off
 PARTS = 8  # of a recording, whose rates are compared
 FEWEST = 80  # samples to compare rates by
+SLOWEST = 0.5  # of the time over which the plant forgets, between two samples
 MILLI = 1000.0
 
 
@@ -72,7 +74,7 @@ def _drift(subject: Subject, intervals: FloatArray, even: NDArray[np.bool_]) -> 
     rest = means / means.mean() - 1.0 - change * place
     doubt = float(np.sqrt(rest @ rest / (PARTS - 2) / (place @ place)))
     lost = abs(change) * intervals.size / 8.0  # samples off a steady clock, at worst
-    if abs(change) > max(LEAST_DRIFT, 5.0 * doubt) and lost > LEAST_LOST:
+    if abs(change) > max(LEAST_DRIFT, SURE * doubt) and lost > LEAST_LOST:
         yield warning(
             "drift",
             "time",
@@ -86,12 +88,12 @@ def _drift(subject: Subject, intervals: FloatArray, even: NDArray[np.bool_]) -> 
 def _unit(subject: Subject) -> Iterator[Finding]:
     """Milliseconds read as seconds, or the other way round, by what the plant can do."""
     span = float(subject.time[-1] - subject.time[0])
-    if subject.block and subject.interval > subject.block:
+    if subject.block and subject.interval > SLOWEST * subject.block:
         yield fault(
             "unit",
             "time",
-            f"samples lie {subject.interval:.4g} s apart, longer than the plant takes to do "
-            "anything: milliseconds taken for seconds? convert with time.unit",
+            f"samples lie {subject.interval:.4g} s apart, too far to see the plant move: "
+            "milliseconds taken for seconds? convert with time.unit",
             size=MILLI,
         )
     for name, each in subject.expected.items():

@@ -12,7 +12,7 @@ from hannes.findings.subject import Subject, running_median, speeds, sustained
 
 FloatArray = NDArray[np.float64]
 
-SEARCH = 0.25  # of the recording, the farthest that a lag is looked for
+SEARCH = 0.45  # of the recording, the farthest that a lag is looked for
 HONEST = (0.25, 4.0)  # gain of a motion over its command, a blocked one included
 NEAR = 1.4  # factor within which a gain is taken for that of a known mistake
 SURE = 0.9  # correlation that makes a small gain more than a blocked motion
@@ -126,6 +126,6 @@ def _drives(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
     if against and back.size and back.mean() > level:
         text = f"pushes against {moved} both ways: convert with reversed = true"
         yield fault("sign", name, text, size=float(forth.mean()))
-    elif against and not back.size:
-        text = f"pushes against {moved}: is its sign reversed?"
+    elif against:
+        text = f"pushes against {moved} as it moves in + direction: is its sign reversed?"
         yield warning("sign", name, text, size=float(forth.mean()))

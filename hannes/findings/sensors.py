@@ -24,6 +24,7 @@ ENTRY = 3  # samples before and after a flat top that give its slope
 ABRUPT = 3.0  # steps of quantisation from sample to sample; a round top is entered by less than one
 FEWEST_LEVELS = 8  # a signal of fewer values is switched, not measured
 LEAST_FROZEN = 20  # samples without any change, where there is noise otherwise
+REPEATS = 0.02  # share of repeated values that noise leaves elsewhere
 JUMP = 3.0  # times the fastest sustained move
 LEAST_JUMP = 0.01  # of the channel's range
 COARSE = 50.0  # steps in the range, below which resolution hurts
@@ -113,12 +114,16 @@ def _abrupt(values: FloatArray, first: int, last: int, grain: float) -> bool:
 
 def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
     """The same value again and again in a channel that is noisy otherwise."""
-    still = stretches(np.diff(values) == 0.0)
-    if not still or noise(values) <= 3.0 * quantum(values) or noise(values) == 0.0:
+    same = np.diff(values) == 0.0
+    still = stretches(same)
+    if not still or noise(values) == 0.0:
         return
     first, last = max(still, key=lambda each: each[1] - each[0])
-    if last - first + 2 < LEAST_FROZEN or _flat_tops(values, float(values[first])):
+    elsewhere = np.delete(same, np.arange(first, last + 1))
+    if last - first + 2 < LEAST_FROZEN or elsewhere.sum() > REPEATS * same.size:
         return
+    if values[first] in (values.min(), values.max()):
+        return  # told as clipped
     lasting = float(subject.time[last + 1] - subject.time[first])
     yield warning(
         "frozen",
