@@ -178,6 +178,9 @@ def _told(summary: dict[str, Any]) -> str:
         for name, figure in {**each.get("metrics", {}), **each.get("peaks", {})}.items():
             value = "-" if figure["value"] is None else f"{figure['value']:.4g} {figure['unit']}"
             lines.append(f"    {name:<16} {value}")
+        if "residual" in (energy := each.get("energy", {})):
+            left = 100.0 * abs(energy["residual"]["value"])
+            lines.append(f"    {'energy closes to':<16} {left:.2g} %")
     return "\n".join([*lines, f"wrote {summary['out']}/"])
 
 

@@ -10,14 +10,16 @@ from typing import Any
 import numpy as np
 
 from hannes import figure, metrics
+from hannes.errors import BadInput
 from hannes.files import atomic_folder
 from hannes.friction_curve import FrictionCurve
 from hannes.hand_file import differences, effect_names, texts
+from hannes.ledger import account
 from hannes.observe import observe
 from hannes.recording import Recording
 from hannes.simulate import simulate
 from hannes.spec import load
-from hannes.trajectory import Trajectory
+from hannes.trajectory import Cost, Trajectory
 from hannes.variants import Variant
 from hannes.versions import provenance
 
@@ -52,7 +54,10 @@ def run(
         "out": str(target),
         "method": method,
         "rtol": rtol,
-        "runs": [_row(each, ran) for each, ran in zip(asked, done, strict=True)],
+        "runs": [
+            {**_row(each, ran), "energy": _energy(each, method, rtol)}
+            for each, ran in zip(asked, done, strict=True)
+        ],
         **provenance(),
     }
     svg = figure.runs_svg(asked[0].experiment.title, recordings)
@@ -94,10 +99,30 @@ def _row(variant: Variant, ran: Trajectory) -> dict[str, Any]:
         "outcome": ran.outcome.value,
         "controller": variant.experiment.controller,
         "metrics": measured(ran),
-        "cost": {name: float(value) for name, value in asdict(ran.cost).items()},
+        "cost": _cost(ran.cost),
         "effects": effect_names(variant.hand),
         "parameters": texts(variant.hand, differences(variant.hand)),
     }
+
+
+def _cost(cost: Cost) -> dict[str, float]:
+    """What the solver took; smooth parts are the stretches between kinks of the reference."""
+    return {
+        "evaluations": cost.evaluations,
+        "jacobians": cost.jacobians,
+        "smooth_parts": cost.steps,
+        "seconds": float(cost.seconds),
+    }
+
+
+def _energy(variant: Variant, method: str, rtol: float) -> dict[str, Any]:
+    """Where the electrical energy went [J], and the share unaccounted for; or why there is none."""
+    try:
+        found = account(variant.hand, variant.experiment, method=method, rtol=rtol)
+    except BadInput as error:
+        return {"reason": str(error)}
+    unit = {"residual": "1"}
+    return {name: {"value": x, "unit": unit.get(name, "J")} for name, x in found.items()}
 
 
 def measured(ran: Trajectory) -> dict[str, dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""The thin diagnosis on an axis simulated here: what it names, what it measures it on, its words."""
+"""The thin diagnosis on an axis simulated here: what it names, measures it on, and says."""
 
 import functools
 import json
