@@ -1,8 +1,7 @@
 """The only place that imports numba: what a kernel is, and where its machine code is kept.
 
-Machine code is cached in a folder named by a digest of every source that enters it, because
-numba itself watches only the file of the outermost function and would run stale code after an
-edit of an inner one.
+Machine code is cached under digests of every source that enters it, because numba itself watches
+only the file of the outermost function and would run stale code after an edit of an inner one.
 """
 
 import functools
@@ -15,8 +14,6 @@ from typing import Any
 
 import numba
 import numpy as np
-
-SOURCES = (".", "dynamics", "contact", "control", "rodas")
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -52,13 +49,12 @@ def compiles() -> bool:
 
 
 @functools.cache
-def library_digest() -> str:
-    """Digest of every hannes source a kernel may reach and of the versions that compile it."""
-    root = Path(__file__).parent
-    digest = hashlib.sha256()
-    for folder in SOURCES:
-        for path in sorted((root / folder).glob("*.py")):
-            digest.update(path.name.encode() + path.read_bytes())
+def compiler_digest() -> str:
+    """Digest of what compiles: this file's options and the versions behind them.
+
+    A generated module's own digest covers every source that it reaches (assemble.py).
+    """
+    digest = hashlib.sha256(Path(__file__).read_bytes())
     for version in (numba.__version__, np.__version__, platform.python_version()):
         digest.update(version.encode())
     return digest.hexdigest()[:16]
@@ -68,4 +64,4 @@ def cache_folder() -> Path:
     """Folder of generated modules and their machine code (HANNES_CACHE overrides its parent)."""
     home = os.environ.get("HANNES_CACHE") or os.environ.get("XDG_CACHE_HOME")
     parent = Path(home) if home else Path.home() / ".cache"
-    return parent / "hannes" / library_digest()
+    return parent / "hannes" / compiler_digest()

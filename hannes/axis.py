@@ -11,6 +11,7 @@ import numpy as np
 
 from hannes import axis_equations
 from hannes.assemble import Equations, assemble
+from hannes.axis_expected import EXPECTED
 from hannes.control import cascade
 from hannes.effect import Effect
 from hannes.errors import BadInput, ComputationFailed
@@ -116,6 +117,7 @@ class Axis:
     }
     required = ("reference", "position")
     judged = ("drive",)
+    expected = EXPECTED
     # What a refit may move, with how far the given value may be off (one standard deviation).
     free: Mapping[str, float] = {
         "axis.mass": 10.0,
@@ -141,9 +143,17 @@ class Axis:
         changed.parameters = self.parameters.with_values(values)
         return changed
 
+    def equations(self) -> str:
+        """Text of the assembled equations, effects included."""
+        return assemble(EQUATIONS, self.effects).text
+
     def accepts(self, effect: Effect) -> str:
         """Return why the axis cannot carry `effect`, or an empty string."""
         return EQUATIONS.accepts(effect)
+
+    def check(self, recording: Recording) -> None:
+        """Raise BadInput unless the recording is long enough to start from."""
+        start_state(recording)
 
     def simulate(
         self, parameters: Mapping[str, float], recording: Recording, substeps: int = SUBSTEPS

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -11,10 +10,11 @@ from hannes import library, measured
 from hannes.axis_record import load as load_mat
 from hannes.catalogue import effect, effects
 from hannes.effect import Effect
-from hannes.errors import BadInput, MissingRecording, nearest
-from hannes.plant import Plant, find_plant
-from hannes.plant_file import read_toml, with_plant_file
+from hannes.errors import BadInput, nearest
+from hannes.plant import Plant, find_plant, require_usable
+from hannes.plant_file import base_name, with_plant_file
 from hannes.recording import Recording
+from hannes.table import Table, read_text
 
 KEYS = ("title", "plant", "base", "out", "effects", "recording")
 RECORDING_KEYS = ("file", "experiment", "condition", "role")
@@ -36,7 +36,8 @@ class Entry:
 class Campaign:
     """A plant at its given values, recordings with roles, and the effects that may be named.
 
-    `effects` maps the name by which an effect can be found again to the effect.
+    `effects` maps the name by which an effect can be found again to the effect; `base` is what a
+    hand.toml of this plant starts from.
     """
 
     plant: Plant
@@ -45,6 +46,7 @@ class Campaign:
     out: Path
     effects: Mapping[str, Effect]
     title: str = ""
+    base: str = "hannes"
 
     def of(self, *roles: str) -> tuple[Entry, ...]:
         """Entries in any of these roles."""
@@ -54,18 +56,11 @@ class Campaign:
 def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
     """Read a campaign (a TOML file, or a shipped name) and its recordings.
 
-    Absent roles are drawn with `seed`.
-
-    Raises BadInput with one line for whatever cannot be used.
+    Absent roles are drawn with `seed`. Raises BadInput with one line for whatever cannot be used:
+    nothing is computed before every recording is known to be sound.
     """
     path = campaign_file(path)
-    content = read_toml(path)
-    try:
-        return _campaign(content, path, seed)
-    except MissingRecording:
-        raise
-    except BadInput as error:
-        raise BadInput(f"{path}: {error}") from None
+    return _campaign(Table.parse(read_text(path), str(path), KEYS), path, seed)
 
 
 def campaign_file(name: str | Path) -> Path:
@@ -81,55 +76,63 @@ def campaign_file(name: str | Path) -> Path:
     return shipped[str(name)]
 
 
-def _campaign(content: dict[str, Any], path: Path, seed: int) -> Campaign:
-    _check_keys(content, KEYS, "")
-    folder = path.parent
-    shipped = find_plant(_text(content, "plant", "hand"), folder)
-    base = _text(content, "base", "")
-    plant = with_plant_file(shipped, _existing(folder / base)) if base else shipped
-    rows = content.get("recording", [])
-    if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
-        raise BadInput("no [[recording]]: a campaign needs at least one, with file = ...")
-    entries = [entry for row in rows for entry in _entries(row, folder, plant)]
-    out = Path(_text(content, "out", f"results/{path.stem}"))  # in the current folder
+def _campaign(root: Table, path: Path, seed: int) -> Campaign:
+    folder, name = path.parent, root.text("plant", "hand")
+    shipped = _plant(root, name, folder)
+    plant = _at_base(root, shipped, base_name(name), folder)
+    rows = root.items("recording")
+    if not rows or not all(isinstance(row, dict) for row in rows):
+        root.refuse("recording", "is missing: expected [[recording]] with file = ... below")
+    entries = [
+        entry
+        for number, row in enumerate(rows, 1)
+        for entry in _entries(
+            Table(row, root.where, RECORDING_KEYS, f"recording {number}."), folder, plant
+        )
+    ]
     return Campaign(
         plant,
         shipped,
         with_roles(entries, seed),
-        out,
-        _effects(content, folder),
-        _text(content, "title", path.stem),
+        Path(root.text("out", f"results/{path.stem}")),  # in the current folder
+        _effects(root, folder),
+        root.text("title", path.stem),
+        base_name(name),
     )
 
 
-def _check_keys(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
-    for key in table:
-        if key not in known:
-            raise BadInput(f'{where}unknown key "{key}"{nearest(key, known)}')
+def _plant(root: Table, name: str, folder: Path) -> Plant:
+    try:
+        return find_plant(name, folder)
+    except BadInput as error:
+        root.refuse("plant", f'= "{name}": {error}')
 
 
-def _text(table: Mapping[str, Any], key: str, default: str) -> str:
-    value = table.get(key, default)
-    if not isinstance(value, str):
-        raise BadInput(f"{key} = {value!r:.40}: expected text in quotes")
-    return value
+def _at_base(root: Table, plant: Plant, base: str, folder: Path) -> Plant:
+    """The plant at the values of the campaign's `base`, a hand.toml; as it is without."""
+    file = root.text("base", "")
+    return with_plant_file(plant, _existing(root, "base", folder / file), base) if file else plant
 
 
-def _existing(path: Path) -> Path:
+def _existing(table: Table, key: str, path: Path) -> Path:
     if path.is_file():
         return path
     if path.is_dir():
-        raise BadInput(f"{path} is a folder; expected a file, or a glob such as {path.name}/*.csv")
+        table.refuse(
+            key, f"= {path}: a folder; expected a file, or a glob such as {path.name}/*.csv"
+        )
     near = nearest(path.name, [each.name for each in path.parent.glob("*")])
-    raise BadInput(f"there is no file {path}{near}")
+    table.refuse(key, f"= {path}: there is no such file{near}")
 
 
-def _effects(content: Mapping[str, Any], folder: Path) -> dict[str, Effect]:
-    own = content.get("effects", [])
-    if not isinstance(own, list) or not all(isinstance(name, str) for name in own):
-        raise BadInput('effects: expected a list, such as ["mine.py:EFFECT"]')
-    found = {_rooted(name, folder): effect(name, folder) for name in own}
-    return {**effects(), **found}
+def _effects(root: Table, folder: Path) -> dict[str, Effect]:
+    own = {}
+    for name in root.texts("effects"):
+        try:
+            own[_rooted(name, folder)] = effect(name, folder)
+        except BadInput as error:
+            root.refuse("effects", f"cannot be used: {error}")
+    return {**effects(), **own}
 
 
 def _rooted(name: str, folder: Path) -> str:
@@ -137,65 +140,65 @@ def _rooted(name: str, folder: Path) -> str:
     return str((folder / name).resolve()) if ".py:" in name else name
 
 
-def _entries(row: Mapping[str, Any], folder: Path, plant: Plant) -> list[Entry]:
-    name = _text(row, "file", "")
-    if not name:
-        raise BadInput("a [[recording]] lacks file = ...")
-    _check_keys(row, RECORDING_KEYS, f"recording {name}: ")
-    role = _text(row, "role", "")
-    if role and role not in ROLES:
-        raise BadInput(
-            f'recording {name}: role = "{role}"{nearest(role, ROLES)}; one of {", ".join(ROLES)}'
-        )
-    experiment = _text(row, "experiment", "")
-    condition = _text(row, "condition", experiment)
+def _entries(row: Table, folder: Path, plant: Plant) -> list[Entry]:
+    """The recordings of one [[recording]], each found fit to be simulated by `plant`."""
+    row.require("file", '"void_01.csv"')
+    name, experiment = row.text("file", ""), row.text("experiment", "")
+    role = row.choice("role", ROLES) if "role" in row else ""
+    condition = row.text("condition", experiment)
+    planned = _experiment_text(row, experiment, folder) if experiment else None
     made = []
-    for path in _paths(name, folder):
-        recording = _checked(_read(path), plant, path)
-        if experiment:
-            text = _experiment_text(experiment, folder)
-            recording = replace(recording, experiment=text)
+    for path in _paths(row, name, folder):
+        recording = read_recording(path)
+        if planned is not None:
+            recording = replace(recording, experiment=planned)
+        _check(recording, plant, path)
         made.append(Entry(path.name, recording, condition or path.name, role))
     return made
 
 
-def _paths(name: str, folder: Path) -> list[Path]:
+def _paths(row: Table, name: str, folder: Path) -> list[Path]:
     if name.startswith(MEASURED):
         group, _, file = name.removeprefix(MEASURED).partition("/")
-        return [_existing(measured.folder(group) / file)]
+        return [_existing(row, "file", measured.folder(group) / file)]
     if not any(sign in name for sign in "*?["):
-        return [_existing(folder / name)]
+        return [_existing(row, "file", folder / name)]
     root = Path(name).anchor
     found = sorted(Path(root or folder).glob(name.removeprefix(root)))
     if not found:
-        raise BadInput(f'no file matches "{name}" in {folder}')
+        row.refuse("file", f'= "{name}" matches no file in {folder}')
     return found
 
 
-def _read(path: Path) -> Recording:
+def read_recording(path: Path) -> Recording:
+    """Read a recording, or an EMPS file of MATLAB's; BadInput where it is neither."""
     return load_mat(path) if path.suffix == ".mat" else Recording.read(path)
 
 
-def _checked(recording: Recording, plant: Plant, path: Path) -> Recording:
+def _check(recording: Recording, plant: Plant, path: Path) -> None:
+    """Raise BadInput, naming the file, unless `plant` can be driven and judged by `recording`."""
     if recording.plant and recording.plant != plant.name:
         raise BadInput(
-            f'{path.name} is a recording of the plant "{recording.plant}", not of "{plant.name}"; '
+            f'{path}: a recording of the plant "{recording.plant}", not of "{plant.name}"; '
             "choose the campaign's plant to match"
         )
     try:
         recording.expect(plant.channels, plant.required, f"the plant {plant.name}")
+        require_usable(plant, recording)
     except BadInput as error:
-        raise BadInput(f"{path.name}: {error}") from None
+        raise BadInput(f"{path}: {error}") from None
     if not any(name in recording for name in plant.judged):
-        raise BadInput(f"{path.name} has none of the channels {', '.join(plant.judged)} to compare")
-    return recording
+        raise BadInput(f"{path}: has none of the channels {', '.join(plant.judged)} to compare")
 
 
-def _experiment_text(name: str, folder: Path) -> str:
+def _experiment_text(row: Table, name: str, folder: Path) -> str:
     """Text of an experiment by name, or of a file relative to the campaign."""
     from hannes.experiment_file import experiment_text
 
-    return experiment_text(name, folder)
+    try:
+        return experiment_text(name, folder)
+    except BadInput as error:
+        row.refuse("experiment", f"cannot be used: {error}")
 
 
 def with_roles(entries: list[Entry], seed: int) -> tuple[Entry, ...]:

@@ -13,6 +13,8 @@ from hannes import contact, control, dynamics
 from hannes.effect import Effect
 from hannes.errors import BadInput, nearest
 
+_OWN = "hannes_own_"  # starts the module name of a user's file
+
 
 @functools.cache
 def effects() -> dict[str, Effect]:
@@ -40,6 +42,17 @@ def effect(name: str, folder: Path | None = None) -> Effect:
     return effects()[name]
 
 
+def own_effects() -> dict[str, Effect]:
+    """The user's own effects that this process has loaded, by `path/to/file.py:EFFECT`."""
+    return {
+        f"{Path(str(module.__file__)).resolve()}:{name}": value
+        for known, module in list(sys.modules.items())
+        if known.startswith(_OWN)
+        for name, value in vars(module).items()
+        if isinstance(value, Effect)
+    }
+
+
 def _own_effect(path: Path, attribute: str) -> Effect:
     found = getattr(_own_module(path), attribute, None)
     if not isinstance(found, Effect):
@@ -53,7 +66,7 @@ def _own_module(path: Path) -> ModuleType:
         source = path.read_bytes()
     except OSError as error:
         raise BadInput(f"cannot read effect file {path}: {error.strerror}") from None
-    name = f"hannes_own_{path.stem}_{hashlib.sha256(source).hexdigest()[:16]}"
+    name = f"{_OWN}{path.stem}_{hashlib.sha256(source).hexdigest()[:16]}"
     if name in sys.modules:
         return sys.modules[name]
     spec = importlib.util.spec_from_file_location(name, path)

@@ -6,10 +6,12 @@ import os
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NoReturn
 
-from hannes import __version__
+from hannes import __version__, cli_data
 from hannes.errors import BadInput, HannesError, nearest
+from hannes.kernel_error import blamed
 
 INTERRUPTED, PIPE_CLOSED = 130, 141  # what a shell reports for SIGINT and SIGPIPE
 
@@ -40,6 +42,7 @@ hannes reproduce --out results/paper --json""",
     "diagnose": """\
 hannes diagnose campaign.toml
 hannes diagnose campaign.toml --out results/verdict --json""",
+    **cli_data.EXAMPLES,
 }
 
 
@@ -79,7 +82,12 @@ def _run(arguments: Sequence[str] | None) -> int:
     if chosen.command is None:
         parser.print_help()
         return 0
-    chosen.call(chosen)
+    try:
+        chosen.call(chosen)
+    except Exception as error:
+        if (told := blamed(error)) is None:
+            raise
+        raise told from None
     sys.stdout.flush()
     return 0
 
@@ -106,7 +114,9 @@ def _parser() -> _Parser:
     effects.add_argument("effect", nargs="?", help="a name, or file.py:EFFECT of your own")
 
     hand = _command(commands, "hand", _hand, "show a hand: parts, equations, effects, values")
-    hand.add_argument("hand", nargs="?", default="hannes", help="a hand.toml (default: shipped)")
+    hand.add_argument(
+        "hand", nargs="?", default="hannes", help="a hand.toml, of any plant (default: shipped)"
+    )
     hand.add_argument("--equations", action="store_true", help="print the assembled equations")
     hand.add_argument("--values", action="store_true", help="print every value with its source")
 
@@ -122,6 +132,8 @@ def _parser() -> _Parser:
     diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
     diagnose.add_argument("campaign", help="a campaign's .toml file")
     _results(diagnose, "as the campaign says")
+
+    cli_data.add(partial(_command, commands))
     return parser
 
 
@@ -166,6 +178,9 @@ def _told(summary: dict[str, Any]) -> str:
         for name, figure in {**each.get("metrics", {}), **each.get("peaks", {})}.items():
             value = "-" if figure["value"] is None else f"{figure['value']:.4g} {figure['unit']}"
             lines.append(f"    {name:<16} {value}")
+        if "residual" in (energy := each.get("energy", {})):
+            left = 100.0 * abs(energy["residual"]["value"])
+            lines.append(f"    {'energy closes to':<16} {left:.2g} %")
     return "\n".join([*lines, f"wrote {summary['out']}/"])
 
 
@@ -190,14 +205,17 @@ def _effects(chosen: argparse.Namespace) -> None:
 
 
 def _hand(chosen: argparse.Namespace) -> None:
-    from hannes.hand_file import load_hand
-    from hannes.hand_text import described, value_table
+    from hannes.hand import Hand
+    from hannes.hand_text import described, equations_of, plant_described, value_table
+    from hannes.plant_file import load_model
 
-    hand = load_hand(chosen.hand)
+    model = load_model(chosen.hand)
     if chosen.equations:
-        print(hand.equations())
+        print(equations_of(model))
+    elif chosen.values:
+        print(value_table(model))
     else:
-        print(value_table(hand) if chosen.values else described(hand))
+        print(described(model) if isinstance(model, Hand) else plant_described(model, model.name))
 
 
 def _reproduce(chosen: argparse.Namespace) -> None:

@@ -18,7 +18,8 @@ DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (4, 1.5, 1, 1.5)), (0, (2, 1)))
 def runs_svg(title: str, recordings: Mapping[str, Recording]) -> str:
     """Return an SVG of position, current, duty and grip force of each variant by its name."""
     first = next(iter(recordings.values()))
-    shown = [name for name in PANELS if any(each[name].any() for each in recordings.values())]
+    moved = [name for name in PANELS if any(each[name].any() for each in recordings.values())]
+    shown = moved or ["position"]
     with style.styled():
         figure, axes = style.panels(len(shown), 1.6)
         for panel, name in zip(axes, shown, strict=True):

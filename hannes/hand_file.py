@@ -1,82 +1,118 @@
-"""Hands by name or from a `hand.toml`, which holds only what differs from the shipped hand."""
+"""The one home of `hand.toml`: it holds only what differs from the shipped hand, or another plant.
+
+Reading and writing serve any model with named values and effects; `base` names what they change.
+"""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any, Protocol, Self, TypeVar
 
 from hannes import catalogue
 from hannes._jit import plain
 from hannes.effect import Effect
 from hannes.errors import BadInput, nearest
 from hannes.hand import Hand
-from hannes.parameter import Parameter
+from hannes.parameter import Parameter, ParameterSet
 from hannes.table import Table, read_text
 from hannes.units import quantity, text
 
-SHIPPED = {"hannes": Hand}
+SHIPPED: dict[str, Callable[[], Hand]] = {"hannes": Hand}
 KEYS = ("base", "effects", "parameters")
 DEEPEST = 8  # hand files that build on one another
 
-_OWN: dict[Effect, str] = {}  # the user's own effects loaded here -> "file.py:EFFECT"
+
+class Model(Protocol):
+    """What such a file speaks of: a hand, or any other plant."""
+
+    @property
+    def parameters(self) -> ParameterSet: ...
+
+    @property
+    def effects(self) -> tuple[Effect, ...]: ...
+
+    def with_effects(self, *effects: Effect) -> Self: ...
+
+    def with_values(self, values: Mapping[str, float]) -> Self: ...
+
+
+M = TypeVar("M", bound=Model)
 
 
 def load_hand(name: str | Path, folder: Path | None = None) -> Hand:
     """Return a shipped hand by name, or the one of a hand.toml (relative to `folder`).
 
-    Raises BadInput for an unknown name or a file that is not a hand.
+    Raises BadInput for an unknown name or a file that is not a hand's.
     """
-    return _load(str(name), folder or Path(), DEEPEST)
-
-
-def _load(name: str, folder: Path, depth: int) -> Hand:
-    if name in SHIPPED:
-        return SHIPPED[name]()
-    if not name.endswith(".toml"):
-        hint = nearest(name, SHIPPED)
+    if str(name) not in SHIPPED and not str(name).endswith(".toml"):
         raise BadInput(
-            f'no hand named "{name}"{hint} (shipped: {", ".join(SHIPPED)}; '
+            f'no hand named "{name}"{nearest(str(name), SHIPPED)} (shipped: {", ".join(SHIPPED)}; '
             "or give the path of a hand.toml)"
         )
-    if depth == 0:
-        raise BadInput(f"{name}: more than {DEEPEST} hand files build on one another, in a circle?")
-    path = folder / name
-    table = Table.parse(read_text(path), str(path), KEYS)
-    return changed(_load(table.text("base", "hannes"), path.parent, depth - 1), table, path.parent)
+    return load(str(name), folder or Path(), SHIPPED)
 
 
-def read_hand(toml: str, where: str, folder: Path | None = None) -> Hand:
-    """Return the hand of a hand.toml's text; `where` stands for the file in messages."""
-    table = Table.parse(toml, where, KEYS)
-    base = load_hand(table.text("base", "hannes"), folder)
-    return changed(base, table, folder)
+def load(name: str, folder: Path, bases: Mapping[str, Callable[[], M]]) -> M:
+    """Return the model of a hand.toml, which starts from one of `bases` or from another such file.
+
+    A file without `base` starts from the first. Raises BadInput naming the file and the key.
+    """
+    if name in bases:
+        return bases[name]()
+    base, changes = next(iter(bases)), []
+    for table in chain(folder / name):
+        changes.append(table)
+        base = table.text("base", next(iter(bases)))
+    if base not in bases:
+        changes[-1].refuse("base", f'= "{base}": {_expected(base, bases)}')
+    model = bases[base]()
+    for table in reversed(changes):
+        model = changed(model, table, Path(table.where).parent)
+    return model
 
 
-def changed(hand: Hand, table: Table, folder: Path | None) -> Hand:
-    """Return `hand` with the `effects` and `[parameters]` of a table."""
+def chain(path: Path) -> list[Table]:
+    """The tables of a hand.toml and of the files on which it builds, itself first."""
+    found: list[Table] = []
+    base = str(path)
+    while base.endswith(".toml"):
+        if len(found) == DEEPEST:
+            raise BadInput(
+                f"{path}: more than {DEEPEST} hand files build on one another, in a circle?"
+            )
+        found.append(Table.parse(read_text(path), str(path), KEYS))
+        base = found[-1].text("base", "")
+        path = path.parent / base
+    return found
+
+
+def _expected(base: str, bases: Mapping[str, Any]) -> str:
+    return (
+        f"expected {' or '.join(bases)}, or the path of a hand.toml{nearest(base, bases)}; values "
+        "of another plant serve as base of its campaigns, and `hannes hand` prints them"
+    )
+
+
+def changed(model: M, table: Table, folder: Path | None) -> M:
+    """Return `model` with the `effects` and `[parameters]` of a table."""
     for name in table.texts("effects"):
-        hand = hand.with_effects(_effect(name, table, folder))
-    return hand.with_values(values(table.table("parameters"), hand))
+        model = model.with_effects(_effect(name, table, folder))
+    return model.with_values(values(table.table("parameters"), model))
 
 
 def _effect(name: str, table: Table, folder: Path | None) -> Effect:
     try:
-        found = catalogue.effect(name, folder)
+        return catalogue.effect(name, folder)
     except BadInput as error:
         table.refuse("effects", f"cannot be used: {error}")
-    if ".py:" in name:
-        path, _, attribute = name.rpartition(":")
-        _OWN[found] = f"{((folder or Path()) / path).resolve()}:{attribute}"
-    return found
 
 
-def values(table: Table, hand: Hand) -> dict[str, float]:
+def values(table: Table, model: Model) -> dict[str, float]:
     """Return SI values by full name from a table of `"full.name" = "value unit"` lines."""
-    return {name: value(table, name, hand) for name in table.content}
-
-
-def value(table: Table, name: str, hand: Hand) -> float:
-    """Return the SI value of one parameter, its dimension and bounds checked."""
-    return checked(table.content[name], declared(name, hand, table), table)
+    return {
+        name: checked(given, declared(name, model, table), table)
+        for name, given in table.content.items()
+    }
 
 
 def checked(given: object, parameter: Parameter, table: Table) -> float:
@@ -88,56 +124,61 @@ def checked(given: object, parameter: Parameter, table: Table) -> float:
         raise BadInput(f"{table.where}: {error}") from None
 
 
-def declared(name: str, hand: Hand, table: Table) -> Parameter:
+def declared(name: str, model: Model, table: Table) -> Parameter:
     """Return a parameter's declaration; BadInput tells an absent effect from a misspelling."""
     prefix = name.partition(".")[0]
     if name == "controller.sampled":
         table.refuse(name, 'is not set here: write controller = "sampled" in the experiment')
-    if name not in hand.parameters.declared and prefix in catalogue.effects():
-        if prefix not in {each.name for each in hand.effects}:
+    if name not in model.parameters.declared and prefix in catalogue.effects():
+        if prefix not in {each.name for each in model.effects}:
             table.refuse(name, f'belongs to an effect that is not on: add effects = ["{prefix}"]')
     try:
-        return hand.parameters.require(name)
+        return model.parameters.require(name)
     except BadInput as error:
         raise BadInput(f"{table.where}: {table.prefix[:-1]}: {error}") from None
 
 
-def hand_toml(hand: Hand) -> str:
-    """Return the text of a hand.toml: effects and the values that differ from the shipped hand."""
+def hand_toml(model: Model, shipped: Model | None = None, base: str = "hannes") -> str:
+    """Return the text of the hand.toml that makes `model` from `shipped`, known as `base`.
+
+    Without `shipped` every value that is not the declared one is written.
+    """
     import tomli_w
 
     content = {
-        "base": "hannes",
-        "effects": effect_names(hand),
-        "parameters": texts(hand, differences(hand)),
+        "base": base,
+        "effects": effect_names(model),
+        "parameters": texts(model, differences(model, shipped)),
     }
     return tomli_w.dumps(content)
 
 
-def differences(hand: Hand) -> dict[str, float]:
-    """SI values by full name that are not the shipped hand's, effects at their declared value."""
+def differences(model: Model, shipped: Model | None = None) -> dict[str, float]:
+    """SI values by full name that are not those of `shipped`, or not the declared ones."""
+    known = dict(shipped.parameters) if shipped else {}
     return {
         name: number
-        for name, number in hand.parameters.items()
-        if number != hand.parameters.declared[name].value
+        for name, number in model.parameters.items()
+        if number != known.get(name, model.parameters.declared[name].value)
     }
 
 
-def texts(hand: Hand, numbers: Mapping[str, float]) -> dict[str, str]:
+def texts(model: Model, numbers: Mapping[str, float]) -> dict[str, str]:
     """Values by full name as texts with their unit."""
-    return {name: text(x, hand.parameters.require(name).unit) for name, x in numbers.items()}
+    return {name: text(x, model.parameters.require(name).unit) for name, x in numbers.items()}
 
 
-def effect_names(hand: Hand) -> list[str]:
-    """Names under which the effects of `hand` are found again: catalogue, or `file.py:EFFECT`."""
-    return [_effect_name(each) for each in hand.effects]
+def effect_names(model: Model) -> list[str]:
+    """Names under which a model's effects are found again: catalogue, or `file.py:EFFECT`."""
+    return [_effect_name(each) for each in model.effects]
 
 
 def _effect_name(effect: Effect) -> str:
     if catalogue.effects().get(effect.name) == effect:
         return effect.name
-    if effect in _OWN:
-        return _OWN[effect]
+    for place, own in catalogue.own_effects().items():
+        if own == effect:
+            return place
     function = plain(effect.terms[0].kernel)
     path, found = inspect.getsourcefile(function), function.__globals__
     names = [name for name, held in found.items() if held is effect]

@@ -9,6 +9,7 @@ from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.experiment import Experiment, Reference
 from hannes.hand import EQUATIONS, Hand
+from hannes.hand_expected import EXPECTED
 from hannes.parameter import ParameterSet
 from hannes.recording import Recording
 from hannes.simulate import simulate
@@ -33,6 +34,22 @@ FREE = (
     "pip.viscous_friction",
     "cart.viscous_friction",
 )
+# What differs from run to run, one relative standard deviation: a choice, nobody published one.
+RESTLESS = dict.fromkeys(
+    (
+        *(f"{part}.{kind}_friction" for part in ("mcp", "pip", "cart")
+          for kind in ("breakaway", "coulomb", "viscous")),
+        *("motor.dry_friction", "motor.viscous_friction"),
+    ),
+    0.01,
+) | dict.fromkeys(
+    (
+        *("motor.torque_constant", "motor.resistance"),
+        *("mcp.spring_stiffness", "mcp.spring_preload"),
+        *("pip.spring_stiffness", "pip.spring_preload"),
+    ),
+    0.005,
+)  # fmt: skip
 MOST_KNOTS = 40  # a reference with more corners is integrated without restarts
 TOLERANCE = 1e-5
 
@@ -54,6 +71,8 @@ class HandPlant:
     required: tuple[str, ...] = ()
     judged = ("current", "position", "duty", "force", "sensor")
     block = 0.2
+    expected = EXPECTED
+    restless: Mapping[str, float] = RESTLESS
 
     def __init__(self, hand: Hand | None = None) -> None:
         self.hand = hand or Hand()
@@ -85,15 +104,32 @@ class HandPlant:
         """Return why the hand cannot carry `effect`, or an empty string."""
         return EQUATIONS.accepts(effect)
 
+    def check(self, recording: Recording) -> None:
+        """Raise BadInput unless the recording tells what was asked of the hand."""
+        posed(recording)
+
     def simulate(
         self, parameters: Mapping[str, float], recording: Recording
     ) -> dict[str, np.ndarray]:
         """Run the recording's experiment under its reference; channels at the recorded times.
 
-        The controller is the continuous one. Raises ComputationFailed where the solver gives up.
+        The controller is the experiment's, the continuous one where the recording has none.
+        Raises ComputationFailed where the solver gives up.
         """
+        return self._run(parameters, recording, posed(recording))
+
+    def smooth(
+        self, parameters: Mapping[str, float], recording: Recording
+    ) -> dict[str, np.ndarray]:
+        """As `simulate`, but always with the continuous controller: quick, and it has slopes."""
+        asked = replace(posed(recording), controller="continuous")
+        return self._run(parameters, recording, asked)
+
+    def _run(
+        self, parameters: Mapping[str, float], recording: Recording, experiment: Experiment
+    ) -> dict[str, np.ndarray]:
         hand = self.hand.with_values(parameters)
-        run = simulate(hand, posed(recording), rtol=TOLERANCE, effects=hand.effects).require()
+        run = simulate(hand, experiment, rtol=TOLERANCE, effects=hand.effects).require()
         judged = (*self.judged, "reference")
         if "reference" not in recording:  # then the experiment's own clock holds
             return {name: np.interp(recording.time, run.time, run[name]) for name in judged}
@@ -127,7 +163,7 @@ class HandPlant:
 
 
 def posed(recording: Recording) -> Experiment:
-    """The experiment of a recording: its object and values, and the recorded reference.
+    """The experiment of a recording: object, values, controller, and the recorded reference.
 
     Raises BadInput where neither a reference nor an experiment tells what was asked of the hand.
     """
@@ -138,19 +174,14 @@ def posed(recording: Recording) -> Experiment:
                 "the recording has neither a channel reference_rad nor an experiment: "
                 "nothing tells what was asked of the hand"
             )
-        return replace(planned, noise={}, controller="continuous")
+        return replace(planned, noise={})
     since = recording.time - recording.time[0]
     sampling = 1.0 / float(np.median(np.diff(since)))
     reference = recorded_reference(since, recording["reference"])
     if planned is None:
         return Experiment("recorded", float(since[-1]), reference, sampling=sampling)
     return replace(
-        planned,
-        duration=float(since[-1]),
-        reference=reference,
-        sampling=sampling,
-        noise={},
-        controller="continuous",
+        planned, duration=float(since[-1]), reference=reference, sampling=sampling, noise={}
     )
 
 

@@ -1,4 +1,7 @@
-"""A hand told in 80 columns: stages with their equations, effects, changed values, sources."""
+"""A hand told in 80 columns: stages with their equations, effects, changed values, sources.
+
+Another plant is told by its effects and values.
+"""
 
 import inspect
 import re
@@ -9,7 +12,8 @@ from typing import TYPE_CHECKING
 from hannes import equations
 from hannes._jit import plain
 from hannes.effect import Effect
-from hannes.hand_file import differences
+from hannes.errors import BadInput
+from hannes.hand_file import Model, differences
 from hannes.parameter import Parameter
 
 if TYPE_CHECKING:
@@ -32,15 +36,32 @@ def described(hand: "Hand") -> str:
     return "\n".join([*lines, *_sources(hand.parameters.declared.values())])
 
 
-def value_table(hand: "Hand") -> str:
+def plant_described(plant: Model, name: str) -> str:
+    """What `hannes hand` shows of a plant other than the hand, known as `name`."""
+    lines = [f'The plant "{name}"', "", "Effects", *(_effects(plant) or ["  none"])]
+    lines += ["", "Values that differ from the declared ones", *(_changed(plant) or ["  none"])]
+    return "\n".join([*lines, "", "Values", value_table(plant)])
+
+
+def equations_of(model: Model) -> str:
+    """Text of the assembled equations; BadInput where a user's own plant does not tell them."""
+    told = getattr(model, "equations", None)
+    if told is None:
+        raise BadInput("this plant does not print its equations; leave out --equations")
+    return str(told())
+
+
+def value_table(hand: Model) -> str:
     """Every value with unit, meaning and source, grouped by part."""
     lines, part = [], ""
     for name, declared in hand.parameters.declared.items():
         if name.split(".")[0] != part:
             part = name.split(".")[0]
             lines.append(part)
-        left = f"  {name.partition('.')[2]:<21}{hand.parameters[name]:<11.5g} {declared.unit:<10}"
-        lines.append(f"{left} {declared.doc} ({declared.source})")
+        value = hand.parameters[name]
+        left = f"  {name.partition('.')[2]:<21}{value:<11.5g} {declared.unit:<10}"
+        source = declared.source if value == declared.value else f"here, not {declared.value:.5g}"
+        lines.append(f"{left} {declared.doc} ({source})")
     return "\n".join(lines)
 
 
@@ -88,11 +109,12 @@ def _entry(name: str, told: str) -> list[str]:
     return textwrap.wrap(told, COLUMNS, initial_indent=head, subsequent_indent=" " * 14)
 
 
-def _effects(hand: "Hand") -> list[str]:
-    present = {each.name for each in hand.present_effects()}
+def _effects(hand: Model) -> list[str]:
     lines = []
     for each in hand.effects:
-        off = "" if each.name in present else " (off: left out of the model)"
+        values = [hand.parameters[each.full_name(a.name)] for a in each.amplitudes]
+        vanished = values == [a.off for a in each.amplitudes]
+        off = " (off: vanishes from the model)" if vanished else ""
         lines += [f"  {each.name}{off}", f"    {each.equation}"]
         lines += _wrapped(f"source: {each.source}", 4)
     return lines
@@ -104,7 +126,7 @@ def _wrapped(told: str, indent: int) -> list[str]:
     )
 
 
-def _changed(hand: "Hand") -> list[str]:
+def _changed(hand: Model) -> list[str]:
     lines = []
     for name, value in differences(hand).items():
         declared = hand.parameters.require(name)

@@ -1,12 +1,37 @@
 """Where the electrical energy of a run went: an account that must close."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from hannes.errors import BadInput
+from hannes.experiment import Experiment
+from hannes.hand import Hand
+from hannes.simulate import simulate
 from hannes.trajectory import Trajectory
 
 POWER = "power_"
-FINEST = 4000.0  # Hz; below this the trapezoids miss the quick parts of a grasp
+COARSEST = 4000.0  # Hz; below this the trapezoids miss the quick parts of a grasp
+FINE = 20_000.0  # Hz
+MOST = 200_000  # samples, some 200 MB of outputs
+
+
+def account(
+    hand: Hand, experiment: Experiment, *, method: str = "Rodas", rtol: float = 1e-4
+) -> dict[str, float]:
+    """Simulate `experiment` once more, sampled finely enough, and return its energy ledger.
+
+    Raises BadInput for a run that took no energy or lasts too long, ComputationFailed as
+    `Trajectory.require` does.
+    """
+    sampling = min(FINE, MOST / experiment.duration)
+    finely = replace(experiment, sampling=sampling)
+    if sampling < COARSEST:
+        raise BadInput(
+            f"an energy ledger needs a run of at most {MOST / COARSEST:g} s, "
+            f"this one takes {experiment.duration:g} s"
+        )
+    return energy_ledger(simulate(hand, finely, method=method, rtol=rtol).require())
 
 
 def energy_ledger(trajectory: Trajectory) -> dict[str, float]:
@@ -21,9 +46,9 @@ def energy_ledger(trajectory: Trajectory) -> dict[str, float]:
     for a run that took no energy.
     """
     time = trajectory.time
-    if time.size < 2 or np.diff(time).max() > 1.001 / FINEST:
+    if time.size < 2 or np.diff(time).max() > 1.001 / COARSEST:
         raise BadInput(
-            f"an energy ledger needs samples at {FINEST:g} Hz or more; "
+            f"an energy ledger needs samples at {COARSEST:g} Hz or more; "
             f"set the experiment's sampling (it is {trajectory.experiment.sampling:g} Hz)"
         )
     ledger = {

@@ -60,6 +60,9 @@ class ParameterSet(Mapping[str, float]):
         self.require(name)
         return self._values[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._values
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._values)
 

@@ -1,6 +1,7 @@
 """What calibrate and diagnose know of a plant: a small protocol, and where plants are found.
 
-The hand, the motor-driven axis, or a user's own class outside the package.
+The hand, the motor-driven axis, or a user's own class outside the package: docs/own-plant.md walks
+through one, hannes/plain_plant.py saves writing most of it.
 """
 
 import importlib
@@ -13,6 +14,7 @@ import numpy as np
 
 from hannes.effect import Effect
 from hannes.errors import BadInput, nearest
+from hannes.expected import Expected
 from hannes.parameter import ParameterSet
 from hannes.recording import Recording
 
@@ -30,6 +32,15 @@ class Plant(Protocol):
     free:       parameter -> how far its given value may be off (one standard deviation, SI);
                 these are what a refit moves
     block:      time [s] over which what remains is taken as independent
+
+    Angles, times and all else in SI units. A plant may have these besides, and is used without:
+
+    expected:   channel -> hannes.expected.Expected, which sharpens `hannes check`
+    restless:   parameter -> share of its value by which runs of one machine differ; calibrate
+                takes what they explain for no misfit
+    check(recording):              raises BadInput for what `simulate` could not start from
+    smooth(parameters, recording): as `simulate`, quicker and without the grain of firmware, to
+                                   take slopes from
     """
 
     name: str
@@ -58,7 +69,11 @@ class Plant(Protocol):
     def simulate(
         self, parameters: Mapping[str, float], recording: Recording
     ) -> dict[str, np.ndarray]:
-        """Channels at the recording's times, shape (n,); `parameters` over the given values."""
+        """Channels at the recording's times, shape (n,): at least those of `judged`.
+
+        `parameters` stand over the given values. The same arguments give the same numbers. Raises
+        ComputationFailed where the machine cannot be simulated so.
+        """
         ...
 
     def same_run(self, recording: Recording) -> bytes:
@@ -91,13 +106,34 @@ def find_plant(name: str, folder: Path | None = None) -> Plant:
     plant = found() if isinstance(found, type) else found
     if not isinstance(plant, Plant):
         raise BadInput(f"{place} is no plant: it lacks {', '.join(_lacks(plant))}")
+    if fault := _fault(plant):
+        raise BadInput(f"plant {place}: {fault}")
     return plant
+
+
+def _fault(plant: Plant) -> str:
+    """What contradicts itself in a plant's attributes, or an empty string."""
+    if plant.channels.get("time") != "s":
+        return 'channels lacks "time": "s"'
+    for what in ("required", "judged"):
+        for name in getattr(plant, what):
+            if name not in plant.channels:
+                return f'{what} names "{name}", which is no channel{nearest(name, plant.channels)}'
+    if not plant.judged:
+        return "judged is empty: nothing would be compared"
+    for name, size in plant.free.items():
+        if name not in plant.parameters:
+            return f'free names "{name}", which is no parameter{nearest(name, plant.parameters)}'
+        if not size >= 0.0:
+            return f"free: {name} has the standard deviation {size!r}, expected zero or more"
+    return "" if plant.block > 0.0 else f"block = {plant.block!r}: expected seconds above zero"
 
 
 def _imported(module: str, attribute: str, folder: Path | None) -> Any:
     before = list(sys.path)
     if folder is not None:
         sys.path.insert(0, str(folder))
+        _forget_namesake(module, folder)
     try:
         return getattr(importlib.import_module(module), attribute)
     except (Exception, SystemExit) as error:  # the user's module may do anything
@@ -106,9 +142,31 @@ def _imported(module: str, attribute: str, folder: Path | None) -> Any:
         sys.path[:] = before
 
 
+def _forget_namesake(module: str, folder: Path) -> None:
+    """Let a module of this folder be loaded although one of the same name is, from elsewhere."""
+    own = (folder / f"{module.replace('.', '/')}.py").resolve()
+    loaded = sys.modules.get(module)
+    if own.is_file() and loaded is not None and Path(loaded.__file__ or "").resolve() != own:
+        del sys.modules[module]
+
+
 def _lacks(plant: object) -> list[str]:
     names = [*Plant.__annotations__, *(n for n in vars(Plant) if not n.startswith("_"))]
     return [name for name in dict.fromkeys(names) if not hasattr(plant, name)]
+
+
+def expectations(plant: Plant) -> Mapping[str, Expected]:
+    """What a plant expects of its channels; a plant may leave out the attribute `expected`."""
+    return getattr(plant, "expected", {})
+
+
+def require_usable(plant: Plant, recording: Recording) -> None:
+    """Raise the BadInput of a plant's own `check(recording)`; a plant may leave that out.
+
+    It tells before any work what `simulate` could not start from.
+    """
+    if (check := getattr(plant, "check", None)) is not None:
+        check(recording)
 
 
 def free_amplitudes(effect: Effect) -> dict[str, float]:

@@ -1,72 +1,47 @@
-"""hand.toml of any plant: base, effects, and the parameters that differ from the shipped ones."""
+"""hand.toml of any plant: which plant it is for, reading it onto that plant, writing it."""
 
-import json
-import tomllib
 from pathlib import Path
-from typing import Any
 
-from hannes import units
-from hannes.catalogue import effect as find_effect
-from hannes.errors import BadInput, nearest
-from hannes.plant import Plant
+from hannes import hand_file
+from hannes.errors import BadInput
+from hannes.hand import Hand
+from hannes.plant import Plant, find_plant
 
-KEYS = ("base", "effects", "parameters")
-BASES = {"hand": "hannes"}  # other plants go by their own name
+BASES = {"hand": "hannes"}  # other plants go by the name under which a campaign finds them
 
 
-def base_name(plant: Plant) -> str:
-    """What `base` says for this plant."""
-    return BASES.get(plant.name, plant.name)
+def base_name(name: str) -> str:
+    """What `base` says in a hand.toml of the plant that campaigns know as `name`."""
+    return BASES.get(name, name)
 
 
-def read_toml(path: Path) -> dict[str, Any]:
-    """Return a TOML file's content; BadInput with the line where it is none."""
+def load_model(name: str) -> Hand | Plant:
+    """Return a hand, or the plant that a hand.toml is for, at its values.
+
+    Raises BadInput for a file that cannot be used. A user's own plant is looked for in the
+    current folder, too.
+    """
+    if not name.endswith(".toml"):
+        return hand_file.load_hand(name)
+    root = hand_file.chain(Path(name))[-1]
+    base = root.text("base", "hannes")
+    if base in hand_file.SHIPPED:
+        return hand_file.load_hand(name)
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise BadInput(f"cannot read {path}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BadInput(f"{path} is no TOML: {error}") from None
-
-
-def with_plant_file(plant: Plant, path: Path) -> Plant:
-    """Return `plant` with the effects and values of a hand.toml; BadInput names what is wrong."""
-    content = read_toml(path)
-    for key in content:
-        if key not in KEYS:
-            raise BadInput(f'{path}: unknown key "{key}"{nearest(key, KEYS)}')
-    base = content.get("base", base_name(plant))
-    if base != base_name(plant):
-        raise BadInput(
-            f'{path}: base = "{base}", but the campaign\'s plant has base "{base_name(plant)}"'
-        )
-    try:
-        return _filled(plant, content, path)
+        plant = find_plant(base, Path.cwd())
     except BadInput as error:
-        raise BadInput(f"{path}: {error}") from None
+        root.refuse("base", f'= "{base}": {error}')
+    return with_plant_file(plant, Path(name), base)
 
 
-def _filled(plant: Plant, content: dict[str, Any], path: Path) -> Plant:
-    names = content.get("effects", [])
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise BadInput('effects: expected a list of names, such as ["leader_slack"]')
-    grown = plant.with_effects(*(find_effect(name, path.parent) for name in names))
-    table = content.get("parameters", {})
-    if not isinstance(table, dict):
-        raise BadInput("parameters: expected a table of names and values with unit")
-    values = {
-        name: units.quantity(text, grown.parameters.require(name).unit, name)
-        for name, text in table.items()
-    }
-    return grown.with_values(values)
+def with_plant_file(plant: Plant, path: Path, base: str) -> Plant:
+    """Return `plant`, known as `base`, with the effects and values of a hand.toml; else BadInput.
+
+    The file may build on other such files.
+    """
+    return hand_file.load(path.name, path.parent, {base: lambda: plant})
 
 
-def plant_toml(plant: Plant, shipped: Plant, effects: list[str]) -> str:
-    """Text of a hand.toml that makes `plant` from `shipped`; `effects` as they can be found."""
-    lines = [f"base = {json.dumps(base_name(plant))}", f"effects = {json.dumps(effects)}", ""]
-    lines += ["[parameters]"]
-    for name, value in plant.parameters.items():
-        if name not in shipped.parameters.declared or shipped.parameters[name] != value:
-            unit = plant.parameters.declared[name].unit
-            lines.append(f"{json.dumps(name)} = {json.dumps(units.text(value, unit))}")
-    return "\n".join(lines) + "\n"
+def plant_toml(plant: Plant, shipped: Plant, base: str) -> str:
+    """Text of a hand.toml that makes `plant` from `shipped`, known as `base`."""
+    return hand_file.hand_toml(plant, shipped, base)

@@ -31,8 +31,8 @@ class Recording:
     """Channels over time: equally long, finite, read-only float64 arrays; `time` [s] first.
 
     `units` gives each channel's unit ("1" for none). `experiment` and `hand` are resolved TOML
-    texts, empty where unknown; `seed` is None where nothing was drawn. Raises BadInput at birth
-    for anything that is not a recording.
+    texts, empty where unknown; `seed` is None where nothing was drawn; `conversion` (JSON) tells
+    how a foreign file became this. Raises BadInput at birth for anything that is not a recording.
     """
 
     channels: Mapping[str, FloatArray]
@@ -43,6 +43,7 @@ class Recording:
     seed: int | None = None
     source: str = "measured"
     schema: str = SCHEMA
+    conversion: str = ""
 
     def __post_init__(self) -> None:
         _check_names(self.channels, self.units)
@@ -100,6 +101,7 @@ class Recording:
         from hannes import files, recording_hdf5
 
         metadata = {each.name: getattr(self, each.name) for each in fields(self)[2:]}
+        metadata["conversion"] = self.conversion or None  # left out of files born here
         files.write_bytes(path, recording_hdf5.dump(self.channels, self.units, metadata))
 
     @property
@@ -230,7 +232,7 @@ def _check_time(arrays: Mapping[str, FloatArray]) -> None:
 
 
 def _check_metadata(recording: Recording) -> None:
-    for name in ("plant", "experiment", "hand"):
+    for name in ("plant", "experiment", "hand", "conversion"):
         if not _is_text(getattr(recording, name)):
             raise BadInput(f"{name} of a recording must be text, without NUL or lone surrogates")
     if recording.schema != SCHEMA:

@@ -26,7 +26,7 @@ _NOT_FINITE = re.compile(r"\s*[+-]?(?:nan|inf|infinity)\s*", re.ASCII | re.IGNOR
 
 def load(path: Path) -> tuple[dict[str, FloatArray], dict[str, str]]:
     """Return (channels, units) in column order; BadInput with file and line otherwise."""
-    lines = _lines(path, _bytes(path))
+    lines = _lines(path, read_bytes(path))
     columns = _header(path, lines[0])
     names = [name for name, _ in columns]
     table = _table(path, lines[1:], names)
@@ -43,7 +43,8 @@ def dump(channels: Mapping[str, FloatArray], units: Mapping[str, str], packed: b
     return gzip.compress(data, mtime=0) if packed else data
 
 
-def _bytes(path: Path) -> bytes:
+def read_bytes(path: Path) -> bytes:
+    """Return a file's bytes, unpacked where its name ends in .gz; BadInput if that fails."""
     if not path.is_file():
         raise BadInput(f"{path}: expected a CSV file, there is no such file")
     try:

@@ -20,8 +20,8 @@ FloatArray = NDArray[np.float64]
 MOST_VALUES = 50_000_000  # over all channels, 400 MB
 MOST_CHANNELS = 1000
 LONGEST_FIXED = 60_000  # bytes; HDF5 ends at 64 KB
-_TEXTS = ("schema", "plant", "experiment", "hand", "source")
-_OWN_FILTERS = {1, 2, 3}  # deflate, shuffle, Fletcher-32: built into the library
+_TEXTS = ("schema", "plant", "experiment", "hand", "source", "conversion")
+OWN_FILTERS = {1, 2, 3}  # deflate, shuffle, Fletcher-32: built into the library
 
 
 def dump(
@@ -126,7 +126,7 @@ def _check_storage(name: str, dataset: Any) -> None:
         raise BadInput(f'channel "{name}": expected a 1-D float64 dataset')
     made = dataset.id.get_create_plist()
     filters = {made.get_filter(i)[0] for i in range(made.get_nfilters())}
-    if dataset.is_virtual or dataset.external or not filters <= _OWN_FILTERS:
+    if dataset.is_virtual or dataset.external or not filters <= OWN_FILTERS:
         raise BadInput(f'channel "{name}": expected plain or gzip storage inside this file')
 
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from hannes.campaign import read_campaign
-from hannes.diagnose import Diagnosis, Traces, diagnose
+from hannes.diagnose import Diagnosis, diagnose
 from hannes.errors import BadInput, HannesError, MissingRecording
 from hannes.files import atomic_folder
+from hannes.gap import Traces
 from hannes.report.checks import Row, row
 from hannes.report.findings import Finding, finding
 from hannes.report.reproduce import write_page

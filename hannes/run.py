@@ -1,34 +1,32 @@
 """`hannes run`: simulate an experiment's variants; write recordings, summary.json, figure.svg."""
 
-import datetime
 import json
-import platform
 import warnings
 from collections.abc import Mapping
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import hannes
 from hannes import figure, metrics
+from hannes.errors import BadInput
 from hannes.files import atomic_folder
 from hannes.friction_curve import FrictionCurve
 from hannes.hand_file import differences, effect_names, texts
+from hannes.ledger import account
 from hannes.observe import observe
 from hannes.recording import Recording
 from hannes.simulate import simulate
 from hannes.spec import load
-from hannes.trajectory import Trajectory
+from hannes.trajectory import Cost, Trajectory
 from hannes.variants import Variant
+from hannes.versions import provenance
 
 UNITS = {
     "contact": "s", "release": "s", "I_avgc": "A", "I_avgo": "A", "I_max": "A", "I_sc": "A/s",
     "I_so": "A/s", "F_max": "N", "void current": "A", "closing time": "s",
 }  # fmt: skip
-LIBRARIES = ("numpy", "scipy", "numba", "h5py", "matplotlib")
 VOID_END = 0.3  # s, of the window of the void current
 
 
@@ -56,7 +54,10 @@ def run(
         "out": str(target),
         "method": method,
         "rtol": rtol,
-        "runs": [_row(each, ran) for each, ran in zip(asked, done, strict=True)],
+        "runs": [
+            {**_row(each, ran), "energy": _energy(each, method, rtol)}
+            for each, ran in zip(asked, done, strict=True)
+        ],
         **provenance(),
     }
     svg = figure.runs_svg(asked[0].experiment.title, recordings)
@@ -98,10 +99,30 @@ def _row(variant: Variant, ran: Trajectory) -> dict[str, Any]:
         "outcome": ran.outcome.value,
         "controller": variant.experiment.controller,
         "metrics": measured(ran),
-        "cost": {name: float(value) for name, value in asdict(ran.cost).items()},
+        "cost": _cost(ran.cost),
         "effects": effect_names(variant.hand),
         "parameters": texts(variant.hand, differences(variant.hand)),
     }
+
+
+def _cost(cost: Cost) -> dict[str, float]:
+    """What the solver took; smooth parts are the stretches between kinks of the reference."""
+    return {
+        "evaluations": cost.evaluations,
+        "jacobians": cost.jacobians,
+        "smooth_parts": cost.steps,
+        "seconds": float(cost.seconds),
+    }
+
+
+def _energy(variant: Variant, method: str, rtol: float) -> dict[str, Any]:
+    """Where the electrical energy went [J], and the share unaccounted for; or why there is none."""
+    try:
+        found = account(variant.hand, variant.experiment, method=method, rtol=rtol)
+    except BadInput as error:
+        return {"reason": str(error)}
+    unit = {"residual": "1"}
+    return {name: {"value": x, "unit": unit.get(name, "J")} for name, x in found.items()}
 
 
 def measured(ran: Trajectory) -> dict[str, dict[str, Any]]:
@@ -128,23 +149,6 @@ def _free(time: np.ndarray, current: np.ndarray, position: np.ndarray) -> dict[s
     if position[-1] > 0.5 * position.max() > 0.0:  # it ends closed
         found["closing time"] = metrics.closing_time(time, position)
     return found
-
-
-def provenance() -> dict[str, Any]:
-    """What depends on the day and the machine: kept out of the recordings."""
-    return {
-        "versions": {"hannes": hannes.__version__, "python": platform.python_version()}
-        | {name: _version(name) for name in LIBRARIES},
-        "machine": platform.machine(),
-        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-    }
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 def _written(

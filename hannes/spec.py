@@ -48,6 +48,10 @@ def read(text: str, where: str, folder: Path | None = None) -> list[Variant] | F
 def _root(text: str, where: str) -> Table:
     """Parse twice: the kind decides which keys are allowed."""
     anything = Table.parse(text, where, ())
+    if "base" in anything and "reference" not in anything:
+        anything.refuse(
+            "base", 'belongs to a hand file; an experiment names it: hand = "hand.toml"'
+        )
     return Table(anything.content, where, KINDS[anything.choice("kind", tuple(KINDS), "grasp")])
 
 

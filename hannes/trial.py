@@ -1,16 +1,17 @@
 """One effect on trial: fitted on some pieces, judged on others that no fit has seen."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from hannes.effect import Effect
-from hannes.pieces import Piece
-from hannes.plant import Plant
+from hannes.parameter import Parameter
 from hannes.refit import Fitted, Misfit
 
 ALPHA = 0.01  # false alarms accepted per effect, where the assumptions hold
+POWER_80 = 3.42  # standard deviations seen with 80 % power at ALPHA, two-sided: 2.576 + 0.842
 RESAMPLES = 2000
 FEWEST_BLOCKS = 6  # to judge a gain by
 LEAST_SHARE = 0.2  # of the reducible misfit that an effect must explain
@@ -172,14 +173,14 @@ def rivals(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
     ]
 
 
-def smallest_detectable(trials: Sequence[Trial]) -> dict[str, dict[str, dict[str, float | str]]]:
-    """Per effect and amplitude: the size seen with 80 % power at ALPHA, were the fit linear."""
+def smallest_detectable(trials: Sequence[Trial]) -> dict[str, dict[str, dict[str, Any]]]:
+    """Per effect and amplitude: the size seen with 80 % power at ALPHA, were the fit linear.
+
+    `value` is None, with the `reason`, where no size inside the physical bounds would be seen.
+    """
     return {
         trial.name: {
-            each.name: {
-                "value": 3.42 * trial.fitted.deviation(trial.effect.full_name(each.name)),
-                "unit": each.unit,
-            }
+            each.name: _detectable(each, trial.fitted.deviation(trial.effect.full_name(each.name)))
             for each in trial.effect.amplitudes
         }
         for trial in trials
@@ -187,30 +188,13 @@ def smallest_detectable(trials: Sequence[Trial]) -> dict[str, dict[str, dict[str
     }
 
 
-def inflated(floors: Mapping[str, float], misfit: Misfit, fitted: Fitted) -> dict[str, float]:
-    """Floors raised to what the refitted base leaves, so that misfit counts as uncertainty."""
-    left = rms(misfit, fitted.plant, fitted.values)
-    return {name: max(floor, left[name]) for name, floor in floors.items()}
-
-
-def rms(misfit: Misfit, plant: Plant, values: Mapping[str, float]) -> dict[str, float]:
-    """RMS difference of each channel over all pieces [its unit]."""
-    return pooled(misfit.raw(plant, values), misfit.floors)
-
-
-def pooled(raw: Sequence[Mapping[str, np.ndarray]], names: Mapping[str, float]) -> dict[str, float]:
-    """RMS of each channel over all pieces that have it."""
-    return {
-        name: float(np.sqrt(np.mean(np.concatenate([r[name] for r in raw if name in r]) ** 2)))
-        for name in names
-        if any(name in r for r in raw)
-    }
-
-
-def relative(raw: Sequence[Mapping[str, np.ndarray]], pieces: Sequence[Piece], name: str) -> float:
-    """100 |difference| / |recorded| of a channel over all pieces [%]."""
-    there = [(r, p) for r, p in zip(raw, pieces, strict=True) if name in r]
-    miss = np.concatenate([r[name] for r, _ in there])
-    recorded = np.concatenate([p.recording[name][p.mask] for _, p in there])
-    size = float(np.linalg.norm(recorded))
-    return 100.0 * float(np.linalg.norm(miss)) / size if size else 0.0
+def _detectable(amplitude: Parameter, deviation: float) -> dict[str, Any]:
+    size, off = POWER_80 * deviation, amplitude.off or 0.0
+    largest = max(amplitude.bounds[1] - off, off - amplitude.bounds[0])
+    if size <= largest:
+        return {"value": size, "unit": amplitude.unit}
+    reason = (
+        f"even the largest size inside its bounds, {largest:g}, would be missed: "
+        f"these recordings would show {size:.2g}"
+    )
+    return {"value": None, "unit": amplitude.unit, "reason": reason}

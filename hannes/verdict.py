@@ -1,10 +1,11 @@
 """The verdict of a diagnosis: what verdict.json holds, and the sentence a person reads first."""
 
 import json
-import platform
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from importlib import metadata
 from typing import Any
+
+from hannes.versions import versions
 
 VERDICTS = (
     "no_gap",
@@ -20,10 +21,11 @@ _SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 
 @dataclass(frozen=True)
 class Verdict:
-    """The result contract: every field is plain data; gaps are RMS on the show recordings.
+    """The result contract: every field is plain data.
 
-    gap: channel -> unit, as_given, before (base refitted), after, floor, and all three gaps in
-    percent of the recorded channel's RMS.
+    gap: channel -> unit, as_given, before (base refitted), after, floor: RMS on `gap_on`, the
+    show recordings where there are any; and all three in percent of the recorded channel's RMS.
+    parameters: full name -> value, unit, low, high (95 %), off (where its effect vanishes).
     """
 
     verdict: str
@@ -37,11 +39,12 @@ class Verdict:
     alpha: float
     recordings: dict[str, list[str]]
     seed: int
+    gap_on: str = ""
     floor_from: str = ""
     cut: str = ""
     next_run: dict[str, Any] | None = None
     smallest_detectable: dict[str, Any] | None = None
-    versions: dict[str, str] = field(default_factory=lambda: versions())
+    versions: dict[str, str] = field(default_factory=versions)
 
     def json(self) -> str:
         """Text of verdict.json, keys in the order of the contract."""
@@ -55,6 +58,8 @@ class Verdict:
     def summary(self) -> str:
         """Some five lines for a terminal."""
         lines = [self.sentence, self.reason]
+        if self.gap:
+            lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
         for name, gap in self.gap.items():
             shown = " -> ".join(f"{gap[key]:.3g}" for key in ("as_given", "before", "after"))
             lines.append(
@@ -62,17 +67,6 @@ class Verdict:
                 f"floor {gap['floor']:.2g})"
             )
         return "\n".join(lines)
-
-
-def versions() -> dict[str, str]:
-    """Versions that the numbers depend on."""
-    found = {"python": platform.python_version()}
-    for name in ("hannes", "numpy", "scipy", "numba"):
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            found[name] = "source"
-    return found
 
 
 def explained(gap: dict[str, dict[str, Any]]) -> float:
@@ -96,20 +90,37 @@ def sized(parameter: dict[str, Any]) -> str:
     return f"{shown} ({low:.3g} to {high:.3g})"
 
 
-def _named(result: Verdict) -> str:
-    sizes = [
-        f"{name.rpartition('.')[2].replace('_', ' ')} {sized(each)}"
-        for name, each in result.parameters.items()
+def untold(parameters: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Names of fitted parameters whose interval contains the value at which they do nothing."""
+    return [
+        name
+        for name, each in parameters.items()
+        if each.get("off") is not None and each["low"] <= each["off"] <= each["high"]
     ]
-    start = spoken(result.effects[0])
+
+
+def _named(result: Verdict, rest: str = "") -> str:
+    """The effect with what carries its gain first; then what is not told from none."""
+    vague = untold(result.parameters)
+    clear = [name for name in result.parameters if name not in vague] or vague
+    start = spoken(result.effects[0]).capitalize()
+    told = ", ".join([start, *(_told(name, result) for name in clear)])
     share = 100.0 * explained(result.gap)
-    return f"{start.capitalize()}, {', '.join(sizes)}, explains {share:.0f} % of the reducible gap."
+    line = f"{told}, explains {share:.0f} % of the reducible gap{rest}."
+    if not vague:
+        return line
+    verb = "is" if len(vague) == 1 else "are"
+    return f"{line} Not told from none {verb} {', '.join(_told(name, result) for name in vague)}."
+
+
+def _told(name: str, result: Verdict) -> str:
+    return f"{name.rpartition('.')[2].replace('_', ' ')} {sized(result.parameters[name])}"
 
 
 def _with_remainder(result: Verdict) -> str:
     if explained(result.gap) > 0.995:
-        return _named(result)[:-1] + "; a little above the floor remains."
-    return _named(result)[:-1] + "; the rest is something else."
+        return _named(result, "; a little above the floor remains")
+    return _named(result, "; the rest is something else")
 
 
 def _one_of(result: Verdict) -> str:

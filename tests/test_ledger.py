@@ -1,6 +1,7 @@
 """The energy ledger closes: whatever goes into the motor is found again, part by part."""
 
 import functools
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +10,9 @@ from runs import grasp, reference
 
 from hannes.errors import BadInput
 from hannes.hand import Hand
-from hannes.ledger import energy_ledger
+from hannes.ledger import MOST, account, energy_ledger
 from hannes.library import names
+from hannes.run import run
 from hannes.simulate import simulate
 from hannes.spec import load
 
@@ -104,6 +106,37 @@ def test_ledger_closes_over_shipped_experiments(name):
         experiment = replace(variant.experiment, sampling=20_000.0)
         run = simulate(variant.hand, experiment, rtol=1e-6).require()
         assert abs(energy_ledger(run)["residual"]) < 1e-3
+
+
+def test_an_account_samples_finely_whatever_the_experiment_does():
+    ledger = account(Hand(), grasp(duration=0.5, sampling=100.0), rtol=1e-6)
+    assert abs(ledger["residual"]) < 1e-4 and ledger["copper"] > 0.0
+
+
+def test_an_account_of_hours_is_refused():
+    with pytest.raises(BadInput, match=r"at most 50 s, this one takes 3600 s"):
+        account(Hand(), grasp(duration=3600.0))
+    assert MOST == 200_000
+
+
+def test_run_writes_the_ledger_and_names_its_cost(tmp_path, capsys):
+    told = run("void-closure", tmp_path / "out")
+    (row,) = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["runs"]
+    assert row["energy"] == told["runs"][0]["energy"]
+    assert abs(row["energy"]["residual"]["value"]) < 1e-3
+    assert row["energy"]["copper"]["unit"] == "J" and row["energy"]["copper"]["value"] > 0.0
+    assert set(row["cost"]) == {"evaluations", "jacobians", "smooth_parts", "seconds"}
+    assert row["cost"]["smooth_parts"] == 3  # the reference rises, falls and rests
+
+
+def test_run_says_why_there_is_no_ledger(tmp_path):
+    still = """duration = "10 ms"
+    [reference]
+    kind = "ramp"
+    points = [["0 s", "0 rad"], ["1 s", "0 rad"]]"""
+    (tmp_path / "still.toml").write_text(still, encoding="utf-8")
+    (row,) = run(tmp_path / "still.toml", tmp_path / "out")["runs"]
+    assert "takes energy" in row["energy"]["reason"]
 
 
 def test_coarse_samples_are_refused():

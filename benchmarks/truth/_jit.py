@@ -16,7 +16,7 @@ import numpy as np
 def _cache_folder() -> str:
     here = Path(__file__).parent
     digest = hashlib.sha256(f"{sys.version} {numba.__version__} {np.__version__}".encode())
-    for source in sorted(here.glob("*.py")):
+    for source in sorted(here.rglob("*.py")):
         digest.update(source.name.encode() + source.read_bytes())
     return str(here / "__pycache__" / f"numba-{digest.hexdigest()[:16]}")
 

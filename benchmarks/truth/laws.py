@@ -6,6 +6,12 @@ from benchmarks.truth._jit import compiled
 
 
 @compiled
+def held(start, gain, a, b):
+    """z after an implicit part-step z = start + gain (a - b z), b >= 0; `start` at gain 0."""
+    return (start + gain * a) / (1.0 + gain * b)
+
+
+@compiled
 def onset(stretch, width):
     """Smoothstep from 0 at `stretch` 0 to 1 at `width`: no damping before there is contact."""
     u = min(max(stretch / width, 0.0), 1.0)

@@ -6,6 +6,7 @@ from hannes.report.figure_diagnosis import figures
 from hannes.report.formats import number
 from hannes.report.page import render
 from hannes.report.tables import Table
+from hannes.verdict import untold
 
 if TYPE_CHECKING:
     from hannes.diagnose import Diagnosis
@@ -37,19 +38,28 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
         rows.append((f"{name} [{gap['unit']}]", *sizes, number(gap["floor"], 2)))
     columns = ("RMS gap", "As given", "Before: base refitted", "After", "Floor")
     note = (
-        "On recordings in role show. In brackets: relative to the recorded signal, "
+        f"On {diagnosis.verdict.gap_on}. In brackets: relative to the recorded signal, "
         f"100 |simulated − measured| / |measured|. The floor is {diagnosis.verdict.floor_from}."
     )
     return Table("gaps", "The gap before and after", columns, tuple(rows), note)
 
 
 def _sizes(diagnosis: "Diagnosis") -> Table:
+    parameters = diagnosis.verdict.parameters
+    vague = untold(parameters)
     rows = [
-        (name, number(p["value"]), f"{number(p['low'])} to {number(p['high'])}", p["unit"])
-        for name, p in diagnosis.verdict.parameters.items()
+        (
+            name,
+            number(p["value"]),
+            f"{number(p['low'])} to {number(p['high'])}",
+            p["unit"],
+            "no" if name in vague else "yes",
+        )
+        for name, p in parameters.items()
     ]
-    columns = ("Parameter", "Value", "95 % interval", "Unit")
-    return Table("sizes", "Size of the effect", columns, tuple(rows))
+    columns = ("Parameter", "Value", "95 % interval", "Unit", "Told from none")
+    note = "Not told from none: the interval contains the value at which it does nothing."
+    return Table("sizes", "Size of the effect", columns, tuple(rows), note if vague else "")
 
 
 def _tried(diagnosis: "Diagnosis") -> Table:
@@ -60,10 +70,27 @@ def _tried(diagnosis: "Diagnosis") -> Table:
         share = f"{number(100.0 * row['gain_select'], 2)} %" if row else "–"
         sigma = number(row["evidence"], 2) if row else "–"
         alike = ", ".join(row["confusable_with"]) if row else ""
-        rows.append((attempt["effect"], share, sigma, alike or "–", attempt["why"]))
-    columns = ("Effect", "Explains", "Size / its deviation", "Looks like", "Outcome")
-    note = f"Each at a false-alarm level of {diagnosis.verdict.alpha:g}."
+        least = _least(diagnosis, attempt["effect"])
+        rows.append((attempt["effect"], share, sigma, least, alike or "–", attempt["why"]))
+    columns = (
+        "Effect", "Explains", "Size / its deviation", "Smallest size seen", "Looks like", "Outcome",
+    )  # fmt: skip
+    note = (
+        f"Each at a false-alarm level of {diagnosis.verdict.alpha:g}. Smallest size seen: with "
+        "80 % power, were the fit linear; “none” where it lies beyond the physical bounds."
+    )
     return Table("tried", "What was tried", columns, tuple(rows), note)
+
+
+def _least(diagnosis: "Diagnosis", effect: str) -> str:
+    """The smallest detectable size of each amplitude of an effect."""
+    found = (diagnosis.verdict.smallest_detectable or {}).get(effect, {})
+    shown = [
+        f"{name} none" if each["value"] is None else f"{name} {number(each['value'], 2)}"
+        + (f" {each['unit']}" if each["unit"] != "1" else "")
+        for name, each in found.items()
+    ]  # fmt: skip
+    return ", ".join(shown) or "–"
 
 
 def _recordings(diagnosis: "Diagnosis") -> Table:

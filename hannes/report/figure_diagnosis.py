@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from hannes.diagnose import Diagnosis, Traces
+    from hannes.diagnose import Diagnosis
+    from hannes.gap import Traces
 
 MEASURED: dict[str, Any] = {"color": style.BLACK, "linewidth": 2.4, "alpha": 0.35}
 GIVEN: dict[str, Any] = {"color": style.GREY, "linestyle": (0, (1, 1.2)), "linewidth": 1.2}

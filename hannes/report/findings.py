@@ -6,7 +6,7 @@ from typing import Any
 
 from hannes.errors import HannesError
 from hannes.report.tables import Table, gap_table
-from hannes.verdict import Verdict
+from hannes.verdict import Verdict, untold
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,10 @@ class Finding:
     def sizes(self) -> list[str]:
         """Each fitted value with its interval and unit."""
         found = (self.verdict or {}).get("parameters", {})
+        vague = untold(found)
         return [
-            f"{name} = {each['value']:.4g} {each['unit']}"
-            + (f" ({each['low']:.4g} to {each['high']:.4g})" if each.get("low") is not None else "")
+            f"{name} = {each['value']:.4g} {each['unit']} ({each['low']:.4g} to {each['high']:.4g})"
+            + (": the interval contains none of it" if name in vague else "")
             for name, each in found.items()
         ]
 

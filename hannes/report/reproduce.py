@@ -8,6 +8,7 @@ from typing import Any
 import hannes
 from hannes.files import atomic_folder
 from hannes.report import checks, paper, tables
+from hannes.report.closure import energy_row
 from hannes.report.drawn import Drawn
 from hannes.report.figures import figures
 from hannes.report.findings import Finding, findings
@@ -41,7 +42,7 @@ def write_page(
     """
     runs = run_all(quick=quick, progress=progress)
     drawings = figures(runs)
-    must_show = [*checks.must_show(runs), *more]
+    must_show = [*checks.must_show(runs), energy_row(progress), *more]
     page = render("page.html.j2", _content(runs, drawings, must_show, findings(diagnoses)))
     told = summary(runs, must_show)
     (folder / "index.html").write_text(page, encoding="utf-8", newline="\n")

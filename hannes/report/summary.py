@@ -1,17 +1,13 @@
 """What depends on the day and the machine, beside the figures: kept off the page."""
 
-import datetime
-import platform
 from dataclasses import asdict
-from importlib.metadata import version
 from typing import Any
 
 from hannes.report.checks import Row
 from hannes.report.runs import Runs, measured
 from hannes.simulate import simulate
 from hannes.trajectory import Trajectory
-
-LIBRARIES = ("hannes", "numpy", "scipy", "numba", "matplotlib")
+from hannes.versions import provenance
 
 
 def summary(runs: Runs, must_show: list[Row]) -> dict[str, Any]:
@@ -19,9 +15,7 @@ def summary(runs: Runs, must_show: list[Row]) -> dict[str, Any]:
     return {
         "rows": [*_grasps(runs), _solver_time(runs)],
         "must_show": must_show,
-        "versions": {"python": platform.python_version(), **_versions()},
-        "machine": platform.machine(),
-        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        **provenance(),
     }
 
 
@@ -50,15 +44,3 @@ def _solver_time(runs: Runs) -> Row:
         "unit": "ms",
         "evaluations": int(best.evaluations),
     }
-
-
-def _versions() -> dict[str, str]:
-    from importlib.metadata import PackageNotFoundError
-
-    found = {}
-    for name in LIBRARIES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:  # run from a checkout that is not installed
-            found[name] = "not installed"
-    return found

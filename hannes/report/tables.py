@@ -142,10 +142,11 @@ def gap_table(name: str, verdict: Mapping) -> Table:
     columns = ("Channel", "As given", "Base refitted", "With the effect", "Floor")
     return Table(
         name,
-        "Gap to the recordings that were not fitted (RMS)",
+        "Gap between simulation and recordings (RMS)",
         columns,
         rows,
-        "Credit to an effect is only the step from the refitted base to the effect.",
+        f"On {verdict.get('gap_on') or 'the recordings in role show'}. Credit to an effect is only "
+        "the step from the refitted base to the effect.",
     )
 
 

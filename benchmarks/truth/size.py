@@ -1,0 +1,19 @@
+"""One number of a hidden effect, as the effect's file declares it."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Size:
+    """Unit (SI), the value taken unless given, and a physical range.
+
+    `amplitude`: 0, where the effect vanishes exactly, is what is taken; the range then tells how
+    large the effect may plausibly be, and its sign where both occur. Otherwise it tells where or
+    how fast the effect acts.
+    """
+
+    unit: str
+    low: float
+    high: float
+    default: float = 0.0
+    amplitude: bool = True

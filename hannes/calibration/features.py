@@ -1,0 +1,61 @@
+"""The paper's figures of one run, as far as its channels allow; NaN where one has no sense."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from hannes import metrics
+
+Channels = Mapping[str, np.ndarray]
+GRASP = ("contact", "I_avgc", "I_avgo", "I_max", "I_sc", "I_so", "F_max")
+UNITS = {
+    "contact": "s", "I_avgc": "A", "I_avgo": "A", "I_max": "A", "I_sc": "A/s", "I_so": "A/s",
+    "F_max": "N", "void current": "A", "closing time": "s",
+}  # fmt: skip
+
+
+def _grasp(time: np.ndarray, channels: Channels) -> dict[str, float]:
+    needed = [channels.get(name) for name in ("current", "force", "position")]
+    if any(each is None for each in needed):
+        return {}
+    found = metrics.grasp_metrics(time, *needed)
+    return {name: getattr(found, name) for name in GRASP}
+
+
+def _void_current(time: np.ndarray, channels: Channels) -> dict[str, float]:
+    if "current" not in channels or time[-1] < 0.3 or _touches(channels):
+        return {}
+    return {"void current": metrics.void_current(time, channels["current"])}
+
+
+def _closing_time(time: np.ndarray, channels: Channels) -> dict[str, float]:
+    """To 90 % of the furthest position, between samples."""
+    if "position" not in channels or _touches(channels):
+        return {}
+    position = channels["position"]
+    level = 0.9 * position.max()
+    after = int(np.argmax(position >= level))
+    if after == 0:
+        return {}
+    pair = slice(after - 1, after + 1)
+    return {"closing time": float(np.interp(level, position[pair], time[pair]))}
+
+
+def _touches(channels: Channels) -> bool:
+    return "force" in channels and float(channels["force"].max()) > 1.0
+
+
+_MEASURES: dict[str, Callable[[np.ndarray, Channels], dict[str, float]]] = {
+    **dict.fromkeys(GRASP, _grasp),
+    "void current": _void_current,
+    "closing time": _closing_time,
+}
+FEATURES = tuple(_MEASURES)
+
+
+def measure(names: tuple[str, ...], time: np.ndarray, channels: Channels) -> np.ndarray:
+    """Values of the features in `names`, shape (len(names),); `time` [s] from zero."""
+    found: dict[str, float] = {}
+    for function in dict.fromkeys(_MEASURES[name] for name in names):
+        found |= function(time, channels)
+    return np.array([found.get(name, np.nan) for name in names])

@@ -1,0 +1,71 @@
+"""How one run is compared: bin means of its channels in the order of time, then its features.
+
+Bins make the misfit smooth where fingers touch with a jerk of a few samples, and keep it small.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hannes.campaign import Entry
+from hannes.calibration.features import measure
+from hannes.plant import Plant
+
+PER_BLOCK = 20  # bins in the time over which the plant's misfit hangs together
+
+
+class View:
+    """One recording as a vector, shape (n,), and the same of any simulation of it.
+
+    `part` names the channel or feature of every element by its place in `names`; `block` numbers
+    the stretch of time that it lies in.
+    """
+
+    def __init__(
+        self, entry: Entry, plant: Plant, channels: tuple[str, ...], features: tuple[str, ...]
+    ) -> None:
+        self.entry, self.recording = entry, entry.recording
+        self.names = (*channels, *features)
+        self.channels = tuple(name for name in channels if name in self.recording)
+        self.since = self.recording.time - self.recording.time[0]
+        self.features = self._sensible(features)
+        mask = plant.judged_part(self.recording)
+        bins = (self.since[mask] / (plant.block / PER_BLOCK) + 1e-9).astype(int)
+        kept, self._bin = np.unique(bins, return_inverse=True)
+        self._mask, self._count = mask, np.bincount(self._bin)
+        self.part = self._parts(kept.size)
+        stretch = (kept / PER_BLOCK).astype(int)
+        feature_blocks = np.full(len(self.features), stretch[-1] + 1)
+        self.block = np.concatenate([*[stretch] * len(self.channels), feature_blocks])
+        self.measured = self.of(self.recording.channels)
+
+    def _sensible(self, features: tuple[str, ...]) -> tuple[str, ...]:
+        found = measure(features, self.since, self.recording.channels)
+        return tuple(name for name, value in zip(features, found, strict=True) if value == value)
+
+    def _parts(self, bins: int) -> np.ndarray:
+        places = [np.full(bins, self.names.index(name)) for name in self.channels]
+        places.append(np.array([self.names.index(name) for name in self.features], int))
+        return np.concatenate(places)
+
+    @property
+    def bins(self) -> int:
+        """Number of bins of each channel."""
+        return self._count.size
+
+    def of(self, channels: Mapping[str, np.ndarray], late: float = 0.0) -> np.ndarray:
+        """The vector of channels at the recorded times, of a run that starts `late` [s]."""
+        moved = self._moved(channels, late)
+        means = [
+            np.bincount(self._bin, moved[name][self._mask]) / self._count for name in self.channels
+        ]
+        return np.concatenate([*means, measure(self.features, self.since, moved)])
+
+    def _moved(self, channels: Mapping[str, np.ndarray], late: float) -> Mapping[str, np.ndarray]:
+        if late == 0.0:
+            return channels
+        return {
+            name: np.interp(self.since - late, self.since, values)
+            for name, values in channels.items()
+            if name != "time"
+        }

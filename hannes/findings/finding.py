@@ -1,0 +1,43 @@
+"""One thing found in a recording, in a plain line with what to do."""
+
+from dataclasses import dataclass
+
+LEVELS = (
+    "fault",
+    "warning",
+    "note",
+)  # not to be fitted as it is; part of it misleads; good to know
+
+
+@dataclass(frozen=True)
+class Finding:
+    """`kind` is one word for it, `channel` where it shows, `time` [s] when first, None for always.
+
+    `text` says what was found and what to do; `size` is how large, in the unit that text names.
+    """
+
+    level: str
+    kind: str
+    channel: str
+    text: str
+    time: float | None = None
+    size: float | None = None
+
+    def __str__(self) -> str:
+        when = "" if self.time is None else f" at {self.time:.4g} s"
+        return f"{self.level}: {self.channel}{when}: {self.text}"
+
+
+def fault(kind: str, channel: str, text: str, **more: float | None) -> Finding:
+    """A fault: fitted as it is, the recording leads astray."""
+    return Finding("fault", kind, channel, text, **more)
+
+
+def warning(kind: str, channel: str, text: str, **more: float | None) -> Finding:
+    """A warning: usable, but part of it misleads."""
+    return Finding("warning", kind, channel, text, **more)
+
+
+def note(kind: str, channel: str, text: str, **more: float | None) -> Finding:
+    """A note: nothing wrong, good to know."""
+    return Finding("note", kind, channel, text, **more)

@@ -1,0 +1,31 @@
+"""What results depend on besides their input: versions, machine, date."""
+
+import datetime
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+import hannes
+
+LIBRARIES = ("numpy", "scipy", "numba", "h5py", "matplotlib")
+
+
+def versions() -> dict[str, str]:
+    """Versions of hannes, Python and the libraries that numbers and figures come from."""
+    known = {"hannes": hannes.__version__, "python": platform.python_version()}
+    return known | {name: _installed(name) for name in LIBRARIES}
+
+
+def provenance() -> dict[str, object]:
+    """Versions, machine and date: what a summary keeps, and recordings and pages must not."""
+    return {
+        "versions": versions(),
+        "machine": platform.machine(),
+        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    }
+
+
+def _installed(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"

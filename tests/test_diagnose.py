@@ -1,0 +1,160 @@
+"""The thin diagnosis on an axis simulated here: what it names, measures it on, and says."""
+
+import functools
+import json
+
+import numpy as np
+import pytest
+
+from hannes.axis import Axis
+from hannes.catalogue import effect
+from hannes.cli import main
+from hannes.diagnose import diagnose
+from hannes.plant_file import load_model
+from hannes.recording import Recording
+from hannes.refit import Fitted
+from hannes.trial import POWER_80, Trial, smallest_detectable
+from hannes.verdict import Verdict, untold
+
+UNITS = {"time": "s", "reference": "m", "position": "m", "drive": "V"}
+
+
+@functools.cache
+def run(viscous, seed):
+    """20 s of swings, the axis rubbing harder one way by the share `viscous`; noise of 10 mV."""
+    t = np.arange(20_001) / 1000.0
+    reference = 0.05 * (1.0 - np.cos(0.8 * np.pi * t)) * (1.0 + 0.3 * np.sin(0.37 * t + seed))
+    bare = Recording({"time": t, "reference": reference, "position": reference}, {
+        name: UNITS[name] for name in ("time", "reference", "position")
+    })  # fmt: skip
+    axis = Axis().with_effects(effect("direction_friction"))
+    found = axis.simulate({"direction_friction.viscous": viscous, "axis.mass": 96.0}, bare)
+    drive = found["drive"] + 0.01 * np.random.default_rng(seed).standard_normal(t.size)
+    channels = {"time": t, "reference": reference, "position": found["position"], "drive": drive}
+    return Recording(channels, UNITS, plant="axis")
+
+
+def campaign(folder, roles, viscous=0.2):
+    """Path of a campaign with one recording of each role."""
+    rows = []
+    for seed, role in enumerate(roles):
+        run(viscous, seed).write(folder / f"{seed}.h5")
+        rows.append(f'[[recording]]\nfile = "{seed}.h5"\nrole = "{role}"\n')
+    (folder / "campaign.toml").write_text('plant = "axis"\n' + "".join(rows), encoding="utf-8")
+    return folder / "campaign.toml"
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """The diagnosis of an axis that rubs harder one way, and where it was written."""
+    folder = tmp_path_factory.mktemp("rubs")
+    result = diagnose(campaign(folder, ["fit", "select", "show"]), out=folder / "out")
+    return result, folder / "out"
+
+
+def test_the_hidden_effect_is_named_with_its_size(found):
+    verdict = found[0].verdict
+    assert verdict.effects == ["direction_friction"]
+    size = verdict.parameters["direction_friction.viscous"]
+    assert size["low"] < 0.2 < size["high"] and size["value"] == pytest.approx(0.2, rel=0.2)
+    gap = verdict.gap["drive"]
+    assert gap["after"] < 1.2 * gap["floor"] < gap["before"] < gap["as_given"]
+
+
+def test_only_what_is_told_from_none_carries_the_gain(found):
+    """Dry friction is as hard both ways here, and the sentence says so."""
+    result, out = found
+    assert untold(result.verdict.parameters) == ["direction_friction.dry"]
+    first, _, second = result.verdict.sentence.partition(". ")
+    assert "viscous" in first and "dry" not in first
+    assert second.startswith("Not told from none is dry")
+    assert "Told from none" in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_gaps_on_recordings_that_were_never_fitted_are_told_as_such(found):
+    result, out = found
+    assert result.verdict.gap_on == "the recordings in role show, which were never fitted"
+    assert result.verdict.gap_on in (out / "report.html").read_text(encoding="utf-8")
+    assert result.verdict.gap_on in result.verdict.summary()
+
+
+def test_the_hand_file_beside_the_verdict_is_of_its_plant(found):
+    result, out = found
+    model = load_model(str(out / "hand.toml"))
+    assert isinstance(model, Axis) and model.effects == result.plant.effects
+    assert dict(model.parameters) == dict(result.plant.parameters)
+
+
+def test_gaps_on_recordings_that_were_fitted_are_told_as_such(tmp_path, capsys):
+    file = campaign(tmp_path, ["fit"])
+    assert main(["diagnose", str(file), "--out", str(tmp_path / "out"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["verdict"], told["recordings"]["show"]) == ("undecided", [])
+    assert "role show" not in told["gap_on"] and "were fitted" in told["gap_on"]
+    assert told["gap_on"] in told["reason"]
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert told["gap_on"] in page and "never fitted" not in page
+
+
+def test_show_recordings_alone_are_fitted_and_it_is_said(tmp_path):
+    verdict = diagnose(campaign(tmp_path, ["show", "show"])).verdict
+    assert verdict.verdict == "undecided" and "which were fitted too" in verdict.gap_on
+
+
+def test_nothing_is_named_where_nothing_is_missing(tmp_path):
+    verdict = diagnose(campaign(tmp_path, ["fit", "select", "show"], viscous=0.0)).verdict
+    assert verdict.effects == [] and verdict.verdict in ("no_gap", "recalibrated")
+
+
+def trial(name, deviation):
+    """A trial of an effect whose amplitudes are fitted with this deviation."""
+    on = effect(name)
+    names = tuple(on.full_name(each.name) for each in on.amplitudes)
+    size, empty = len(names), np.zeros(0)
+    covariance = deviation**2 * np.eye(size)
+    fitted = Fitted(Axis(), names, dict.fromkeys(names, 0.0), empty, covariance, empty, empty)
+    return Trial(name, on, fitted=fitted)
+
+
+@pytest.mark.parametrize(
+    ("name", "amplitude", "largest"),
+    [
+        ("leader_slack", "length", 0.02),
+        ("direction_friction", "viscous", 0.9),
+        ("gear_load", "coefficient", 0.5),
+    ],
+)
+def test_no_size_beyond_the_physical_bounds_counts_as_detectable(name, amplitude, largest):
+    inside = smallest_detectable([trial(name, 0.99 * largest / POWER_80)])[name][amplitude]
+    assert inside["value"] == pytest.approx(0.99 * largest) and "reason" not in inside
+    beyond = smallest_detectable([trial(name, 1.01 * largest / POWER_80)])[name][amplitude]
+    assert beyond["value"] is None and f"{largest:g}" in beyond["reason"]
+
+
+def verdict(kind, **changes):
+    """A verdict with one named effect of two sizes."""
+    size = {"value": 0.2, "unit": "1", "low": 0.1, "high": 0.3, "off": 0.0}
+    gap = {"unit": "V", "as_given": 0.5, "before": 0.5, "after": 0.1, "floor": 0.1}
+    parameters = {"direction_friction.dry": size, "direction_friction.viscous": dict(size)}
+    fields = {"effects": ["direction_friction"], "parameters": parameters, "gap": {"drive": gap}}
+    rest = dict.fromkeys(("where", "candidates", "tried"), [])
+    return Verdict(
+        kind, **{**fields, **changes}, **rest, reason="r", alpha=0.01, recordings={}, seed=0
+    )
+
+
+def test_the_sentence_of_each_verdict():
+    told = verdict("named").sentence
+    assert told == (
+        "Direction friction, dry 0.2 (0.1 to 0.3), viscous 0.2 (0.1 to 0.3), "
+        "explains 100 % of the reducible gap."
+    )
+    assert "nothing is missing" in verdict("recalibrated", effects=[]).sentence
+    classed = verdict("one_of", effects=["leader_slack", "mine.py:gear_load"]).sentence
+    assert classed.startswith("One effect is missing, leader slack or gear load")
+
+
+def test_sizes_none_of_which_is_told_from_none_are_all_shown():
+    size = {"value": 0.2, "unit": "1", "low": -0.1, "high": 0.3, "off": 0.0}
+    told = verdict("named", parameters={"direction_friction.dry": size}).sentence
+    assert told.count("dry 0.2 (-0.1 to 0.3)") == 2 and "Not told from none is dry" in told

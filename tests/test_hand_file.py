@@ -1,0 +1,144 @@
+"""hand.toml, of the hand and any other plant: read, written, printed, refused in one line."""
+
+import pytest
+from test_own_kernels import EFFECT
+
+from hannes.axis import Axis
+from hannes.catalogue import effect
+from hannes.cli import main
+from hannes.errors import BadInput
+from hannes.hand import Hand
+from hannes.hand_file import DEEPEST, differences, hand_toml, load_hand
+from hannes.plant_file import load_model, plant_toml, with_plant_file
+
+LOOSE = """\
+base = "hannes"
+effects = ["leader_slack"]
+[parameters]
+"leader_slack.length" = "3.1 mm"
+"motor.resistance" = "3.2 ohm"
+"""
+
+
+def written(folder, text, name="hand.toml"):
+    """Path of a file with this text."""
+    (folder / name).write_text(text, encoding="utf-8")
+    return folder / name
+
+
+def test_a_hand_holds_what_its_file_says(tmp_path):
+    hand = load_hand(written(tmp_path, LOOSE))
+    assert [each.name for each in hand.effects] == ["leader_slack"]
+    assert differences(hand) == {"leader_slack.length": 3.1e-3, "motor.resistance": 3.2}
+
+
+def test_what_is_written_reads_back_to_the_same_hand(tmp_path):
+    hand = Hand().with_effects("gear_load", "leader_slack")
+    hand = hand.with_values({"gear_load.coefficient": 0.1 / 3.0, "little.rest_mcp": 0.2})
+    back = load_hand(written(tmp_path, hand_toml(hand)))
+    assert back.effects == hand.effects and dict(back.parameters) == dict(hand.parameters)
+
+
+def test_files_build_on_one_another_relative_to_themselves(tmp_path):
+    (tmp_path / "lower").mkdir()
+    written(tmp_path / "lower", LOOSE)
+    top = written(tmp_path, 'base = "lower/hand.toml"\n[parameters]\n"motor.resistance" = "4 ohm"')
+    assert differences(load_hand(top)) == {"leader_slack.length": 3.1e-3, "motor.resistance": 4.0}
+
+
+def test_files_that_build_on_one_another_in_a_circle_are_refused(tmp_path):
+    file = written(tmp_path, 'base = "hand.toml"')
+    with pytest.raises(BadInput, match=f"more than {DEEPEST} hand files"):
+        load_hand(file)
+
+
+def test_an_effect_of_the_users_own_is_found_again(tmp_path):
+    code = "@kernel\ndef rub(motor_speed, size):\n    return size * motor_speed\n"
+    written(tmp_path, EFFECT.format(code=code), "mine.py")
+    hand = load_hand(written(tmp_path, 'effects = ["mine.py:EFFECT"]'))
+    assert f'"{tmp_path / "mine.py"}:EFFECT"' in hand_toml(hand)
+    (tmp_path / "elsewhere").mkdir()
+    back = load_hand(written(tmp_path / "elsewhere", hand_toml(hand)))
+    assert back.effects == hand.effects
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("base = ", "is not valid TOML"),
+        ("bse = 'hannes'", 'unknown key "bse"; did you mean "base"?'),
+        ('base = "hanes"', 'base = "hanes": expected hannes.*did you mean "hannes"'),
+        ('base = "axis"', "values of another plant.*`hannes hand` prints them"),
+        ('effects = "leader_slack"', "effects must be a list"),
+        ('effects = ["leader_slak"]', 'did you mean "leader_slack"'),
+        ("parameters = 3", "must be a table"),
+        ('[parameters]\n"motor.resistanse" = "3 ohm"', 'did you mean "motor.resistance"'),
+        ('[parameters]\n"motor.resistance" = "3 m"', "motor.resistance.*not a resistance"),
+        ('[parameters]\n"motor.resistance" = 3', "has no unit"),
+        ('[parameters]\n"motor.resistance" = "-3 ohm"', "below its lower bound"),
+        ('[parameters]\n"leader_slack.length" = "1 mm"', 'add effects = ."leader_slack".'),
+        ('[parameters]\n"controller.sampled" = "1"', "in the experiment"),
+    ],
+)
+def test_a_bad_hand_file_is_one_line_with_its_name(tmp_path, text, said):
+    file = written(tmp_path, text)
+    with pytest.raises(BadInput, match=said) as caught:
+        load_hand(file)
+    assert str(caught.value).startswith(str(file)) and "\n" not in str(caught.value)
+
+
+def test_a_name_that_is_no_hand():
+    with pytest.raises(BadInput, match=r'no hand named "hanes"; did you mean "hannes"'):
+        load_hand("hanes")
+
+
+def rubbing():
+    """The axis with an effect and another mass."""
+    axis = Axis().with_effects(effect("direction_friction"))
+    return axis.with_values({"direction_friction.viscous": -0.18, "axis.mass": 95.5})
+
+
+def test_the_file_of_another_plant_names_it(tmp_path):
+    file = written(tmp_path, plant_toml(rubbing(), Axis(), "axis"))
+    found = load_model(str(file))
+    assert isinstance(found, Axis) and found.effects == rubbing().effects
+    assert dict(found.parameters) == dict(rubbing().parameters)
+
+
+def test_only_what_differs_from_the_given_plant_is_written(tmp_path):
+    """A user's own plant may start elsewhere than at the declared values."""
+    given = Axis().with_values({"axis.mass": 95.5, "axis.offset": -2.0})
+    moved = given.with_values({"axis.offset": -3.1648})  # the declared value, not the given one
+    text = plant_toml(moved, given, "axis")
+    assert '"axis.offset"' in text and "axis.mass" not in text
+    back = with_plant_file(given, written(tmp_path, text), "axis")
+    assert dict(back.parameters) == dict(moved.parameters)
+
+
+def test_hand_prints_the_file_of_another_plant(tmp_path, capsys):
+    file = written(tmp_path, plant_toml(rubbing(), Axis(), "axis"))
+    assert main(["hand", str(file)]) == 0
+    told = capsys.readouterr().out
+    assert 'The plant "axis"' in told and "direction_friction.viscous = -0.18" in told
+    assert main(["hand", str(file), "--equations"]) == 0
+    assert "direction_friction_asymmetry(" in capsys.readouterr().out
+    assert main(["hand", str(file), "--values"]) == 0
+    assert "here, not 95.109" in capsys.readouterr().out
+
+
+EXPERIMENT = """\
+hand = "hand.toml"
+duration = "10 ms"
+[reference]
+kind = "ramp"
+points = [["0 s", "0 rad"], ["1 s", "15 rad"]]
+"""
+
+
+def test_run_says_what_a_hand_file_is_for(tmp_path, capsys):
+    file = written(tmp_path, plant_toml(rubbing(), Axis(), "axis"))
+    assert main(["run", str(file)]) == 2
+    assert 'an experiment names it: hand = "hand.toml"' in capsys.readouterr().err
+    assert main(["run", str(written(tmp_path, EXPERIMENT, "my.toml"))]) == 2
+    line = capsys.readouterr().err
+    assert "my.toml: hand = " in line and "values of another plant" in line
