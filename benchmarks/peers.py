@@ -158,7 +158,8 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     """Judge every case once, then time all in turn; milliseconds are medians over repeats."""
     hand, experiment = Hand(), load_experiment("dynamometer")[0].experiment
     exact = simulate(hand, experiment, method="Radau", rtol=1e-9).require()
-    limits = {idiom: own_limit(hand, experiment, idiom) for idiom in tqdm(IDIOMS, "limits", leave=False)}
+    idioms = tqdm(IDIOMS, "limits", leave=False)
+    limits = {idiom: own_limit(hand, experiment, idiom) for idiom in idioms}
     given = (hand, experiment, exact)
     cases = [*ours(*given), *called(*given, helped=False), *called(*given, helped=True)]
     cases += [c for idiom in IDIOMS for c in own(hand, experiment, idiom, limits[idiom])]
