@@ -2,7 +2,9 @@
 
 Bytes depend on the content alone: no time stamps, one file format version, no compression. A file
 read may come from anywhere, so its shapes are judged before its numbers are read, and nothing that
-leads outside the file (external links and storage, virtual data, plugin filters) is followed.
+leads outside the file (external links and storage, virtual data, plugin filters) is followed. Nor
+is text of variable length: where it is damaged, HDF5 itself loops or crashes (4 of 1500 files with
+bytes flipped); text of fixed length is refused in words.
 """
 
 import io
@@ -19,7 +21,6 @@ FloatArray = NDArray[np.float64]
 
 MOST_VALUES = 50_000_000  # over all channels, 400 MB
 MOST_CHANNELS = 1000
-LONGEST_FIXED = 60_000  # bytes; HDF5 ends at 64 KB
 _TEXTS = ("schema", "plant", "experiment", "hand", "source", "conversion")
 OWN_FILTERS = {1, 2, 3}  # deflate, shuffle, Fletcher-32: built into the library
 
@@ -31,7 +32,7 @@ def dump(
     import h5py
 
     memory = io.BytesIO()
-    with h5py.File(memory, "w", libver=("earliest", "v110")) as file:
+    with h5py.File(memory, "w", libver=("v108", "v110")) as file:
         for key, value in metadata.items():
             _set(file, key, value)
         group = _new_group(file)
@@ -60,14 +61,11 @@ def load(path: Path) -> dict[str, Any]:
 
 
 def _set(item: Any, key: str, value: str | int | None) -> None:
-    """Attach an attribute; None is left out.
-
-    Text has a fixed length where HDF5 allows it: a damaged file of variable-length text can make
-    the library loop or crash, of fixed-length text it never did (2000 files with bytes flipped).
-    """
+    """Attach an attribute, text with a fixed length; None is left out."""
     import h5py
 
-    if isinstance(value, str) and len(data := value.encode()) <= LONGEST_FIXED:
+    if isinstance(value, str):
+        data = value.encode()
         item.attrs.create(key, data, dtype=h5py.string_dtype("utf-8", max(len(data), 1)))
     elif value is not None:
         item.attrs[key] = value
@@ -133,7 +131,12 @@ def _check_storage(name: str, dataset: Any) -> None:
 def _text(item: Any, key: str) -> str:
     if key not in item.attrs:
         raise BadInput(f'"{item.name}" lacks the attribute {key}')
-    value = item.attrs[key] if item.attrs.get_id(key).shape == () else None
+    if (length := _text_length(item, key)) is None:
+        raise BadInput(
+            f'attribute {key} of "{item.name}" is text of variable length: write it with a fixed '
+            "one (h5py: attrs[name] = numpy.bytes_(text.encode())), or go through CSV"
+        )
+    value = item.attrs[key] if length > 0 else None
     if isinstance(value, bytes):
         value = value.decode()
     if not isinstance(value, str):
@@ -141,10 +144,21 @@ def _text(item: Any, key: str) -> str:
     return value
 
 
+def _text_length(item: Any, key: str) -> int | None:
+    """Bytes of a text, None where that varies, 0 for anything else; its value is not touched."""
+    import h5py
+
+    attribute = item.attrs.get_id(key)
+    text = h5py.check_string_dtype(attribute.dtype)
+    return text.length if text is not None and attribute.shape == () else 0
+
+
 def _seed(file: Any) -> int | None:
     if "seed" not in file.attrs:
         return None
-    value = file.attrs["seed"] if file.attrs.get_id("seed").shape == () else None
+    attribute = file.attrs.get_id("seed")
+    whole = attribute.dtype.kind in "iu" and attribute.shape == ()
+    value = file.attrs["seed"] if whole else None
     if not isinstance(value, np.integer):
         raise BadInput("attribute seed is not a whole number")
     return int(value)

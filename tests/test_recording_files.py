@@ -220,7 +220,7 @@ def put(name: str, **options: object) -> Callable[[h5py.File], object]:
     def change(file: h5py.File) -> None:
         file[f"channels/{name}"] = file["channels"].create_dataset("temporary", **options)
         del file["channels/temporary"]
-        file[f"channels/{name}"].attrs["unit"] = "1"
+        file[f"channels/{name}"].attrs["unit"] = np.bytes_("1")
 
     return change
 
@@ -232,22 +232,24 @@ def link(target: object) -> Callable[[h5py.File], object]:
 def layout(file: h5py.File) -> None:
     virtual = h5py.VirtualLayout((50,), "f8")
     virtual[:] = h5py.VirtualSource("/etc/passwd", "x", (50,))
-    file["channels"].create_virtual_dataset("x", virtual).attrs["unit"] = "1"
+    file["channels"].create_virtual_dataset("x", virtual).attrs["unit"] = np.bytes_("1")
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         (lambda f: f.attrs.__delitem__("schema"), "schema is missing"),
-        (lambda f: f.attrs.__setitem__("schema", "other"), "schema 'other' is unknown"),
+        (lambda f: f.attrs.__setitem__("schema", np.bytes_("other")), "schema 'other' is unknown"),
         (lambda f: f.attrs.__setitem__("schema", [1.0, 2.0]), "schema .* is not text"),
+        (lambda f: f.attrs.__setitem__("plant", "axis"), "plant of .* is text of variable length"),
+        (lambda f: f["channels/time"].attrs.__setitem__("unit", "s"), "text of variable length"),
         (lambda f: f.attrs.__setitem__("seed", "x"), "seed is not a whole number"),
         (lambda f: f.attrs.__setitem__("seed", -5), "not a whole number"),
         (lambda f: f.attrs.__setitem__("source", h5py.Empty("S1")), "source .* is not text"),
         (lambda f: f.__delitem__("channels"), 'expected "channels"'),
         (lambda f: f.__delitem__("channels/time"), "time_s"),
         (lambda f: f["channels/time"].attrs.__delitem__("unit"), "lacks the attribute unit"),
-        (lambda f: f["channels/time"].attrs.__setitem__("unit", "ms"), "time_s"),
+        (lambda f: f["channels/time"].attrs.__setitem__("unit", np.bytes_("ms")), "time_s"),
         (lambda f: f["channels"].create_group("deep"), 'expected "deep" to be a dataset'),
         (lambda f: f["channels/time"].write_direct(np.zeros(50)), "time does not increase"),
         (put("x", data=np.full(50, np.nan)), "not finite"),
@@ -277,14 +279,38 @@ def test_foreign_hdf5_is_refused_in_one_line(
     assert str(caught.value).startswith(f"{path}: ") and "\n" not in str(caught.value)
 
 
-def test_accepts_plain_gzip_storage_and_either_kind_of_text(tmp_path: Path) -> None:
+def test_accepts_plain_gzip_storage_and_text_of_fixed_length(tmp_path: Path) -> None:
     change = put("x", data=np.ones(50), compression="gzip", shuffle=True, fletcher32=True)
     path = tmp_path / "good.h5"
     path.write_bytes(spoil(change))
     assert Recording.read(path)["x"].tolist() == [1] * 50
-    for text in ("axis", np.bytes_("axis")):
-        path.write_bytes(spoil(lambda file, text=text: file.attrs.__setitem__("plant", text)))
-        assert Recording.read(path).plant == "axis"
+    path.write_bytes(spoil(lambda file: file.attrs.__setitem__("plant", np.bytes_("axis"))))
+    assert Recording.read(path).plant == "axis"
+
+
+READ = """
+import sys
+from hannes.errors import BadInput
+from hannes.recording import Recording
+try: Recording.read(sys.argv[1])
+except BadInput as error: print(error)
+"""
+
+
+@pytest.mark.parametrize("byte", [b"\0", b"\xff"])
+def test_damaged_text_of_variable_length_neither_hangs_nor_crashes(
+    tmp_path: Path, byte: bytes
+) -> None:
+    """HDF5 does both where it reads such text from a damaged heap."""
+    whole = spoil(lambda file: file.attrs.__setitem__("plant", "axis"))
+    heap = whole.index(b"GCOL")
+    path = tmp_path / "bad.h5"
+    path.write_bytes(whole[: heap + 8] + 40 * byte + whole[heap + 48 :])
+    root = Path(__file__).parents[1]
+    done = subprocess.run(
+        [sys.executable, "-c", READ, path], capture_output=True, text=True, timeout=60, cwd=root
+    )
+    assert done.returncode == 0 and "variable length" in done.stdout, done.stderr
 
 
 def test_damaged_hdf5_is_refused(tmp_path: Path) -> None:
