@@ -6,10 +6,22 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
-__all__ = ["Experiment", "Hand", "Recording", "diagnose", "effects", "load_experiment", "simulate"]
+__all__ = [
+    "Experiment",
+    "Hand",
+    "Recording",
+    "check",
+    "convert",
+    "diagnose",
+    "effects",
+    "load_experiment",
+    "simulate",
+]
 
 if TYPE_CHECKING:
     from hannes.catalogue import effects as effects
+    from hannes.check import check as check
+    from hannes.convert import convert as convert
     from hannes.diagnose import diagnose as diagnose
     from hannes.experiment import Experiment as Experiment
     from hannes.hand import Hand as Hand
@@ -22,6 +34,8 @@ _HOMES = {
     "Experiment": "experiment",
     "Hand": "hand",
     "Recording": "recording",
+    "check": "check",
+    "convert": "convert",
     "diagnose": "diagnose",
     "effects": "catalogue",
     "load_experiment": "spec",

@@ -38,10 +38,14 @@ class Lag:
 
 @dataclass(frozen=True)
 class _Speeds:
-    """Velocities on a grid of `step` [s]; the command's reaches `margin` points further out."""
+    """Velocities on a grid of `step` [s]; the command's reaches `margin` points further out.
+
+    Both are shares of their fastest; `ratio` is the motion's fastest over the command's.
+    """
 
     motion: FloatArray
     command: FloatArray
+    ratio: float
     step: float
     margin: int
 
@@ -81,10 +85,12 @@ def _speeds(
     inner = slice(margin, margin + points)
     moved = _derivative(np.interp(grid[inner], time, motion), step)
     asked = _derivative(np.interp(grid, command_time, command), step)
-    for what, speed in (("the motion", moved), ("the command", asked[inner])):
-        if not np.abs(speed).max() > 0.0:
+    fastest = [float(np.abs(each).max()) for each in (moved, asked)]
+    for what, speed in zip(("the motion", "the command"), fastest, strict=True):
+        if not speed > 0.0:
             raise BadInput(f"{what} stands still: nothing to align by")
-    return _Speeds(moved, asked, step, margin)
+    ratio = fastest[0] / fastest[1]
+    return _Speeds(moved / fastest[0], asked / fastest[1], ratio, step, margin)
 
 
 def _derivative(values: FloatArray, step: float) -> FloatArray:
@@ -101,7 +107,7 @@ def _correlation(speeds: _Speeds) -> FloatArray:
     products = correlate(speeds.command, speeds.motion, "valid")[::-1]
     energy = np.concatenate(([0.0], np.cumsum(speeds.command**2)))
     windows = (energy[points:] - energy[:-points])[::-1]
-    floor = 1e-12 * max(float(windows.max()), 1e-300)
+    floor = 1e-12 * float(windows.max())
     size = float(np.linalg.norm(speeds.motion))
     return np.asarray(products / (size * np.sqrt(np.maximum(windows, floor))))
 
@@ -151,7 +157,7 @@ def _refined(speeds: _Speeds, start: float) -> Lag:
     likeness = float(follows @ speeds.motion) / float(
         np.linalg.norm(follows) * np.linalg.norm(speeds.motion)
     )
-    return Lag(lag * speeds.step, deviation, likeness, gain)
+    return Lag(lag * speeds.step, deviation, likeness, gain * speeds.ratio)
 
 
 def _at(values: FloatArray, places: FloatArray) -> FloatArray:

@@ -50,14 +50,14 @@ def _plan(recording: Recording) -> planned.Plan | None:
 def subjects(
     path: str | Path, plant: str | None = None, experiment: str | None = None
 ) -> list[tuple[str, Recording, Plant]]:
-    """Names, recordings and plants of a recording's file, or of a campaign's TOML.
+    """Names, recordings and plants of a recording's file, or of a campaign (TOML, shipped name).
 
     `plant` and `experiment` are names, for a recording that does not tell them itself. Raises
     BadInput for what cannot be read.
     """
     from hannes.campaign import read_campaign, read_recording
 
-    if str(path).endswith(".toml"):
+    if Path(path).suffix in (".toml", ""):
         campaign = read_campaign(path)
         return [(each.name, each.recording, campaign.plant) for each in campaign.entries]
     recording = read_recording(Path(path))

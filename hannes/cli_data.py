@@ -105,7 +105,11 @@ def _check(chosen: argparse.Namespace) -> None:
         for name, recording, plant in subjects(path, chosen.plant, chosen.experiment)
     ]
     if chosen.json:
-        _print_json({name: [asdict(each) for each in findings] for name, findings in found})
+        rows = [
+            {"file": name, "findings": [asdict(each) for each in findings]}
+            for name, findings in found
+        ]
+        _print_json({"recordings": rows})
     else:
         for name, findings in found:
             print("\n".join([f"{name}: {_counted(findings)}", *_lines(findings, chosen.notes)]))

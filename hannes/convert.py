@@ -43,8 +43,11 @@ def convert(paths: Sequence[str | Path], mapping: ColumnMap | str | Path) -> lis
     """
     if not isinstance(mapping, ColumnMap):
         mapping = read_mapping(mapping)
+    from tqdm import tqdm
+
     found = []
-    for path in map(Path, paths):
+    bar = tqdm(paths, desc="converting", unit=" files", delay=2.0, disable=None, leave=False)
+    for path in map(Path, bar):
         runs = read_runs(path, mapping)
         for number, run in enumerate(runs, start=1):
             found.append(_converted(path, number if len(runs) > 1 else 0, run, mapping))

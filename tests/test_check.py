@@ -335,9 +335,10 @@ def test_the_command_tells_and_refuses(tmp_path, capsys):
     told = capsys.readouterr()
     (line,) = told.err.splitlines()
     assert "bad.h5: fault: position" in line and "degrees" in line
-    rows = json.loads(told.out)
-    assert {each["level"] for each in rows[str(tmp_path / "good.h5")]} == {"note"}
-    assert set(rows[str(tmp_path / "bad.h5")][0]) == {
+    good, bad = json.loads(told.out)["recordings"]
+    assert good["file"].endswith("good.h5")
+    assert {each["level"] for each in good["findings"]} == {"note"}
+    assert set(bad["findings"][0]) == {
         "level", "kind", "channel", "text", "time", "size"
     }  # fmt: skip
 
@@ -361,14 +362,28 @@ def test_what_cannot_be_checked_is_one_line(tmp_path, capsys, monkeypatch, words
     assert said in line and told.out == ""
 
 
-def test_short_and_plain_recordings_pass():
-    """The check itself never fails, whatever it is given."""
-    rng = np.random.default_rng(2)
-    for count in (2, 3, 5, 12, 50):
-        time = np.cumsum(rng.uniform(0.5e-3, 2e-3, count))
-        channels = {name: rng.standard_normal(count) for name in ("position", "reference", "current", "duty")}  # fmt: skip  # noqa: E501
-        units = {"time": "s", "position": "rad", "reference": "rad", "current": "A", "duty": "1"}
-        recording = Recording({"time": time, **channels}, units)
-        assert isinstance(check(recording, HandPlant()), list) and isinstance(
-            check(recording), list
-        )
+SHAPES = (
+    lambda rng, n: np.zeros(n),
+    lambda rng, n: np.full(n, 3.3),
+    lambda rng, n: rng.standard_normal(n),
+    lambda rng, n: np.cumsum(rng.standard_normal(n)),
+    lambda rng, n: np.round(rng.standard_normal(n)),
+    lambda rng, n: np.sin(rng.uniform(1.0, 50.0) * np.arange(n) / n),
+    lambda rng, n: np.where(np.arange(n) > n // 2, 1.0, 0.0),
+    lambda rng, n: np.exp(np.linspace(0.0, 300.0, n)),
+    lambda rng, n: 1e-300 * rng.standard_normal(n),
+)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_the_check_itself_never_fails_whatever_it_is_given(seed):
+    rng = np.random.default_rng(seed)
+    count = int(rng.choice([2, 3, 5, 22, 43, 300]))
+    time = np.cumsum(rng.uniform(0.5, 2.0, count)) * 10.0 ** rng.integers(-6, 4)
+    units = clean.shipped("dynamometer").units
+    channels = {name: SHAPES[rng.integers(len(SHAPES))](rng, count) for name in units}
+    channels = {name: x * 10.0 ** rng.integers(-5, 6) for name, x in channels.items()}
+    experiment = clean.shipped("dynamometer").experiment if seed % 2 else ""
+    recording = Recording({**channels, "time": time}, units, experiment=experiment)
+    for plant in (HandPlant(), None):
+        assert all("\n" not in str(each) for each in check(recording, plant))

@@ -1,7 +1,9 @@
 """Foreign files through a mapping: what comes out is what was measured, whatever it was called."""
 
 import json
+import os
 import textwrap
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -143,6 +145,43 @@ def test_emps_by_a_mapping_is_what_its_own_reader_says(tmp_path):
     file = folder / "DATA_EMPS_PULSES.mat"
     made, known = one(tmp_path, file, mapping).recording, load_emps(file)
     assert all(np.array_equal(made[name], known[name]) for name in known.channels)
+
+
+FINGER = """
+from hannes.plain_plant import PlainPlant
+
+
+class Finger(PlainPlant):
+    name = "finger"
+    channels = {"time": "s", "angle": "1", "force": "N"}
+    judged = ("force",)
+"""
+
+
+def test_trials_of_a_real_finger_by_a_mapping(tmp_path):
+    """RH56: gzip, twenty trials in a file, raw counts of force, a plant of one's own."""
+    folder = Path(os.environ.get("HANNES_MEASURED", "nowhere")) / "rh56_finger"
+    files = sorted(folder.glob("middlefinger_speed1000_force500_*.csv.gz"))
+    if not files:
+        pytest.skip("needs the RH56 recordings: HANNES_MEASURED names no folder with them")
+    (tmp_path / "finger.py").write_text(FINGER, encoding="utf-8")
+    mapping = """
+        plant = "finger:Finger"
+        split = "Trial_Index"
+        time = { column = "Trial_Elapsed_s", unit = "s" }
+        channels.angle = { column = "Middle_Angle", unit = "1" }
+        [channels.force]
+        column = "Middle_Force_g"
+        scale = 0.006452
+        unit = "N"
+        offset = "18 mN"
+        """
+    made = convert(files, saved(tmp_path, mapping))
+    assert len(made) == 20 and all(each.recording.plant == "finger" for each in made)
+    assert all(each.recording["angle"].max() <= 1000.0 for each in made)
+    peak = max(each.recording["force"].max() for each in made)
+    assert 5.0 < peak < 15.0  # N; counts up to some 1700
+    assert made[0].report["rows"][0] == 1 and made[1].report["rows"][0] > made[0].report["rows"][1]
 
 
 def test_missing_values_drop_their_row_or_are_filled(tmp_path):

@@ -50,7 +50,7 @@ def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
             text = f"is {gain:.4g} times the experiment's: {what} ({factor:.4g})?"
             yield fault("unit", command, f"{text} convert with its unit or side", size=gain)
             return
-    shift, rate, rest = _clock(time, values, plan)
+    rate, rest = _clock(time, values, plan)
     if rest > SAME * size:
         yield note(
             "command",
@@ -59,10 +59,10 @@ def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
             size=rest,
         )
         return
-    yield from _drifting(subject, command, shift, rate)
+    yield from _drifting(subject, command, rate)
 
 
-def _drifting(subject: Subject, command: str, shift: float, rate: float) -> Iterator[Finding]:
+def _drifting(subject: Subject, command: str, rate: float) -> Iterator[Finding]:
     off = abs(rate - 1.0) * float(subject.time[-1] - subject.time[0])
     if abs(rate - 1.0) < LEAST_DRIFT or off < subject.interval:
         return
@@ -76,13 +76,10 @@ def _drifting(subject: Subject, command: str, shift: float, rate: float) -> Iter
     )
 
 
-def _clock(time: FloatArray, values: FloatArray, plan: Plan) -> tuple[float, float, float]:
-    """Shift [s] and rate of time at which the plan fits best, and the rms that is left.
-
-    Gauss-Newton on plan(rate * (t - t0) + t0 - shift), from the best of several starts.
-    """
+def _clock(time: FloatArray, values: FloatArray, plan: Plan) -> tuple[float, float]:
+    """Rate of time at which the plan fits best, and the rms that is left, shift left free."""
     starts = [_fitted(time, values, plan, shift) for shift in _starts(time, values, plan)]
-    return min(starts, key=lambda each: each[2])
+    return min(starts, key=lambda each: each[1])
 
 
 def _starts(time: FloatArray, values: FloatArray, plan: Plan) -> list[float]:
@@ -94,9 +91,8 @@ def _starts(time: FloatArray, values: FloatArray, plan: Plan) -> list[float]:
     return [0.0, late]
 
 
-def _fitted(
-    time: FloatArray, values: FloatArray, plan: Plan, shift: float
-) -> tuple[float, float, float]:
+def _fitted(time: FloatArray, values: FloatArray, plan: Plan, shift: float) -> tuple[float, float]:
+    """Gauss-Newton on plan(rate * (t - t0) + t0 - shift), from one shift [s]."""
     rate, since = 1.0, time - time[0]
     for _ in range(ROUNDS):
         at = time[0] + rate * since - shift
@@ -108,7 +104,7 @@ def _fitted(
         if np.abs(move).max() < 1e-9:
             break
     rest = values - np.interp(time[0] + rate * since - shift, plan.times, plan.values)
-    return shift, rate, float(np.sqrt(np.mean(rest**2)))
+    return rate, float(np.sqrt(np.mean(rest**2)))
 
 
 def _slope(plan: Plan, at: FloatArray) -> FloatArray:

@@ -185,6 +185,9 @@ def _decoded(path: Path, encoding: str) -> list[str]:
             f"{path}, line {line}: not {encoding} text; set text.encoding, such as latin-1"
         ) from None
     lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n").split("\n")
-    if "\0" in text or lines == [""]:
-        raise BadInput(f"{path}, line 1: the file is {'no text' if text else 'empty'}")
+    if lines == [""]:
+        raise BadInput(f"{path}, line 1: the file is empty")
+    if "\0" in text:
+        line = next(k for k, each in enumerate(lines, start=1) if "\0" in each)
+        raise BadInput(f"{path}, line {line}: holds a NUL character, this is no text")
     return lines

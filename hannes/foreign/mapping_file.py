@@ -37,10 +37,11 @@ def read_mapping(path: str | Path) -> ColumnMap:
     """Read a mapping; BadInput with file, key and what to do for whatever cannot be used."""
     path = Path(path)
     root = Table.parse(read_text(path), str(path), KEYS)
+    name = root.text("plant", "hand")
     try:
-        plant = find_plant(root.text("plant", "hand"), path.parent)
+        plant = find_plant(name, path.parent)
     except BadInput as error:
-        root.refuse("plant", f": {error}")
+        root.refuse("plant", f'= "{name[:60]}" cannot be used: {error}')
     return ColumnMap(
         plant,
         _channels(root, plant),
