@@ -164,7 +164,7 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     cases = [*ours(*given), *called(*given, helped=False), *called(*given, helped=True)]
     cases += [c for idiom in IDIOMS for c in own(hand, experiment, idiom, limits[idiom])]
     found = {case: judged(case) for case in tqdm(cases, "errors", leave=False)}
-    race = Race(timed(cases, 1 if quick else 5), found)
+    race = Race(timed(cases, 2 if quick else 5), found)
     unraced = [{"runner": name, "note": why} for name, why in NOT_RACED.items()]
     rows = [*race.rows(), *apart(exact, limits), outputs(exact), *unraced]
     return aligned(rows), [race.contest(*asked) for asked in CONTESTS]

@@ -22,7 +22,7 @@ SAME = {
     "discrete": (60, 80, 120),
     "RK4": (30, 50, 80),
 }
-HELPED = {
+HELPED = {  # RK4 has no implicit part to help
     "Euler": (3, 5, 6, 8, 10, 20, 40, 80, 100),
     "implicitfast": (8, 80),
     "implicit": (8, 80),
