@@ -129,7 +129,7 @@ def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding
         "frozen",
         name,
         f"exactly {subject.told(float(values[first]), name)} for {lasting:.3g} s though it is "
-        "noisy otherwise: the sensor dropped out; cut these samples out",
+        "noisy otherwise: the sensor dropped out, or a dead band holds it; cut these samples out",
         time=float(subject.time[first]),
         size=lasting,
     )

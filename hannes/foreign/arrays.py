@@ -71,7 +71,7 @@ def open_hdf5(path: Path, missing: tuple[str, ...]) -> Arrays:
     names: list[str] = []
 
     def keep(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and _harmless(item):
+        if isinstance(name, str) and isinstance(item, h5py.Dataset) and _harmless(item):
             names.append(name)
 
     def look(file: Any) -> None:
