@@ -42,9 +42,9 @@ _RUN = '''
 
 @entry
 def run(times, y, p, reference, added, hold, substeps, states, holds):
-    """Fill states (n, {states}) and holds (n, 4) at `times` [s]; y is the state at times[0]."""
-    c, out, scratch = np.zeros({channels}), np.zeros({outputs}), np.zeros({states})
-    k1, k2, k3, k4 = np.zeros({states}), scratch.copy(), scratch.copy(), scratch.copy()
+    """Fill states (n, 2) and holds (n, 4) at `times` [s]; y is the state at times[0]."""
+    c, out, scratch = np.zeros(CHANNELS), np.zeros(OUTPUTS), np.zeros(STATES)
+    k1, k2, k3, k4 = np.zeros(STATES), scratch.copy(), scratch.copy(), scratch.copy()
     for k in range(times.size):
         t = times[k]
         hold[3] = added[k]

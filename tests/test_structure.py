@@ -163,7 +163,7 @@ def test_jacobian_and_solution_against_plain_differences_and_numpy(case):
     assert compiled.jacobian_kind.startswith("dense" if case == "no arrow" else "structured")
     n, rng = compiled.states.size, np.random.default_rng(8)
     for time, state in states(compiled):
-        data, columns = compiled.fast.workspace(state, p, KNOTS, HOLD), np.zeros((n, n))
+        data, columns = compiled.problem(p, KNOTS, HOLD).data, np.zeros((n, n))
         for shift in (1e3, 1e5):
             b = rng.normal(size=n) * (np.abs(state) + 1e-3)
             mine = b.copy()

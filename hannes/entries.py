@@ -1,0 +1,168 @@
+"""What Python calls of an assembled model, and the loop that runs whole grasps in one call.
+
+Text of the same kind as equations.py: compiled together with the equations, their solution and
+the method, by whose names it goes. Each function becomes machine code when it is first called.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from hannes.equations import equations, sample
+from hannes.full import gather, linearise, slope, workspace
+from hannes.rodas.arrays import copy_to
+from hannes.rodas.step import NOT_FINITE, WORK
+
+# Filled in by assemble.py; the functions are those of the method and of `OBSERVED`.
+STATES, CHANNELS, OUTPUTS = 1, 1, 1
+steps = np.full(31, 1e-3)
+advance: Any = None
+first_step: Any = None
+sample_pieces: Any = None
+fill_outputs: Any = None
+
+LONGEST = 0.03  # s, of a step: a longer one may miss a contact that comes and goes
+RUN = 16  # steps whose dense output is kept until it is sampled
+MOST = 1_000_000  # steps of one grasp: seconds, where an ordinary one takes a few hundred
+TOO_MANY = -3
+
+
+def rates(t, y, p, reference, hold):
+    """dy/dt, shape (states,)."""
+    dy = np.zeros(STATES)
+    equations(t, y, dy, p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
+    return dy
+
+
+def jacobian(t, y, p, reference, hold):
+    """df/dy as the integrator has it, shape (states, states)."""
+    data, base = workspace(y, p, reference, hold), np.zeros(STATES)
+    slope(t, y, base, data)
+    linearise(t, y, base, np.zeros(STATES), data)
+    columns = np.zeros((STATES, STATES))
+    gather(data, columns)
+    return columns
+
+
+def differences(t, y, p, reference, hold):
+    """df/dy by forward differences, one column a state."""
+    c, out, moved = np.zeros(CHANNELS), np.zeros(OUTPUTS), y.copy()
+    base, dy, columns = np.zeros(STATES), np.zeros(STATES), np.zeros((STATES, STATES))
+    equations(t, moved, base, p, c, reference, hold, out)
+    for j in range(STATES):
+        moved[j] += 1e-7 * max(abs(y[j]), steps[j])
+        equations(t, moved, dy, p, c, reference, hold, out)
+        columns[:, j] = (dy - base) / (moved[j] - y[j])
+        moved[j] = y[j]
+    return columns
+
+
+def tick(t, y, p, reference, hold):
+    """One tick of the sampled controller, upon `hold`."""
+    sample(t, y, np.zeros(STATES), p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
+
+
+def space(y, p, reference, hold):
+    """What a solver hands to the three below; see rodas/solver.py."""
+    return workspace(y, p, reference, hold)
+
+
+def steps_on(data, y, rtol, atol, clock, counts, ends, pieces, work):
+    """Take steps; see `advance` in rodas/step.py."""
+    return advance(data, y, rtol, atol, clock, counts, ends, pieces, work)
+
+
+def set_out(data, y, rtol, atol, clock, counts, work):
+    """Choose the first step."""
+    first_step(data, y, rtol, atol, clock, counts, work)
+
+
+def look_up(times, ends, pieces, rows):
+    """Sample the dense output."""
+    sample_pieces(times, ends, pieces, rows)
+
+
+def grasps(
+    vectors, starts, reference, bounds, periods, times, columns,
+    rtol, atol, stop, rows, holds, kept, counts,
+):  # fmt: skip
+    """Run one grasp for each row of `vectors` (m, parameters), from `starts` (m, states).
+
+    bounds (b,) [s]: ends of the smooth parts, the last one that of the grasp; periods (m,) [s]
+    of the sampled controller, 0 for the continuous one. Samples at `times` (n,) go into `rows`
+    (n, states) and `holds` (n, held numbers), which the next grasp overwrites, and the `columns`
+    (w,) among outputs, then states, into `kept` (m, w, n). counts (m, 6): evaluations, Jacobians,
+    factorings, rejected steps, failure or 0, samples before it. Ends early where stop[0].
+    """
+    outputs = np.zeros((times.size, OUTPUTS))
+    for k in range(vectors.shape[0]):
+        if stop[0]:
+            return
+        data = workspace(starts[k], vectors[k], reference, np.zeros(holds.shape[1]))
+        reached = grasp(
+            data, starts[k], bounds, periods[k], times, rtol, atol, stop, rows, holds, counts[k]
+        )
+        counts[k, 5] = finite(rows, reached)
+        if counts[k, 5] < reached:
+            counts[k, 4] = NOT_FINITE
+        keep(vectors[k], reference, times, columns, rows, holds, outputs, kept[k], counts[k, 5])
+
+
+def grasp(data, y, bounds, period, times, rtol, atol, stop, rows, holds, counts):
+    """Smooth part after smooth part, or tick after tick; returns how many samples were reached."""
+    p, reference, hold, c, out, dy, _ = data[0]
+    ends, pieces = np.zeros(RUN + 1), np.zeros((RUN, 4, y.size))
+    work, clock = np.zeros((WORK, y.size)), np.ones(5)
+    clock[3] = LONGEST
+    last, end, filled = bounds[bounds.size - 1], 0.0, 0
+    parts = bounds.size if period == 0.0 else int(np.ceil(last / period - 1e-9))
+    for part in range(parts):
+        start, end = end, bounds[part] if period == 0.0 else min((part + 1) * period, last)
+        clock[0], clock[1], clock[2] = start, end - start, end
+        if period == 0.0:
+            first_step(data, y, rtol, atol, clock, counts, work)
+        else:
+            sample(start, y, dy, p, c, reference, hold, out)
+        while clock[0] != end:
+            taken = advance(data, y, rtol, atol, clock, counts, ends, pieces, work)
+            before = ends[taken] if period == 0.0 else ends[taken] * (1.0 - 1e-12)
+            first = filled
+            while filled < times.size and times[filled] < before:
+                filled += 1
+            sample_pieces(
+                times[first:filled], ends[: taken + 1], pieces[:taken], rows[first:filled]
+            )
+            for row in range(first, filled):
+                copy_to(holds[row], hold)
+            if counts[1] > MOST:
+                counts[4] = TOO_MANY
+            if counts[4] != 0 or stop[0]:
+                return filled
+    for row in range(filled, times.size):
+        copy_to(rows[row], y)
+        copy_to(holds[row], hold)
+    return times.size
+
+
+def finite(rows, filled):
+    """How many of the first `filled` rows come before one that is not finite."""
+    for row in range(filled):
+        bad = 0
+        for i in range(rows.shape[1]):
+            bad += not abs(rows[row, i]) < np.inf
+        if bad > 0:
+            return row
+    return filled
+
+
+def keep(p, reference, times, columns, rows, holds, outputs, kept, filled):
+    """Fill `kept` (w, n) with what was asked for."""
+    wanted = False
+    for w in range(columns.size):
+        wanted = wanted or columns[w] < OUTPUTS
+    if wanted:
+        fill_outputs(times[:filled], rows, p, reference, holds, outputs)
+    for w in range(columns.size):
+        column = columns[w]
+        for row in range(filled):
+            kept[w, row] = outputs[row, column] if column < OUTPUTS else rows[row, column - OUTPUTS]

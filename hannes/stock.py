@@ -1,0 +1,143 @@
+"""The same experiments by scipy's own solvers, from kink to kink: cross-checks of the method."""
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from hannes.assemble import Compiled
+from hannes.experiment import Experiment
+from hannes.trajectory import Cost, Outcome, Trajectory
+
+METHODS = ("LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
+IMPLICIT = ("LSODA", "BDF", "Radau")
+HOLD = 7  # numbers that firmware holds
+
+
+def tolerances(compiled: Compiled, rtol: float) -> np.ndarray:
+    """Absolute tolerance of each state, shape (states,): as declared at rtol 1e-4."""
+    declared = [slot.tolerance for slot in compiled.states.slots for _ in range(slot.size)]
+    return np.array(declared) * rtol / 1e-4
+
+
+class Stock:
+    """One simulation in progress: state and samples so far."""
+
+    def __init__(
+        self,
+        compiled: Compiled,
+        p: np.ndarray,
+        rest: np.ndarray,
+        experiment: Experiment,
+        method: str,
+        rtol: float,
+    ) -> None:
+        self.compiled, self.p, self.experiment = compiled, p, experiment
+        self.method, self.rtol, self.atol = method, rtol, tolerances(compiled, rtol)
+        self.hold = np.zeros(HOLD)
+        self.state = rest
+        self.cost, self.message = Cost(), "completed"
+        self.outcome = Outcome.COMPLETED
+        self.times = experiment.times
+        self.rows: list[np.ndarray] = []
+        self.holds: list[np.ndarray] = []
+        self.filled = 0
+
+    def run(self) -> Trajectory:
+        """Integrate to the end, or to where it fails."""
+        parts = self._ticks() if self.experiment.controller == "sampled" else self._smooth_parts()
+        for start, end, knots in parts:
+            if not self._advance(start, end, knots):
+                break
+        return self._result()
+
+    def _smooth_parts(self) -> Iterator[tuple[float, float, np.ndarray]]:
+        yield from self.experiment.reference.segments(self.experiment.duration)
+
+    def _ticks(self) -> Iterator[tuple[float, float, np.ndarray]]:
+        """Parts from tick to tick of the firmware, its duty held in between."""
+        knots, duration = self.experiment.reference.knots, self.experiment.duration
+        period = float(self.p[self.compiled.parameters["controller_period"]][0])
+        for k in range(int(np.ceil(duration / period - 1e-9))):
+            self.compiled.fast.tick(k * period, self.state, self.p, knots, self.hold)
+            yield k * period, min((k + 1) * period, duration), knots
+
+    def _advance(self, start: float, end: float, knots: np.ndarray) -> bool:
+        """Integrate one smooth part and store its samples; False where it failed."""
+        from scipy.integrate import solve_ivp
+
+        rates, inside = self._rates(knots), self._samples(end)
+        if not np.isfinite(rates(start, self.state)).all():  # some would step on the spot
+            return self._fail(Outcome.NOT_FINITE, f"the rates at {start:g} s are not finite")
+        clock = time.perf_counter()
+        try:
+            with np.errstate(all="ignore"):
+                part = solve_ivp(
+                    rates,
+                    (start, end),
+                    self.state,
+                    t_eval=np.clip(np.append(self.times[self.filled : inside], end), start, end),
+                    method=self.method,
+                    rtol=self.rtol,
+                    atol=self.atol,
+                    **self._jacobian(knots),
+                )
+        except ValueError as error:
+            if "infs or NaNs" not in str(error):
+                raise
+            return self._fail(Outcome.NOT_FINITE, str(error))  # scipy will not factor such
+        self.cost += Cost(part.nfev, part.njev, 1, time.perf_counter() - clock)
+        rows = np.asarray(part.y).T.reshape(-1, self.state.size)  # a bare list when empty
+        if not np.isfinite(rows.sum()):
+            sound = np.isfinite(rows).all(axis=1)
+            self._store(rows[: min(int(np.argmin(sound)), inside - self.filled)])
+            return self._fail(Outcome.NOT_FINITE, part.message)
+        self._store(rows[: inside - self.filled])
+        if not part.success:
+            return self._fail(Outcome.SOLVER_GAVE_UP, part.message)
+        self.state = rows[-1].copy()
+        return True
+
+    def _fail(self, outcome: Outcome, message: str) -> bool:
+        self.outcome, self.message = outcome, message
+        return False
+
+    def _samples(self, end: float) -> int:
+        """Number of samples that lie before `end`."""
+        return int(np.searchsorted(self.times, end * (1.0 - 1e-12), "left"))
+
+    def _store(self, rows: np.ndarray) -> None:
+        self.rows.append(rows)
+        self.holds.append(np.tile(self.hold, (rows.shape[0], 1)))
+        self.filled += rows.shape[0]
+
+    def _rates(self, knots: np.ndarray) -> Callable[[float, np.ndarray], np.ndarray]:
+        rates, p, hold = self.compiled.fast.rates, self.p, self.hold
+        return lambda t, y: rates(t, y, p, knots, hold)
+
+    def _jacobian(self, knots: np.ndarray) -> dict[str, Any]:
+        if self.method not in IMPLICIT:
+            return {}
+        jacobian, p, hold = self.compiled.fast.jacobian, self.p, self.hold
+        return {"jac": lambda t, y: jacobian(t, y, p, knots, hold)}
+
+    def _result(self) -> Trajectory:
+        if self.outcome is Outcome.COMPLETED and self.filled < self.times.size:
+            self._store(self.state[np.newaxis])
+        return Trajectory(
+            self.experiment,
+            self.times[: self.filled],
+            _stacked(self.rows, self.state.size),
+            self.outcome,
+            self.message,
+            self.cost,
+            self.compiled,
+            self.p,
+            self.experiment.reference.knots,
+            _stacked(self.holds, HOLD),
+        )
+
+
+def _stacked(blocks: list[np.ndarray], width: int) -> np.ndarray:
+    return np.concatenate([np.zeros((0, width)), *blocks])
