@@ -94,7 +94,7 @@ OWN = {
     "stretching": made(
         "stretching",
         Term(stretching, ("tendon_tension",), ("longer",)),
-        Slot("longer", "m", "of the wire", "finger", 5, 1e-6),
+        Slot("longer", "m", "of the wire", "finger", 5, 1e-3),
     ),
     "dragging": made(
         "dragging",
