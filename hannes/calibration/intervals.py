@@ -56,9 +56,7 @@ def spread(found: Found) -> Spread:
     alone = freedom < ALONE
     deviation, freedom = np.where(alone, working, deviation), np.where(alone, np.inf, freedom)
     reach = t.ppf(0.5 + LEVEL / 2.0, freedom) * deviation
-    return Spread(
-        deviation, freedom, reach, working, inverse, _textbook(found), alone, pulls, unit
-    )
+    return Spread(deviation, freedom, reach, working, inverse, _textbook(found), alone, pulls, unit)
 
 
 def _correction(information: np.ndarray, inverse: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -108,7 +106,9 @@ def weights(loss: str, left: np.ndarray) -> np.ndarray:
 def _textbook(found: Found) -> np.ndarray:
     """Root of the diagonal of s^2 (J'J)^-1, every bin taken as independent."""
     rows = np.hstack([c / w.noise for c, w in zip(found.columns, found.whitenings, strict=True)])
-    left = np.concatenate([m / w.noise for m, w in zip(found.misses, found.whitenings, strict=True)])
+    left = np.concatenate(
+        [m / w.noise for m, w in zip(found.misses, found.whitenings, strict=True)]
+    )
     square = float(left @ left) / max(1, left.size - rows.shape[0])
     information = rows @ rows.T + np.diag(found.scales.prior**2) * 1e-6
     return np.sqrt(square * np.diag(np.linalg.inv(information)))

@@ -6,6 +6,7 @@ without the grain of its firmware, slopes come from that, and what it leaves out
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,18 @@ Map = Callable[[Callable[..., Any], Iterable[Any]], Iterable[Any]]
 SHIFT = 1e-3  # s, over which the effect of starting later is differenced
 
 
+@dataclass(frozen=True)
+class Bundle:
+    """Simulations about one point: channels of each group of repeats, as they are and moved.
+
+    `moved` has, for each parameter, the channels of each group (None where no step succeeded) and
+    the step [SI].
+    """
+
+    base: list[Channels]
+    moved: dict[str, tuple[list[Channels] | None, float]]
+
+
 class Model:
     """A plant and the runs that it shall explain."""
 
@@ -28,84 +41,78 @@ class Model:
         for place, view in enumerate(views):
             groups.setdefault(plant.same_run(view.recording), []).append(place)
         self.groups = list(groups.values())
-        self.smooth = getattr(plant, "smooth", plant.simulate)
+        self._smooth = getattr(plant, "smooth", None)
         self.grain: list[Channels] = [{} for _ in self.groups]
 
-    def settle(self, values: Mapping[str, float], spread_over: Map = map) -> None:
-        """Compute anew what the quick simulation leaves out, at `values`."""
-        if self.smooth == self.plant.simulate:
+    def settle(
+        self, values: Mapping[str, float], quick: Sequence[Channels], spread_over: Map = map
+    ) -> None:
+        """Compute anew what the quick simulation, `quick` at these values, leaves out."""
+        if self._smooth is None:
             return
 
-        def grain(group: Sequence[int]) -> Channels:
-            recording = self.views[group[0]].recording
-            exact = self.plant.simulate(values, recording)
-            quick = self.smooth(values, recording)
-            return {name: exact[name] - quick[name] for name in exact}
+        def grain(number: int) -> Channels:
+            exact = self.plant.simulate(values, self.views[self.groups[number][0]].recording)
+            return {name: exact[name] - quick[number][name] for name in exact}
 
-        self.grain = list(spread_over(grain, self.groups))
+        self.grain = list(spread_over(grain, range(len(self.groups))))
 
-    def channels(self, values: Mapping[str, float], number: int) -> Channels:
-        """Simulated channels of one group of repeats; ComputationFailed where it breaks down."""
-        quick = self.smooth(values, self.views[self.groups[number][0]].recording)
-        grain = self.grain[number]
-        return {name: each + grain[name] for name, each in quick.items()} if grain else quick
+    def run(self, values: Mapping[str, float], spread_over: Map = map) -> list[Channels]:
+        """Quick simulation of every group of repeats; ComputationFailed where one breaks down."""
+        simulate = self._smooth or self.plant.simulate
+        recordings = [self.views[group[0]].recording for group in self.groups]
+        return list(spread_over(lambda recording: simulate(values, recording), recordings))
 
-    def vectors(
-        self, values: Mapping[str, float], late: np.ndarray, spread_over: Map = map
-    ) -> list[np.ndarray]:
-        """Simulated vector of every run; `late` [s] is when each one starts, shape (runs,)."""
-        done = list(
-            spread_over(lambda number: self.channels(values, number), range(len(self.groups)))
-        )
-        return self._seen(done, late)
-
-    def _seen(self, done: Sequence[Channels], late: np.ndarray) -> list[np.ndarray]:
+    def seen(self, done: Sequence[Channels], late: np.ndarray) -> list[np.ndarray]:
+        """Vector of every run, grain included; `late` [s] is when each one starts, (runs,)."""
         found: list[np.ndarray] = [np.zeros(0)] * len(self.views)
-        for channels, group in zip(done, self.groups, strict=True):
+        for channels, grain, group in zip(done, self.grain, self.groups, strict=True):
+            whole = {n: each + grain[n] for n, each in channels.items()} if grain else channels
             for place in group:
-                found[place] = self.views[place].of(channels, float(late[place]))
+                found[place] = self.views[place].of(whole, float(late[place]))
         return found
 
-    def delays(self, values: Mapping[str, float], late: np.ndarray) -> list[np.ndarray]:
-        """Change of every run's vector per second that it starts later."""
-        done = [self.channels(values, number) for number in range(len(self.groups))]
-        before, after = (self._seen(done, late + side * SHIFT) for side in (-0.5, 0.5))
-        return [(b - a) / SHIFT for a, b in zip(before, after, strict=True)]
+    def jerks(self, done: Sequence[Channels]) -> list[np.ndarray]:
+        """How jerky each element of every run's vector is, see View.jerks."""
+        pairs = zip(done, self.groups, strict=True)
+        placed = {place: self.views[place].jerks(each) for each, group in pairs for place in group}
+        return [placed[place] for place in range(len(self.views))]
 
-    def columns(
-        self,
-        values: Mapping[str, float],
-        late: np.ndarray,
-        steps: Mapping[str, float],
-        spread_over: Map = map,
-    ) -> list[np.ndarray]:
-        """Slopes of every run's vector by the parameters in `steps` [SI], shape (names, n) each.
+    def delays(self, done: Sequence[Channels], late: np.ndarray) -> list[np.ndarray]:
+        """Change of every run's vector per second that it starts later."""
+        before, after = (self.seen(done, late + side * SHIFT) for side in (-0.5, 0.5))
+        return [np.nan_to_num((b - a) / SHIFT) for a, b in zip(before, after, strict=True)]
+
+    def bundle(
+        self, values: Mapping[str, float], steps: Mapping[str, float], spread_over: Map = map
+    ) -> Bundle:
+        """Simulate at `values` and with each parameter of `steps` [SI] moved.
 
         A step that leads out of a parameter's bounds, or into a failed simulation, is taken the
-        other way; where both fail the column is zero.
+        other way.
         """
-        base = self.vectors(values, late, spread_over)
-        made = spread_over(lambda name: self._column(values, late, base, name, steps[name]), steps)
-        columns = list(made)
-        return [np.array([each[run] for each in columns]) for run in range(len(self.views))]
+        base = self.run(values, spread_over)
+        made = list(spread_over(lambda name: self._moved(values, name, steps[name]), steps))
+        return Bundle(base, dict(zip(steps, made, strict=True)))
 
-    def _column(
-        self,
-        values: Mapping[str, float],
-        late: np.ndarray,
-        base: Sequence[np.ndarray],
-        name: str,
-        step: float,
-    ) -> list[np.ndarray]:
+    def _moved(
+        self, values: Mapping[str, float], name: str, step: float
+    ) -> tuple[list[Channels] | None, float]:
         low, high = self.plant.parameters.declared[name].bounds
         at = values.get(name, self.plant.parameters[name])
         for side in (step, -step):
-            if not low <= at + side <= high:
-                continue
-            try:
-                moved = self.vectors({**values, name: at + side}, late)
-            except ComputationFailed:
-                continue
-            slopes = [(m - b) / side for m, b in zip(moved, base, strict=True)]
-            return [np.nan_to_num(each, nan=0.0) for each in slopes]
-        return [np.zeros_like(each) for each in base]
+            if low <= at + side <= high:
+                try:
+                    return self.run({**values, name: at + side}), side
+                except ComputationFailed:
+                    continue
+        return None, step
+
+    def slopes(self, bundle: Bundle, name: str, late: np.ndarray) -> list[np.ndarray]:
+        """Change of every run's vector per unit of a parameter [SI]; zero where none was had."""
+        moved, step = bundle.moved[name]
+        base = self.seen(bundle.base, late)
+        if moved is None:
+            return [np.zeros_like(each) for each in base]
+        pairs = zip(self.seen(moved, late), base, strict=True)
+        return [np.nan_to_num((m - b) / step) for m, b in pairs]

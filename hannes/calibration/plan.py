@@ -141,9 +141,7 @@ def _nuisances(table: Table, plant: Plant) -> dict[str, float]:
     return {name: _size(table, name, plant) for name in own} if own else usual
 
 
-def _bounds(
-    table: Table, declared: Mapping[str, Parameter]
-) -> dict[str, tuple[float, float]]:
+def _bounds(table: Table, declared: Mapping[str, Parameter]) -> dict[str, tuple[float, float]]:
     found = {}
     for name in table.content:
         if name not in declared:

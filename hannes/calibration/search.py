@@ -1,28 +1,53 @@
 """The search: rounds of least squares, each with the working covariance of the round before."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Any
-
 import numpy as np
 
-from hannes.calibration.model import Model
+from hannes.calibration.model import Bundle, Model
 from hannes.calibration.plan import Plan
-from hannes.calibration.problem import LEAST, Problem, Scales, Stopped, missed
+from hannes.calibration.problem import (
+    NEAR,
+    Problem,
+    Scales,
+    Settled,
+    Stopped,
+    deviations,
+    missed,
+    scaled_columns,
+)
 from hannes.calibration.starts import scattered
 from hannes.calibration.whitening import Whitening
 from hannes.errors import ComputationFailed
 
 ROUNDS = 5
-STILL = 0.3  # working standard deviations within which a round may move and be the last
-MOST_EVALUATIONS = 60
-COARSE, FINE = 1e-3, 1e-6  # relative change of the misfit at which a round ends
+STILL = 0.3  # standard deviations within which a round may move and be the last
+MOST_EVALUATIONS = 40
+COARSE, FINE = 1.0, 0.1  # standard deviations: a step shorter than this ends a round
+TOLERANCE = 1e-5  # of scipy's own tests, which know nothing of standard deviations
+JERK = 10.0  # times a simulated jerk inside a bin is taken as noise there
+SLACK = 1e-3  # s, by which no model gets the moment of a jerk right
 ROBUST = 2.0  # standard deviations beyond which a robust loss bends
 LONGEST_MEMORY = 20  # bins over which what remains may hang together
-RESTLESS_STEP = 3e-3  # relative difference step of what only changes from run to run
+FIRST_STEP = 2e-3  # of a parameter's scale, of differences before anything is known
+FAR = 0.05  # of a parameter's scale, from where directions in which runs differ are had anew
+_NOTHING_SIMULATES = (
+    "no simulation succeeds at the starting values; try base = a hand.toml that runs, narrower "
+    "bounds, or fewer parameters"
+)
 
 Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Where one least-squares search ended: scaled x, cost, places of those at a bound."""
+
+    x: np.ndarray
+    cost: float
+    on_bound: np.ndarray
+    settled: bool
 
 
 @dataclass(frozen=True)
@@ -53,6 +78,10 @@ class Found:
     whitenings: list[Whitening]
     misses: list[np.ndarray]
     columns: list[np.ndarray]
+    steps: np.ndarray
+    bundle: Bundle
+    restless: Bundle
+    restless_at: np.ndarray
     costs: list[float] = field(default_factory=list)
     starts: list[Start] = field(default_factory=list)
     on_bound: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
@@ -62,6 +91,13 @@ class Found:
     def values(self) -> dict[str, float]:
         """Fitted parameters, SI."""
         return self.scales.values(self.x)
+
+    def delays_blamed(self) -> np.ndarray:
+        """How much later than assumed each run starts, in standard deviations, shape (runs,)."""
+        if not self.plan.start_time:
+            return np.zeros(len(self.misses))
+        pairs = zip(self.whitenings, self.misses, strict=True)
+        return np.array([white.blamed(-miss)[-1] for white, miss in pairs])
 
 
 class Search:
@@ -85,28 +121,28 @@ class Search:
 
     def run(self) -> Found:
         """Search; ComputationFailed where nothing can be simulated or it does not settle."""
-        with ThreadPoolExecutor(self.workers) as pool:
-            self.pool = pool
+        with ThreadPoolExecutor(self.workers) as self.pool:
             state = self._begin()
             try:
                 return self._rounds(state)
             except KeyboardInterrupt:
                 x = self.best[1] if np.isfinite(self.best[0]) else state.x
-                return replace(self._linear(x, state.late, state.noise), interrupted=True)
+                return replace(self._linear(x, state), interrupted=True)
 
     def _begin(self) -> Found:
         """The misfit at the given values, or where a scan found it least."""
-        x = np.zeros(len(self.plan.names))
-        state = self._linear(x, np.zeros(len(self.model.views)), self._floor())
-        if self.plan.scan:
-            points = scattered(self.plan, self.scales, self.plan.scan)
-            misfits = list(self.pool.map(lambda point: self._looked(state, point), points))
-            self.order = [points[k] for k in np.argsort(misfits, kind="stable")]
-            if min(misfits) < self._looked(state, x):
-                state = self._linear(self.order.pop(0), state.late, state.noise)
-        else:
-            self.order = scattered(self.plan, self.scales, self.plan.starts - 1)
-        return state
+        x, late = np.zeros(len(self.plan.names)), np.zeros(len(self.model.views))
+        try:
+            state = self._first(x, late)
+        except ComputationFailed as error:
+            raise ComputationFailed(f"{_NOTHING_SIMULATES} ({error})") from None
+        self.order = scattered(self.plan, self.scales, self.plan.scan or self.plan.starts - 1)
+        if not self.plan.scan:
+            return state
+        misfits = list(self.pool.map(lambda point: self._looked(state, point), self.order))
+        self.order = [self.order[k] for k in np.argsort(misfits, kind="stable")]
+        least = min(misfits)
+        return self._linear(self.order.pop(0), state) if least < self._looked(state, x) else state
 
     def _looked(self, state: Found, x: np.ndarray) -> float:
         residual = self._problem(state, "scan", parallel=False).residual(x)
@@ -114,23 +150,24 @@ class Search:
 
     def _rounds(self, state: Found) -> Found:
         for number in range(ROUNDS):
-            self.best = (np.inf, state.x)
-            before = state.x
-            if number == 1 and self.plan.starts > 1:
-                solved = self._from_all(state)
-            else:
-                problem = self._problem(state, f"round {number + 1}")
-                solved = self._solve(problem, state.x, COARSE if number == 0 else FINE)
-            self.costs.append(float(solved.cost))
-            state = self._next(state, solved.x)
-            state.on_bound = np.flatnonzero(solved.active_mask)
+            self.best, before = (np.inf, state.x), state.x
+            several = number == 1 and self.plan.starts > 1
+            text = f"round {number + 1}"
+            solved, problem = (
+                self._from_all(state)
+                if several
+                else self._solve(self._problem(state, text), state.x, FINE if number else COARSE)
+            )
+            self.costs.append(solved.cost)
+            state = self._next(state, solved.x, problem)
+            state.on_bound = solved.on_bound
             if number > 0 and self._still(state, before):
                 break
-        if solved.status == 0:
-            raise ComputationFailed(_restless(self.costs))
+        if not solved.settled:
+            raise ComputationFailed(_unsettled(self.costs))
         return replace(state, costs=self.costs, starts=self.starts)
 
-    def _from_all(self, state: Found) -> Any:
+    def _from_all(self, state: Found) -> tuple[Solved, Problem]:
         """Search from here and from scattered points at once; return the best of all."""
         points = [state.x, *self.order[: self.plan.starts - 1]]
         problems = [self._problem(state, "starts", parallel=False) for _ in points]
@@ -142,40 +179,50 @@ class Search:
                 problem.stop.set()
             raise
         self.starts = [
-            Start(point, each.x if each else point, float(each.cost) if each else np.inf)
+            Start(point, each.x if each else point, each.cost if each else np.inf)
             for point, each in zip(points, found, strict=True)
         ]
-        solved = [each for each in found if each is not None]
-        if not solved:
-            raise ComputationFailed(_nothing_simulates())
-        least = min(each.cost for each in solved)
-        return next(each for each in solved if each.cost <= least * 1.001)
+        least = min(each.cost for each in self.starts)
+        for solved, problem in zip(found, problems, strict=True):
+            if solved is not None and solved.cost <= least * 1.001:
+                return solved, problem
+        raise ComputationFailed(_NOTHING_SIMULATES)
 
-    def _tried(self, problem: Problem, x: np.ndarray) -> Any:
+    def _tried(self, problem: Problem, x: np.ndarray) -> Solved | None:
         """A search from one of several points, None where it cannot set out."""
         try:
-            return self._solve(problem, x, FINE)
+            return self._solve(problem, x, FINE)[0]
         except (ComputationFailed, Stopped):
             return None
 
-    def _solve(self, problem: Problem, x: np.ndarray, tolerance: float) -> Any:
+    def _solve(self, problem: Problem, x: np.ndarray, enough: float) -> tuple[Solved, Problem]:
         from scipy.optimize import least_squares
 
-        inside = np.clip(x, problem.scales.low + 1e-9, problem.scales.high - 1e-9)
+        low, high = problem.scales.low, problem.scales.high
+        inside = np.clip(x, low + 1e-9, high - 1e-9)
         if not np.isfinite(problem.residual(inside)).all():
-            raise ComputationFailed(_nothing_simulates())
-        return least_squares(
-            problem.residual,
-            inside,
-            jac=problem.jacobian,
-            bounds=(problem.scales.low, problem.scales.high),
-            loss=self.plan.loss,
-            f_scale=ROBUST,
-            ftol=tolerance,
-            xtol=tolerance,
-            gtol=None,
-            max_nfev=MOST_EVALUATIONS,
-        )
+            raise ComputationFailed(_NOTHING_SIMULATES)
+        problem.enough = enough
+        try:
+            found = least_squares(
+                problem.residual,
+                inside,
+                jac=problem.jacobian,
+                bounds=(low, high),
+                loss=self.plan.loss,
+                f_scale=ROBUST,
+                ftol=TOLERANCE,
+                xtol=TOLERANCE,
+                gtol=None,
+                max_nfev=MOST_EVALUATIONS,
+            )
+            at, settled = found.x, found.status > 0
+        except Settled:
+            assert problem.at is not None
+            at, settled = problem.at, True
+        left = problem.residual(at)
+        on_bound = np.flatnonzero((at - low < NEAR) | (high - at < NEAR))
+        return Solved(at, cost(self.plan.loss, left), on_bound, settled), problem
 
     def _problem(self, state: Found, text: str, parallel: bool = True) -> Problem:
         def told(misfit: float, x: np.ndarray) -> None:
@@ -188,74 +235,98 @@ class Search:
             self.scales,
             state.whitenings,
             state.late,
-            np.full(len(self.plan.names), LEAST * 5.0),
+            state.steps,
             self.pool.map if parallel else map,
             told,
+            bundle=(state.x, state.bundle),
         )
 
     def _still(self, state: Found, before: np.ndarray) -> bool:
         """Tell whether the last round moved less than what the data can tell."""
-        information = np.diag(self.scales.prior**2)
-        for white, columns in zip(state.whitenings, state.columns, strict=True):
-            rows = white(columns)
-            information = information + rows @ rows.T
-        deviation = np.sqrt(np.diag(np.linalg.inv(information)))
+        pairs = zip(state.whitenings, state.columns, strict=True)
+        whole = np.hstack([white(columns) for white, columns in pairs])
+        deviation = deviations(whole, self.scales.prior)
         return bool(np.all(np.abs(state.x - before) < STILL * deviation))
 
-    def _next(self, state: Found, x: np.ndarray) -> Found:
-        """Move the runs' starts to where they most likely are, and weigh by what remains."""
-        rough = self._linear(x, state.late, state.noise)
-        late = rough.late
-        if self.plan.start_time:
-            moves = [w.blamed(-m)[-1] for w, m in zip(rough.whitenings, rough.misses, strict=True)]
-            late = late + self.plan.start_time * np.array(moves)
-        return self._linear(x, late, self._remaining(rough))
+    def _first(self, x: np.ndarray, late: np.ndarray) -> Found:
+        """Everything at x, before anything is known of what remains."""
+        steps = np.full(x.size, FIRST_STEP)
+        level = np.maximum(self.floors, self.plan.model_error * self.rms)
+        noise = np.where(level > 0.0, level, 1.0)
+        bundle, restless = self._bundle(x, steps), self._restless(x)
+        self.model.settle(self.scales.values(x), bundle.base, self.pool.map)
+        return self._made(x, late, noise, steps, bundle, restless)
 
-    def _linear(self, x: np.ndarray, late: np.ndarray, noise: np.ndarray) -> Found:
-        """Everything at x, made linear."""
-        values = self.scales.values(x)
-        self.model.settle(values, self.pool.map)
-        columns, directions = self._slopes(values, late)
-        per_run = [noise[view.part] for view in self.model.views]
+    def _linear(self, x: np.ndarray, state: Found) -> Found:
+        """Everything at x, with noise and starts as they were."""
+        bundle = self._bundle(x, state.steps)
+        self.model.settle(self.scales.values(x), bundle.base, self.pool.map)
+        return self._made(x, state.late, state.noise, state.steps, bundle, self._restless(x))
+
+    def _next(self, state: Found, x: np.ndarray, problem: Problem) -> Found:
+        """Move the runs' starts to where they most likely are, and weigh by what remains."""
+        known = problem.bundle
+        if known is None or not np.array_equal(known[0], x):
+            known = x, self._bundle(x, problem.steps)
+        self.model.settle(self.scales.values(x), known[1].base, self.pool.map)
+        far = np.abs(x - state.restless_at).max() > FAR
+        restless = self._restless(x) if far else state.restless
+        at = x if far else state.restless_at
+        rough = self._made(x, state.late, state.noise, problem.steps, known[1], restless)
+        late = state.late + self.plan.start_time * rough.delays_blamed()
+        made = self._made(x, late, self._remaining(rough), problem.steps, known[1], restless)
+        made.restless_at = at
+        return made
+
+    def _bundle(self, x: np.ndarray, steps: np.ndarray) -> Bundle:
+        """Simulations about x for the slopes by all parameters."""
+        sizes = dict(zip(self.plan.names, steps * self.scales.scale, strict=True))
+        return self.model.bundle(self.scales.values(x), sizes, self.pool.map)
+
+    def _restless(self, x: np.ndarray) -> Bundle:
+        """Simulations about x for the directions in which runs differ."""
+        values, given = self.scales.values(x), self.model.plant.parameters
+        steps = {
+            name: FIRST_STEP * abs(values.get(name, given[name])) or size
+            for name, size in self.plan.nuisance.items()
+        }
+        return self.model.bundle(values, steps, self.pool.map)
+
+    def _made(
+        self,
+        x: np.ndarray,
+        late: np.ndarray,
+        noise: np.ndarray,
+        steps: np.ndarray,
+        bundle: Bundle,
+        restless: Bundle,
+    ) -> Found:
+        views, model = self.model.views, self.model
+        columns = scaled_columns(model, bundle, self.scales, late)
+        moved = [
+            [size * each for each in model.slopes(restless, name, late)]
+            for name, size in self.plan.nuisance.items()
+        ]
+        delays = model.delays(bundle.base, late)
+        if self.plan.start_time:
+            moved.append([self.plan.start_time * each for each in delays])
+        per_run = [
+            np.hypot(noise[view.part], np.hypot(SLACK * delay, JERK * jerk))
+            for view, delay, jerk in zip(views, delays, model.jerks(bundle.base), strict=True)
+        ]
+        directions = [
+            np.array([each[run] for each in moved]).reshape(len(moved), views[run].measured.size)
+            for run in range(len(views))
+        ]
         whitenings = [Whitening.of(n, d) for n, d in zip(per_run, directions, strict=True)]
-        simulated = self.model.vectors(values, late, self.pool.map)
+        seen = model.seen(bundle.base, late)
         misses = [
-            missed(s, view.measured, n)
-            for s, view, n in zip(simulated, self.model.views, per_run, strict=True)
+            missed(s, view.measured, n) for s, view, n in zip(seen, views, per_run, strict=True)
         ]
         return Found(
-            self.model, self.plan, self.scales, x, late, noise, whitenings, misses, columns
-        )
-
-    def _slopes(
-        self, values: Mapping[str, float], late: np.ndarray
-    ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Slopes by scaled parameters, and directions in which runs differ, for every run."""
-        names, restless = self.plan.names, self.plan.nuisance
-        given = self.model.plant.parameters
-        steps = {n: RESTLESS_STEP * abs(values.get(n, given[n])) or s for n, s in restless.items()}
-        scale = dict(zip(names, self.scales.scale, strict=True))
-        steps |= {name: RESTLESS_STEP * scale[name] for name in names}
-        order = list(steps)
-        slopes = self.model.columns(values, late, steps, self.pool.map)
-        columns = [np.array([each[order.index(n)] * scale[n] for n in names]) for each in slopes]
-        moved = [
-            np.array([each[order.index(n)] * s for n, s in restless.items()]).reshape(
-                len(restless), each.shape[1]
-            )
-            for each in slopes
-        ]
-        if self.plan.start_time:
-            delays = self.model.delays(values, late)
-            moved = [
-                np.vstack([each, np.nan_to_num(delay) * self.plan.start_time])
-                for each, delay in zip(moved, delays, strict=True)
-            ]
-        return columns, moved
-
-    def _floor(self) -> np.ndarray:
-        level = np.maximum(self.floors, self.plan.model_error * self.rms)
-        return np.where(level > 0.0, level, 1.0)
+            model, self.plan, self.scales, x, late, noise, whitenings, misses, columns, steps,
+            bundle, restless, x,
+        )  # fmt: skip
 
     def _remaining(self, state: Found) -> np.ndarray:
         """Noise by channel and feature: what remains, counted once where it hangs together."""
@@ -296,7 +367,7 @@ def _lasting(pieces: Sequence[np.ndarray]) -> float:
     return float(np.sqrt(power / count * together))
 
 
-def _restless(costs: Sequence[float]) -> str:
+def _unsettled(costs: Sequence[float]) -> str:
     path = " -> ".join(f"{each:.4g}" for each in costs[-3:])
     return (
         f"the fit did not settle (misfit {path}); try fewer parameters, values nearer to the "
@@ -304,8 +375,13 @@ def _restless(costs: Sequence[float]) -> str:
     )
 
 
-def _nothing_simulates() -> str:
-    return (
-        "no simulation succeeds at the starting values; try base = a hand.toml that runs, "
-        "narrower bounds, or fewer parameters"
-    )
+def cost(loss: str, left: np.ndarray) -> float:
+    """Half the sum of squares of a whitened misfit, bent as scipy's least_squares bends it."""
+    z = (left / ROBUST) ** 2
+    bent = {
+        "linear": lambda: z,
+        "soft_l1": lambda: 2.0 * (np.sqrt(1.0 + z) - 1.0),
+        "huber": lambda: np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
+        "cauchy": lambda: np.log1p(z),
+    }
+    return 0.5 * ROBUST**2 * float(np.sum(bent[loss]()))

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hannes.campaign import Entry
 from hannes.calibration.features import measure
+from hannes.campaign import Entry
 from hannes.plant import Plant
 
 PER_BLOCK = 20  # bins in the time over which the plant's misfit hangs together
@@ -60,6 +60,25 @@ class View:
             np.bincount(self._bin, moved[name][self._mask]) / self._count for name in self.channels
         ]
         return np.concatenate([*means, measure(self.features, self.since, moved)])
+
+    def jerks(self, channels: Mapping[str, np.ndarray]) -> np.ndarray:
+        """How far samples stray from a straight line in each bin or the next, RMS, shape (n,).
+
+        Large where a finger touches: there a mean says little. Zero for features.
+        """
+        found = [self._strays(channels[name][self._mask]) for name in self.channels]
+        return np.concatenate([*found, np.zeros(len(self.features))])
+
+    def _strays(self, values: np.ndarray) -> np.ndarray:
+        def mean(x: np.ndarray) -> np.ndarray:
+            return np.bincount(self._bin, x) / self._count
+
+        time = self.since[self._mask]
+        time, level = time - mean(time)[self._bin], values - mean(values)[self._bin]
+        slope = mean(time * level) / np.maximum(mean(time**2), 1e-30)
+        own = np.sqrt(mean((level - slope[self._bin] * time) ** 2))
+        edged = np.concatenate((own[:1], own, own[-1:]))
+        return np.maximum(own, np.maximum(edged[:-2], edged[2:]))
 
     def _moved(self, channels: Mapping[str, np.ndarray], late: float) -> Mapping[str, np.ndarray]:
         if late == 0.0:
