@@ -147,8 +147,10 @@ def kinematics(y, p, c):
     The size of an array is a number that the compiler does not know: loops over it stay loops,
     worked on several elements at a time.
     """
+    for joint in range(10):
+        c.lane_angle[joint] = y.joint_angle[joint]
     for joint in range(p.rest.size):
-        c.bend_cosine[joint], c.bend_sine[joint] = direction(y.joint_angle[joint])
+        c.bend_cosine[joint], c.bend_sine[joint] = direction(c.lane_angle[joint])
     for f in range(5):
         mcp, pip = 2 * f, 2 * f + 1
         cosine, sine = c.bend_cosine[mcp], c.bend_sine[mcp]
@@ -160,6 +162,8 @@ def kinematics(y, p, c):
 
 def excursions(y, p, c):
     """Flexor wire taken up by each finger [m], and its rate [m/s]."""
+    for joint in range(10):
+        c.lane_speed[joint] = y.joint_speed[joint]
     for f in range(5):
         mcp, pip = 2 * f, 2 * f + 1
         c.excursion[f] = p.joint_moment_arm[0] * (y.joint_angle[mcp] - p.rest[mcp])
@@ -244,24 +248,21 @@ def joints(t, y, dy, p, c, out):
     """Torques on MCP and PIP: flexor wire, re-opening spring, friction (eq. 1), stops, gravity."""
     for joint in range(p.rest.size):
         c.spring_torque[joint] = spring_torque(
-            y.joint_angle[joint],
+            c.lane_angle[joint],
             p.rest[joint],
             p.joint_spring_stiffness[joint],
             p.joint_spring_preload[joint],
         )
-    for joint in range(p.rest.size):
         c.joint_friction[joint] = stribeck(
-            y.joint_speed[joint],
+            c.lane_speed[joint],
             p.joint_breakaway_friction[joint],
             p.joint_coulomb_friction[joint],
             p.joint_breakaway_speed[joint],
             p.joint_viscous_friction[joint],
         )
-    # effects: spring_torque, joint_friction
-    for joint in range(p.rest.size):
-        c.joint_torque[joint] = stop_torque(
-            y.joint_angle[joint],
-            y.joint_speed[joint],
+        c.stop_torque[joint] = stop_torque(
+            c.lane_angle[joint],
+            c.lane_speed[joint],
             p.rest[joint],
             p.end[joint],
             p.joint_spring_preload[joint],
@@ -269,12 +270,14 @@ def joints(t, y, dy, p, c, out):
             p.joint_stop_damping[joint],
             p.joint_stop_onset[joint],
         )
+    # effects: spring_torque, joint_friction
     for joint in range(10):
         out.power_spring += c.spring_torque[joint] * y.joint_speed[joint]
         out.power_joint_friction += c.joint_friction[joint] * y.joint_speed[joint]
-        out.power_stop -= c.joint_torque[joint] * y.joint_speed[joint]
+        out.power_stop -= c.stop_torque[joint] * y.joint_speed[joint]
         flexor = p.joint_moment_arm[joint] * c.tendon_tension[joint // 2]
-        c.joint_torque[joint] += flexor - c.spring_torque[joint] - c.joint_friction[joint]
+        opening = c.spring_torque[joint] + c.joint_friction[joint]
+        c.joint_torque[joint] = flexor + c.stop_torque[joint] - opening
     if p.gravity_x != 0.0 or p.gravity_y != 0.0:
         gravity(t, y, p, c, out)
     # effects: joint_torque
@@ -370,7 +373,7 @@ def levers(p, c, phalanx):
 
 
 def press(t, y, dy, p, c, out):
-    """Forces of all contacts, given their depths and lever arms."""
+    """Forces of all contacts, given their depths and lever arms, and their torques: J^T F."""
     for f in range(5):
         slide(y, c, 2 * f, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
         slide(y, c, 2 * f + 1, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
@@ -383,10 +386,23 @@ def press(t, y, dy, p, c, out):
             p.object_onset,
         )
     # effects: normal_force
+    for phalanx in range(p.link_length.size):
+        normal = max(0.0, c.normal_force[phalanx])
+        drag = tangential_law(normal, c.slip_speed[phalanx], p.object_friction, p.object_slip_speed)
+        c.normal_force[phalanx], c.drag[phalanx] = normal, drag
+        c.torque_mcp[phalanx] = normal * c.normal_arm_mcp[phalanx] - drag * c.slip_arm_mcp[phalanx]
+        c.torque_pip[phalanx] = normal * c.normal_arm_pip[phalanx] - drag * c.slip_arm_pip[phalanx]
+    for f in range(5):
+        mcp, pip = 2 * f, 2 * f + 1
+        c.joint_torque[mcp] += c.torque_mcp[mcp] + c.torque_mcp[pip]
+        c.joint_torque[pip] += c.torque_pip[mcp] + c.torque_pip[pip]
     for phalanx in range(10):
-        c.normal_force[phalanx] = max(0.0, c.normal_force[phalanx])
-        if c.normal_force[phalanx] > 0.0:
-            push(t, y, p, c, phalanx, out)
+        normal, drag = c.normal_force[phalanx], c.drag[phalanx]
+        out.phalanx_force[phalanx] = normal
+        out.force += normal
+        out.sensor += sensed(normal, drag, c.normal_x[phalanx], c.normal_y[phalanx])
+        out.power_contact_normal += normal * c.penetration_rate[phalanx]
+        out.power_contact_tangential += drag * c.slip_speed[phalanx]
 
 
 def slide(y, c, phalanx, mcp_speed, pip_speed):
@@ -397,20 +413,6 @@ def slide(y, c, phalanx, mcp_speed, pip_speed):
     c.slip_speed[phalanx] = (
         c.slip_arm_mcp[phalanx] * mcp_speed + c.slip_arm_pip[phalanx] * pip_speed
     )
-
-
-def push(t, y, p, c, phalanx, out):
-    """Hand the contact force of one phalanx to its joints: J^T F."""
-    mcp, pip = phalanx - phalanx % 2, phalanx - phalanx % 2 + 1
-    normal = c.normal_force[phalanx]
-    drag = tangential_law(normal, c.slip_speed[phalanx], p.object_friction, p.object_slip_speed)
-    c.joint_torque[mcp] += normal * c.normal_arm_mcp[phalanx] - drag * c.slip_arm_mcp[phalanx]
-    c.joint_torque[pip] += normal * c.normal_arm_pip[phalanx] - drag * c.slip_arm_pip[phalanx]
-    out.phalanx_force[phalanx] = normal
-    out.force += normal
-    out.sensor += sensed(normal, drag, c.normal_x[phalanx], c.normal_y[phalanx])
-    out.power_contact_normal += normal * c.penetration_rate[phalanx]
-    out.power_contact_tangential += drag * c.slip_speed[phalanx]
 
 
 def inertia(t, y, dy, p, c, out):

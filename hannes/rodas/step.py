@@ -20,7 +20,14 @@ import math
 
 import numpy as np
 
-from hannes.rodas.arrays import add_scaled, add_stages, copy_to, interpolate_piece, scaled_size
+from hannes.rodas.arrays import (
+    add_scaled,
+    combine,
+    copy_to,
+    interpolate_piece,
+    scaled_size,
+    weigh,
+)
 from hannes.rodas.coefficients import COUPLING, DENSE, DRIFT, GAMMA, NODES, ORDER, STAGE
 
 STAGES = 6
@@ -29,6 +36,7 @@ SAFETY, SHRINK, GROW, AGAIN = 0.9, 0.2, 6.0, 1.5  # AGAIN: growth after a reject
 HOPELESS = 8.0  # size of the nonlinear remainder at which a step is given up after two stages
 BEYOND, ADDED = 1.02, 0.005  # a step that fails at a kink is cut to end just beyond it
 DOUBT = 3.0  # what an error estimate may be wrong by across a kink
+LEAST = 2e-15  # of the time: the shortest step
 TOO_SMALL, NOT_FINITE = -1, -2
 
 
@@ -63,7 +71,6 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
     problem.linearise(t, y, rates, drift, data)
     counts[0] += 1
     counts[1] += 1
-    least = 10.0 * abs(np.nextafter(t, bound) - t)
     rejected, tried, failed = False, 0.0, 0.0
     while True:
         h = clock[1]
@@ -71,7 +78,7 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
             h = math.copysign(clock[3], h)
         if abs(h) * 1.01 >= abs(bound - t):
             h = bound - t
-        elif abs(h) < least:
+        elif abs(h) <= LEAST * abs(t):
             return TOO_SMALL
         problem.decompose(1.0 / (GAMMA * h), data)
         counts[2] += 1
@@ -108,15 +115,13 @@ def attempt(problem, data, t, h, y, rtol, atol, clock, counts, work):
     add_scaled(work[0], h * DRIFT[0], drift)
     problem.resolve(work[0], data)
     for stage in range(1, STAGES):
-        copy_to(moved, y)
-        add_stages(moved, 1.0, STAGE[stage], work)
+        combine(moved, y, 0.0, drift, 1.0, STAGE[stage], work)
         now = t + NODES[stage] * h
         if (now - clock[2]) * h >= 0.0:
             now = np.nextafter(clock[2], t)  # there f may jump
         problem.slope(now, moved, b, data)
         counts[0] += 1
-        add_scaled(b, h * DRIFT[stage], drift)
-        add_stages(b, 1.0 / h, COUPLING[stage], work)
+        combine(b, b, h * DRIFT[stage], drift, 1.0 / h, COUPLING[stage], work)
         problem.resolve(b, data)
         copy_to(work[stage], b)
         if stage == 1:
@@ -136,8 +141,7 @@ def keep_piece(piece, y, moved, work):
     copy_to(piece[0], y)
     copy_to(piece[1], moved)
     for row in range(2):
-        piece[2 + row][:] = 0.0
-        add_stages(piece[2 + row], 1.0, DENSE[row], work)
+        weigh(piece[2 + row], DENSE[row], work)
 
 
 def first_step(problem, data, y, rtol, atol, clock, counts, work):
