@@ -10,11 +10,14 @@ __all__ = [
     "Experiment",
     "Hand",
     "Recording",
+    "Reference",
+    "Target",
     "check",
     "convert",
     "diagnose",
     "effects",
     "load_experiment",
+    "observe",
     "simulate",
 ]
 
@@ -24,7 +27,10 @@ if TYPE_CHECKING:
     from hannes.convert import convert as convert
     from hannes.diagnose import diagnose as diagnose
     from hannes.experiment import Experiment as Experiment
+    from hannes.experiment import Reference as Reference
+    from hannes.experiment import Target as Target
     from hannes.hand import Hand as Hand
+    from hannes.observe import observe as observe
     from hannes.recording import Recording as Recording
     from hannes.simulate import simulate as simulate
     from hannes.spec import load_experiment as load_experiment
@@ -34,11 +40,14 @@ _HOMES = {
     "Experiment": "experiment",
     "Hand": "hand",
     "Recording": "recording",
+    "Reference": "experiment",
+    "Target": "experiment",
     "check": "check",
     "convert": "convert",
     "diagnose": "diagnose",
     "effects": "catalogue",
     "load_experiment": "spec",
+    "observe": "observe",
     "simulate": "simulate",
 }
 
