@@ -19,9 +19,11 @@ __all__ = [
     "load_experiment",
     "observe",
     "simulate",
+    "simulate_many",
 ]
 
 if TYPE_CHECKING:
+    from hannes.batch import simulate_many as simulate_many
     from hannes.catalogue import effects as effects
     from hannes.check import check as check
     from hannes.convert import convert as convert
@@ -49,6 +51,7 @@ _HOMES = {
     "load_experiment": "spec",
     "observe": "observe",
     "simulate": "simulate",
+    "simulate_many": "batch",
 }
 
 
