@@ -115,8 +115,8 @@ class Hand:
         """Values of the slots from `object_flat` to `reach`."""
         values = self.parameters
         offsets = [values[f"{finger}.mount_z"] - values["object.z"] for finger in FINGERS]
-        size = (values[f"object.{name}"] for name in ("radius", "half_x", "half_y"))
-        cuts = sections(shape, *size, offsets)
+        radius, half_x, half_y = (values[f"object.{n}"] for n in ("radius", "half_x", "half_y"))
+        cuts = sections(shape, radius, half_x, half_y, offsets)
         halves = [cut[column] for column in (0, 1) for cut in cuts]
         reach = [
             values[f"{finger}.radius"] + cut[2] if cut[2] > 0.0 else -1.0
