@@ -137,7 +137,7 @@ def verdict(kind, **changes):
     gap = {"unit": "V", "as_given": 0.5, "before": 0.5, "after": 0.1, "floor": 0.1}
     parameters = {"direction_friction.dry": size, "direction_friction.viscous": dict(size)}
     fields = {"effects": ["direction_friction"], "parameters": parameters, "gap": {"drive": gap}}
-    rest = dict.fromkeys(("where", "candidates", "tried"), [])
+    rest = {key: [] for key in ("where", "candidates", "tried")}
     return Verdict(
         kind, **{**fields, **changes}, **rest, reason="r", alpha=0.01, recordings={}, seed=0
     )
