@@ -40,7 +40,7 @@ from hannes.experiment import Experiment
 from hannes.hand import Hand
 from hannes.layout import Layout
 from hannes.onset import smoothstep
-from hannes.simulate import HOLD
+from hannes.stock import HOLD
 
 Y, C, P = Layout(STATES), Layout(CHANNELS), Layout(PARAMETER_SLOTS)
 
