@@ -1,7 +1,7 @@
 """Reads a campaign: which recordings, of which plant, under which conditions, in which role."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +47,7 @@ class Campaign:
     effects: Mapping[str, Effect]
     title: str = ""
     base: str = "hannes"
-    calibrate: Table = Table({}, "campaign", ())
+    calibrate: Table = field(default_factory=lambda: Table({}, "campaign", ()))
 
     def of(self, *roles: str) -> tuple[Entry, ...]:
         """Entries in any of these roles."""
