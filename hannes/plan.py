@@ -13,9 +13,9 @@ from hannes.assemble import Compiled
 from hannes.entries import MOST, TOO_MANY
 from hannes.errors import BadInput, nearest
 from hannes.experiment import Experiment
+from hannes.ivp import HOLD, tolerances
 from hannes.layout import Layout
 from hannes.rodas.step import NOT_FINITE
-from hannes.stock import HOLD, tolerances
 from hannes.trajectory import Cost, Outcome
 
 

@@ -1,19 +1,14 @@
-"""Run an experiment: a whole grasp in one compiled call, by the method of hannes/rodas."""
+"""Run an experiment: scipy's solve_ivp by the method of hannes/rodas, or by one of its own."""
 
 import numpy as np
 
 from hannes.effect import Effect
-from hannes.entries import LONGEST as LONGEST
-from hannes.entries import RUN as RUN
 from hannes.errors import BadInput, nearest
 from hannes.experiment import Experiment
 from hannes.hand import Hand
+from hannes.ivp import METHODS, Initial
 from hannes.plan import Plan, ended, say_when_compiling
-from hannes.stock import METHODS as STOCK
-from hannes.stock import Stock
 from hannes.trajectory import Trajectory
-
-METHODS = ("Rodas", *STOCK)
 
 
 def simulate(
@@ -37,11 +32,15 @@ def simulate(
     posed = hand.with_values(experiment.overrides())
     compiled = posed.compiled(effects)
     p, rest = posed.vector(experiment.shape, effects), posed.rest(compiled)
-    if method != "Rodas":
-        say_when_compiling(compiled, "rates")
-        return Stock(compiled, p, rest, experiment, method, rtol).run()
-    say_when_compiling(compiled, "grasps")
-    plan = Plan.of(compiled, experiment, rtol)
+    if method == "Rodas" and experiment.controller == "sampled":
+        return _firmware(Plan.of(compiled, experiment, rtol), experiment, p, rest)
+    say_when_compiling(compiled, "steps_on" if method == "Rodas" else "rates")
+    return Initial(compiled, p, rest, experiment, method, rtol).run()
+
+
+def _firmware(plan: Plan, experiment: Experiment, p: np.ndarray, rest: np.ndarray) -> Trajectory:
+    """Tick after tick in one compiled call: scipy would be set up anew for every millisecond."""
+    say_when_compiling(plan.compiled, "grasps")
     ran = plan.run(p[np.newaxis], rest[np.newaxis])
     counts, reached = ran.counts[0], ran.counts[0, 5]
     return Trajectory(
@@ -50,7 +49,7 @@ def simulate(
         ran.rows[:reached],
         *ended(counts),
         plan.cost(counts, p, ran.seconds),
-        compiled,
+        plan.compiled,
         p,
         plan.knots,
         ran.holds[:reached],

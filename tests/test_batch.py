@@ -20,10 +20,10 @@ from hannes.batch import simulate_many
 from hannes.entries import LONGEST, TOO_MANY
 from hannes.errors import BadInput, ComputationFailed
 from hannes.hand import Hand
+from hannes.ivp import tolerances
 from hannes.plan import ended
 from hannes.rodas.solver import Rodas
 from hannes.simulate import simulate
-from hannes.stock import tolerances
 from hannes.trajectory import Outcome
 
 CHANNELS = ("current", "force", "phalanx_force", "joint_angle", "motor_speed")

@@ -199,8 +199,10 @@ def test_rates_that_are_not_finite_at_the_start_end_at_once(method):
 
 @pytest.mark.parametrize("method", ["BDF", "Radau"])
 def test_a_jacobian_that_is_not_finite_keeps_the_solvers_words(monkeypatch, method):
-    runner = sys.modules["hannes.stock"].Stock
-    monkeypatch.setattr(runner, "_jacobian", lambda self, knots: {"jac": not_finite})
+    runner = sys.modules["hannes.ivp"].Initial
+    monkeypatch.setattr(
+        runner, "_method", lambda self, knots: {"method": self.method, "jac": not_finite}
+    )
     found = simulate(Hand(), grasp(duration=0.1), method=method)
     assert found.outcome is Outcome.NOT_FINITE
     assert "infs or NaNs" in found.message
