@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+
 import numpy as np
 
 from hannes.calibration.model import Bundle, Model
@@ -85,7 +86,14 @@ class Found:
     costs: list[float] = field(default_factory=list)
     starts: list[Start] = field(default_factory=list)
     on_bound: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    floors: np.ndarray = field(default_factory=lambda: np.zeros(0))
     interrupted: bool = False
+
+    @property
+    def misfit(self) -> float:
+        """RMS of the whitened misfit of all runs."""
+        pairs = zip(self.whitenings, self.misses, strict=True)
+        return float(np.sqrt(np.mean(np.concatenate([w(m) for w, m in pairs]) ** 2)))
 
     @property
     def values(self) -> dict[str, float]:
@@ -124,10 +132,11 @@ class Search:
         with ThreadPoolExecutor(self.workers) as self.pool:
             state = self._begin()
             try:
-                return self._rounds(state)
+                found = self._rounds(state)
             except KeyboardInterrupt:
                 x = self.best[1] if np.isfinite(self.best[0]) else state.x
-                return replace(self._linear(x, state), interrupted=True)
+                found = replace(self._linear(x, state), interrupted=True)
+        return replace(found, costs=self.costs, starts=self.starts, floors=self.floors)
 
     def _begin(self) -> Found:
         """The misfit at the given values, or where a scan found it least."""
@@ -165,7 +174,7 @@ class Search:
                 break
         if not solved.settled:
             raise ComputationFailed(_unsettled(self.costs))
-        return replace(state, costs=self.costs, starts=self.starts)
+        return state
 
     def _from_all(self, state: Found) -> tuple[Solved, Problem]:
         """Search from here and from scattered points at once; return the best of all."""

@@ -18,7 +18,7 @@ class View:
     """One recording as a vector, shape (n,), and the same of any simulation of it.
 
     `part` names the channel or feature of every element by its place in `names`; `block` numbers
-    the stretch of time that it lies in.
+    the stretch of time (`stretch` [s] long) that it lies in.
     """
 
     def __init__(
@@ -29,6 +29,7 @@ class View:
         self.channels = tuple(name for name in channels if name in self.recording)
         self.since = self.recording.time - self.recording.time[0]
         self.features = self._sensible(features)
+        self.stretch = plant.block
         mask = plant.judged_part(self.recording)
         bins = (self.since[mask] / (plant.block / PER_BLOCK) + 1e-9).astype(int)
         kept, self._bin = np.unique(bins, return_inverse=True)

@@ -1,0 +1,107 @@
+"""What `print(hand)` and `hannes hand` show: stages, effects in their place, changes, sources."""
+
+import re
+
+import pytest
+
+from hannes.axis import Axis
+from hannes.catalogue import effects
+from hannes.errors import BadInput
+from hannes.hand import Hand
+from hannes.hand_text import COLUMNS, described, equations_of, plant_described, value_table
+
+STAGES = (
+    *("reference", "sense", "control", "drive", "kinematics", "leader", "gear", "carts", "joints"),
+    *("contact", "inertia"),
+)
+
+
+def section(text, title):
+    """Lines of one section, without its title."""
+    rest = text.split(f"\n{title}", 1)[1]
+    return rest.split("\n\n", 1)[0].splitlines()[1:]
+
+
+def test_print_tells_the_stages_in_the_order_of_the_equations():
+    told = str(Hand())
+    assert told == described(Hand())
+    shown = [line.split()[0] for line in section(told, "Stages") if re.match(r"  \w", line)]
+    assert tuple(shown) == STAGES
+    for formula in ("eq. 1", "eq. 2", "eq. 3", "m_c x'' = 2 T_L - 2 T_F - F(x')"):
+        assert formula in told
+
+
+def test_nothing_is_wider_than_a_terminal():
+    everything = Hand().with_effects(*effects())
+    values = {p.name: p.bounds[1] for p in everything.parameters.declared.values() if "." in p.name}
+    loud = everything.with_values({n: x for n, x in values.items() if n.split(".")[0] in effects()})
+    for hand in (Hand(), everything, loud):
+        assert max(map(len, described(hand).splitlines())) <= COLUMNS
+
+
+@pytest.mark.parametrize(
+    ("name", "stage", "value"),
+    [
+        ("leader_slack", "leader", {"leader_slack.length": 3e-3}),
+        ("gear_load", "gear", {"gear_load.coefficient": 0.05}),
+    ],
+)
+def test_an_effect_stands_in_the_stage_that_it_joins(name, stage, value):
+    told = described(Hand().with_effects(name).with_values(value))
+    lines = section(told, "Stages")
+    start = next(k for k, line in enumerate(lines) if line.startswith(f"  {stage} "))
+    end = next(k for k in range(start + 1, len(lines)) if re.match(r"  \w", lines[k]))
+    assert f"+ effect {name}" in "\n".join(lines[start:end])
+    effect = "\n".join(section(told, "Effects"))
+    assert name in effect and effects()[name].equation in effect and "source: " in effect
+    assert "off" not in effect
+
+
+def test_an_effect_that_is_off_says_so():
+    told = described(Hand().with_effects("leader_slack"))
+    assert "leader_slack (off" in told and "+ effect leader_slack" not in told
+
+
+def test_changed_values_stand_beside_the_shipped_ones():
+    assert section(described(Hand()), "Values that differ") == ["  none"]
+    hand = Hand().with_values({"motor.resistance": 4.2})
+    shipped = Hand().parameters["motor.resistance"]
+    (line,) = section(described(hand), "Values that differ")
+    assert line == f"  motor.resistance = 4.2 ohm  (shipped: {shipped:.6g})"
+
+
+def test_every_value_has_its_unit_meaning_and_source():
+    lines = value_table(Hand()).splitlines()
+    declared = Hand().parameters.declared
+    values = [line for line in lines if line.startswith("  ")]
+    assert len(values) == len(declared)
+    for line, (name, each) in zip(values, declared.items(), strict=True):
+        assert line.split()[0] == name.partition(".")[2]
+        assert each.doc in line and f"({each.source})" in line and f" {each.unit} " in line
+
+
+def test_values_without_a_published_source_are_called_a_choice():
+    sources = section(described(Hand()), "Sources")
+    declared = Hand().parameters.declared.values()
+    chosen = [each for each in declared if each.source.startswith("choice")]
+    assert sources[-1] == f"  choice, no published value: the other {len(chosen)}"
+    assert any("gear.ratio" in line for line in sources)
+
+
+def test_another_plant_is_told_by_effects_and_values():
+    axis = Axis().with_effects(effects()["direction_friction"]).with_values({"axis.mass": 96.5})
+    told = plant_described(axis, "axis")
+    assert "axis.mass = 96.5 kg" in told and "direction_friction (off" in told
+    for name in axis.parameters:
+        assert f"  {name.partition('.')[2]} " in told
+
+
+def test_equations_are_printed_or_refused():
+    hand = Hand().with_effects("leader_slack").with_values({"leader_slack.length": 1e-3})
+    assert "leader_slack_free_length(" in equations_of(hand)
+
+    class Bare(Axis):
+        equations = None
+
+    with pytest.raises(BadInput, match="leave out --equations"):
+        equations_of(Bare())
