@@ -68,6 +68,10 @@ CHANNELS = (
         slack             | m | free length of the leader wire
         leader_compliance | m/N | of the leader wire
         follower_compliance | m/N | of each follower wire
+        leader_stretch    | m | of the leader wire, negative while slack
+        leader_rate       | m/s | of its stretch
+        leader_stiffness  | N/m | of the leader wire
+        follower_stiffness | N/m | of each follower wire
         leader_tension    | N | at the motor pulley
         gear_friction     | N m | opposing the motor, motor side
         motor_torque      | N m | further torque on the rotor, motor side
@@ -76,7 +80,14 @@ CHANNELS = (
         """,
     )
     + _slots("branch", "leader_pull | N | leader tension at cart A, at cart B, at the thumb")
-    + _slots("cart", "cart_friction | N | opposing the cart")
+    + _slots(
+        "cart",
+        """
+        cart_friction    | N | opposing the cart
+        follower_stretch | m | of the follower wire, negative while slack
+        follower_rate    | m/s | of its stretch
+        """,
+    )
     + _slots(
         "finger",
         """

@@ -184,6 +184,7 @@ def leader(t, y, dy, p, c, out):
         arm * y.motor_speed, y.cart_speed[0], y.cart_speed[1], c.excursion_rate[4], 0.0
     )
     stiffness = 1.0 / leader_compliance
+    c.leader_stretch, c.leader_rate, c.leader_stiffness = stretch, rate, stiffness
     leader_tension = tension(stretch, rate, stiffness, p.leader_damping, p.wires_onset)
     # effects: leader_tension
     for branch in range(3):
@@ -232,6 +233,8 @@ def carts(t, y, dy, p, c, out):
             y.cart_speed[cart], c.excursion_rate[first], c.excursion_rate[second]
         )
         pull = tension(stretch, rate, stiffness, p.follower_damping, p.wires_onset)
+        c.follower_stretch[cart], c.follower_rate[cart] = stretch, rate
+        c.follower_stiffness = stiffness
         c.tendon_tension[first] = c.tendon_tension[second] = pull
         dy.cart_position[cart] = y.cart_speed[cart]
         dy.cart_speed[cart] = cart_rate(

@@ -6,7 +6,14 @@ Decided from what each kernel reads and where it joins, before anything is compi
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from hannes import arrow, elimination
+from hannes import (
+    arrow,
+    core_differences,
+    core_slopes,
+    elimination,
+    finger_differences,
+    finger_slopes,
+)
 from hannes.assemble import Shape
 from hannes.effect import Effect, Term
 from hannes.layout import Layout, Slot
@@ -44,6 +51,8 @@ _BY_WIRE: dict[str, tuple[int, ...]] = {
     **dict.fromkeys(("cart_position0", "cart_position1", "motor_angle", *_OF_WINDING), ()),
 }
 _TAKEN_UP = ("excursion", "excursion_rate")
+_CONSTANTS = ("slack", "leader_compliance", "follower_compliance")
+_ROTOR = ("motor_angle", "motor_speed", "motor_current")
 _WHOLE = ("y", "dy", "c", "out", "reference", "hold")
 _FROM_WIRES = ("leader_pull", "cart_friction", "tendon_tension")
 
@@ -61,6 +70,8 @@ class Arrow:
     held: bool = True
     paired: bool = True
     plain: bool = True  # no effect reads in the wires' stages what these do not read anyway
+    plain_core: bool = True  # core_slopes.py holds
+    plain_fingers: bool = True  # finger_slopes.py holds
     broken: str = ""
     names: list[str] = field(default_factory=list)  # of the core's states, one each
 
@@ -134,11 +145,13 @@ def shape(
         for term in effect.terms:
             _join(found, effect, term, states, channels, stages[term.writes[0]])
     if found.broken:
-        return Shape(arrow, {}, "", found.broken)
+        return Shape((arrow,), {}, "", found.broken)
     found.seen.sort()
     pattern, takes = found.pattern()
     written = elimination.text(pattern, takes, found.core, found.seen)
-    return Shape(arrow, found.constants(), written, found.broken)
+    fingers = finger_slopes if found.plain_fingers else finger_differences
+    core = core_slopes if found.plain_core else core_differences
+    return Shape((fingers, core, arrow), found.constants(), written, found.broken)
 
 
 def _states_of_other_stages(effects: tuple[Effect, ...], stages: dict[str, str]) -> set[str]:
@@ -168,12 +181,23 @@ def _join(
         if part == "fingers" and states.slot(f"{effect.name}.{name}").axis not in PER_FINGER
     ]
     found.broken = found.broken or next((f"{effect.name} {why}" for why in whys if why), "")
+    found.plain_fingers &= part != "fingers"
+    found.plain_core &= part == "fingers" or _is_plain(term, stage, reads, bool(arrays))
     found.timed |= part != "motor" and "t" in term.arguments
     names = {slot.name for slot in arrays}
     found.held &= part != "fingers" or not names & {"tendon_tension", "joint_torque"}
     if part == "wires":
         found.paired &= not term.states and not arrays
         found.plain &= found.paired and (stage == "gear" or not reads)
+
+
+def _is_plain(term: Term, stage: str, reads: tuple[Slot, ...], arrays: bool) -> bool:
+    """Tell whether core_slopes.py has all that one kernel adds to motor or wires."""
+    if arrays or term.states or "t" in term.arguments:
+        return False
+    if stage == "gear":
+        return all(slot.name in _ROTOR for slot in reads)
+    return set(term.writes) <= set(_CONSTANTS) and not reads
 
 
 def _read_states(effect: Effect, term: Term, states: Layout) -> Iterator[Slot]:
