@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from hannes.channels import LANES
 from hannes.equations import equations
 from hannes.rodas.arrays import copy_to
 
@@ -44,10 +43,10 @@ def slope(t, y, dy, data):
 def linearise(t, y, rates, drift, data):
     """Fill the blocks of df/dy, and df/dt; `rates` = f(t, y) was the last evaluation."""
     p, reference, hold, c, out, dy, moved = data[0]
-    blocks, core, tensions, lanes = data[1], data[2], data[3], data[13]
+    blocks, core, tensions = data[1], data[2], data[3]
     copy_to(moved, y)
     copy_to(tensions, c.tendon_tension)
-    finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks, lanes)
+    finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks)
     core_columns(t, y, moved, rates, dy, drift, p, c, reference, hold, out, core, tensions)
 
 
@@ -187,5 +186,4 @@ def workspace(y, p, reference, hold):
         np.zeros(5),  # tensions that solve
         np.zeros(KINKS),  # depths at the start of a step
         np.zeros(KINKS),  # depths at a stage
-        np.zeros((14, LANES)),  # room of finger_slopes.py
     )

@@ -133,6 +133,18 @@ CHANNELS = (
         slip_arm_pip     | m | of the tangential force about the finger's PIP
         torque_mcp       | N m | of the contact about the finger's MCP
         torque_pip       | N m | of the contact about the finger's PIP
+        own_angle_slope  | N m/rad | of a joint's torque but for contacts, by its angle
+        own_speed_slope  | N m s/rad | of the same by its speed
+        mcp_angle_slope  | N m/rad | of a joint's torque by contacts, by its finger's MCP
+        pip_angle_slope  | N m/rad | of the same by PIP
+        mcp_speed_slope  | N m s/rad | of the same by the speed of MCP
+        pip_speed_slope  | N m s/rad | of the same by the speed of PIP
+        mcp_by_mcp       | N m s/rad | of torque_mcp by the speed of MCP
+        pip_by_mcp       | N m s/rad | of torque_pip by the speed of MCP
+        mcp_by_pip       | N m s/rad | of torque_mcp by the speed of PIP
+        pip_by_pip       | N m s/rad | of torque_pip by the speed of PIP
+        held_mcp         | N m | torque_mcp before a difference
+        held_pip         | N m | torque_pip before a difference
         """,
         LANES,
     )

@@ -18,7 +18,7 @@ SIZE, SEEING = 4, 0
 steps = np.full(31, 1e-3)
 
 
-def finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks, lanes):
+def finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks):
     """Fill `blocks`: see workspace in arrow.py."""
     difference_tensions(t, y, rates, dy, p, c, out, tensions, blocks)
     for n in range(SEEING):

@@ -12,29 +12,29 @@ from hannes.onset import one_sided_slopes, smoothstep
 TURN = 1e-7  # rad, of a difference
 
 
-def finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks, lanes):
+def finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks):
     """Fill `blocks`: see workspace in arrow.py."""
-    joint_slopes(p, c, lanes)
+    joint_slopes(p, c)
     touching = 0.0
     if p.object_present > 0.5:
         for phalanx in range(10):
             touching = max(touching, c.normal_force[phalanx])
     if touching > 0.0:
-        contact_slopes(t, y, dy, p, c, out, lanes)
+        press_slopes(p, c)
+        contact_slopes(t, y, dy, p, c, out)
     for f in range(5):
-        weight_slopes(p, c, f, lanes)
-        solve_columns(y, rates, p, c, f, blocks, lanes)
+        weight_slopes(p, c, f)
+        solve_columns(y, rates, p, c, f, blocks)
 
 
-def joint_slopes(p, c, lanes):
-    """Rows 0 and 1: torque of a joint by its own angle and speed; 2 to 5: nothing yet."""
+def joint_slopes(p, c):
+    """Torque of a joint by its own angle and speed; by its finger's others as yet nothing."""
     for joint in range(p.rest.size):
-        end, lower = p.end[joint], p.joint_spring_preload[joint] / p.joint_stop_stiffness[joint]
         stiffness, damping = p.joint_stop_stiffness[joint], p.joint_stop_damping[joint]
         angle, speed, onset = c.lane_angle[joint], c.lane_speed[joint], p.joint_stop_onset[joint]
-        depth = p.rest[joint] + lower - angle
-        low = one_sided_slopes(stiffness, damping, depth, -speed, onset)
-        high = one_sided_slopes(stiffness, damping, angle - end, speed, onset)
+        depth = p.rest[joint] + p.joint_spring_preload[joint] / stiffness - angle
+        low, slows = one_sided_slopes(stiffness, damping, depth, -speed, onset)
+        high, brakes = one_sided_slopes(stiffness, damping, angle - p.end[joint], speed, onset)
         friction = stribeck_slope(
             speed,
             p.joint_breakaway_friction[joint],
@@ -42,40 +42,14 @@ def joint_slopes(p, c, lanes):
             p.joint_breakaway_speed[joint],
             p.joint_viscous_friction[joint],
         )
-        lanes[0, joint] = -p.joint_spring_stiffness[joint] - low[0] - high[0]
-        lanes[1, joint] = -friction - low[1] - high[1]
-        lanes[2, joint] = lanes[3, joint] = lanes[4, joint] = lanes[5, joint] = 0.0
+        c.own_angle_slope[joint] = -p.joint_spring_stiffness[joint] - low - high
+        c.own_speed_slope[joint] = -friction - slows - brakes
+        c.mcp_angle_slope[joint], c.pip_angle_slope[joint] = 0.0, 0.0
+        c.mcp_speed_slope[joint], c.pip_speed_slope[joint] = 0.0, 0.0
 
 
-def contact_slopes(t, y, dy, p, c, out, lanes):
-    """Rows 2 to 5: torque of the contacts by MCP's angle, PIP's, MCP's speed, PIP's."""
-    press_slopes(p, c, lanes)
-    for joint in range(p.rest.size):
-        lanes[10, joint] = c.torque_mcp[joint]
-        lanes[11, joint] = c.torque_pip[joint]
-    for j in range(2):
-        turn(p, c, lanes, j, TURN)
-        contact(t, y, dy, p, c, out)
-        for joint in range(p.rest.size):
-            lanes[12, joint] = (c.torque_mcp[joint] - lanes[10, joint]) * (1.0 / TURN)
-            lanes[13, joint] = (c.torque_pip[joint] - lanes[11, joint]) * (1.0 / TURN)
-        turn(p, c, lanes, j, -TURN)
-        for f in range(5):
-            lanes[2 + j, 2 * f] = lanes[12, 2 * f] + lanes[12, 2 * f + 1]
-            lanes[2 + j, 2 * f + 1] = lanes[13, 2 * f] + lanes[13, 2 * f + 1]
-
-
-def turn(p, c, lanes, j, angle):
-    """Turn all links by the angle at MCP (j = 0) or PIP (1), to the second order."""
-    for joint in range(p.rest.size):
-        by = angle if j == 0 else angle * p.distal[joint]
-        cosine, sine = c.cosine[joint], c.sine[joint]
-        c.cosine[joint] = cosine - by * sine - 0.5 * by * by * cosine
-        c.sine[joint] = sine + by * cosine - 0.5 * by * by * sine
-
-
-def press_slopes(p, c, lanes):
-    """Rows 4 and 5: torque of the contacts by the speeds of MCP and PIP."""
+def press_slopes(p, c):
+    """Torque of the contacts by the speeds of MCP and PIP: of each phalanx, then of both."""
     for k in range(p.rest.size):
         normal, mcp, pip = c.normal_force[k], c.normal_arm_mcp[k], c.normal_arm_pip[k]
         slip_mcp, slip_pip = c.slip_arm_mcp[k], c.slip_arm_pip[k]
@@ -84,19 +58,50 @@ def press_slopes(p, c, lanes):
         grip = lane_sign(c.slip_speed[k] / p.object_slip_speed)
         drag = p.object_friction * grip
         by_slip = p.object_friction * normal * (1.0 - grip * grip) / p.object_slip_speed
-        deeper_mcp, deeper_pip = -by_rate * mcp, -by_rate * pip
-        lanes[6, k] = (mcp - drag * slip_mcp) * deeper_mcp - slip_mcp * by_slip * slip_mcp
-        lanes[7, k] = (pip - drag * slip_pip) * deeper_mcp - slip_pip * by_slip * slip_mcp
-        lanes[8, k] = (mcp - drag * slip_mcp) * deeper_pip - slip_mcp * by_slip * slip_pip
-        lanes[9, k] = (pip - drag * slip_pip) * deeper_pip - slip_pip * by_slip * slip_pip
-    for f in range(5):
-        for j in range(2):
-            for i in range(2):
-                row = 6 + 2 * j + i
-                lanes[4 + j, 2 * f + i] = lanes[row, 2 * f] + lanes[row, 2 * f + 1]
+        on_mcp, on_pip = (mcp - drag * slip_mcp) * by_rate, (pip - drag * slip_pip) * by_rate
+        c.mcp_by_mcp[k] = -on_mcp * mcp - slip_mcp * by_slip * slip_mcp
+        c.pip_by_mcp[k] = -on_pip * mcp - slip_pip * by_slip * slip_mcp
+        c.mcp_by_pip[k] = -on_mcp * pip - slip_mcp * by_slip * slip_pip
+        c.pip_by_pip[k] = -on_pip * pip - slip_pip * by_slip * slip_pip
+        c.held_mcp[k], c.held_pip[k] = c.torque_mcp[k], c.torque_pip[k]
+    for mcp in range(0, 10, 2):
+        c.mcp_speed_slope[mcp] = c.mcp_by_mcp[mcp] + c.mcp_by_mcp[mcp + 1]
+        c.mcp_speed_slope[mcp + 1] = c.pip_by_mcp[mcp] + c.pip_by_mcp[mcp + 1]
+        c.pip_speed_slope[mcp] = c.mcp_by_pip[mcp] + c.mcp_by_pip[mcp + 1]
+        c.pip_speed_slope[mcp + 1] = c.pip_by_pip[mcp] + c.pip_by_pip[mcp + 1]
 
 
-def weight_slopes(p, c, f, lanes):
+def contact_slopes(t, y, dy, p, c, out):
+    """Torque of the contacts by the angles of MCP and PIP, of what `press_slopes` held."""
+    turn(p, c, TURN, TURN)
+    contact(t, y, dy, p, c, out)
+    for mcp in range(0, 10, 2):
+        c.mcp_angle_slope[mcp], c.mcp_angle_slope[mcp + 1] = torque_change(c, mcp)
+    turn(p, c, -TURN, 0.0)
+    contact(t, y, dy, p, c, out)
+    for mcp in range(0, 10, 2):
+        c.pip_angle_slope[mcp], c.pip_angle_slope[mcp + 1] = torque_change(c, mcp)
+    turn(p, c, 0.0, -TURN)
+
+
+def turn(p, c, first, second):
+    """Turn the links before and beyond PIP by two small angles, to the second order."""
+    for joint in range(p.rest.size):
+        angle = first + p.distal[joint] * (second - first)
+        cosine, sine = c.cosine[joint], c.sine[joint]
+        c.cosine[joint] = cosine - angle * (sine + 0.5 * angle * cosine)
+        c.sine[joint] = sine + angle * (cosine - 0.5 * angle * sine)
+
+
+def torque_change(c, mcp):
+    """How much more torque a finger's contacts put on MCP and PIP, per TURN."""
+    pip = mcp + 1
+    on_mcp = c.torque_mcp[mcp] - c.held_mcp[mcp] + c.torque_mcp[pip] - c.held_mcp[pip]
+    on_pip = c.torque_pip[mcp] - c.held_pip[mcp] + c.torque_pip[pip] - c.held_pip[pip]
+    return on_mcp / TURN, on_pip / TURN
+
+
+def weight_slopes(p, c, f):
     """Add the torque of the links' weight by the angles."""
     mcp, pip = 2 * f, 2 * f + 1
     gravity_x, gravity_y = p.gravity_x, p.gravity_y * p.facing[f]
@@ -104,13 +109,13 @@ def weight_slopes(p, c, f, lanes):
     distal *= c.sine[pip] * gravity_y - c.cosine[pip] * gravity_x
     whole = (0.5 * p.link_mass[mcp] + p.link_mass[pip]) * p.link_length[mcp]
     whole *= c.sine[mcp] * gravity_y - c.cosine[mcp] * gravity_x
-    lanes[2, mcp] += whole + distal
-    lanes[2, pip] += distal
-    lanes[3, mcp] += distal
-    lanes[3, pip] += distal
+    c.mcp_angle_slope[mcp] += whole + distal
+    c.mcp_angle_slope[pip] += distal
+    c.pip_angle_slope[mcp] += distal
+    c.pip_angle_slope[pip] += distal
 
 
-def solve_columns(y, dy, p, c, f, blocks, lanes):
+def solve_columns(y, dy, p, c, f, blocks):
     """M times the derivatives of q'' are those of all torques less those of M times q''."""
     mcp, pip = 2 * f, 2 * f + 1
     length_1, length_2 = p.link_length[mcp], p.link_length[pip]
@@ -120,23 +125,26 @@ def solve_columns(y, dy, p, c, f, blocks, lanes):
     along, across = coupling * c.bend_cosine[pip], coupling * c.bend_sine[pip]
     m_11 = (mass_1 / 3.0 + mass_2) * length_1 * length_1 + inertia_2 + 2.0 * along
     m_12 = inertia_2 + along
-    per = 1.0 / (m_11 * inertia_2 - m_12 * m_12)
+    inverse = 1.0 / (m_11 * inertia_2 - m_12 * m_12)
+    rods = (inverse * m_11, inverse * m_12, inverse * inertia_2)
     w_1, w_2 = y.joint_speed[mcp], y.joint_speed[pip]
     a_1, a_2 = dy.joint_speed[mcp], dy.joint_speed[pip]
     bent_1 = along * (2.0 * w_1 + w_2) * w_2 + across * (2.0 * a_1 + a_2)
-    bent_2 = -along * w_1 * w_1 + across * a_1
-    columns = (
-        (lanes[2, mcp] + lanes[0, mcp], lanes[2, pip]),
-        (lanes[3, mcp] + bent_1, lanes[3, pip] + lanes[0, pip] + bent_2),
-        (
-            lanes[4, mcp] + lanes[1, mcp] + 2.0 * across * w_2,
-            lanes[4, pip] - 2.0 * across * w_1,
-        ),
-        (lanes[5, mcp] + 2.0 * across * (w_1 + w_2), lanes[5, pip] + lanes[1, pip]),
-        (p.joint_moment_arm[mcp], p.joint_moment_arm[pip]),
-    )
-    for j in range(5):
-        first, second = columns[j]
-        blocks[2, j, f] = per * (inertia_2 * first - m_12 * second)
-        blocks[3, j, f] = per * (m_11 * second - m_12 * first)
-    blocks[0, 2, f] = blocks[1, 3, f] = 1.0
+    bent_2 = across * a_1 - along * w_1 * w_1
+    first = c.mcp_angle_slope[mcp] + c.own_angle_slope[mcp]
+    solve_column(blocks, 0, f, rods, first, c.mcp_angle_slope[pip])
+    second = c.pip_angle_slope[pip] + c.own_angle_slope[pip] + bent_2
+    solve_column(blocks, 1, f, rods, c.pip_angle_slope[mcp] + bent_1, second)
+    first = c.mcp_speed_slope[mcp] + c.own_speed_slope[mcp] + 2.0 * across * w_2
+    solve_column(blocks, 2, f, rods, first, c.mcp_speed_slope[pip] - 2.0 * across * w_1)
+    first = c.pip_speed_slope[mcp] + 2.0 * across * (w_1 + w_2)
+    solve_column(blocks, 3, f, rods, first, c.pip_speed_slope[pip] + c.own_speed_slope[pip])
+    solve_column(blocks, 4, f, rods, p.joint_moment_arm[mcp], p.joint_moment_arm[pip])
+    blocks[0, 2, f], blocks[1, 3, f] = 1.0, 1.0
+
+
+def solve_column(blocks, j, f, rods, first, second):
+    """Accelerations by torques on MCP and PIP."""
+    m_11, m_12, m_22 = rods
+    blocks[2, j, f] = m_22 * first - m_12 * second
+    blocks[3, j, f] = m_11 * second - m_12 * first
