@@ -128,6 +128,11 @@ def mark(y, data):
 def crossing(y, data):
     """How far on the way to y the first contact is made or lost; 1 where none is."""
     depths(y, data[0][0], data[0][3], data[12])
+    crossed = 0
+    for k in range(data[11].size):
+        crossed += data[11][k] * data[12][k] < 0.0
+    if crossed == 0:
+        return 1.0
     first = 1.0
     for k in range(KINKS):
         before, after = data[11][k], data[12][k]
@@ -138,8 +143,10 @@ def crossing(y, data):
 
 def depths(y, p, c, found):
     """Depth of each phalanx in the object, of each joint in its stops."""
+    present = p.object_present
     for k in range(10):
-        found[k] = c.penetration[k] if p.object_present > 0.5 else -1.0
+        found[k] = c.penetration[k] * present - (1.0 - present)
+    for k in range(10):
         rest = p.rest[k] + p.joint_spring_preload[k] / p.joint_stop_stiffness[k]
         found[10 + k] = rest - y.joint_angle[k]
         found[20 + k] = y.joint_angle[k] - p.end[k]

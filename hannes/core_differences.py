@@ -123,5 +123,3 @@ def keep_taking(first, f, per, rates, dy, c, core, tensions):
             core[first + 2, i] = core[first, i] if CART[i] == 1 else 0.0
             core[first, i] = core[first + 1, i]
             core[first + 3, i] = core[first + 2, i]
-
-

@@ -376,7 +376,7 @@ def levers(p, c, phalanx):
 
 
 def press(t, y, dy, p, c, out):
-    """Forces of all contacts, given their depths and lever arms, and their torques: J^T F."""
+    """Forces of all contacts, given their depths and lever arms."""
     for f in range(5):
         slide(y, c, 2 * f, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
         slide(y, c, 2 * f + 1, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
@@ -389,10 +389,30 @@ def press(t, y, dy, p, c, out):
             p.object_onset,
         )
     # effects: normal_force
+    touching = 0
     for phalanx in range(p.link_length.size):
-        normal = max(0.0, c.normal_force[phalanx])
+        c.normal_force[phalanx] = max(0.0, c.normal_force[phalanx])
+        touching += c.normal_force[phalanx] > 0.0
+    if touching > 0:
+        push(p, c, out)
+
+
+def slide(y, c, phalanx, mcp_speed, pip_speed):
+    """Rate of depth and speed of slip of one phalanx."""
+    c.penetration_rate[phalanx] = -(
+        c.normal_arm_mcp[phalanx] * mcp_speed + c.normal_arm_pip[phalanx] * pip_speed
+    )
+    c.slip_speed[phalanx] = (
+        c.slip_arm_mcp[phalanx] * mcp_speed + c.slip_arm_pip[phalanx] * pip_speed
+    )
+
+
+def push(p, c, out):
+    """Hand the contact forces to the joints: J^T F."""
+    for phalanx in range(p.link_length.size):
+        normal = c.normal_force[phalanx]
         drag = tangential_law(normal, c.slip_speed[phalanx], p.object_friction, p.object_slip_speed)
-        c.normal_force[phalanx], c.drag[phalanx] = normal, drag
+        c.drag[phalanx] = drag
         c.torque_mcp[phalanx] = normal * c.normal_arm_mcp[phalanx] - drag * c.slip_arm_mcp[phalanx]
         c.torque_pip[phalanx] = normal * c.normal_arm_pip[phalanx] - drag * c.slip_arm_pip[phalanx]
     for f in range(5):
@@ -406,16 +426,6 @@ def press(t, y, dy, p, c, out):
         out.sensor += sensed(normal, drag, c.normal_x[phalanx], c.normal_y[phalanx])
         out.power_contact_normal += normal * c.penetration_rate[phalanx]
         out.power_contact_tangential += drag * c.slip_speed[phalanx]
-
-
-def slide(y, c, phalanx, mcp_speed, pip_speed):
-    """Rate of depth and speed of slip of one phalanx."""
-    c.penetration_rate[phalanx] = -(
-        c.normal_arm_mcp[phalanx] * mcp_speed + c.normal_arm_pip[phalanx] * pip_speed
-    )
-    c.slip_speed[phalanx] = (
-        c.slip_arm_mcp[phalanx] * mcp_speed + c.slip_arm_pip[phalanx] * pip_speed
-    )
 
 
 def inertia(t, y, dy, p, c, out):

@@ -90,5 +90,3 @@ def difference_own(t, y, moved, rates, dy, p, c, out, j, blocks):
         for i in range(SIZE):
             blocks[i, j, f] = (dy[OWN[i, f]] - rates[OWN[i, f]]) * per
         moved[place] = y[place]
-
-

@@ -56,7 +56,12 @@ def pid_slopes(wanted, limit, proportional_gain, integral_gain, derivative_gain,
     (measured - lag) / lag_time.
     """
     passed, rate = limited_slope(wanted, limit), derivative_gain / lag_time
-    given = (passed * proportional_gain, -passed * (proportional_gain + rate), passed, passed * rate)
+    given = (
+        passed * proportional_gain,
+        -passed * (proportional_gain + rate),
+        passed,
+        passed * rate,
+    )
     cut = integral_gain * (passed - 1.0) / proportional_gain
     kept = passed * integral_gain
     return given, (kept, -kept - cut * rate, cut, cut * rate)
