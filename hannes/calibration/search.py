@@ -25,8 +25,8 @@ from hannes.errors import ComputationFailed
 ROUNDS = 5
 STILL = 0.3  # standard deviations within which a round may move and be the last
 MOST_EVALUATIONS = 40
-COARSE, FINE = 1.0, 0.1  # standard deviations: a step shorter than this ends a round
-TOLERANCE = 1e-5  # of scipy's own tests, which know nothing of standard deviations
+ENOUGH = 0.1  # standard deviations: a step shorter than this ends a round
+COARSE, FINE = 0.1, 1e-5  # relative gain that ends the first round, whose weights are wrong; others
 JERK = 10.0  # times a simulated jerk inside a bin is taken as noise there
 SLACK = 1e-3  # s, by which no model gets the moment of a jerk right
 ROBUST = 2.0  # standard deviations beyond which a robust loss bends
@@ -204,14 +204,14 @@ class Search:
         except (ComputationFailed, Stopped):
             return None
 
-    def _solve(self, problem: Problem, x: np.ndarray, enough: float) -> tuple[Solved, Problem]:
+    def _solve(self, problem: Problem, x: np.ndarray, tolerance: float) -> tuple[Solved, Problem]:
         from scipy.optimize import least_squares
 
         low, high = problem.scales.low, problem.scales.high
         inside = np.clip(x, low + 1e-9, high - 1e-9)
         if not np.isfinite(problem.residual(inside)).all():
             raise ComputationFailed(_NOTHING_SIMULATES)
-        problem.enough = enough
+        problem.enough = ENOUGH
         try:
             found = least_squares(
                 problem.residual,
@@ -220,8 +220,8 @@ class Search:
                 bounds=(low, high),
                 loss=self.plan.loss,
                 f_scale=ROBUST,
-                ftol=TOLERANCE,
-                xtol=TOLERANCE,
+                ftol=tolerance,
+                xtol=FINE,
                 gtol=None,
                 max_nfev=MOST_EVALUATIONS,
             )
