@@ -73,6 +73,7 @@ class HandPlant:
     block = 0.2
     expected = EXPECTED
     restless: Mapping[str, float] = RESTLESS
+    start_time = 0.01  # s, standard deviation of when a run starts after its clock says so
 
     def __init__(self, hand: Hand | None = None) -> None:
         self.hand = hand or Hand()

@@ -30,7 +30,6 @@ COARSE, FINE = 0.1, 1e-5  # relative gain that ends the first round, whose weigh
 JERK = 10.0  # times a simulated jerk inside a bin is taken as noise there
 SLACK = 1e-3  # s, by which no model gets the moment of a jerk right
 ROBUST = 2.0  # standard deviations beyond which a robust loss bends
-LONGEST_MEMORY = 20  # bins over which what remains may hang together
 FIRST_STEP = 2e-3  # of a parameter's scale, of differences before anything is known
 FAR = 0.05  # of a parameter's scale, from where directions in which runs differ are had anew
 _NOTHING_SIMULATES = (
@@ -338,7 +337,7 @@ class Search:
         )  # fmt: skip
 
     def _remaining(self, state: Found) -> np.ndarray:
-        """Noise by channel and feature: what remains, counted once where it hangs together."""
+        """Noise by channel and feature: what remains beyond what runs do, or the least believed."""
         rests = [w.rest(m) for w, m in zip(state.whitenings, state.misses, strict=True)]
         level = self.plan.model_error * self.rms
         for number, name in enumerate(self.model.views[0].names):
@@ -348,7 +347,8 @@ class Search:
             ]
             pieces = [each for each in pieces if each.size]
             if name in self.plan.channels and pieces:
-                level[number] = max(level[number], _lasting(pieces))
+                left = np.concatenate(pieces)
+                level[number] = max(level[number], float(np.sqrt(np.mean(left**2))))
             elif pieces:
                 level[number] = max(level[number], self.floors[number])
         return np.where(level > 0.0, level, 1.0)
@@ -361,19 +361,6 @@ def _sizes(model: Model) -> np.ndarray:
         values = np.concatenate([v.measured[v.part == number] for v in model.views])
         found[number] = np.sqrt(np.mean(values**2)) if values.size else 0.0
     return found
-
-
-def _lasting(pieces: Sequence[np.ndarray]) -> float:
-    """RMS of what remains, times the root of the number of bins over which it hangs together."""
-    power = sum(float(each @ each) for each in pieces)
-    together = 1.0
-    for lag in range(1, LONGEST_MEMORY):
-        shared = sum(float(each[lag:] @ each[:-lag]) for each in pieces if each.size > lag)
-        if shared <= 0.05 * power:
-            break
-        together += 2.0 * shared / power
-    count = sum(each.size for each in pieces)
-    return float(np.sqrt(power / count * together))
 
 
 def _unsettled(costs: Sequence[float]) -> str:
