@@ -147,9 +147,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     text, sizes = layouts.fill(plant.source()), layouts.sizes()
     solution, kind = _solution(plant, layouts, effects)
     names = _names(plant, solution.module, effects)
-    origin = "".join(
-        generated.fingerprint(each) for each in names.values() if hasattr(plain(each), "__code__")
-    )
+    origin = generated.fingerprint(names)
     seen = generated.module("observed", text + _functions(observed), names, origin, sizes)
     quick = without_outputs(text) + layouts.fill(_functions(solution.module)) + solution.written
     quick += method.source() + _functions(entries) + plant.entries
