@@ -130,11 +130,7 @@ def _size(table: Table, name: str, plant: Plant) -> float:
 
 def _nuisances(table: Table, plant: Plant) -> dict[str, float]:
     """What runs may differ in: the campaign's word, else what the plant says of itself."""
-    usual = {
-        name: share * abs(plant.parameters[name])
-        for name, share in getattr(plant, "restless", {}).items()
-        if plant.parameters[name] != 0.0
-    }
+    usual = {name: size for name, size in getattr(plant, "restless", {}).items() if size > 0.0}
     own = [name for name in table.content if name != "start_time"]
     return {name: _size(table, name, plant) for name in own} if own else usual
 

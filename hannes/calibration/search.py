@@ -80,7 +80,7 @@ class Found:
     columns: list[np.ndarray]
     steps: np.ndarray
     bundle: Bundle
-    restless: Bundle
+    restless: Bundle | None
     restless_at: np.ndarray
     costs: list[float] = field(default_factory=list)
     starts: list[Start] = field(default_factory=list)
@@ -261,9 +261,9 @@ class Search:
         steps = np.full(x.size, FIRST_STEP)
         level = np.maximum(self.floors, self.plan.model_error * self.rms)
         noise = np.where(level > 0.0, level, 1.0)
-        bundle, restless = self._bundle(x, steps), self._restless(x)
+        bundle = self._bundle(x, steps)
         self.model.settle(self.scales.values(x), bundle.base, self.pool.map)
-        return self._made(x, late, noise, steps, bundle, restless)
+        return self._made(x, late, noise, steps, bundle, None)
 
     def _linear(self, x: np.ndarray, state: Found) -> Found:
         """Everything at x, with noise and starts as they were."""
@@ -277,7 +277,7 @@ class Search:
         if known is None or not np.array_equal(known[0], x):
             known = x, self._bundle(x, problem.steps)
         self.model.settle(self.scales.values(x), known[1].base, self.pool.map)
-        far = np.abs(x - state.restless_at).max() > FAR
+        far = state.restless is None or np.abs(x - state.restless_at).max() > FAR
         restless = self._restless(x) if far else state.restless
         at = x if far else state.restless_at
         rough = self._made(x, state.late, state.noise, problem.steps, known[1], restless)
@@ -307,13 +307,14 @@ class Search:
         noise: np.ndarray,
         steps: np.ndarray,
         bundle: Bundle,
-        restless: Bundle,
+        restless: Bundle | None,
     ) -> Found:
         views, model = self.model.views, self.model
         columns = scaled_columns(model, bundle, self.scales, late)
         moved = [
             [size * each for each in model.slopes(restless, name, late)]
             for name, size in self.plan.nuisance.items()
+            if restless is not None
         ]
         delays = model.delays(bundle.base, late)
         if self.plan.start_time:
