@@ -41,8 +41,8 @@ docs: env  ## the README's picture anew: figure 8 of `hannes reproduce`
 	$(bin)/hannes reproduce --out results/reproduce
 	cp results/reproduce/figures/fig8.svg docs/grasp.svg
 
-bench: env  ## speed and accuracy beside peers
-	$(bin)/python -m benchmarks.accuracy_work
+bench: env  ## speed and accuracy beside peers, batches, start: benchmarks/README.md
+	$(bin)/python -m benchmarks
 
 lock: env  ## choose package versions anew: requirements.lock
 	$(bin)/python -m pip install --quiet uv

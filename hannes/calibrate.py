@@ -13,7 +13,7 @@ from hannes import files
 from hannes.calibration.intervals import spread
 from hannes.calibration.labels import answers
 from hannes.calibration.model import Model
-from hannes.calibration.noise import floors
+from hannes.calibration.noise import floors, sample_floors
 from hannes.calibration.plan import Plan, read_plan
 from hannes.calibration.prediction import prediction
 from hannes.calibration.profile import sides
@@ -82,17 +82,20 @@ def calibrate(
 
 def _told(campaign: Campaign, found: Found, workers: int, how: str, seed: int) -> Calibration:
     width = spread(found)
-    shown = "show" if campaign.of("show") else "fit"
-    gap = prediction(found, campaign.of("show") or campaign.of("fit", "select"))
-    noise = dict(zip(found.model.views[0].names, found.floors.tolist(), strict=True))
+    noise = sample_floors(found.model.views)
+
+    def gap(*roles: str) -> dict[str, dict[str, float]]:
+        made = prediction(found, campaign.of(*roles))
+        return {name: {**each, "floor": noise[name]} for name, each in made.items()}
+
     return Calibration(
         campaign,
         found,
         width,
         tuple(answers(found, width, sides(found, width, workers))),
         remains(found),
-        {name: {**each, "floor": noise[name]} for name, each in gap.items()},
-        shown,
+        gap("show"),
+        gap("fit", "select"),
         how,
         seed,
     )

@@ -175,6 +175,47 @@ def test_jacobian_and_solution_against_plain_differences_and_numpy(case):
         assert (np.abs(columns - theirs) / scale).max() < 1e-3, time
 
 
+PRISM = {"object.half_x": 0.02, "object.half_y": 0.015, "object.radius": 0.005}
+
+
+@pytest.mark.parametrize(
+    "values, shape",
+    [
+        ({"gravity.x": 3.0, "gravity.y": -9.0}, "cylinder"),
+        ({**PRISM, "object.y": -0.05, "object.friction": 0.0}, "prism"),
+        ({"controller.sampled": 1.0}, None),
+        ({"position_pid.limit": 0.5, "supply.voltage": 2.0}, "cylinder"),
+        ({"mcp.breakaway_speed": 0.1, "cart.breakaway_speed": 1e-3}, "cylinder"),
+    ],
+)
+def test_closed_forms_hold_for_other_values(values, shape):
+    """Weight, flat sides, firmware, limits that are reached, steep friction: the same slopes."""
+    hand = posed(()).with_values(values)
+    compiled, p = hand.compiled(), hand.vector(shape)
+    n, b = compiled.states.size, np.ones(compiled.states.size)
+    for time, state in states(compiled):
+        data, columns = compiled.problem(p, KNOTS, HOLD).data, np.zeros((n, n))
+        solved(compiled)(time, state, data, 1e4, columns, b.copy())
+        theirs = compiled.fast.differences(time, state, p, KNOTS, HOLD)
+        scale = np.abs(theirs) + 1e-4 * np.abs(theirs).max(axis=1, keepdims=True) + 1e-9
+        assert (np.abs(columns - theirs) / scale).max() < 1e-3, time
+
+
+@pytest.mark.parametrize(
+    "names, fingers, core",
+    [
+        ((), True, True),
+        (("leader_slack", "gear_load", "direction_friction"), True, True),
+        (("bristle",), False, True),
+        (("heating",), True, False),
+    ],
+)
+def test_closed_forms_are_used_where_effects_leave_their_stages_alone(names, fingers, core):
+    fast = posed(names).compiled().fast
+    assert hasattr(fast, "solve_columns") == fingers
+    assert hasattr(fast, "leader_column") == core
+
+
 def test_what_does_not_fit_is_said():
     kind = posed(("coupled",)).compiled().jacobian_kind
     assert kind == "dense differences, because coupled reads all of joint_angle"

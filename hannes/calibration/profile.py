@@ -46,21 +46,25 @@ class _Profile:
         if place in self.found.on_bound or not 0.0 < expected < 1.0:
             return expected
         aim = 0.5 * expected**2 / variance
+        led = cost(self.loss, self.problem.residual(self._led(place, side * expected)))
+        if abs((led - self.floor) / aim - 1.0) < CROOKED:
+            return expected
         tried: list[tuple[float, float]] = [(0.0, 0.0)]
         at = expected
-        for trial in range(TRIALS):
-            grown = self._grown(place, side * at)
-            if trial == 0 and abs(grown / aim - 1.0) < CROOKED:
-                return expected
-            tried.append((at, grown))
+        for _ in range(TRIALS):
+            tried.append((at, self._grown(place, side * at)))
             at = min(_crossing(tried, aim), WIDEST * expected)
         return at
 
-    def _grown(self, place: int, step: float) -> float:
-        """Growth of the misfit with one parameter moved, the others led by the slopes."""
+    def _led(self, place: int, step: float) -> np.ndarray:
+        """The point where one parameter is moved and the others go where slopes lead them."""
         covariance, scales = self.spread.covariance, self.found.scales
         x = self.found.x + step * covariance[:, place] / covariance[place, place]
-        x = np.clip(x, scales.low, scales.high)
+        return np.clip(x, scales.low, scales.high)
+
+    def _grown(self, place: int, step: float) -> float:
+        """Growth of the misfit with one parameter moved and the others fitted by one more step."""
+        scales, x = self.found.scales, self._led(place, step)
         left = self.problem.residual(x)
         if not np.isfinite(left).all():
             return np.inf

@@ -22,8 +22,9 @@ NO_WORSE = 1.01  # times the least misfit: a start that ended there ended as wel
 class Fit:
     """Everything that a calibration found; `calibrate` adds the campaign's view of it.
 
-    shown: role in which `gap` was measured: show, else fit
-    gap:   channel -> RMS as_given, after, recorded, and the floor [its unit]
+    gap:   channel -> RMS as_given, after, recorded, floor [its unit], on the recordings that no
+           fit has seen; empty where none was held out
+    fitted_gap: the same on those that were fitted
     """
 
     campaign: Campaign
@@ -32,7 +33,7 @@ class Fit:
     answers: tuple[Answer, ...]
     remains: Remains
     gap: dict[str, dict[str, float]]
-    shown: str
+    fitted_gap: dict[str, dict[str, float]]
     floor_from: str
     seed: int
 
@@ -75,10 +76,8 @@ class Fit:
             "parameters": {each.name: _plain(each) for each in self.answers},
             "level": LEVEL,
             "intervals_by": self.spread.unit,
-            "gap": {
-                name: {"unit": self.plant.channels[name], **each} for name, each in self.gap.items()
-            },
-            "gap_on": self.shown,
+            "gap": self._with_units(self.gap),
+            "fitted_gap": self._with_units(self.fitted_gap),
             "floor_from": self.floor_from,
             "remains": {
                 "repeats": self.remains.repeats,
@@ -101,6 +100,10 @@ class Fit:
     def json(self) -> str:
         """Text of calibration.json."""
         return json.dumps(self.plain(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    def _with_units(self, gap: dict[str, dict[str, float]]) -> dict[str, dict[str, Any]]:
+        channels = self.plant.channels
+        return {name: {"unit": channels[name], **each} for name, each in gap.items()}
 
     def _starts(self) -> list[dict[str, Any]]:
         return [

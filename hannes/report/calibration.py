@@ -67,25 +67,31 @@ def _values(result: "Fit") -> Table:
 
 
 def _gaps(result: "Fit") -> Table:
-    rows = []
-    for name, gap in result.gap.items():
-        unit, whole = result.plant.channels[name], max(gap["recorded"], 1e-300)
-        sizes = [
-            f"{number(gap[key])} ({number(100.0 * gap[key] / whole)} %)"
-            for key in ("as_given", "after")
-        ]
-        common = result.remains.common.get(name, np.nan)
-        rows.append((f"{name} [{unit}]", *sizes, number(gap["floor"], 2), number(common, 2)))
-    columns = ("RMS gap", "As given", "Calibrated", "Floor", "Repeats in every run")
-    seen = {
-        "show": "On recordings that no fit has seen.",
-        "fit": "On the fitted recordings: none was held out.",
-    }[result.shown]
+    shown = [("never fitted", result.gap), ("fitted", result.fitted_gap)]
+    rows = [
+        _gap(result, name, role, gap[name])
+        for name in result.fitted_gap
+        for role, gap in shown
+        if name in gap
+    ]
+    columns = ("RMS gap", "Recordings", "As given", "Calibrated", "Floor", "Same in every run")
     note = (
-        f"{seen} In brackets: relative to the recorded signal. The floor is {result.floor_from}; "
-        "what repeats is of the fitted recordings."
+        f"In brackets: relative to the recorded signal. The floor is {result.floor_from}; the "
+        "last column is of the fitted recordings, in means over 10 ms."
     )
+    if not result.gap:
+        note += " No recording was held out, so nothing here is a prediction."
     return Table("gaps", "Prediction", columns, tuple(rows), note)
+
+
+def _gap(result: "Fit", name: str, role: str, gap: dict[str, float]) -> tuple[str, ...]:
+    unit, whole = result.plant.channels[name], max(gap["recorded"], 1e-300)
+    sizes = [
+        f"{number(gap[key])} ({number(100.0 * gap[key] / whole)} %)"
+        for key in ("as_given", "after")
+    ]
+    common = result.remains.common.get(name, np.nan) if role == "fitted" else np.nan
+    return (f"{name} [{unit}]", role, *sizes, number(gap["floor"], 2), number(common, 2))
 
 
 def _starts(result: "Fit") -> Table:

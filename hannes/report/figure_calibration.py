@@ -68,7 +68,7 @@ def _traces(result: "Fit") -> list[Drawn]:
     told = f"Recording {entry.name} ({entry.condition}), role {entry.role}."
 
     def one(name: str) -> Drawn:
-        unit, gap = plant.channels[name], result.gap.get(name)
+        unit, gap = plant.channels[name], (result.gap or result.fitted_gap).get(name)
         label = f"{name} [{unit}]" if unit != "1" else name
         alt = f"{name} over time, measured, as given and calibrated."
         if gap:
