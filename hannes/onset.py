@@ -50,10 +50,14 @@ def soft_sign(x):
 
 @kernel
 def one_sided_slopes(stiffness, damping, depth, rate, onset):
-    """Derivatives of `one_sided` by depth and by rate."""
+    """Derivatives of `one_sided` by depth and by rate; at the kink those of the pushing side.
+
+    A wire that is just taut at rest would else be free to swing in a long step.
+    """
     x = min(max(depth / onset, 0.0), 1.0)
     ramp = x * x * (3.0 - 2.0 * x)
-    pushes = 1.0 if stiffness * max(depth, 0.0) + damping * rate * ramp > 0.0 else 0.0
+    force = stiffness * max(depth, 0.0) + damping * rate * ramp
+    pushes = 1.0 if min(depth, force) >= 0.0 else 0.0
     by_depth = stiffness + damping * rate * 6.0 * x * (1.0 - x) / onset
     return pushes * by_depth, pushes * damping * ramp
 
