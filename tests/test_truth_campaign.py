@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.truth import NOMINAL, nominal
 from benchmarks.truth import closures as closures_module
-from benchmarks.truth.bench import CURRENT, FORCE, SUPPLY
+from benchmarks.truth.bench import CURRENT, FORCE, SUPPLY, SUPPLY_STEP
 from benchmarks.truth.campaign import Spread, main, make
 from benchmarks.truth.fitness import fit
 from benchmarks.truth.parameters import flat, named
@@ -88,7 +88,9 @@ def test_a_poor_campaign_logs_what_its_bench_sees():
 def test_sensors_are_as_noisy_as_they_say():
     made = make(Protocol((Condition("still", ((0.0, 0.0), (4.0, 0.0)), 1),), RICH), 1, spread=NONE)
     recording = made.recordings["01_still"]
-    assert np.std(recording["supply"]) == pytest.approx(np.hypot(SUPPLY, 10e-3 / 12**0.5), rel=0.1)
+    assert np.std(recording["supply"]) == pytest.approx(
+        np.hypot(SUPPLY, SUPPLY_STEP / 12**0.5), rel=0.1
+    )
     assert np.std(recording["current"]) == pytest.approx(CURRENT, rel=0.2)
 
 
@@ -185,6 +187,8 @@ def test_a_wire_that_creeps_keeps_its_length_from_run_to_run():
         ["--hide", "leader_slack.lenght=3 mm"],
         ["--hide", "leader_slack.length=3 kg"],
         ["--hide", "leader_slack.length"],
+        ["--hide", "leader_slack.length=nan m"],
+        ["--hide", "leader_slack.length=1 mm", "--hide", "capstan.drag=0.1"],
         ["--timing", "3 mm"],
         ["--hand", "nowhere.toml"],
         ["--hand", "hand.toml"],

@@ -10,7 +10,7 @@ from hannes.recording import Recording
 
 # Standard deviation of white noise, and resolution. The encoder resolves 2^-12 turn without noise.
 CURRENT, CURRENT_STEP = 10e-3, 5e-3  # A; the controller sees the same samples
-SUPPLY, SUPPLY_STEP = 5e-3, 10e-3  # V
+SUPPLY, SUPPLY_STEP = 5e-3, 4e-3  # V
 FORCE, FORCE_STEP = 0.2, 0.1  # N, of both force channels
 FORCES = ("force_N", "sensor_N")
 MAKER = "# Made by benchmarks.truth, a second implementation of the hand; not measured.\n"

@@ -223,7 +223,9 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--protocol", choices=PROTOCOLS, default="rich")
     parser.add_argument("--out", type=Path, required=True, help="folder for the campaign")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--hide", nargs="*", default=[], metavar="NAME=SIZE", help="effects")
+    parser.add_argument(
+        "--hide", nargs="+", action="extend", default=[], metavar="NAME=SIZE", help="effects"
+    )
     parser.add_argument("--scatter-hand", type=float, default=0.02, metavar="SHARE")
     parser.add_argument("--law", choices=LAWS, default="normal", help="of the hand's scatter")
     parser.add_argument("--scatter-run", type=float, default=0.005, metavar="SHARE")

@@ -165,9 +165,12 @@ def to_si(value: Any, unit: str | None = None) -> Any:
         return float(value)
     try:
         quantity = pint.get_application_registry().Quantity(value).to_base_units()
-        return float(quantity.to(unit).magnitude if unit else quantity.magnitude)
+        number = float(quantity.to(unit).magnitude if unit else quantity.magnitude)
     except pint.PintError as error:
         raise ValueError(f"expected a value with unit such as '3 {unit}': {error}") from None
+    if not np.isfinite(number):
+        raise ValueError(f"expected a finite value, came {value}")
+    return number
 
 
 def parse_hand(text: str) -> dict[str, Any]:
