@@ -13,7 +13,17 @@ import numpy as np
 from benchmarks.truth import campaign as truth
 from benchmarks.truth.fitness import fit
 from benchmarks.truth.parameters import parse_hand
-from benchmarks.truth.protocol import PROTOCOLS, Protocol
+from benchmarks.truth.protocol import (
+    DYNAMOMETER,
+    PAPER,
+    PROTOCOLS,
+    RICH,
+    SOFT_BALL,
+    Condition,
+    Protocol,
+    closures,
+    scaled,
+)
 from hannes.campaign import Campaign, Entry
 from hannes.hand import Hand
 from hannes.hand_plant import HandPlant
@@ -30,6 +40,16 @@ NINE = (
     "gear.pulley_radius",
     "object.stiffness",
     "object.friction",
+)
+# Quick runs only, three of each: a campaign that can be made and fitted hundreds of times.
+QUICK = Protocol(
+    (
+        *closures(3).conditions,
+        Condition("dynamometer, full speed", PAPER, 3, DYNAMOMETER, sensor=True),
+        Condition("dynamometer, 0.85 amplitude", scaled(PAPER, 1.0, 0.85), 3, DYNAMOMETER, True),
+        Condition("soft ball", PAPER, 3, SOFT_BALL),
+    ),
+    RICH,
 )
 SPREAD, CUT = 0.2, 2.5  # relative, and standard deviations beyond which a value is drawn again
 STREAM = 77  # of random numbers
@@ -50,7 +70,9 @@ def scattered(seed: int) -> dict[str, float]:
         z = rng.standard_normal(len(NINE))
         if np.abs(z).max() > CUT:
             continue
-        values = {name: float(shipped[name] * (1.0 + SPREAD * k)) for name, k in zip(NINE, z, strict=True)}
+        values = {
+            name: float(shipped[name] * (1.0 + SPREAD * k)) for name, k in zip(NINE, z, strict=True)
+        }
         if fit(parse_hand(hand_text(values))):
             return values
 
