@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from hannes import entries, full, generated, observed
-from hannes._jit import plain
 from hannes.effect import Effect, Term
 from hannes.errors import BadInput
 from hannes.filling import HOOK, Layouts, without_outputs
@@ -163,11 +162,7 @@ def _names(
     plant: Equations, solution: tuple[ModuleType, ...], effects: tuple[Effect, ...]
 ) -> dict[str, Any]:
     """What the written texts and the calls of effects go by."""
-    kernels = {
-        f"{effect.name}_{plain(term.kernel).__name__}": term.kernel
-        for effect in effects
-        for term in effect.terms
-    }
+    kernels = {effect.kernel_name(term): term.kernel for effect in effects for term in effect.terms}
     known = {name: value for each in solution for name, value in vars(each).items()}
     return {**vars(plant.module), **known, **method.NAMES, **kernels}
 

@@ -83,7 +83,10 @@ def difference_own(t, y, moved, rates, dy, p, c, out, j, blocks):
         finger_stages(t, moved, dy, p, c, out)
     else:
         excursions(moved, p, c)
-        moving_stages(t, moved, dy, p, c, out)
+        if SEEING > 0:  # an object that core states move is not where it was
+            finger_stages(t, moved, dy, p, c, out)
+        else:
+            moving_stages(t, moved, dy, p, c, out)
     for f in range(5):
         place = OWN[j, f]
         per = 1.0 / (moved[place] - y[place])

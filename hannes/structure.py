@@ -53,6 +53,7 @@ _BY_WIRE: dict[str, tuple[int, ...]] = {
 _TAKEN_UP = ("excursion", "excursion_rate")
 _CONSTANTS = ("slack", "leader_compliance", "follower_compliance")
 _ROTOR = ("motor_angle", "motor_speed", "motor_current")
+_OF_DRIVE = ("duty", "supply", "voltage")  # hang on all states of the motor's stages
 _WHOLE = ("y", "dy", "c", "out", "reference", "hold")
 _FROM_WIRES = ("leader_pull", "cart_friction", "tendon_tension")
 
@@ -183,7 +184,10 @@ def _join(
     found.broken = found.broken or next((f"{effect.name} {why}" for why in whys if why), "")
     found.plain_fingers &= part != "fingers"
     found.plain_core &= part == "fingers" or _is_plain(term, stage, reads, bool(arrays))
-    found.timed |= part != "motor" and "t" in term.arguments
+    turned = "torque_constant" in term.writes  # what the winding's stage hands to the gear's
+    found.timed |= (part != "motor" or turned) and "t" in term.arguments
+    if turned and set(term.arguments) & set(_OF_DRIVE):
+        found.part = [BOTH if part == MOTOR_ONLY else part for part in found.part]
     names = {slot.name for slot in arrays}
     found.held &= part != "fingers" or not names & {"tendon_tension", "joint_torque"}
     if part == "wires":

@@ -72,6 +72,18 @@ def dragging(cart_speed, worn, size):
 
 
 @kernel
+def followed(motor_angle, size):
+    """A bench that the motor pulls along."""
+    return size * 1e-4 * motor_angle
+
+
+@kernel
+def saturating(voltage, t, size):
+    """A torque constant that falls with the voltage, and in time."""
+    return -1e-6 * size * voltage * (1.0 + np.sin(50.0 * t))
+
+
+@kernel
 def coupled(joint_angle, size):
     """Fingers push the object about: no arrow."""
     return size * 1e-4 * joint_angle[0] * joint_angle[4]
@@ -101,6 +113,8 @@ OWN = {
         Term(dragging, ("cart_friction",), ("worn",)),
         Slot("worn", "m", "of the guide", "cart", 2, 1e-6),
     ),
+    "followed": made("followed", Term(followed, ("object_x",))),
+    "saturating": made("saturating", Term(saturating, ("torque_constant",))),
     "coupled": made("coupled", Term(coupled, ("object_x",))),
 }
 CASES = {
@@ -109,6 +123,7 @@ CASES = {
     "states of a finger and of the core": ("bristle", "heating"),
     "fingers that see the core": ("shaking", "loaded"),
     "wires": ("routed", "stretching", "dragging"),
+    "an object that moves, a constant that does not stay": ("followed", "saturating"),
     "no arrow": ("coupled",),
 }
 SHIPPED = {"leader_slack.length": 1e-3}

@@ -76,9 +76,9 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
         h = clock[1]
         if abs(h) > clock[3]:
             h = math.copysign(clock[3], h)
-        if abs(h) * 1.01 >= abs(bound - t):
+        if abs(bound - t) <= min(1.01 * abs(h), clock[3]):
             h = bound - t
-        elif abs(h) <= LEAST * abs(t):
+        elif not abs(h) > LEAST * abs(t):  # nor where it is no number
             return TOO_SMALL
         problem.decompose(1.0 / (GAMMA * h), data)
         counts[2] += 1
