@@ -138,7 +138,8 @@ class Hand:
     def rests(self, compiled: Compiled, vectors: np.ndarray) -> np.ndarray:
         """The same for each row of `vectors`, shape (m, states)."""
         states = np.zeros((vectors.shape[0], compiled.states.size))
-        states[:, compiled.states["joint_angle"]] = vectors[:, compiled.parameters["rest"]]
+        angles = states[:, compiled.states["joint_angle"]]
+        angles[:] = vectors[:, compiled.parameters["rest"]][:, : angles.shape[1]]
         return states
 
     def __str__(self) -> str:
