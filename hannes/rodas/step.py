@@ -76,7 +76,7 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
         h = clock[1]
         if abs(h) > clock[3]:
             h = math.copysign(clock[3], h)
-        if abs(bound - t) <= min(1.01 * abs(h), clock[3]):
+        if abs(bound - t) <= min(1.01 * abs(h), (1.0 + 1e-9) * clock[3]):
             h = bound - t
         elif not abs(h) > LEAST * abs(t):  # nor where it is no number
             return TOO_SMALL
