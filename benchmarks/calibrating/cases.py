@@ -51,6 +51,8 @@ QUICK = Protocol(
     ),
     RICH,
 )
+RICH_PROTOCOL = PROTOCOLS["rich"]
+ONE_RUN = Protocol((Condition("dynamometer", PAPER, 1, DYNAMOMETER, sensor=True),), RICH)
 SPREAD, CUT = 0.2, 2.5  # relative, and standard deviations beyond which a value is drawn again
 STREAM = 77  # of random numbers
 
@@ -87,19 +89,26 @@ def hand_text(values: Mapping[str, float]) -> str:
 def case(
     seed: int,
     parameters: tuple[str, ...] = NINE,
-    protocol: Protocol = PROTOCOLS["rich"],
+    protocol: Protocol = RICH_PROTOCOL,
     hidden: Mapping[str, float] | None = None,
     starts: int = 1,
+    rest: float = 0.0,
 ) -> Case:
-    """A campaign under `protocol`, with the shipped hand as the analyst's belief."""
-    true = scattered(seed)
-    made = truth.make(protocol, seed, hidden, truth.Spread(hand=0.0), hand_text(true))
+    """A campaign under `protocol`, with the shipped hand as the analyst's belief.
+
+    `rest` is how far (relative, one standard deviation) all else of the hand lies off, which the
+    analyst then says.
+    """
+    values = scattered(seed)
+    made = truth.make(protocol, seed, hidden, truth.Spread(hand=rest), hand_text(values))
     entries = tuple(
         Entry(name, recording, made.conditions[name], "fit")
         for name, recording in made.recordings.items()
     )
-    asked = Table({"parameters": list(parameters), "starts": starts}, "calibrate", ())
-    plant, out = HandPlant(), Path("results")
-    real = {**dict(Hand().parameters), **true}
-    campaign = Campaign(plant, plant, entries, out, {}, "rich", calibrate=asked)
-    return Case(campaign, {name: real[name] for name in parameters})
+    asked = {"parameters": list(parameters), "starts": starts}
+    asked |= {"doubt": f"{100.0 * rest:g} %"} if rest else {}
+    plant = HandPlant()
+    table = Table(asked, "calibrate", ())
+    campaign = Campaign(plant, plant, entries, Path("results"), {}, "known", calibrate=table)
+    real = {**dict(Hand().parameters), **values, **made.answer["hand"]}
+    return Case(campaign, {name: float(real[name]) for name in parameters})
