@@ -29,8 +29,8 @@ class Settled(Exception):
 class Problem:
     """Least squares with the working covariance of `state`; see __init__.py.
 
-    `bundle` keeps the simulations about the last point that a Jacobian was asked for, `left` the
-    residual at `at`, the last point that one was asked for.
+    `bundle` keeps the simulations about the last point that a Jacobian was asked for, `last` the
+    last point that a residual was asked for, and that; several threads may ask for residuals.
     """
 
     state: State
@@ -39,19 +39,21 @@ class Problem:
     stop: Event = field(default_factory=Event)
     bundle: tuple[np.ndarray, Bundle] = field(init=False)
     steps: np.ndarray = field(init=False)
-    at: np.ndarray = field(init=False)
-    left: np.ndarray = field(init=False)
+    last: tuple[np.ndarray, np.ndarray] = field(init=False)
 
     def __post_init__(self) -> None:
         state = self.state
         self.bundle, self.steps = (state.x, state.bundle), state.steps
-        self.at = self.left = np.zeros(0)
+        self.last = (np.zeros(0), np.zeros(0))
         self.maker = Maker(state.model, state.plan, state.scales, self.spread_over)
 
     def residual(self, x: np.ndarray) -> np.ndarray:
         """Whitened misfit of all runs, then the priors'; infinite where a simulation fails."""
         if self.stop.is_set():
             raise Stopped
+        at, left = self.last
+        if np.array_equal(at, x):  # searches ask anew where they begin and where they end
+            return left
         state = self.state
         try:
             values = self.maker.values(x, state.doubted)
@@ -59,9 +61,10 @@ class Problem:
         except ComputationFailed:
             return np.full(sum(each.size for each in state.misses) + x.size, np.inf)
         data = state.missed(self._misses(done))
-        self.at, self.left = x.copy(), np.concatenate([data, state.scales.prior * x])
+        left = np.concatenate([data, state.scales.prior * x])
+        self.last = x.copy(), left
         self.told(float(np.sqrt(np.mean(data**2))), x)
-        return self.left
+        return left
 
     def _misses(self, done: list[Channels]) -> list[np.ndarray]:
         state = self.state
@@ -81,13 +84,14 @@ class Problem:
         deviation = deviations(whole, state.scales.prior)
         self.steps = np.clip(STEP * deviation, LEAST, MOST)
         slopes = np.vstack([whole.T, np.diag(state.scales.prior)])
-        if np.array_equal(self.at, x) and self._stands(x, slopes):
+        at, left = self.last
+        if np.array_equal(at, x) and self._stands(x, left, slopes):
             raise Settled
         return slopes
 
-    def _stands(self, x: np.ndarray, slopes: np.ndarray) -> bool:
+    def _stands(self, x: np.ndarray, left: np.ndarray, slopes: np.ndarray) -> bool:
         """Tell whether the step to the least misfit, were it linear, is short; bounds hold."""
-        pull, scales = -slopes.T @ self.left, self.state.scales
+        pull, scales = -slopes.T @ left, self.state.scales
         held = (x - scales.low < NEAR) & (pull < 0.0)
         held |= (scales.high - x < NEAR) & (pull > 0.0)
         free = ~held
