@@ -13,6 +13,7 @@ from hannes.errors import ComputationFailed
 Told = Callable[[float, np.ndarray], None]
 STEP = 0.5  # of a parameter's standard deviation: slopes as they are where it may lie
 LEAST, MOST = 3e-4, 3e-2  # of a parameter's scale, of a difference step
+CLOSE_BY = 0.03  # of a parameter's scale, within which slopes are as good as the same
 NEAR = 1e-5  # of a parameter's scale, to its bound
 ENOUGH = 0.1  # standard deviations: where the next step is shorter than this, a search ends
 
@@ -29,8 +30,9 @@ class Settled(Exception):
 class Problem:
     """Least squares with the working covariance of `state`; see __init__.py.
 
-    `bundle` keeps the simulations about the last point that a Jacobian was asked for, `last` the
-    last point that a residual was asked for, and that; several threads may ask for residuals.
+    `bundle` keeps a point and the simulations about it, from which slopes come as long as searches
+    stay close by; `last` the last point that a residual was asked for, and that. Several threads
+    may ask for residuals.
     """
 
     state: State
@@ -77,7 +79,7 @@ class Problem:
         if self.stop.is_set():
             raise Stopped
         state = self.state
-        if not np.array_equal(self.bundle[0], x):
+        if np.abs(self.bundle[0] - x).max() > CLOSE_BY:
             self.bundle = x.copy(), self.maker.bundle(x, state.doubted, self.steps)
         columns = self.maker.columns(self.bundle[1], state.late)
         whole = state.together(columns)
