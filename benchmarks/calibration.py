@@ -31,11 +31,11 @@ HIDDEN = (
 )
 # Cases of each study: whole, quick.
 COUNTS = {
-    "recovery": (12, 1),
+    "recovery": (10, 1),
     "doubted": (8, 1),
     "coverage": (200, 2),
-    "one-run": (60, 3),
-    "wrong-model": (24, 3),
+    "one-run": (40, 3),
+    "wrong-model": (12, 3),
 }
 STUDIES = (*COUNTS, "EMPS", "time")
 RIGHT = 0.06  # half-width of a 95 % interval whose middle half lies within 2 %
