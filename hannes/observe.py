@@ -3,6 +3,7 @@
 import numpy as np
 
 from hannes.channels import OUTPUTS
+from hannes.experiment import Experiment
 from hannes.hand import Hand
 from hannes.hand_file import hand_toml
 from hannes.recording import Recording
@@ -21,15 +22,10 @@ def observe(hand: Hand, trajectory: Trajectory) -> Recording:
     """
     experiment = trajectory.require().experiment
     channels = {"time": trajectory.time}
-    for number, name in enumerate(CHANNELS):
+    for name in CHANNELS:
         if name == "sensor" and not (experiment.object and experiment.object.sensor):
             continue
-        channels[name] = trajectory[name]
-        if spread := experiment.noise.get(name):
-            generator = np.random.default_rng([experiment.seed, number])
-            channels[name] = channels[name] + spread * generator.standard_normal(
-                len(trajectory.time)
-            )
+        channels[name] = noisy(experiment, name, trajectory[name])
     return Recording(
         channels,
         {name: UNITS[name] for name in channels},
@@ -39,3 +35,12 @@ def observe(hand: Hand, trajectory: Trajectory) -> Recording:
         seed=experiment.seed if experiment.noise else None,
         source="simulated",
     )
+
+
+def noisy(experiment: Experiment, name: str, values: np.ndarray) -> np.ndarray:
+    """Add the white noise of one channel; `values` themselves where it has none."""
+    spread = experiment.noise.get(name)
+    if not spread:
+        return values
+    generator = np.random.default_rng([experiment.seed, CHANNELS.index(name)])
+    return values + spread * generator.standard_normal(values.size)
