@@ -8,7 +8,7 @@ from hannes.hand import Hand
 from hannes.hand_file import hand_toml
 from hannes.recording import Recording
 from hannes.spec_text import experiment_toml
-from hannes.trajectory import Trajectory
+from hannes.trajectory import Grasp, Trajectory
 
 CHANNELS = ("reference", "position", "current", "duty", "supply", "force", "sensor")
 UNITS = {"time": "s", **{slot.name: slot.unit for slot in OUTPUTS if slot.name in CHANNELS}}
@@ -20,12 +20,16 @@ def observe(hand: Hand, trajectory: Trajectory) -> Recording:
     Noise is white and depends on the experiment's seed and the channel alone. `sensor` is there
     only where the object carries one. Raises ComputationFailed where the simulation did not end.
     """
-    experiment = trajectory.require().experiment
-    channels = {"time": trajectory.time}
+    return logged(hand, trajectory.require().experiment, trajectory)
+
+
+def logged(hand: Hand, experiment: Experiment, ran: Trajectory | Grasp) -> Recording:
+    """The same of a grasp of a batch, which must have all of `CHANNELS`."""
+    channels = {"time": ran.time}
     for name in CHANNELS:
         if name == "sensor" and not (experiment.object and experiment.object.sensor):
             continue
-        channels[name] = noisy(experiment, name, trajectory[name])
+        channels[name] = noisy(experiment, name, ran[name])
     return Recording(
         channels,
         {name: UNITS[name] for name in channels},

@@ -19,6 +19,7 @@ from hannes.errors import BadInput, ComputationFailed
 from hannes.files import write_bytes
 
 BACKENDS = ("local", "dask")
+ANSWER = 5  # s in which a scheduler must answer
 TRIES = 3  # times that workers may die before a run gives up
 
 
@@ -58,9 +59,14 @@ def _target(out: Path) -> Path:
         raise BadInput(f"{out}: expected a file named .h5 or .hdf5 for the data set")
     target = Path(os.path.realpath(out))
     if target.exists():
-        if not target.is_file() or target.open("rb").read(8)[:4] not in (b"\x89HDF", b""):
+        if not target.is_file() or not _begins_as_hdf5(target):
             raise BadInput(f"{out}: holds something else than a data set; choose another name")
     return target
+
+
+def _begins_as_hdf5(path: Path) -> bool:
+    with path.open("rb") as stream:
+        return stream.read(4) in (b"\x89HDF", b"")
 
 
 def _check_cells(spec: Spec) -> None:
@@ -224,7 +230,7 @@ def _cluster(address: str) -> Iterator[Any]:
             "the dask backend needs the package distributed: pip install hannes[cluster]"
         ) from None
     try:
-        client = Client(address, timeout=10)
+        client = Client(address, timeout=ANSWER)
     except (OSError, ValueError, TimeoutError) as error:
         raise BadInput(f"no Dask scheduler answers at {address}: {error}") from None
     with client, parallel_config(backend="dask", wait_for_workers_timeout=60):

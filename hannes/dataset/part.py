@@ -13,9 +13,8 @@ import numpy as np
 from hannes.batch import simulate_many
 from hannes.dataset.draw import Drawn, draw, rounded
 from hannes.dataset.spec import ROLES, Spec, read_spec
-from hannes.observe import noisy, observe
+from hannes.observe import CHANNELS, logged, noisy
 from hannes.recording import Recording
-from hannes.simulate import simulate
 from hannes.trajectory import Grasp, Outcome
 
 SIZE = 100  # grasps of a part, and rows of a chunk of the file
@@ -111,9 +110,10 @@ def made(spec: Spec, number: int) -> Part:
     """Simulate part `number`."""
     first = number * SIZE
     drawn = [draw(spec, k) for k in range(first, min(first + SIZE, spec.count))]
+    ran = grasps(spec, drawn, tuple(dict.fromkeys((*spec.channels, "force"))))
     rows = np.zeros(len(drawn), table_type(spec))
     samples = np.zeros((len(spec.channels), *chunk(spec)), STORED)
-    for k, (each, grasp) in enumerate(zip(drawn, grasps(spec, drawn), strict=True)):
+    for k, (each, grasp) in enumerate(zip(drawn, ran, strict=True)):
         rows[k] = _row(spec, each, grasp)
         for c, name in enumerate(spec.channels):
             samples[c, k, : grasp.time.size] = sensed(each, grasp, name)
@@ -122,9 +122,8 @@ def made(spec: Spec, number: int) -> Part:
     return Part(rows, chunks)
 
 
-def grasps(spec: Spec, drawn: list[Drawn]) -> list[Grasp]:
-    """Simulate what was drawn, on one core."""
-    channels = tuple(dict.fromkeys((*spec.channels, "force")))
+def grasps(spec: Spec, drawn: list[Drawn], channels: tuple[str, ...]) -> list[Grasp]:
+    """Simulate what was drawn, on one core, keeping these channels."""
     pairs = [(each.hand, each.experiment) for each in drawn]
     how: dict[str, Any] = {"rtol": spec.rtol, "effects": spec.hand.effects, "workers": 1}
     how["progress"] = False  # that of the whole data set is told
@@ -156,9 +155,8 @@ def _deflated(values: np.ndarray) -> bytes:
 def recorded(spec: Spec, number: int) -> Recording:
     """Simulate one grasp alone and return what its sensors told, as the data set has it."""
     drawn = draw(spec, number)
-    effects, rtol = spec.hand.effects, spec.rtol
-    ran = simulate(drawn.hand, drawn.experiment, rtol=rtol, effects=effects).require()
-    told = observe(drawn.hand, ran)
+    (grasp,) = grasps(spec, [drawn], CHANNELS)
+    told = logged(drawn.hand, drawn.experiment, grasp.require())
     steps = {name: drawn.values.get(f"resolution.{name}", 0.0) for name in told.names}
     return told.with_channels(
         {name: rounded(told[name], step) for name, step in steps.items() if step}, {}

@@ -216,6 +216,8 @@ def _laws(table: Table, hand: Hand) -> dict[str, Law]:
 
 
 def _law(table: Table, key: str, name: str, hand: Hand) -> Law:
+    if name not in OWN and name.partition(".")[0] in ("command", "noise", "resolution"):
+        table.refuse(key, f"is unknown{nearest(name, OWN)} (there are {', '.join(OWN)})")
     if name not in OWN:
         parameter = declared(name, hand, table)
         return read_law(table, key, parameter.unit, parameter.check)
