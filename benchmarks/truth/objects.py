@@ -1,9 +1,9 @@
-"""Recordings of the ten objects of the paper's Fig. 4, grasped by hands that are not the nominal one.
+"""Recordings of the ten objects of Fig. 4, grasped by hands that are not the nominal one.
 
 python -m benchmarks.truth.objects --out FOLDER --grasps 10 --seed 1
 
-Each grasp is another hand (see `scatter`) with a loose leader and a gear that rubs under load, which
-the nominal hand has not, and the object is put in anew. Objects: ten_objects.toml. Beside the
+Each grasp is another hand (see `scatter`) with a loose leader and a gear that rubs under load (both
+hidden), and the object is put in anew. Objects: ten_objects.toml. Beside the
 recordings, evaluation.toml lists them with their classes, for `hannes evaluate`.
 """
 
