@@ -11,6 +11,7 @@ object counts as rigid, groups and roles (names by number), fingerprint of text 
 
 import errno
 import hashlib
+import inspect
 import json
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -19,9 +20,12 @@ from typing import Any
 
 import numpy as np
 
+from hannes import clearance
+from hannes.dataset import draw, law, part
 from hannes.dataset.part import SIZE, STORED, Part, chunk, count, table_type, units
 from hannes.dataset.spec import ROLES, Spec
 from hannes.errors import BadInput
+from hannes.observe import UNITS, noisy
 from hannes.recording_hdf5 import set_attribute
 from hannes.versions import versions
 
@@ -29,16 +33,17 @@ SCHEMA = "hannes-dataset-1"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 MEANINGS = {
     "number": "place in the data set, and key of the grasp's random numbers beside the seed",
-    "contact": "first sample with more than 1 N of total force; not a number where there is none",
+    "contact": "first sample above 5 % of the peak of total force, and 1 N; no number without one",
     "release": "last such sample",
     "completed": "1 where the simulation ended; else its samples after the failure are no numbers",
 }
 
 
 def fingerprint(spec: Spec) -> str:
-    """Digest of all that the bytes hang on: specification, model, versions."""
+    """Digest of all that the bytes hang on: specification, model, drawing, packing, versions."""
     model = Path(str(spec.hand.compiled(spec.hand.effects).fast.__file__)).stem
-    known = json.dumps([SCHEMA, SIZE, spec.text, model, versions()], sort_keys=True)
+    sources = [inspect.getsource(each) for each in (law, draw, part, clearance, noisy)]
+    known = json.dumps([SCHEMA, spec.text, model, sources, versions()], sort_keys=True)
     return hashlib.sha256(known.encode()).hexdigest()
 
 
@@ -55,11 +60,11 @@ def write(path: Path, spec: Spec, parts: Iterable[Part]) -> None:
         table.attrs["units"] = np.array([x.encode() for x in units(spec)])
         set_attribute(table, "meanings", json.dumps(MEANINGS))
         digests = file.create_dataset("digests", (count(spec), 32), np.uint8, track_times=False)
-        for k, part in enumerate(parts):
-            table[k * SIZE : k * SIZE + part.rows.size] = part.rows
-            for name, data in part.chunks.items():
+        for k, each in enumerate(parts):
+            table[k * SIZE : k * SIZE + each.rows.size] = each.rows
+            for name, data in each.chunks.items():
                 datasets[name].id.write_direct_chunk((k * SIZE, 0), data)
-            digests[k] = np.frombuffer(part.digest, np.uint8)
+            digests[k] = np.frombuffer(each.digest, np.uint8)
 
 
 def _head(file: Any, spec: Spec) -> None:
@@ -74,8 +79,6 @@ def _head(file: Any, spec: Spec) -> None:
 
 def _empty(file: Any, spec: Spec) -> dict[str, Any]:
     """Create the channels' datasets, to be filled chunk by chunk."""
-    from hannes.observe import UNITS
-
     times = spec.base.times
     group = file.create_group("channels", track_order=False)
     time = group.create_dataset("time", data=times, dtype="<f8", track_times=False)
@@ -117,8 +120,8 @@ def salvaged(path: Path, spec: Spec) -> Iterator[tuple[int, Part]]:
             if file.attrs.get("fingerprint", b"") != fingerprint(spec).encode():
                 return
             for k in range(count(spec)):
-                if part := _sound(file, spec, k):
-                    yield k, part
+                if found := _sound(file, spec, k):
+                    yield k, found
     except (OSError, RuntimeError, KeyError, ValueError):
         return  # damaged beyond that: what was found is found
 
@@ -130,5 +133,5 @@ def _sound(file: Any, spec: Spec, k: int) -> Part | None:
         digest = file["digests"][k].tobytes()
     except (OSError, RuntimeError, KeyError, ValueError):
         return None
-    part = Part(rows, {name: bytes(data) for name, (_, data) in read.items()})
-    return part if part.digest == digest else None
+    found = Part(rows, {name: bytes(data) for name, (_, data) in read.items()})
+    return found if found.digest == digest else None

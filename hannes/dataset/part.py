@@ -18,7 +18,7 @@ from hannes.recording import Recording
 from hannes.trajectory import Grasp, Outcome
 
 SIZE = 100  # grasps of a part, and rows of a chunk of the file
-TOUCH = 1.0  # N of total force from which an object counts as touched
+TOUCH, SHARE = 1.0, 0.05  # N of total force, and share of its peak, that count as contact
 LEVEL = 4  # of deflate
 STORED = "<f4"  # seven digits, far below any sensor's noise
 OWN = (
@@ -137,13 +137,21 @@ def sensed(drawn: Drawn, grasp: Grasp, name: str) -> np.ndarray:
 
 
 def _row(spec: Spec, drawn: Drawn, grasp: Grasp) -> tuple[Any, ...]:
-    touching = np.flatnonzero(grasp["force"] > TOUCH)
-    ends = grasp.time[touching[[0, -1]]] if touching.size else np.full(2, np.nan)
+    ends = touching(grasp.time, grasp["force"])
     group = spec.groups.index(drawn.group)
     own = (drawn.number, drawn.seed, group, ROLES.index(drawn.group.role))
     complete = grasp.outcome is Outcome.COMPLETED
     peak = grasp["force"].max(initial=0.0)
     return (*own, complete, *ends, peak, *(drawn.values[name] for name in spec.columns))
+
+
+def touching(time: np.ndarray, force: np.ndarray) -> tuple[float, float]:
+    """Contact and release [s]: first and last sample above 5 % of the peak force, and 1 N.
+
+    Below it, fingers that touched wait for the others to close. NaN where nothing is touched.
+    """
+    found = np.flatnonzero(force > max(TOUCH, SHARE * force.max(initial=0.0)))
+    return (float(time[found[0]]), float(time[found[-1]])) if found.size else (np.nan, np.nan)
 
 
 def _deflated(values: np.ndarray) -> bytes:

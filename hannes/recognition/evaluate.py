@@ -2,9 +2,9 @@
 
 The paper's formula (its names of precision and recall are swapped): PR = nP / (nP + nFN),
 RE = nP / (nP + nFP), F1 = 2 PR RE / (PR + RE). It leaves open what is counted; here it is the
-windows between contact and release of all grasps of an object, positive where they are of the
-object's class. An object has one class, so that nFP = 0, RE = 1, and with R the share of windows
-that were told right F1 = 2 R / (R + 1). "Don't know" is wrong.
+windows between contact and release (5 % of the peak force) of all grasps of an object, positive
+where they are of the object's class. An object has one class, so that nFP = 0, RE = 1, and with R
+the share of windows that were told right F1 = 2 R / (R + 1). "Don't know" is wrong.
 """
 
 from collections.abc import Sequence
@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from hannes.dataset.part import touching
 from hannes.errors import BadInput
 from hannes.recognition.model import RIGID, WORDS, Model, decided, pooled
 from hannes.recognition.train import scored
@@ -21,7 +22,6 @@ from hannes.recording import Recording
 from hannes.table import Table, read_text
 
 CLASSES = WORDS[:2]
-TOUCH = 1.0  # N, as in data sets
 STABLE = 0.15  # s from contact
 
 
@@ -92,10 +92,9 @@ def evaluate(model: Model, subjects: Sequence[Subject]) -> dict[str, Any]:
 def _grasp(model: Model, subject: Subject, recording: Recording) -> dict[str, Any]:
     """One grasp: what each scored window was told, when the decision stood, the peak force."""
     told, force = model.tell(recording), recording["force"]
-    touching = np.flatnonzero(force > TOUCH)
-    if not touching.size:
+    contact, release = touching(recording.time, force)
+    if np.isnan(contact):
         raise BadInput(f"{subject.name}: a recording in which nothing is touched")
-    contact, release = recording.time[touching[[0, -1]]]
     inside = scored(told.time, model.cut, np.array([contact]), np.array([release]))[0]
     if not inside.any():
         raise BadInput(f"{subject.name}: an object was held for less than one window")

@@ -35,7 +35,7 @@ NAMES = (
     "work",  # A rad, rise times travel since the touch, summed
     "work_over_square",  # A/rad, by the square of the most travel
     "fall",  # A below the peak
-    "touch_position",  # rad
+    "touch_position",  # rad, at the output shaft; before a touch where it is now
     "steepest",  # A/rad, most tangent so far while closing
     "rise_at_1",  # A, when the travel passed each of LEVELS; before, what the secant promises
     "rise_at_2",
@@ -44,8 +44,8 @@ NAMES = (
 )
 MEMORY = 0.15  # s in which the least current counts as free
 SMOOTH = 0.01  # s, of the current that finds the touch
-STEP = 0.12  # A of rise that tell a touch
-BACK = 0.04  # A of rise from which the travel counts
+STEP = 0.06  # A of rise that tell a touch
+BACK = 0.02  # A of rise from which the travel counts
 STARTING = 0.06  # s after the first motion in which the current only accelerates the hand
 MOVED = 0.05  # rad
 
@@ -81,7 +81,7 @@ def fill(current, position, reference, dt, size, ends, rows):
     begun, touch, start, free, free_speed = -1, -1, 0.0, 0.0, 0.0
     peak, farthest, work, steepest, last = 0.0, 0.0, 0.0, 0.0, 0.0
     passed = np.full(len(LEVELS), -1.0)
-    running, row = 0.0, 0
+    running, row, least = 0.0, 0, 0.0
     for n in range(count):
         running += current[n]
         if n >= smooth:
@@ -89,6 +89,8 @@ def fill(current, position, reference, dt, size, ends, rows):
         level[n] = running / min(n + 1, smooth)
         if begun < 0 and abs(position[n] - position[0]) > MOVED:
             begun = n
+        if touch < 0:
+            least = level[n]
         if touch < 0 and begun >= 0 and n > begun + starting:
             first = max(begun + starting, n - memory)
             least = level[first]
@@ -122,6 +124,7 @@ def fill(current, position, reference, dt, size, ends, rows):
                 out[6] = _line(position, n + 1 - size, size, dt)[1]
                 for k in range(7, len(NAMES)):
                     out[k] = 0.0
+                out[7], out[8], out[10], out[21] = least, speed, level[n] - least, position[n]
                 if touch >= 0:
                     rise, travel = mean - free, position[n] - start
                     if speed > 0.3 and n + 1 - touch >= size:

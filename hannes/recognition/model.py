@@ -12,7 +12,7 @@ from hannes.recording import Recording
 
 SINCE, RISE = NAMES.index("since"), NAMES.index("rise")
 HELD = 0.06  # A above the free current, while an object is held
-SURE = 0.6  # probability from which a class is told; below it stands "don't know"
+SURE = 0.55  # probability from which a class is told; below it, a coin would do: "don't know"
 EXTREME = 4.0  # log odds of one window count for no more
 SOFT, RIGID, UNKNOWN = 0, 1, 2
 WORDS = ("soft", "rigid", "don't know")

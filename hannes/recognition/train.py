@@ -117,7 +117,7 @@ def _fitted(
     rigid = bag.fit(known.features, known.rigid.astype(int), used).arrays()
 
     def regression(which: np.ndarray, target: np.ndarray) -> Any:
-        how = {"min_samples_leaf": leaf, "max_samples": share, "max_features": 0.4}
+        how = {"min_samples_leaf": leaf, "max_samples": share / 2, "max_features": 0.4}
         made = RandomForestRegressor(max(trees // 2, 10), random_state=seed, n_jobs=jobs, **how)
         return of_sklearn(made.fit(known.features[which], target))
 
