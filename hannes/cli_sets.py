@@ -38,6 +38,21 @@ my.toml:
   "object.radius" = { uniform = ["25 mm", "34 mm"] }
   "object.stiffness" = { log_uniform = ["300 N/m", "40 kN/m"] }
 A run that was ended goes on where it was when it is started again.""",
+    "train": """\
+hannes train results/large.h5                      writes results/large-model.h5
+hannes train results/large.h5 --out model.h5 --trees 200 --seed 3
+hannes train results/large.h5 --window "80 ms" --json""",
+    "evaluate": """\
+hannes evaluate model.h5 evaluation.toml
+hannes evaluate model.h5 grasp.h5                  rigid or soft, how stiff, how hard
+hannes evaluate model.h5 evaluation.toml --out results/evaluation --json
+
+evaluation.toml, whose recordings have the force that tells contact from release:
+  title = "My objects"
+  [[object]]
+  name = "Ball"
+  class = "soft"                           # or "rigid"
+  file = "ball-*.h5"                       # one or more grasps of it""",
 }
 
 
@@ -53,6 +68,21 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
         "--grasp", type=int, metavar="K", help="only this one, as a recording to --out"
     )
     _json(dataset)
+
+    train = command("train", _train, "learn rigid from soft, stiffness and force from a data set")
+    train.add_argument("dataset", help="a data set made by `hannes dataset`")
+    train.add_argument("--out", metavar="MODEL.h5", help="the model (<dataset>-model.h5)")
+    train.add_argument("--trees", type=int, default=80, help="bagged trees (default 80)")
+    train.add_argument("--seed", type=int, default=0, help="of what is drawn (default 0)")
+    train.add_argument("--window", default="50 ms", help="length of a window (default 50 ms)")
+    train.add_argument("--hop", default="10 ms", help="from window to window (default 10 ms)")
+    _json(train)
+
+    evaluate = command("evaluate", _evaluate, "score a model on recordings, or ask it about one")
+    evaluate.add_argument("model", help="a model made by `hannes train`")
+    evaluate.add_argument("recordings", help="an evaluation.toml, or one recording")
+    evaluate.add_argument("--out", metavar="FOLDER", help="folder of evaluation.json")
+    _json(evaluate)
 
 
 def _json(parser: argparse.ArgumentParser) -> None:
@@ -85,6 +115,74 @@ def _dataset(chosen: argparse.Namespace) -> None:
             f"{kept} of {told['parts']} parts were there already"
         )
         print(f"wrote {told['out']}")
+
+
+def _train(chosen: argparse.Namespace) -> None:
+    from pathlib import Path
+
+    from hannes.errors import BadInput
+    from hannes.recognition import model_file
+    from hannes.recognition.cut import Cut
+    from hannes.recognition.train import train
+    from hannes.units import quantity
+
+    if not 1 <= chosen.trees <= 2000:
+        raise BadInput(f"--trees {chosen.trees}: expected 1 to 2000")
+    cut = Cut(quantity(chosen.window, "s", "--window"), quantity(chosen.hop, "s", "--hop"))
+    model, told = train(chosen.dataset, trees=chosen.trees, seed=chosen.seed, cut=cut)
+    out = chosen.out or str(Path(chosen.dataset).with_suffix("")) + "-model.h5"
+    model_file.write(out, model)
+    if chosen.json:
+        _print_json({"out": out, **told})
+        return
+    print(f"learnt from {told['grasps']} grasps of {told['title']}")
+    for key, words in (("kept_scores", "kept grasps"), ("test_scores", "held-back grasps")):
+        if found := told.get(key):
+            print(
+                f"  {found['grasps']} {words}: {100 * found['windows_right']:.1f} % of windows and "
+                f"{100 * found['grasps_right']:.1f} % of grasps told right"
+            )
+    print(f"wrote {out}")
+
+
+def _evaluate(chosen: argparse.Namespace) -> None:
+    from hannes.recognition import model_file
+    from hannes.recognition.evaluate import evaluate, read_subjects, told_of, write
+    from hannes.recording import Recording
+
+    model = model_file.read(chosen.model)
+    if not chosen.recordings.endswith(".toml"):
+        told = told_of(model, Recording.read(chosen.recordings))
+        _print_json(told) if chosen.json else print(_grasp(told))
+        return
+    title, subjects = read_subjects(chosen.recordings)
+    told = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
+    if chosen.out:
+        write(chosen.out, told)
+    _print_json(told) if chosen.json else print(_scores(told))
+
+
+def _grasp(told: dict[str, Any]) -> str:
+    lines = [f"{told['decision']} (probability of rigid {told['rigid']:.2f})"]
+    for key, words in (("stiffness", "stiffness"), ("peak_force", "peak grip force")):
+        if each := told[key]:
+            ends = f"{each['low']:.3g} to {each['high']:.3g}"
+            lines.append(f"  {words} {each['value']:.3g} {each['unit']} (95 %: {ends})")
+    return "\n".join(lines)
+
+
+def _scores(told: dict[str, Any]) -> str:
+    lines = [told["title"], f"  {'object':<20} class   F1 windows  F1 grasps  stable in time"]
+    lines += [
+        f"  {row['name']:<20} {row['class']:<6} {100 * row['f1_windows']:10.1f} % "
+        f"{100 * row['f1_grasps']:8.1f} % {100 * row['stable_in_time']:12.0f} %"
+        for row in told["objects"]
+    ]
+    lines.append(
+        f"  {'average':<27} {100 * told['f1_windows']:10.1f} % {100 * told['f1_grasps']:8.1f} % "
+        f"{100 * told['stable_in_time']:12.0f} %"
+    )
+    return "\n".join(lines)
 
 
 def _print_json(content: Any) -> None:

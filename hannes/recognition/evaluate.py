@@ -7,6 +7,7 @@ where they are of the object's class. An object has one class, so that nFP = 0, 
 the share of windows that were told right F1 = 2 R / (R + 1). "Don't know" is wrong.
 """
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,8 @@ import numpy as np
 
 from hannes.dataset.part import touching
 from hannes.errors import BadInput
-from hannes.recognition.model import RIGID, WORDS, Model, decided, pooled
+from hannes.files import atomic_folder
+from hannes.recognition.model import RIGID, WORDS, Model, decided, plain, pooled
 from hannes.recognition.train import scored
 from hannes.recording import Recording
 from hannes.table import Table, read_text
@@ -182,3 +184,21 @@ def _force(grasps: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "bias_percent": float(100.0 * np.median(errors)),
         "interval_holds": float(inside.mean()),
     }
+
+
+def told_of(model: Model, recording: Recording) -> dict[str, Any]:
+    """What a model tells of one recording, as JSON has it."""
+    told = model.tell(recording)
+    return {
+        "decision": told.decision,
+        "rigid": told.probability,
+        "stiffness": plain(told.stiffness, "N/m"),
+        "peak_force": plain(told.peak_force, "N"),
+    }
+
+
+def write(out: str | Path, told: dict[str, Any]) -> None:
+    """Write evaluation.json to a folder, whole or not at all."""
+    with atomic_folder(out) as folder:
+        text = json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False)
+        (folder / "evaluation.json").write_text(text + "\n", encoding="utf-8")
