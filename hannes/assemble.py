@@ -77,6 +77,9 @@ class Equations:
             for channel in term.writes:
                 if not self.stage_of(channel):
                     return f"it needs a channel {channel}, which this plant does not have"
+                here = self.channels.slot(channel).unit
+                if term.unit not in ("", here):
+                    return f"it adds {term.unit} to {channel}, which this plant has in {here}"
             for name in term.arguments:
                 if not self._known(name, effect, term):
                     return f"it reads {name}, which this plant does not have"

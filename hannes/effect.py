@@ -7,6 +7,7 @@ of `writes`, then the rate of each of its states.
 """
 
 import inspect
+import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -19,11 +20,16 @@ from hannes.parameter import Parameter
 
 @dataclass(frozen=True)
 class Term:
-    """One kernel of an effect, the channels it adds to and the states whose rates it returns."""
+    """One kernel of an effect, the channels it adds to and the states whose rates it returns.
+
+    `unit` is that of what it adds, where the effect's own parameters fix it: a plant that has
+    `writes` in another unit cannot carry it.
+    """
 
     kernel: Callable[..., Any]
     writes: tuple[str, ...]
     states: tuple[str, ...] = ()
+    unit: str = ""
 
     @property
     def arguments(self) -> tuple[str, ...]:
@@ -69,11 +75,22 @@ class Effect:
 
     def __str__(self) -> str:
         """Equation, meaning, source and parameters, as `hannes effects NAME` shows them."""
-        lines = [self.name, f"  {self.meaning}", f"  {self.equation}", f"  source: {self.source}"]
-        lines += [f"  adds to: {', '.join(w for term in self.terms for w in term.writes)}"]
+        adds = ", ".join(name for term in self.terms for name in term.writes)
+        lines = [self.name]
+        lines += _wrapped(self.meaning, self.equation, f"source: {self.source}", f"adds to: {adds}")
         for each in self.parameters:
             low, high = each.bounds
-            vanish = "" if each.off is None else f", vanishes at {each.off:g}"
-            name = f"{self.full_name(each.name)} [{each.unit}]"
-            lines.append(f"  {name} {low:g} to {high:g}{vanish}: {each.doc}")
+            end = f"shipped as {each.value:g}" if each.off is None else f"vanishes at {each.off:g}"
+            lines += _wrapped(
+                f"{self.full_name(each.name)} [{each.unit}]: {each.doc}; {low:g} to {high:g}, {end}"
+            )
         return "\n".join(lines)
+
+
+def _wrapped(*told: str) -> list[str]:
+    """Lines of each text within 80 columns, indented."""
+    return [
+        line
+        for each in told
+        for line in textwrap.wrap(each, 80, initial_indent="  ", subsequent_indent="    ")
+    ]

@@ -115,8 +115,8 @@ def _effects(hand: Model) -> list[str]:
         values = [hand.parameters[each.full_name(a.name)] for a in each.amplitudes]
         vanished = values == [a.off for a in each.amplitudes]
         off = " (off: vanishes from the model)" if vanished else ""
-        lines += [f"  {each.name}{off}", f"    {each.equation}"]
-        lines += _wrapped(f"source: {each.source}", 4)
+        lines.append(f"  {each.name}{off}")
+        lines += [*_wrapped(each.equation, 4), *_wrapped(f"source: {each.source}", 4)]
     return lines
 
 

@@ -18,9 +18,9 @@ PARTS = {
 }
 PER_FINGER = {"joint": 2, "phalanx": 2, "finger": 1}
 BOTH, MOTOR_ONLY, WIRES_ONLY = 0, 1, 2  # PART in arrow.py
+_READER = {"motor": MOTOR_ONLY, "wires": WIRES_ONLY}
 _OF_MOTOR = ("position_integral", "position_lag", "current_integral", "current_lag")
 _OF_WIRES = ("cart_position", "cart_speed")
-_OF_WINDING = ("motor_current", *_OF_MOTOR)
 _CARTS = ("cart_position0", "cart_position1", "cart_speed0", "cart_speed1")
 _LEADER = (*_CARTS, "motor_angle", "motor_speed")
 # What tensions and wire stages read without effects: core states; fingers' wires.
@@ -41,11 +41,18 @@ _BY_WIRE: dict[str, tuple[int, ...]] = {
     **dict.fromkeys(("T4", "motor_speed"), (4,)),
     "cart_speed0": (0, 1, 4),
     "cart_speed1": (2, 3, 4),
-    **dict.fromkeys(("cart_position0", "cart_position1", "motor_angle", *_OF_WINDING), ()),
+    **dict.fromkeys(("cart_position0", "cart_position1", "motor_angle"), ()),
 }
 _TAKEN_UP = ("excursion", "excursion_rate")
 _WHOLE = ("y", "dy", "c", "out", "reference", "hold")
-_FROM_WIRES = ("leader_pull", "cart_friction", "tendon_tension")
+_OF_CART = ("leader_pull", "cart_friction", "follower_slip", "follower_loss")
+_FROM_WIRES = (*_OF_CART, "tendon_tension")
+_HOMES = dict.fromkeys(_OF_MOTOR, "motor") | dict.fromkeys(_OF_WIRES, "wires")  # of their rates
+# What a kernel may read, by stage and axis, where _READS and _BY_WIRE have it anyway.
+_USUAL = {
+    ("leader", ""): (*_OF_WIRES, "motor_angle", "motor_speed"),
+    ("carts", "cart"): (*_OF_WIRES, *_OF_CART),
+}
 
 
 @dataclass
@@ -63,6 +70,7 @@ class Arrow:
     plain: bool = True  # no effect reads in the wires' stages what these do not read anyway
     broken: str = ""
     names: list[str] = field(default_factory=list)  # of the core's states, one each
+    winding: list[str] = field(default_factory=lambda: ["motor_current"])  # rates by the motor only
 
     def constants(self) -> dict[str, str]:
         """Text of the constants by name."""
@@ -81,11 +89,8 @@ class Arrow:
     def pattern(self) -> tuple[elimination.Pattern, elimination.Pattern]:
         """Where tensions and core may depend on each other, and on each finger's wire."""
         rows = ["T0", "T1", "T2", "T3", "T4", *self.names]
-        plain, reads = self.plain, {name: self._reads(name) for name in rows}
-        takes = [
-            [(f in _BY_WIRE.get(row, _ALL) if plain else row not in _OF_WINDING) for f in range(5)]
-            for row in rows
-        ]
+        reads = {name: self._reads(name) for name in rows}
+        takes = [[f in self._taken(row) for f in range(5)] for row in rows]
         needed = [[name in reads[row] for name in self.names] for row in rows]
         for n in self.seen:
             for i, row in enumerate(needed):
@@ -95,9 +100,15 @@ class Arrow:
             full[5 + n][5 + n] = True
         return full, takes
 
+    def _taken(self, row: str) -> tuple[int, ...]:
+        """Fingers whose wire a tension or the rate of a core state may depend on."""
+        if row in self.winding:
+            return ()
+        return _BY_WIRE.get(row, _ALL) if self.plain else _ALL
+
     def _reads(self, row: str) -> set[str]:
         """Core states that a tension or the rate of a core state may depend on."""
-        if row in _OF_WINDING:
+        if row in self.winding:
             return self._of_part(MOTOR_ONLY)
         if row not in _READS:
             return set(self.names)
@@ -116,19 +127,20 @@ def shape(
     """Place all `states`, those of `effects` included."""
     found = Arrow()
     stages = {term.writes[0]: stage_of(term.writes[0]) for each in effects for term in each.terms}
-    elsewhere = _states_of_other_stages(effects, stages)
+    homes = _HOMES | _homes(effects, stages)
     for slot in sorted(states.slots, key=lambda slot: slot.name not in _OF_WIRES):
         places = range(states[slot.name].start, states[slot.name].stop)
-        if slot.axis in PER_FINGER and slot.name not in elsewhere:
+        home = homes.get(slot.name, "fingers" if slot.axis in PER_FINGER else "")
+        if slot.axis in PER_FINGER and home == "fingers":
             share = PER_FINGER[slot.axis]
             for k in places:
                 found.own[(k - places.start) // share].append(k)  # angles, speeds, effects'
             continue
-        part = MOTOR_ONLY if slot.name in _OF_MOTOR else BOTH
-        part = WIRES_ONLY if slot.name in _OF_WIRES else part
+        names = [f"{slot.name}{n}" if slot.axis else slot.name for n in range(slot.size)]
         found.core += places
-        found.names += [f"{slot.name}{n}" if slot.axis else slot.name for n in range(slot.size)]
-        found.part += [part] * slot.size
+        found.names += names
+        found.winding += names if home == "motor" else []
+        found.part += [_READER.get(home, BOTH)] * slot.size
         found.cart += [0, 1] if slot.name in _OF_WIRES else [-1] * slot.size
     for effect in effects:
         for term in effect.terms:
@@ -141,14 +153,13 @@ def shape(
     return Shape(arrow, found.constants(), written, found.broken)
 
 
-def _states_of_other_stages(effects: tuple[Effect, ...], stages: dict[str, str]) -> set[str]:
-    """Full names of effects' states whose rates are not set in a finger's stage."""
+def _homes(effects: tuple[Effect, ...], stages: dict[str, str]) -> dict[str, str]:
+    """The part whose stages set the rates of each effect's states, by full name."""
     return {
-        f"{effect.name}.{name}"
+        f"{effect.name}.{name}": PARTS[stages[term.writes[0]]]
         for effect in effects
         for term in effect.terms
         for name in term.states
-        if PARTS[stages[term.writes[0]]] != "fingers"
     }
 
 
@@ -157,27 +168,30 @@ def _join(
 ) -> None:
     """Note what one kernel of an effect adds to the structure."""
     part, axis = PARTS[stage], channels.slot(term.writes[0]).axis
-    reads = tuple(_read_states(effect, term, states))
-    arrays = [channels.slot(n) for n in term.arguments if n in channels and channels.slot(n).axis]
+    own = {each.name for each in effect.parameters}
+    arguments = [name for name in term.arguments if name not in own]
+    reads = tuple(_read_states(effect, arguments, states))
+    arrays = [channels.slot(n) for n in arguments if n in channels and channels.slot(n).axis]
     whys = [_reads_state(found, slot, states, axis, part, term) for slot in reads]
     whys += [_reads_channel(slot, axis, part) for slot in arrays]
-    whys += [f"reads all of {name}" for name in term.arguments if name in _WHOLE]
+    whys += [f"reads all of {name}" for name in arguments if name in _WHOLE]
     whys += [
         f"has a state {name} of no finger"
         for name in term.states
         if part == "fingers" and states.slot(f"{effect.name}.{name}").axis not in PER_FINGER
     ]
     found.broken = found.broken or next((f"{effect.name} {why}" for why in whys if why), "")
-    found.timed |= part != "motor" and "t" in term.arguments
+    found.timed |= part != "motor" and "t" in arguments
     names = {slot.name for slot in arrays}
     found.held &= part != "fingers" or not names & {"tendon_tension", "joint_torque"}
     if part == "wires":
         found.paired &= not term.states and not arrays
-        found.plain &= found.paired and (stage == "gear" or not reads)
+        read = names if stage == "gear" else names | {slot.name for slot in reads}
+        found.plain &= not term.states and read <= set(_USUAL.get((stage, axis), ()))
 
 
-def _read_states(effect: Effect, term: Term, states: Layout) -> Iterator[Slot]:
-    for name in term.arguments:
+def _read_states(effect: Effect, arguments: list[str], states: Layout) -> Iterator[Slot]:
+    for name in arguments:
         for full in (f"{effect.name}.{name}", name):
             if full in states:
                 yield states.slot(full)
@@ -192,7 +206,7 @@ def _reads_state(found: Arrow, slot: Slot, states: Layout, axis: str, part: str,
     for n in range(found.core.index(first), found.core.index(first) + slot.size):
         if part == "fingers" and n not in found.seen:
             found.seen.append(n)
-        reader = {"motor": MOTOR_ONLY, "wires": WIRES_ONLY}.get(part, found.part[n])
+        reader = _READER.get(part, found.part[n])
         if found.part[n] != reader or "torque_constant" in term.writes:
             found.part[n] = BOTH
     return ""
