@@ -1,6 +1,6 @@
 # Needs only make and a Python >= 3.11 with venv; everything else goes into .venv.
 .DEFAULT_GOAL := help
-.PHONY: help env run test lint format bench lock
+.PHONY: help env run test lint format docs bench lock
 
 bin := .venv/bin
 
@@ -37,8 +37,12 @@ format: env  ## put the code into the project's format
 	$(bin)/ruff format
 	$(bin)/ruff check --fix
 
-bench: env  ## speed and accuracy beside peers
-	$(bin)/python -m benchmarks.accuracy_work
+docs: env  ## the README's picture anew: figure 8 of `hannes reproduce`
+	$(bin)/hannes reproduce --out results/reproduce
+	cp results/reproduce/figures/fig8.svg docs/grasp.svg
+
+bench: env  ## speed and accuracy beside peers, batches, start: benchmarks/README.md
+	$(bin)/python -m benchmarks
 
 lock: env  ## choose package versions anew: requirements.lock
 	$(bin)/python -m pip install --quiet uv

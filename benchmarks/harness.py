@@ -15,6 +15,36 @@ def must_show(name: str, value: float, bound: float, holds: bool) -> Row:
     return {"name": name, "value": value, "bound": bound, "holds": bool(holds)}
 
 
+def peak_mib() -> float:
+    """Most memory that this process has had resident [MiB].
+
+    Linux tells it in a file; what getrusage tells there begins with the parent's.
+    """
+    status = Path("/proc/self/status")
+    if status.exists():
+        line = next(each for each in status.read_text().splitlines() if "VmHWM" in each)
+        return float(line.split()[1]) / 1024.0
+    import resource  # macOS counts in bytes
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+
+
+def interval(samples: Sequence[float]) -> dict[str, float]:
+    """95 % interval of the median of repeats (bootstrap)."""
+    import numpy as np  # not where the memory of small processes is measured
+
+    values = np.array(samples)
+    picks = np.random.default_rng(0).integers(0, values.size, (2000, values.size))
+    low, high = np.percentile(np.median(values[picks], axis=1), (2.5, 97.5))
+    return {"low": float(low), "high": float(high)}
+
+
+def aligned(rows: Sequence[Row]) -> list[Row]:
+    """The same rows, each with all keys."""
+    keys = {key: "" for row in rows for key in row}
+    return [keys | row for row in rows]
+
+
 def arguments(doc: str, module: str) -> argparse.Namespace:
     """Parse `--quick` and `--json FILE|-`."""
     parser = argparse.ArgumentParser(

@@ -3,7 +3,7 @@
 Runners, in one process, on one thread (nothing timed calls BLAS), by processor time, in turn,
 repeated:
 
-- hannes: `simulate`, Rodas through scipy's `solve_ivp`, at several tolerances
+- hannes: `simulate` at several tolerances
 - our equations in MuJoCo: its bodies and integrators, our forces in a compiled callback, at
   several steps of every integrator it has
 - the same, linearised: with an expert's help, see benchmarks/mujoco/same.py

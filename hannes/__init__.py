@@ -10,21 +10,29 @@ __all__ = [
     "Experiment",
     "Hand",
     "Recording",
+    "Reference",
+    "Target",
     "check",
     "convert",
     "diagnose",
     "effects",
     "load_experiment",
+    "observe",
     "simulate",
+    "simulate_many",
 ]
 
 if TYPE_CHECKING:
+    from hannes.batch import simulate_many as simulate_many
     from hannes.catalogue import effects as effects
     from hannes.check import check as check
     from hannes.convert import convert as convert
     from hannes.diagnose import diagnose as diagnose
     from hannes.experiment import Experiment as Experiment
+    from hannes.experiment import Reference as Reference
+    from hannes.experiment import Target as Target
     from hannes.hand import Hand as Hand
+    from hannes.observe import observe as observe
     from hannes.recording import Recording as Recording
     from hannes.simulate import simulate as simulate
     from hannes.spec import load_experiment as load_experiment
@@ -34,12 +42,16 @@ _HOMES = {
     "Experiment": "experiment",
     "Hand": "hand",
     "Recording": "recording",
+    "Reference": "experiment",
+    "Target": "experiment",
     "check": "check",
     "convert": "convert",
     "diagnose": "diagnose",
     "effects": "catalogue",
     "load_experiment": "spec",
+    "observe": "observe",
     "simulate": "simulate",
+    "simulate_many": "batch",
 }
 
 

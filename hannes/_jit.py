@@ -6,7 +6,6 @@ only the file of the outermost function and would run stale code after an edit o
 
 import functools
 import hashlib
-import os
 import platform
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +13,8 @@ from typing import Any
 
 import numba
 import numpy as np
+
+from hannes.cache import cache_home
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -67,7 +68,5 @@ def compiler_digest() -> str:
 
 
 def cache_folder() -> Path:
-    """Folder of generated modules and their machine code (HANNES_CACHE overrides its parent)."""
-    home = os.environ.get("HANNES_CACHE") or os.environ.get("XDG_CACHE_HOME")
-    parent = Path(home) if home else Path.home() / ".cache"
-    return parent / "hannes" / compiler_digest()
+    """Folder of generated modules and their machine code."""
+    return cache_home() / compiler_digest()

@@ -117,9 +117,14 @@ class Compiled:
 
     def problem(self, p: np.ndarray, reference: np.ndarray, hold: np.ndarray) -> Problem:
         """The rates with these parameters as a problem for `Rodas`."""
-        fast = self.fast
-        data = fast.space(np.zeros(self.states.size), p, reference, hold)
-        return Problem(fast.steps_on, fast.set_out, fast.look_up, data)
+        fast, size = self.fast, self.states.size
+        nowhere = np.zeros(1), np.zeros((0, 4, size))
+
+        def first_step(*given: Any) -> None:
+            fast.steps_on(*given[:-1], *nowhere, given[-1])
+
+        data = fast.space(np.zeros(size), p, reference, hold)
+        return Problem(fast.steps_on, first_step, fast.look_up, data)
 
     def is_warm(self, entry: str = "rates") -> bool:
         """Tell whether machine code of a former run can be used for an entry point."""
@@ -145,9 +150,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     text, sizes = layouts.fill(plant.source()), layouts.sizes()
     solution, kind = _solution(plant, layouts, effects)
     names = _names(plant, solution.module, effects)
-    origin = "".join(
-        generated.fingerprint(each) for each in names.values() if hasattr(plain(each), "__code__")
-    )
+    origin = generated.fingerprint(names)
     seen = generated.module("observed", text + _functions(observed), names, origin, sizes)
     quick = without_outputs(text) + layouts.fill(_functions(solution.module)) + solution.written
     quick += method.source() + _functions(entries) + plant.entries

@@ -1,7 +1,7 @@
 """Reads a campaign: which recordings, of which plant, under which conditions, in which role."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from hannes.plant_file import base_name, with_plant_file
 from hannes.recording import Recording
 from hannes.table import Table, read_text
 
-KEYS = ("title", "plant", "base", "out", "effects", "recording")
+KEYS = ("title", "plant", "base", "out", "effects", "recording", "calibrate")
 RECORDING_KEYS = ("file", "experiment", "condition", "role")
 ROLES = ("fit", "select", "show")
 MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/measured.py
@@ -37,7 +37,7 @@ class Campaign:
     """A plant at its given values, recordings with roles, and the effects that may be named.
 
     `effects` maps the name by which an effect can be found again to the effect; `base` is what a
-    hand.toml of this plant starts from.
+    hand.toml of this plant starts from; `calibrate` is the table of that name, yet to be read.
     """
 
     plant: Plant
@@ -47,6 +47,7 @@ class Campaign:
     effects: Mapping[str, Effect]
     title: str = ""
     base: str = "hannes"
+    calibrate: Table = field(default_factory=lambda: Table({}, "campaign", ()))
 
     def of(self, *roles: str) -> tuple[Entry, ...]:
         """Entries in any of these roles."""
@@ -98,6 +99,7 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
         _effects(root, folder),
         root.text("title", path.stem),
         base_name(name),
+        root.table("calibrate"),
     )
 
 

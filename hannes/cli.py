@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any, NoReturn
 
 from hannes import __version__, cli_data
-from hannes.errors import BadInput, HannesError, nearest
+from hannes.errors import BadInput, HannesError, Interrupted, nearest
 from hannes.kernel_error import blamed
 
 INTERRUPTED, PIPE_CLOSED = 130, 141  # what a shell reports for SIGINT and SIGPIPE
@@ -21,6 +21,7 @@ EXAMPLES = {
 hannes run dynamometer           simulate a shipped experiment, write results/dynamometer
 hannes experiments               what there is to run
 hannes reproduce                 the paper's figures and tables beside ours, one page
+hannes calibrate campaign.toml   parameters from recordings, with intervals that hold
 hannes diagnose campaign.toml    what a model is missing that recordings disagree with""",
     "run": """\
 hannes run void-closure
@@ -39,6 +40,25 @@ hannes hand --equations | less""",
     "reproduce": """\
 hannes reproduce
 hannes reproduce --out results/paper --json""",
+    "calibrate": """\
+hannes calibrate campaign.toml
+hannes calibrate campaign.toml --out results/mine --json
+
+campaign.toml, after its [[recording]]s; all of it may be left out:
+  [calibrate]
+  parameters = ["motor.resistance", "motor.dry_friction"]
+  channels = ["current", "position"]
+  features = ["closing time", "I_max"]    # of the paper's Table II
+  loss = "soft_l1"                        # linear, soft_l1, huber, cauchy
+  starts = 4                              # searches from different points
+  scan = 64                               # points looked at before them
+  [calibrate.spread]                      # how far off a given value may be, 1 deviation
+  "motor.resistance" = "20 %"
+  [calibrate.bounds]
+  "motor.resistance" = ["2 ohm", "5 ohm"]
+  [calibrate.nuisance]                    # what differs from run to run, 1 deviation
+  start_time = "10 ms"
+  "motor.dry_friction" = "1 %\"""",
     "diagnose": """\
 hannes diagnose campaign.toml
 hannes diagnose campaign.toml --out results/verdict --json""",
@@ -128,6 +148,10 @@ def _parser() -> _Parser:
     reproduce.add_argument(
         "--taut", metavar="FOLDER", help="results of a diagnosis of the same closures without it"
     )
+
+    calibrate = _command(commands, "calibrate", _calibrate, "fit parameters, with intervals")
+    calibrate.add_argument("campaign", help="a campaign's .toml file")
+    _results(calibrate, "as the campaign says")
 
     diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
     diagnose.add_argument("campaign", help="a campaign's .toml file")
@@ -235,6 +259,21 @@ def _reproduce(chosen: argparse.Namespace) -> None:
     holds = sum(row["holds"] for row in found["must_show"])
     print(f"{holds} of {len(found['must_show'])} figures hold")
     print(f"open {out}/index.html")
+
+
+def _calibrate(chosen: argparse.Namespace) -> None:
+    from hannes.calibrate import calibrate
+    from hannes.campaign import read_campaign
+
+    campaign = read_campaign(chosen.campaign)
+    out = chosen.out or campaign.out
+    result = calibrate(campaign, out=out)
+    if chosen.json:
+        _print_json(result.plain())
+    else:
+        print(f"{result.summary()}\nopen {out}/report.html")
+    if result.found.interrupted:
+        raise Interrupted(f"interrupted; the best so far stands in {out}")
 
 
 def _diagnose(chosen: argparse.Namespace) -> None:

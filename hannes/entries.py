@@ -63,18 +63,19 @@ def tick(t, y, p, reference, hold):
 
 
 def space(y, p, reference, hold):
-    """What a solver hands to the three below; see rodas/solver.py."""
+    """What a solver hands to the two below; see rodas/solver.py."""
     return workspace(y, p, reference, hold)
 
 
 def steps_on(data, y, rtol, atol, clock, counts, ends, pieces, work):
-    """Take steps; see `advance` in rodas/step.py."""
-    return advance(data, y, rtol, atol, clock, counts, ends, pieces, work)
+    """Take steps, or choose the first one where there is no room for any; see rodas/step.py.
 
-
-def set_out(data, y, rtol, atol, clock, counts, work):
-    """Choose the first step."""
+    One entry point for both: each would hold all equations.
+    """
+    if pieces.shape[0] > 0:
+        return advance(data, y, rtol, atol, clock, counts, ends, pieces, work)
     first_step(data, y, rtol, atol, clock, counts, work)
+    return 0
 
 
 def look_up(times, ends, pieces, rows):

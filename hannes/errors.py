@@ -26,6 +26,12 @@ class ComputationFailed(HannesError):
     exit_status = 3
 
 
+class Interrupted(HannesError):
+    """The user ended a computation; what it had found by then is kept."""
+
+    exit_status = 130
+
+
 def nearest(name: str, names: Iterable[str]) -> str:
     """Return a did-you-mean clause for a misspelt `name`, or an empty string."""
     close = difflib.get_close_matches(name, list(names), n=1, cutoff=0.5)

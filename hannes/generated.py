@@ -1,11 +1,12 @@
 """Generated text to a loaded module, kept under a digest of all that enters its machine code."""
 
+import functools
 import hashlib
 import importlib.util
 import inspect
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -16,7 +17,7 @@ from hannes._jit import cache_folder, entry, folded, inner, plain, routine
 from hannes.files import write_text
 
 # Functions that Python calls, and long ones that compiled code calls from several places.
-OPEN = "rates|jacobian|differences|tick|space|steps_on|set_out|look_up|grasps|observe"
+OPEN = "rates|jacobian|differences|tick|space|steps_on|look_up|grasps|observe"
 CLOSED = (
     "equations|linearise|decompose|resolve|"
     "motor_stages|wire_stages|joints|contact|press|inertia|factor_rest|"
@@ -26,11 +27,11 @@ CLOSED = (
 FOLDED = "grasp|advance|step|attempt|keep_piece|finite|keep"
 
 
-def fingerprint(function: Any) -> str:
-    """Digest of all that enters a function's machine code, wherever it is written.
+def fingerprint(names: Mapping[str, Any]) -> str:
+    """Digest of all that enters the machine code of functions, wherever they are written.
 
-    These are its file and name, the constants it reads, and the same of every function that it
-    reaches by its globals, by modules named there, or by its closure.
+    These are their files and names, the constants they read, and the same of every function that
+    they reach by their globals, by modules named there, or by their closures.
     """
     seen: set[Any] = set()
     parts: set[bytes] = set()
@@ -39,17 +40,34 @@ def fingerprint(function: Any) -> str:
         if each.__code__ in seen:
             return
         seen.add(each.__code__)
-        source = inspect.getsourcefile(each)
-        parts.add(f"{each.__module__}.{each.__qualname__}".encode())
-        parts.add(Path(source).read_bytes() if source and Path(source).exists() else b"")
-        found = _reached(each)
-        parts.update(_constants(found))
+        own, found = _full_name(each), _reached(each)
+        parts.add(own + _content(inspect.getsourcefile(each)))
+        parts.update(own + constant for constant in _constants(found))
         for _, value in found:
             if hasattr(plain(value), "__code__"):
                 visit(plain(value))
 
-    visit(plain(function))
+    for name, value in names.items():
+        if hasattr(function := plain(value), "__code__"):
+            parts.add(name.encode() + _full_name(function))
+            visit(function)
     return hashlib.sha256(b"".join(sorted(parts))).hexdigest()
+
+
+def _full_name(function: Any) -> bytes:
+    return f" {function.__module__}.{function.__qualname__} ".encode()
+
+
+@functools.lru_cache(maxsize=256)
+def _digest(path: str, changed: int) -> bytes:
+    return hashlib.sha256(Path(path).read_bytes()).digest()
+
+
+def _content(path: str | None) -> bytes:
+    """Digest of a source file, nothing where there is none."""
+    if path is None or not Path(path).exists():
+        return b""
+    return _digest(path, Path(path).stat().st_mtime_ns)
 
 
 def _reached(function: Any) -> list[tuple[str, Any]]:

@@ -23,6 +23,11 @@ EQUATIONS = Equations(
     shape=structure.shape,
 )
 
+# What the object's sections hang on.
+_CUT = {f"object.{name}" for name in ("radius", "half_x", "half_y", "z")} | {
+    f"{finger}.{name}" for finger in FINGERS for name in ("mount_z", "radius")
+}
+
 
 class Hand:
     """A Hannes hand: immutable; `with_values` and `with_effects` return changed copies."""
@@ -83,12 +88,35 @@ class Hand:
             packed += [values[effect.full_name(each.name)] for each in effect.parameters]
         return np.array(packed)
 
+    def vectors(
+        self,
+        shape: str | None,
+        count: int,
+        columns: Mapping[str, np.ndarray],
+        effects: tuple[Effect, ...],
+    ) -> np.ndarray:
+        """Pack `count` vectors that differ in `columns` (full name -> (count,)), one a row.
+
+        A column is copied to its places at once, but where the object's sections hang on it.
+        """
+        if _CUT & columns.keys():
+            rows = zip(*columns.values(), strict=True)
+            posed = (self.with_values(dict(zip(columns, row, strict=True))) for row in rows)
+            return np.array([each.vector(shape, effects) for each in posed])
+        base = self.vector(shape, effects)
+        own = [effect.full_name(each.name) for effect in effects for each in effect.parameters]
+        table = np.tile(base, (count, 1))
+        for place, name in (*enumerate(channels.PACKED), *enumerate(own, base.size - len(own))):
+            if name in columns:
+                table[:, place] = columns[name]
+        return table
+
     def _sections(self, shape: str) -> list[float]:
         """Values of the slots from `object_flat` to `reach`."""
         values = self.parameters
         offsets = [values[f"{finger}.mount_z"] - values["object.z"] for finger in FINGERS]
-        size = (values[f"object.{name}"] for name in ("radius", "half_x", "half_y"))
-        cuts = sections(shape, *size, offsets)
+        radius, half_x, half_y = (values[f"object.{n}"] for n in ("radius", "half_x", "half_y"))
+        cuts = sections(shape, radius, half_x, half_y, offsets)
         halves = [cut[column] for column in (0, 1) for cut in cuts]
         reach = [
             values[f"{finger}.radius"] + cut[2] if cut[2] > 0.0 else -1.0
@@ -104,6 +132,12 @@ class Hand:
             self.parameters[name] for name in channels.TABLES["rest"]
         ]
         return state
+
+    def rests(self, compiled: Compiled, vectors: np.ndarray) -> np.ndarray:
+        """The same for each row of `vectors`, shape (m, states)."""
+        states = np.zeros((vectors.shape[0], compiled.states.size))
+        states[:, compiled.states["joint_angle"]] = vectors[:, compiled.parameters["rest"]]
+        return states
 
     def __str__(self) -> str:
         """Stages with their equations, effects, values that differ from the shipped, sources."""

@@ -34,22 +34,23 @@ FREE = (
     "pip.viscous_friction",
     "cart.viscous_friction",
 )
-# What differs from run to run, one relative standard deviation: a choice, nobody published one.
-RESTLESS = dict.fromkeys(
+# What differs from run to run, one standard deviation: a choice, nobody published one.
+RESTLESS = dict.fromkeys(  # relative
     (
         *(f"{part}.{kind}_friction" for part in ("mcp", "pip", "cart")
           for kind in ("breakaway", "coulomb", "viscous")),
-        *("motor.dry_friction", "motor.viscous_friction"),
+        *("motor.dry_friction", "motor.viscous_friction", "object.friction"),
     ),
     0.01,
 ) | dict.fromkeys(
     (
-        *("motor.torque_constant", "motor.resistance"),
+        *("motor.torque_constant", "motor.resistance", "supply.voltage"),
         *("mcp.spring_stiffness", "mcp.spring_preload"),
         *("pip.spring_stiffness", "pip.spring_preload"),
     ),
     0.005,
 )  # fmt: skip
+MOVED = dict.fromkeys(("object.x", "object.y"), 0.2e-3)  # m, by which an object is put elsewhere
 MOST_KNOTS = 40  # a reference with more corners is integrated without restarts
 TOLERANCE = 1e-5
 
@@ -72,7 +73,7 @@ class HandPlant:
     judged = ("current", "position", "duty", "force", "sensor")
     block = 0.2
     expected = EXPECTED
-    restless: Mapping[str, float] = RESTLESS
+    start_time = 0.01  # s, standard deviation of when a run starts after its clock says so
 
     def __init__(self, hand: Hand | None = None) -> None:
         self.hand = hand or Hand()
@@ -91,6 +92,11 @@ class HandPlant:
     def free(self) -> Mapping[str, float]:
         """What a refit moves: 3 % of the given value each."""
         return {name: SPREAD * abs(self.parameters[name]) for name in FREE}
+
+    @property
+    def restless(self) -> Mapping[str, float]:
+        """What differs from run to run, one standard deviation."""
+        return {n: share * abs(self.parameters[n]) for n, share in RESTLESS.items()} | MOVED
 
     def with_effects(self, *effects: Effect) -> "HandPlant":
         """Return a plant whose hand has `effects` too."""

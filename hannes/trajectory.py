@@ -1,5 +1,6 @@
 """What a simulation returns: states over time, outputs on demand, and how it ended."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
@@ -7,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from hannes.assemble import Compiled
-from hannes.errors import ComputationFailed
+from hannes.errors import BadInput, ComputationFailed, nearest
 from hannes.experiment import Experiment
 
 
@@ -37,6 +38,15 @@ class Cost:
         )
 
 
+def failed(title: str, outcome: Outcome, message: str, time: np.ndarray) -> ComputationFailed:
+    """The error for a run that ended after the samples at `time`, with what to try."""
+    last = time[-1] if time.size else 0.0
+    return ComputationFailed(
+        f"{title}: {outcome.value} at {last:.4f} s "
+        f"(solver: {message}); try a smaller rtol, method = Radau, or softer parameters"
+    )
+
+
 @dataclass(frozen=True)
 class Trajectory:
     """States at the sample times, shape (n, states); outputs are computed when asked for.
@@ -60,11 +70,7 @@ class Trajectory:
         """Return itself where completed; raise ComputationFailed with what to try otherwise."""
         if self.outcome is Outcome.COMPLETED:
             return self
-        last = self.time[-1] if self.time.size else 0.0
-        raise ComputationFailed(
-            f"{self.experiment.title}: {self.outcome.value} at {last:.4f} s "
-            f"(solver: {self.message}); try a smaller rtol, method = Radau, or softer parameters"
-        )
+        raise failed(self.experiment.title, self.outcome, self.message, self.time)
 
     @cached_property
     def outputs(self) -> np.ndarray:
@@ -82,3 +88,32 @@ class Trajectory:
     def _column(table, layout, name):
         part = table[:, layout[name]]
         return part if layout.slot(name).axis else part[:, 0]
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """One grasp of a batch: `number` counts from 0, `grasp[name]` is a channel asked for.
+
+    Channels have the shape (n,) or (n, size), n the samples in `time` [s]. Where the outcome is
+    not COMPLETED they end before the failure, which `message` tells in the solver's words.
+    """
+
+    number: int
+    title: str
+    time: np.ndarray = field(repr=False)
+    channels: Mapping[str, np.ndarray] = field(repr=False)
+    outcome: Outcome
+    message: str
+    cost: Cost
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return a channel; BadInput where it was not asked for."""
+        if name not in self.channels:
+            raise BadInput(f'channel "{name}" was not asked for{nearest(name, self.channels)}')
+        return self.channels[name]
+
+    def require(self) -> "Grasp":
+        """Return itself where completed; raise ComputationFailed with what to try otherwise."""
+        if self.outcome is Outcome.COMPLETED:
+            return self
+        raise failed(f"{self.title}, grasp {self.number}", self.outcome, self.message, self.time)

@@ -9,13 +9,11 @@ import json
 import math
 import re
 from decimal import Decimal
-from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any, NoReturn
+from functools import lru_cache
+from typing import NoReturn
 
 from hannes.errors import BadInput
-
-if TYPE_CHECKING:
-    import pint
+from hannes.unit_worth import worth
 
 LONGEST = 80  # characters; no honest value with its unit is longer
 
@@ -115,7 +113,9 @@ def _reduce(unit: str) -> tuple[Decimal, dict[str, float]]:
     """Return (factor to base units, powers of the base units) of a unit text."""
     scale, dimension = Decimal(1), dict[str, float]()
     for name, power in _factors(unit):
-        factor, base = _worth(name)
+        if (found := worth(name)) is None:
+            raise _BadUnit(f'has the unknown unit "{name}"')
+        factor, base = found
         scale *= factor**power
         for key, exponent in base:
             dimension[key] = dimension.get(key, 0) + exponent * power
@@ -144,32 +144,6 @@ def _product(text: str) -> list[tuple[str, int]]:
     if not found or None in found:
         raise _BadUnit(f'has the unreadable unit "{_clean(text.strip())}"')
     return [(m[1], int(m[2] or m[3] or 1)) for m in found if m]
-
-
-@cache
-def _registry() -> "pint.UnitRegistry[Any]":
-    import pint
-
-    return pint.UnitRegistry(non_int_type=Decimal)
-
-
-@lru_cache(maxsize=256)
-def _worth(name: str) -> tuple[Decimal, tuple[tuple[str, float], ...]]:
-    """Return (factor, base units with powers) of one unit name.
-
-    A scale with its own zero (degC) or a logarithm (dB) has no factor: it converts to itself only.
-    """
-    registry = _registry()
-    try:
-        unit = registry.parse_units(name)
-        zero = registry.Quantity(Decimal(0), unit).to_root_units()
-        one = registry.Quantity(Decimal(1), unit).to_root_units()
-    except Exception:  # pint raises many kinds; each means that it does not know the name
-        raise _BadUnit(f'has the unknown unit "{name}"') from None
-    if zero.magnitude != 0:
-        return Decimal(1), ((str(unit), 1),)
-    base: Any = one.unit_items()  # powers may be halves (Gaussian units)
-    return Decimal(one.magnitude), tuple((key, float(power)) for key, power in base)
 
 
 def _as_float(value: int | float) -> float:

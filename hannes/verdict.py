@@ -109,8 +109,7 @@ def _named(result: Verdict, rest: str = "") -> str:
     line = f"{told}, explains {share:.0f} % of the reducible gap{rest}."
     if not vague:
         return line
-    verb = "is" if len(vague) == 1 else "are"
-    return f"{line} Not told from none {verb} {', '.join(_told(name, result) for name in vague)}."
+    return f"{line} Not told from none: {', '.join(_told(name, result) for name in vague)}."
 
 
 def _told(name: str, result: Verdict) -> str:

@@ -4,8 +4,11 @@ import functools
 
 import numpy as np
 
+from hannes._jit import kernel
+from hannes.effect import Effect, Term
 from hannes.experiment import Experiment, Reference, Target
 from hannes.hand import EQUATIONS, Hand
+from hannes.parameter import Parameter
 from hannes.simulate import simulate
 
 GRASP = ((0.0, 0.0), (0.637, 9.84), (1.022, 0.0))
@@ -40,6 +43,35 @@ def run(shape="cylinder", method="Rodas", rtol=1e-4, duration=1.15, **values):
 def worst(mine, theirs):
     """Largest difference of two traces as a share of the second's range."""
     return float(np.abs(mine - theirs).max() / np.ptp(theirs))
+
+
+@kernel
+def breaking(motor_speed, t, since, way):
+    """A torque that from a time on is no number, infinite or explosive."""
+    if t < since:
+        return 0.0
+    if way == 1.0:
+        return np.nan
+    return np.inf if way == 2.0 else -1e300 * motor_speed
+
+
+WAYS = {"not a number": 1.0, "infinite": 2.0, "overflowing": 3.0}
+BREAK = Effect(
+    "breaking",
+    "The rates break.",
+    "-",
+    "a test",
+    (
+        Parameter("way", 0.0, "1", (0.0, 3.0), "how it breaks", off=0.0),
+        Parameter("since", 0.05, "s", (0.0, 1.0), "when it breaks"),
+    ),
+    (Term(breaking, ("motor_torque",)),),
+)
+
+
+def broken(how, since=0.05):
+    """A hand whose rates break."""
+    return Hand().with_effects(BREAK).with_values({"breaking.way": how, "breaking.since": since})
 
 
 class Bench:

@@ -67,7 +67,7 @@ def test_only_what_is_told_from_none_carries_the_gain(found):
     assert untold(result.verdict.parameters) == ["direction_friction.dry"]
     first, _, second = result.verdict.sentence.partition(". ")
     assert "viscous" in first and "dry" not in first
-    assert second.startswith("Not told from none is dry")
+    assert second.startswith("Not told from none: dry")
     assert "Told from none" in (out / "report.html").read_text(encoding="utf-8")
 
 
@@ -137,7 +137,7 @@ def verdict(kind, **changes):
     gap = {"unit": "V", "as_given": 0.5, "before": 0.5, "after": 0.1, "floor": 0.1}
     parameters = {"direction_friction.dry": size, "direction_friction.viscous": dict(size)}
     fields = {"effects": ["direction_friction"], "parameters": parameters, "gap": {"drive": gap}}
-    rest = dict.fromkeys(("where", "candidates", "tried"), [])
+    rest = {key: [] for key in ("where", "candidates", "tried")}
     return Verdict(
         kind, **{**fields, **changes}, **rest, reason="r", alpha=0.01, recordings={}, seed=0
     )
@@ -157,4 +157,4 @@ def test_the_sentence_of_each_verdict():
 def test_sizes_none_of_which_is_told_from_none_are_all_shown():
     size = {"value": 0.2, "unit": "1", "low": -0.1, "high": 0.3, "off": 0.0}
     told = verdict("named", parameters={"direction_friction.dry": size}).sentence
-    assert told.count("dry 0.2 (-0.1 to 0.3)") == 2 and "Not told from none is dry" in told
+    assert told.count("dry 0.2 (-0.1 to 0.3)") == 2 and "Not told from none: dry" in told

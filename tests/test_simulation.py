@@ -5,15 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from runs import GRASP, grasp, reference, run, worst
+from runs import GRASP, WAYS, broken, grasp, reference, run, worst
 
-from hannes._jit import kernel
 from hannes.anatomy import FINGERS
-from hannes.effect import Effect, Term
 from hannes.errors import BadInput, ComputationFailed
 from hannes.experiment import Experiment, Reference, Target
 from hannes.hand import Hand
-from hannes.parameter import Parameter
 from hannes.simulate import simulate
 from hannes.trajectory import Outcome
 
@@ -176,35 +173,6 @@ def test_the_duty_is_held_between_ticks():
 # --- ends -------------------------------------------------------------------------------------
 
 
-@kernel
-def breaking(motor_speed, t, since, way):
-    """A torque that from a time on is no number, infinite or explosive."""
-    if t < since:
-        return 0.0
-    if way == 1.0:
-        return np.nan
-    return np.inf if way == 2.0 else -1e300 * motor_speed
-
-
-WAYS = {"not a number": 1.0, "infinite": 2.0, "overflowing": 3.0}
-BREAK = Effect(
-    "breaking",
-    "The rates break.",
-    "-",
-    "a test",
-    (
-        Parameter("way", 0.0, "1", (0.0, 3.0), "how it breaks", off=0.0),
-        Parameter("since", 0.05, "s", (0.0, 1.0), "when it breaks"),
-    ),
-    (Term(breaking, ("motor_torque",)),),
-)
-
-
-def broken(how, since=0.05):
-    """A hand whose rates break."""
-    return Hand().with_effects(BREAK).with_values({"breaking.way": how, "breaking.since": since})
-
-
 @pytest.mark.parametrize("method", ["Rodas", "LSODA", "BDF", "Radau", "RK45"])
 @pytest.mark.parametrize("how", WAYS)
 def test_a_run_that_breaks_has_a_named_outcome(method, how):
@@ -231,8 +199,10 @@ def test_rates_that_are_not_finite_at_the_start_end_at_once(method):
 
 @pytest.mark.parametrize("method", ["BDF", "Radau"])
 def test_a_jacobian_that_is_not_finite_keeps_the_solvers_words(monkeypatch, method):
-    runner = sys.modules["hannes.stock"].Stock
-    monkeypatch.setattr(runner, "_jacobian", lambda self, knots: {"jac": not_finite})
+    runner = sys.modules["hannes.ivp"].Initial
+    monkeypatch.setattr(
+        runner, "_method", lambda self, knots: {"method": self.method, "jac": not_finite}
+    )
     found = simulate(Hand(), grasp(duration=0.1), method=method)
     assert found.outcome is Outcome.NOT_FINITE
     assert "infs or NaNs" in found.message

@@ -1,6 +1,10 @@
 """Values with a unit: what is read, what is refused, and the exact way back."""
 
+import json
 import math
+import os
+import subprocess
+import sys
 
 import pytest
 from hypothesis import given
@@ -165,3 +169,40 @@ def test_unit_scale() -> None:
 def test_text_refuses_what_is_not_finite() -> None:
     with pytest.raises(BadInput, match="not finite"):
         text(math.nan, "m")
+
+
+# --- what is kept -----------------------------------------------------------------------------
+
+ASKED = """
+import json, sys
+from hannes.units import quantity
+values = [quantity("3.1 mm", "m", "x"), quantity("25 degC", "degC", "x")]
+print(json.dumps([values, "pint" in sys.modules]))
+"""
+
+
+def asked(folder):
+    """Values in a process of its own, and whether pint was needed."""
+    done = subprocess.run(
+        [sys.executable, "-c", ASKED],
+        env={**os.environ, "HANNES_CACHE": str(folder), "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return json.loads(done.stdout)
+
+
+def test_what_a_unit_is_worth_is_asked_of_pint_once(tmp_path):
+    values = [0.0031, 25.0]
+    assert asked(tmp_path) == [values, True]
+    assert asked(tmp_path) == [values, False]
+    (kept,) = (tmp_path / "hannes").glob("units_*.json")
+    for damaged in ("", "{", "[1, 2]", '{"mm": 1}', '{"mm": ["x", []]}'):
+        kept.write_text(damaged)
+        assert asked(tmp_path) == [values, True]
+
+
+def test_units_work_where_nothing_can_be_kept(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    assert asked(tmp_path / "file") == [[0.0031, 25.0], True]

@@ -38,9 +38,9 @@ from hannes.anatomy import FINGERS
 from hannes.channels import CHANNELS, PARAMETER_SLOTS, STATES
 from hannes.experiment import Experiment
 from hannes.hand import Hand
+from hannes.ivp import HOLD
 from hannes.layout import Layout
 from hannes.onset import smoothstep
-from hannes.simulate import HOLD
 
 Y, C, P = Layout(STATES), Layout(CHANNELS), Layout(PARAMETER_SLOTS)
 

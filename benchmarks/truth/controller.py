@@ -1,14 +1,15 @@
 """The two nested controllers, motor side: position (rad) -> current (A) -> voltage -> duty.
 
-Derivative action on the measured speed less a share of the reference's
-(`position_pid.reference_share`): 0 brakes all motion, 1 acts on the error's rate. Back calculation
-unwinds both integrals: the outer one by the clipped part of the current demand, the inner one by
-the clipped volts, within a time of proportional / integral gain.
+Derivative action on the measured speed. Back calculation unwinds both integrals: the outer one by
+the clipped part of the current demand, the inner one by the clipped volts, within a time of
+proportional / integral gain.
 """
 
 from math import floor, pi
 
 from benchmarks.truth._jit import compiled
+from benchmarks.truth.laws import held
+from benchmarks.truth.state import INTEGRAL, LAG, VOLTS
 
 
 @compiled
@@ -23,19 +24,49 @@ def rounded(value, step):
 
 
 @compiled
-def continuous(h, reference, position, current, integral, lag, inner):
-    """Duty, and the rates of the position integral, the speed filter's lag and the inner volts."""
+def _unwound(start, gain, error, rest, integral_gain, limit, unwind):
+    """Integral z of `error` with back calculation, its rate, and the clipped sum of both parts.
+
+    rest: what joins integral_gain z in the sum; unwind: rate of z per clipped part of the sum.
+    The rate is linear in z on either side of the limit, so trying both finds the implicit z.
+    """
+    a, b = error, 0.0
+    z = held(start, gain, a, b)
+    total = rest + integral_gain * z
+    allowed = _clip(total, limit)
+    if allowed != total:
+        a, b = error + unwind * (allowed - rest), unwind * integral_gain
+        z = held(start, gain, a, b)
+    return z, a - b * z, allowed
+
+
+@compiled
+def continuous(h, reference, position, current, start, gain, y, dy):
+    """Duty; writes position integral, speed filter and the inner integral's volts."""
+    y[LAG] = held(start[LAG], gain, position / h.position_pid_filter, 1.0 / h.position_pid_filter)
+    dy[LAG] = speed = (position - y[LAG]) / h.position_pid_filter
     error = reference - position
-    speed = (position - h.position_pid_reference_share * reference - lag) / h.position_pid_filter
-    demand = h.position_pid_proportional * error + h.position_pid_integral * integral
-    demand -= h.position_pid_derivative * speed
-    allowed = _clip(demand, h.position_pid_limit)
+    rest = h.position_pid_proportional * error - h.position_pid_derivative * speed
+    y[INTEGRAL], dy[INTEGRAL], allowed = _unwound(
+        start[INTEGRAL],
+        gain,
+        error,
+        rest,
+        h.position_pid_integral,
+        h.position_pid_limit,
+        1.0 / h.position_pid_proportional,
+    )
     miss = allowed - current
-    wanted = h.current_pid_proportional * miss + inner
-    duty = _clip(wanted / h.supply_voltage, 1.0)
-    unwind = h.current_pid_integral / h.current_pid_proportional
-    rate = h.current_pid_integral * miss + unwind * (duty * h.supply_voltage - wanted)
-    return duty, error + (allowed - demand) / h.position_pid_proportional, speed, rate
+    y[VOLTS], dy[VOLTS], volts = _unwound(
+        start[VOLTS],
+        gain,
+        h.current_pid_integral * miss,
+        h.current_pid_proportional * miss,
+        1.0,
+        h.supply_voltage,
+        h.current_pid_integral / h.current_pid_proportional,
+    )
+    return volts / h.supply_voltage
 
 
 @compiled
@@ -46,23 +77,21 @@ def encoder(h, shaft):
 
 @compiled
 def sampled(h, reference, position, current, memory):
-    """Duty for the coming period; `memory`: integral, filtered speed, inner volts, last motion.
+    """Duty for the coming period; `memory`: integral, filtered speed, inner volts, last position.
 
-    As the firmware does it: difference, one-pole filter, forward sums with back calculation.
+    As the firmware does it: difference, one-pole filter; integrals act first and are summed after.
     """
     period = h.controller_period
     error = reference - position
-    motion = position - h.position_pid_reference_share * reference
-    fresh = (motion - memory[3]) / period
-    memory[1] += h.controller_speed_weight * (fresh - memory[1])
-    memory[3] = motion
+    memory[1] += h.controller_speed_weight * ((position - memory[3]) / period - memory[1])
+    memory[3] = position
     demand = h.position_pid_proportional * error + h.position_pid_integral * memory[0]
     demand -= h.position_pid_derivative * memory[1]
     allowed = _clip(demand, h.position_pid_limit)
     memory[0] += period * (error + (allowed - demand) / h.position_pid_proportional)
     miss = allowed - current
-    memory[2] += period * h.current_pid_integral * miss
     wanted = h.current_pid_proportional * miss + memory[2]
-    duty = _clip(wanted / h.supply_voltage, 1.0)
-    memory[2] += duty * h.supply_voltage - wanted
-    return duty
+    volts = _clip(wanted, h.supply_voltage)
+    cut = (volts - wanted) / h.current_pid_proportional
+    memory[2] += period * h.current_pid_integral * (miss + cut)
+    return volts / h.supply_voltage

@@ -8,35 +8,60 @@ positions, and the sum is projected on the two joint angles by X' = R(q) q' (de 
 from math import cos, sin, sqrt, tanh
 
 from benchmarks.truth._jit import compiled
+from benchmarks.truth.effects import hunt_crossley, viscoelastic_object
 from benchmarks.truth.laws import onset
 
 
 @compiled
-def contact(ax, ay, bx, by, avx, avy, bvx, bvy, disc, law):
-    """Force on rod ends A and B (N; 4) and the normal force of a capsule on a disc; equation 3.
+def pressed(depth, rate, law, dented, gain):
+    """Normal force (N), never pulling; the dent (m) and its rate.
 
-    disc: centre x, y and radius, then the capsule's own radius (m). law: stiffness (N/m), damping
-    (N s/m), friction, onset (m), slip speed (m/s).
+    depth (m) and its rate: of the capsule in the object; dented: the dent at the step's start.
     """
+    stiffness, damping, _, width, _, exponent, dissipation, share, time = law
+    dent, a, b = dented, 0.0, 0.0
+    if share > 0.0:
+        dent, a, b = viscoelastic_object.dent(dented, gain, depth, share, time)
+    force = 0.0
+    if depth > 0.0:
+        force = damping * rate * onset(depth, width)
+    if depth > dent:
+        force += hunt_crossley.elastic(depth - dent, rate, stiffness, exponent, dissipation)
+    elif depth > 0.0:
+        force += stiffness * (depth - dent)
+    return max(0.0, force), dent, a - b * dent
+
+
+@compiled
+def contact(ends, speeds, disc, law, dented, gain):
+    """Force on rod ends A and B (N; 4), normal force and push on the face (N), dent and its rate.
+
+    ends, speeds: ax, ay, bx, by (m, m/s). disc: centre x, y and radius, then the capsule's own
+    radius (m). law: stiffness (N/m), damping (N s/m), friction, onset (m), slip speed (m/s);
+    exponent, dissipation; share, time (s).
+    """
+    ax, ay, bx, by = ends
+    avx, avy, bvx, bvy = speeds
     cx, cy, radius, finger_radius = disc
-    stiffness, damping, mu, width, slip_speed = law
+    if radius <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, dented, 0.0
     ex, ey = bx - ax, by - ay
     length2 = ex * ex + ey * ey
     along = min(max(((cx - ax) * ex + (cy - ay) * ey) / length2, 0.0), 1.0)
     dx, dy = cx - ax - along * ex, cy - ay - along * ey
     distance = sqrt(dx * dx + dy * dy)
     depth = radius + finger_radius - distance
-    if radius <= 0.0 or depth <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
+    if depth <= 0.0:
+        _, dent, dent_rate = pressed(depth, 0.0, law, dented, gain)
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, dent, dent_rate
     nx, ny = dx / distance, dy / distance
     # The touching point as A + xi (B - A) + eta perp(B - A), perp(e) = (-ey, ex).
     xi = along + finger_radius * (nx * ex + ny * ey) / length2
     eta = finger_radius * (-nx * ey + ny * ex) / length2
     evx, evy = bvx - avx, bvy - avy
     vx, vy = avx + xi * evx - eta * evy, avy + xi * evy + eta * evx
-    normal = stiffness * depth + damping * (vx * nx + vy * ny) * onset(depth, width)
-    normal = max(0.0, normal)
-    drag = mu * normal * tanh((-vx * ny + vy * nx) / slip_speed)
+    normal, dent, dent_rate = pressed(depth, vx * nx + vy * ny, law, dented, gain)
+    drag = law[2] * normal * tanh((-vx * ny + vy * nx) / law[4])
     fx, fy = -normal * nx + drag * ny, -normal * ny - drag * nx
     return (
         (1.0 - xi) * fx - eta * fy,
@@ -44,15 +69,20 @@ def contact(ax, ay, bx, by, avx, avy, bvx, bvy, disc, law):
         xi * fx + eta * fy,
         xi * fy - eta * fx,
         normal,
+        # The dynamometer's face looks to the fingertips and feels what presses it to the palm.
+        fx if nx < 0.0 else 0.0,
+        dent,
+        dent_rate,
     )
 
 
 @compiled
-def finger(angles, speeds, torques, lengths, masses, gravity, disc, law):
-    """Angular accelerations (rad/s2) of MCP and PIP and the sum of normal forces (N).
+def finger(angles, speeds, torques, lengths, masses, gravity, disc, law, dents, gain):
+    """Angular accelerations (rad/s2) of MCP and PIP; dents and their rates; normal force and push.
 
     angles, speeds, torques: MCP, PIP; lengths, masses: proximal, distal rod; gravity (m/s2) and
-    disc (see `contact`): in the finger's plane, whose origin is the MCP axis.
+    disc (see `contact`): in the finger's plane, whose origin is the MCP axis; dents: one for each
+    rod, at the start of a part-step of `gain`.
     """
     (q1, q2), (w1, w2), (torque1, torque2) = angles, speeds, torques
     (l1, l2), (m1, m2), (gx, gy) = lengths, masses, gravity
@@ -65,8 +95,8 @@ def finger(angles, speeds, torques, lengths, masses, gravity, disc, law):
 
     fx, fy = 0.5 * (m1 + m2) * gx, 0.5 * (m1 + m2) * gy
     hx, hy = 0.5 * m2 * gx, 0.5 * m2 * gy
-    near = contact(0.0, 0.0, px, py, 0.0, 0.0, vpx, vpy, disc, law)
-    far = contact(px, py, tx, ty, vpx, vpy, vtx, vty, disc, law)
+    near = contact((0.0, 0.0, px, py), (0.0, 0.0, vpx, vpy), disc, law, dents[0], gain)
+    far = contact((px, py, tx, ty), (vpx, vpy, vtx, vty), disc, law, dents[1], gain)
     fx, fy = fx + near[2] + far[0], fy + near[3] + far[1]
     hx, hy = hx + far[2], hy + far[3]
 
@@ -86,5 +116,6 @@ def finger(angles, speeds, torques, lengths, masses, gravity, disc, law):
     b1 = torque1 + t1x * fx + t1y * fy + sx * hx + sy * hy
     b2 = torque2 + t2x * hx + t2y * hy
     det = m11 * m22 - m12 * m12
-    force = near[4] + far[4]
-    return (m22 * b1 - m12 * b2) / det, (m11 * b2 - m12 * b1) / det, force
+    accelerations = (m22 * b1 - m12 * b2) / det, (m11 * b2 - m12 * b1) / det
+    dented = near[6], far[6], near[7], far[7]
+    return accelerations, dented, near[4] + far[4], near[5] + far[5]

@@ -1,86 +1,51 @@
-"""Rates of the whole hand's state (SI, motor side), from the motor out to the fingertips.
-
-State: 0-9 joint angles (2 finger + joint), 10-19 their speeds, 20-21 carts, 22-23 their speeds,
-24 motor angle, 25 motor speed, 26 current, 27 position integral, 28 speed filter's lag, 29 volts of
-the current integral. The last three rest where the controller is sampled.
-"""
+"""Rates of the whole hand's state, from the motor out to the fingertips."""
 
 import numpy as np
 
 from benchmarks.truth._jit import compiled
 from benchmarks.truth.controller import continuous
+from benchmarks.truth.effects import wire_creep
 from benchmarks.truth.finger import finger
-from benchmarks.truth.laws import drive_friction, friction, one_sided, spring_and_stops
-
-SIZE = 30
-
-
-@compiled
-def excursion(h, y, f):
-    """Flexor taken up by finger f (m) and its rate (m/s)."""
-    r1, r2 = h.mcp_moment_arm, h.pip_moment_arm
-    taken = r1 * (y[2 * f] - h.fingers_mcp_rest[f]) + r2 * (y[2 * f + 1] - h.fingers_pip_rest[f])
-    return taken, r1 * y[10 + 2 * f] + r2 * y[11 + 2 * f]
-
-
-@compiled
-def follower_tension(h, y, c):
-    """Tension (N) of cart c's follower wire: index and middle (0), ring and little (1)."""
-    one, one_rate = excursion(h, y, 2 * c)
-    two, two_rate = excursion(h, y, 2 * c + 1)
-    stretch, rate = 2.0 * y[20 + c] - one - two, 2.0 * y[22 + c] - one_rate - two_rate
-    return one_sided(stretch, rate, h.follower_stiffness, h.follower_damping, h.wires_onset)
+from benchmarks.truth.joints import mcp_torque, pip_torque
+from benchmarks.truth.laws import friction
+from benchmarks.truth.motor import follow_shaft, sense_current, sense_force, turn, wind
+from benchmarks.truth.state import (
+    ANGLE,
+    CART,
+    CART_SPEED,
+    CREPT,
+    DENT,
+    MOTOR,
+    MOTOR_SPEED,
+    SHAFT,
+    SIZE,
+    SPEED,
+)
+from benchmarks.truth.wires import follower_tensions, leader_pulls, leader_tension
 
 
 @compiled
-def leader_tension(h, y):
-    """Tension (N) of the leader wire, from the pulley over both carts to the thumb."""
-    thumb, thumb_rate = excursion(h, y, 4)
-    arm = h.gear_pulley_radius / h.gear_ratio
-    stretch = arm * y[24] - h.slack - 2.0 * (y[20] + y[21]) - thumb
-    rate = arm * y[25] - 2.0 * (y[22] + y[23]) - thumb_rate
-    return one_sided(stretch, rate, h.leader_stiffness, h.leader_damping, h.wires_onset)
+def move(h, start, gain, y, dy):
+    """Writes all positions from the speeds."""
+    for k in range(10):
+        y[ANGLE + k] = start[ANGLE + k] + gain * y[SPEED + k]
+        dy[ANGLE + k] = y[SPEED + k]
+    for c in range(2):
+        y[CART + c] = start[CART + c] + gain * y[CART_SPEED + c]
+        dy[CART + c] = y[CART_SPEED + c]
+    y[MOTOR] = start[MOTOR] + gain * y[MOTOR_SPEED]
+    dy[MOTOR] = y[MOTOR_SPEED]
+    follow_shaft(h, start, gain, y, dy)
+    y[CREPT] = start[CREPT]  # micrometres a second: its own part-step may wait
 
 
 @compiled
-def mcp_torque(h, y, f):
-    """Passive torque (N m) of finger f's MCP joint."""
-    spring = (h.mcp_spring_stiffness, h.mcp_spring_preload)
-    stop = (h.mcp_stop_stiffness, h.mcp_stop_damping, h.mcp_stop_onset)
-    drag = friction(
-        y[10 + 2 * f],
-        h.mcp_breakaway_friction,
-        h.mcp_coulomb_friction,
-        h.mcp_breakaway_speed,
-        h.mcp_viscous_friction,
-    )
-    limits = (h.fingers_mcp_rest[f], h.fingers_mcp_upper[f])
-    return spring_and_stops(y[2 * f], y[10 + 2 * f], limits, spring, stop) - drag
-
-
-@compiled
-def pip_torque(h, y, f):
-    """Passive torque (N m) of finger f's PIP joint."""
-    spring = (h.pip_spring_stiffness, h.pip_spring_preload)
-    stop = (h.pip_stop_stiffness, h.pip_stop_damping, h.pip_stop_onset)
-    drag = friction(
-        y[11 + 2 * f],
-        h.pip_breakaway_friction,
-        h.pip_coulomb_friction,
-        h.pip_breakaway_speed,
-        h.pip_viscous_friction,
-    )
-    limits = (h.fingers_pip_rest[f], h.fingers_pip_upper[f])
-    return spring_and_stops(y[2 * f + 1], y[11 + 2 * f], limits, spring, stop) - drag
-
-
-@compiled
-def finger_rates(h, y, f, tension, dy):
-    """Writes finger f's rates; its normal force on the object (N)."""
+def finger_rates(h, f, tension, start, gain, y, dy):
+    """Writes finger f's rates; its normal force on the object and its push on the face (N)."""
     i, j = 2 * f, 2 * f + 1
     torques = (
-        mcp_torque(h, y, f) + h.mcp_moment_arm * tension,
-        pip_torque(h, y, f) + h.pip_moment_arm * tension,
+        mcp_torque(h, f, start, gain, y, dy) + h.mcp_moment_arm * tension,
+        pip_torque(h, f, start, gain, y, dy) + h.pip_moment_arm * tension,
     )
     lengths = (h.fingers_proximal_length[f], h.fingers_distal_length[f])
     masses = (h.fingers_proximal_mass[f], h.fingers_distal_mass[f])
@@ -90,68 +55,76 @@ def finger_rates(h, y, f, tension, dy):
         h.object_stiffness,
         h.object_damping,
         h.object_friction,
-        h.contact_onset,
-        h.contact_slip_speed,
+        h.object_onset,
+        h.object_slip_speed,
+        h.hunt_crossley_exponent,
+        h.hunt_crossley_dissipation,
+        h.viscoelastic_object_share,
+        h.viscoelastic_object_time,
     )
-    angles, speeds = (y[i], y[j]), (y[10 + i], y[10 + j])
-    dy[i], dy[j] = speeds
-    dy[10 + i], dy[10 + j], force = finger(
-        angles, speeds, torques, lengths, masses, gravity, disc, law
+    angles, speeds = (y[ANGLE + i], y[ANGLE + j]), (y[SPEED + i], y[SPEED + j])
+    dents = (start[DENT + i], start[DENT + j])
+    rates, dented, force, face = finger(
+        angles, speeds, torques, lengths, masses, gravity, disc, law, dents, gain
     )
-    return force
+    dy[SPEED + i], dy[SPEED + j] = rates
+    y[DENT + i], y[DENT + j], dy[DENT + i], dy[DENT + j] = dented
+    return force, face
 
 
 @compiled
-def mechanics(h, y, dy):
-    """Writes the rates of fingers, carts and motor; the sum of normal forces (N)."""
-    leader = leader_tension(h, y)
-    force = finger_rates(h, y, 4, leader, dy)
+def cart_rate(h, c, leader, follower, y, dy):
+    """Writes cart c's acceleration under the pulls (N) of the leader and of its follower."""
+    drag = friction(
+        y[CART_SPEED + c],
+        h.cart_breakaway_friction,
+        h.cart_coulomb_friction,
+        h.cart_breakaway_speed,
+        h.cart_viscous_friction,
+    )
+    dy[CART_SPEED + c] = (leader - follower - drag) / h.cart_mass
+
+
+@compiled
+def mechanics(h, start, gain, y, dy):
+    """Writes the rates of fingers, carts, motor and shaft."""
+    tension, lever = leader_tension(h, y)
+    dy[CREPT] = wire_creep.speed(h, tension)
+    pull_a, pull_b, thumb = leader_pulls(h, y, tension)
+    force, face = finger_rates(h, 4, thumb, start, gain, y, dy)
     for c in range(2):
-        tension = follower_tension(h, y, c)
-        force += finger_rates(h, y, 2 * c, tension, dy)
-        force += finger_rates(h, y, 2 * c + 1, tension, dy)
-        drag = friction(
-            y[22 + c],
-            h.cart_breakaway_friction,
-            h.cart_coulomb_friction,
-            h.cart_breakaway_speed,
-            h.cart_viscous_friction,
-        )
-        dy[20 + c] = y[22 + c]
-        dy[22 + c] = (2.0 * leader - 2.0 * tension - drag) / h.cart_mass
-    load = h.gear_pulley_radius * leader / h.gear_ratio
-    drag = drive_friction(
-        y[25],
-        load,
-        h.motor_dry_friction,
-        h.asymmetry,
-        h.load_loss,
-        h.motor_friction_speed,
-        h.motor_viscous_friction,
-    )
-    dy[24] = y[25]
-    dy[25] = (h.motor_torque_constant * y[26] - drag - load) / h.motor_inertia
-    return force
+        one, two = follower_tensions(h, y, c)
+        cart_rate(h, c, pull_a if c == 0 else pull_b, one + two, y, dy)
+        more, also = finger_rates(h, 2 * c, one, start, gain, y, dy)
+        force, face = force + more, face + also
+        more, also = finger_rates(h, 2 * c + 1, two, start, gain, y, dy)
+        force, face = force + more, face + also
+    turn(h, lever * tension, y, dy)
+    sense_force(h, force, face, start, gain, y, dy)
 
 
 @compiled
-def rates(h, y, reference, duty, is_sampled, dy):
-    """Writes all rates; `duty` is used only where the controller is sampled. Returns duty, force.
+def rates(h, start, gain, reference, duty, is_sampled, y, dy):
+    """Completes y from its unknowns, with z = start + gain z' for the rest, and writes all rates.
 
-    reference (rad): motor side.
+    At gain 0, y is `start` and the rates are those at y. reference: motor side (rad); `duty` is
+    used only where the controller is sampled. Returns duty, bus voltage and measured current.
     """
-    force = mechanics(h, y, dy)
-    if is_sampled:
-        dy[27], dy[28], dy[29] = 0.0, 0.0, 0.0
-    else:
-        duty, dy[27], dy[28], dy[29] = continuous(h, reference, y[24], y[26], y[27], y[28], y[29])
-    volts = duty * h.supply_voltage - h.motor_resistance * y[26]
-    dy[26] = (volts - h.motor_torque_constant * y[25]) / h.motor_inductance
-    return duty, force
+    move(h, start, gain, y, dy)
+    mechanics(h, start, gain, y, dy)
+    current = sense_current(h, start, gain, y, dy)
+    if not is_sampled:
+        position = y[SHAFT] * h.gear_ratio
+        duty = continuous(h, reference, position, current, start, gain, y, dy)
+    bus = wind(h, duty, y, dy)
+    return duty, bus, current
 
 
 def rest_state(h) -> np.ndarray:
     """Everything at its rest angle and still: an exact equilibrium without gravity."""
     y = np.zeros(SIZE)
-    y[0:10:2], y[1:10:2] = h.fingers_mcp_rest, h.fingers_pip_rest
+    y[ANGLE : ANGLE + 10 : 2], y[ANGLE + 1 : ANGLE + 10 : 2] = (
+        h.fingers_mcp_rest,
+        h.fingers_pip_rest,
+    )
     return y

@@ -6,7 +6,6 @@ Only N = 19, 12 V and Table I's orders of magnitude are published; all else is a
 import difflib
 import tomllib
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,6 @@ NOMINAL: dict[str, Any] = {
     "motor.friction_speed": 5.0,
     "motor.viscous_friction": 5.25e-7,
     "gear.ratio": 19.0,
-    "gear.load_loss": 0.0,
     "gear.pulley_radius": 4.74e-3,
     "leader.stiffness": 6.7e4,
     "leader.damping": 30.0,
@@ -68,13 +66,19 @@ NOMINAL: dict[str, Any] = {
     "fingers.side": (1.0, 1.0, 1.0, 1.0, -1.0),
     "gravity.x": 0.0,  # m/s2 in the hand frame; off unless asked for
     "gravity.y": 0.0,
-    "contact.onset": 1e-4,
-    "contact.slip_speed": 5e-3,
+    "object.stiffness": 38300.0,  # the dynamometer's, unless an experiment gives another object
+    "object.damping": 184.0,
+    "object.friction": 0.55,
+    "object.slip_speed": 5e-3,
+    "object.onset": 1e-4,
+    "object.radius": 26e-3,
+    "object.x": 14.6e-3,
+    "object.y": -46.9e-3,
+    "object.z": 0.0,
     "supply.voltage": 12.0,
     "position_pid.proportional": 0.0358,  # A/rad, motor side
     "position_pid.integral": 0.0,  # A/(rad s)
     "position_pid.derivative": 1.95e-3,  # A s/rad
-    "position_pid.reference_share": 0.0,  # of the reference's speed in the velocity term
     "position_pid.filter": 2.5e-3,  # s, continuous controller
     "controller.speed_weight": 0.4,  # sampled controller's one-pole filter
     "position_pid.limit": 4.0,
@@ -103,9 +107,9 @@ GEOMETRY = {
     "mount_z": "fingers.plane_z",
     "facing": "fingers.side",
 }
-# Without a part in this hand: fixed phalanges, gravity across the finger planes, the object (given
-# apart), the sampling (chosen per simulation), the filter of an absent derivative.
-UNUSED = ("gravity.z", "object.", "controller.sampled", "current_pid.filter")
+# Without a part in this hand: fixed phalanges, gravity across the finger planes, prisms, sampling
+# (chosen per simulation), the filter of an absent derivative.
+UNUSED = ("gravity.z", "object.half_", "controller.sampled", "current_pid.filter")
 UNUSED += tuple(f"{finger}.first_length" for finger in FINGERS)
 
 
@@ -133,6 +137,18 @@ def named(values: Mapping[str, Any]) -> dict[str, Any]:
     return out
 
 
+def flat(values: Mapping[str, Any]) -> dict[str, float]:
+    """All values under the names of a hand.toml, one number each."""
+    out: dict[str, float] = {}
+    for name, value in values.items():
+        if name.startswith("fingers."):
+            what = next(key for key, home in GEOMETRY.items() if home == name)
+            out |= {f"{f}.{what}": float(x) for f, x in zip(FINGERS, value, strict=True)}
+        else:
+            out[name] = float(value)
+    return out
+
+
 def _stranger(name: str) -> str:
     known = [*NOMINAL, *(f"{finger}.{what}" for finger in FINGERS for what in GEOMETRY)]
     near = difflib.get_close_matches(name, known, n=1)
@@ -149,21 +165,15 @@ def to_si(value: Any, unit: str | None = None) -> Any:
         return float(value)
     try:
         quantity = pint.get_application_registry().Quantity(value).to_base_units()
-        return float(quantity.to(unit).magnitude if unit else quantity.magnitude)
+        number = float(quantity.to(unit).magnitude if unit else quantity.magnitude)
     except pint.PintError as error:
         raise ValueError(f"expected a value with unit such as '3 {unit}': {error}") from None
+    if not np.isfinite(number):
+        raise ValueError(f"expected a finite value, came {value}")
+    return number
 
 
-def read_hand(path: str | Path) -> dict[str, Any]:
+def parse_hand(text: str) -> dict[str, Any]:
     """The nominal values with those of a hand.toml's `[parameters]` in their place."""
-    table = tomllib.loads(Path(path).read_text(encoding="utf-8")).get("parameters", {})
+    table = tomllib.loads(text).get("parameters", {})
     return named({name: to_si(value) for name, value in table.items()})
-
-
-def fields(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameters (any subset; the rest nominal) as floats and float64 arrays of length 5."""
-    out: dict[str, Any] = {}
-    for name, value in named(parameters).items():
-        key = name.replace(".", "_")
-        out[key] = np.array(value, float) if name.startswith("fingers.") else float(value)
-    return out

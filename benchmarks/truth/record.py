@@ -1,58 +1,75 @@
-"""The flat record that the compiled kernels read."""
+"""The flat record that the compiled kernels read: parameters, object, hidden effects."""
 
-from collections import namedtuple
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from benchmarks.truth.parameters import NOMINAL, fields
+from benchmarks.truth.effects import SIZES
+from benchmarks.truth.effects.object_misplacement import placed
+from benchmarks.truth.parameters import NOMINAL, named
 
 _SECTION = ("section_radius", "section_x", "section_y")  # per finger, in its own plane
-_OBJECT = ("object_stiffness", "object_damping", "object_friction")
-_HIDDEN = ("slack", "asymmetry", "load_loss")
-# Built from NOMINAL so that a parameter has one home; dots become underscores.
-Hand = namedtuple(
-    "Hand", [name.replace(".", "_") for name in NOMINAL] + [*_SECTION, *_OBJECT, *_HIDDEN]
+# Built from NOMINAL and SIZES so that a parameter has one home; dots become underscores.
+_ONE = [name for name in (*NOMINAL, *SIZES) if not name.startswith("fingers.")]
+_FIVE = [*(name for name in NOMINAL if name.startswith("fingers.")), *_SECTION]
+LAYOUT = np.dtype(
+    [(name.replace(".", "_"), float) for name in _ONE]
+    + [(name.replace(".", "_"), float, 5) for name in _FIVE]
 )
 
 
-def section(
-    thing: Mapping[str, Any] | None, hand: Mapping[str, Any]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Radius and centre (m) of the object's cut by each finger's plane; radius 0 where it misses.
+def checked(effects: Mapping[str, float]) -> dict[str, float]:
+    """Every effect's parameters by full name; those not given at their defaults.
 
-    A cylinder's axis is z, across the fingers; a sphere's cut shrinks off its centre.
+    Raises ValueError for a name that no effect has.
     """
-    if thing is None:
-        return np.zeros(5), np.zeros(5), np.zeros(5)
-    if thing["shape"] not in ("cylinder", "sphere"):
-        raise ValueError(f"expected shape cylinder or sphere, came {thing['shape']}")
-    x, y, z = thing["position"]
-    off = hand["fingers_plane_z"] - z if thing["shape"] == "sphere" else np.zeros(5)
-    radius = np.sqrt(np.maximum(thing["radius"] ** 2 - off**2, 0.0))
-    return (
-        radius,
-        x - hand["fingers_origin_x"],
-        hand["fingers_side"] * (y - hand["fingers_origin_y"]),
+    for name in effects:
+        if name not in SIZES:
+            raise ValueError(f"no effect has {name}; expected one of {', '.join(SIZES)}")
+    return {name: float(effects.get(name, size.default)) for name, size in SIZES.items()}
+
+
+def posed(values: Mapping[str, Any], thing: Mapping[str, Any] | None) -> dict[str, Any]:
+    """The hand's values with the object's own in place; `position` stands for x, y, z."""
+    own = {k: v for k, v in (thing or {}).items() if k not in ("shape", "position")}
+    place = zip("xyz", (thing or {}).get("position", ()), strict=False)
+    return named({**values, **{f"object.{k}": v for k, v in (*own.items(), *place)}})
+
+
+def sections(values: Mapping[str, Any], shape: str, hidden: Mapping[str, float]) -> np.ndarray:
+    """Radius and centre (m) of the object's cut by each finger's plane, shape (3, 5).
+
+    A cylinder's axis is z, across the fingers; a sphere's cut shrinks off its centre; radius 0
+    where it misses.
+    """
+    if shape not in ("cylinder", "sphere"):
+        raise ValueError(f"expected shape cylinder or sphere, came {shape}")
+    x, y = placed(
+        (values["object.x"], values["object.y"]),
+        hidden["object_misplacement.x"],
+        hidden["object_misplacement.y"],
+    )
+    off = np.array(values["fingers.plane_z"]) - values["object.z"]
+    radius = values["object.radius"] ** 2 - (off**2 if shape == "sphere" else 0.0 * off)
+    return np.array(
+        [
+            np.sqrt(np.maximum(radius, 0.0)),
+            x - np.array(values["fingers.origin_x"]),
+            np.array(values["fingers.side"]) * (y - np.array(values["fingers.origin_y"])),
+        ]
     )
 
 
 def pack(
     parameters: Mapping[str, Any],
     thing: Mapping[str, Any] | None = None,
-    slack: float = 0.0,
-    asymmetry: float = 0.0,
-    load_loss: float = 0.0,
-) -> Hand:
-    """Everything the kernels need; the gear's nominal and hidden load losses add."""
-    hand = fields(parameters)
-    contact = thing or {"stiffness": 0.0, "damping": 0.0, "friction": 0.0}
-    return Hand(
-        **hand,
-        **dict(zip(_SECTION, section(thing, hand), strict=True)),
-        **{name: float(contact[name.removeprefix("object_")]) for name in _OBJECT},
-        slack=float(slack),
-        asymmetry=float(asymmetry),
-        load_loss=hand["gear_load_loss"] + float(load_loss),
-    )
+    effects: Mapping[str, float] | None = None,
+) -> np.record:
+    """Everything the kernels need: parameters (any subset; the rest nominal), object, effects."""
+    values, hidden = posed(parameters, thing), checked(effects or {})
+    cut = sections(values, thing["shape"], hidden) if thing else np.zeros((3, 5))
+    record = np.rec.array(np.zeros(1, LAYOUT))[0]
+    for name, value in {**values, **hidden, **dict(zip(_SECTION, cut, strict=True))}.items():
+        record[name.replace(".", "_")] = value
+    return record

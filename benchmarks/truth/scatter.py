@@ -1,53 +1,85 @@
 """No two hands are alike, and no hand runs twice the same."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-# Known exactly (firmware, counts of teeth) or no property of a hand (regularisations, poses).
-EXACT = (
-    "position_pid.",
-    "current_pid.",
-    "controller.",
-    "encoder.",
-    "gravity.",
-    "supply.",
-    "gear.ratio",
-    "gear.load_loss",
-)
-EXACT += ("motor.friction_speed", "wires.onset", "mcp.stop_onset", "pip.stop_onset", "contact.")
+Draw = Callable[[np.random.Generator, Any], np.ndarray]
+
+# Known exactly (firmware, counts of teeth, calipers) or no property of a hand (regularisations,
+# poses).
+EXACT = ("position_pid.", "current_pid.", "controller.", "encoder.", "gravity.", "supply.")
+EXACT += ("gear.ratio", "motor.friction_speed", "wires.onset", "mcp.stop_onset", "pip.stop_onset")
+EXACT += ("object.slip_speed", "object.onset", "object.radius", "object.z")
 EXACT += ("fingers.origin_x", "fingers.origin_y", "fingers.plane_z", "fingers.side")
-# What changes from run to run: friction and damping most (1 %), the winding and springs little.
-RESTLESS = {"friction": 0.01, "damping": 0.01}
-CALM = {"motor.resistance": 0.003, "motor.torque_constant": 0.003}
-CALM |= {"mcp.spring_stiffness": 0.003, "pip.spring_stiffness": 0.003}
-TIMING = 0.2e-3  # s
+# Places scatter by a share of a length (m), not of their coordinate: 0.2 mm at 2 %.
+PLACES = {"object.x": 10e-3, "object.y": 10e-3}
+CUT = 2.5  # standard deviations
+
+# What changes from run to run, as shares of the run's scatter: lubrication and temperature move
+# friction and damping most, then the springs' seats; winding and supply drift a little.
+RESTLESS = {
+    "dry_friction": 1.0,
+    "viscous_friction": 1.0,
+    "breakaway_friction": 1.0,
+    "coulomb_friction": 1.0,
+    "damping": 1.0,
+    "stop_damping": 1.0,
+    "spring_preload": 1.0,
+    "friction": 1.0,  # object against finger
+    "resistance": 0.6,
+    "torque_constant": 0.2,
+    "voltage": 0.6,
+}
+RUN_PLACES = {"object.x": 20e-3, "object.y": 20e-3}  # m: 0.1 mm at 0.5 %
+
+
+def normal(rng: np.random.Generator, shape: Any) -> np.ndarray:
+    """Standard normal, drawn again beyond `CUT`."""
+    out = np.atleast_1d(rng.standard_normal(shape))
+    while (far := np.abs(out) > CUT).any():
+        out[far] = rng.standard_normal(int(far.sum()))
+    return out.reshape(shape)
+
+
+def uniform(rng: np.random.Generator, shape: Any) -> np.ndarray:
+    """Between -1 and 1."""
+    return rng.uniform(-1.0, 1.0, shape)
+
+
+LAWS: dict[str, Draw] = {"normal": normal, "uniform": uniform}
 
 
 def scatter(
-    parameters: Mapping[str, Any], rng: np.random.Generator, spread: float = 0.02
+    values: Mapping[str, Any], rng: np.random.Generator, spread: float, law: str = "normal"
 ) -> dict[str, Any]:
-    """Another hand: each inexact value times exp(spread * normal), finger by finger."""
-    out = dict(parameters)
-    for name in sorted(parameters):
-        factor = np.exp(spread * rng.standard_normal(np.shape(parameters[name])))
-        if not name.startswith(EXACT):
-            out[name] = _times(parameters[name], factor)
+    """Another hand: each inexact value times 1 + spread z, finger by finger, and places shifted.
+
+    spread: standard deviation of the normal law, half width of the uniform one (both relative).
+    """
+    out = dict(values)
+    for name in sorted(values):
+        z = spread * LAWS[law](rng, np.shape(values[name]))
+        if name in PLACES:
+            out[name] = float(values[name] + PLACES[name] * z)
+        elif not name.startswith(EXACT):
+            out[name] = _times(values[name], 1.0 + z)
     return out
 
 
 def run_scatter(
-    parameters: Mapping[str, Any], rng: np.random.Generator
+    values: Mapping[str, Any], rng: np.random.Generator, spread: float, timing: float
 ) -> tuple[dict[str, Any], float]:
     """The same hand in another run, and how much later it starts than its clock says (s)."""
-    out = dict(parameters)
-    for name in sorted(parameters):
-        draw = rng.standard_normal()
-        spread = CALM.get(name, RESTLESS.get(name.rpartition("_")[2], 0.0))
-        if spread:
-            out[name] = float(parameters[name] * np.exp(spread * draw))
-    return out, float(TIMING * rng.standard_normal())
+    out = dict(values)
+    for name in sorted(values):
+        z = spread * float(normal(rng, ()))
+        if name in RUN_PLACES:
+            out[name] = float(values[name] + RUN_PLACES[name] * z)
+        elif share := RESTLESS.get(name.partition(".")[2], 0.0):
+            out[name] = float(values[name] * (1.0 + share * z))
+    return out, timing * float(normal(rng, ()))
 
 
 def _times(value: Any, factor: Any) -> Any:

@@ -1,4 +1,4 @@
-"""`simulate`: a recording of the second hand, with what is hidden in it."""
+"""`simulate`: what a hand does and what its controller and sensors tell, at every tick."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,92 +7,81 @@ import numpy as np
 
 from benchmarks.truth._jit import compiled
 from benchmarks.truth.controller import encoder, rounded, sampled
-from benchmarks.truth.integrator import GAMMA, SCALE, linearise, step
-from benchmarks.truth.motion import SIZE, rates, rest_state
+from benchmarks.truth.effects import command_delay, measurement_delay
+from benchmarks.truth.integrator import advance, reference_at, workspace
+from benchmarks.truth.motion import rates, rest_state
 from benchmarks.truth.record import pack
+from benchmarks.truth.state import (
+    CREPT,
+    FACE,
+    FELT,
+    SHAFT,
+    SIZE,
+    UNKNOWNS,
+)
 
-# Effect as the library's catalogue names it -> (its parameter there, field of the kernels' record)
-EFFECTS = {
-    "leader_slack": ("length", "slack"),
-    "direction_friction": ("dry", "asymmetry"),
-    "gear_load": ("coefficient", "load_loss"),
-}
-# Standard deviations of the sensors' white noise where a generator is given.
-NOISE = {"current": 10e-3, "supply": 5e-3, "force": 0.2}
-QUIET = {"current": 0.0, "supply": 0.0, "force": 0.0}
-
-
-@compiled
-def _at(knots, t):
-    """Piecewise linear reference (rows: s, motor-side rad), constant outside."""
-    if t <= knots[0, 0]:
-        return knots[0, 1]
-    for k in range(1, knots.shape[0]):
-        if t <= knots[k, 0]:
-            part = (t - knots[k - 1, 0]) / (knots[k, 0] - knots[k - 1, 0])
-            return knots[k - 1, 1] + part * (knots[k, 1] - knots[k - 1, 1])
-    return knots[-1, 1]
+TOLERANCE = 1e-3  # of a step, in units of state.SCALE
+LONGEST = 1e-3  # s
+COLUMNS = ("reference_rad", "position_rad", "current_A", "duty_1", "supply_V", "force_N")
+COLUMNS += ("sensor_N",)
 
 
 @compiled
-def _advance(h, y, slope, knots, t, duration, full, duty, is_sampled, scale, work, new, worn):
-    """Carries y over `duration` in steps of `full`, smaller where Newton fails.
+def measured(h, seen, k, back):
+    """Shaft angle (rad) and current (A) that are told at tick k."""
+    return (seen[k - back, 0], seen[k - back, 1]) if k >= back else (0.0, 0.0)
 
-    Returns (reached the end, Jacobian worn out).
+
+@compiled
+def tick(h, y, dy, t, knots, told, duty, memory, is_sampled):
+    """One tick: the firmware's new duty, and all rates with it; also the bus voltage."""
+    reference = reference_at(knots, command_delay.heard(h, t))
+    if is_sampled:
+        duty = sampled(h, reference, told[0] * h.gear_ratio, told[1], memory)
+    duty, bus, _ = rates(h, y, 0.0, reference, duty, is_sampled, y, dy)
+    return duty, bus
+
+
+@compiled
+def run(h, y, knots, shift, is_sampled, noise, control, unknowns, out, states):
+    """Fills, at each tick, out (COLUMNS; forces without noise) and states; the ticks reached.
+
+    shift: s, how much later the hand runs than the clock of the record; noise: of the current (A).
     """
-    done, size = 0.0, full
-    while done < duration * (1.0 - 1e-9):
-        here = t + done
-        if worn:
-            reference = _at(knots, here)
-            linearise(h, y, reference, duty, is_sampled, GAMMA * size, scale, work)
-        stages = (_at(knots, here + GAMMA * size), _at(knots, here + size))
-        good, worn = step(h, y, slope, stages, duty, is_sampled, size, scale, work, new)
-        if good:
-            done += size
-        else:
-            size *= 0.5
-            if size < 1e-4 * full:
-                return False, True
-    return True, worn or size != full
-
-
-@compiled
-def _run(h, y, knots, shift, substeps, is_sampled, noise, scale, out, states):
-    """Fills, at each tick, out (reference, position, current, duty, force) and states.
-
-    shift: s, how much later the hand runs than the clock of the record. Returns the ticks reached.
-    """
-    period, ratio = h.controller_period, h.gear_ratio
-    n = y.shape[0]
-    work = (np.zeros((n, n)), np.zeros(n, np.int64), np.zeros(n), np.zeros(n), np.zeros(n))
-    slope, new, dy, memory = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(4)
-    duty, worn = 0.0, True
+    work = workspace(unknowns.shape[0])
+    stages = (np.zeros(SIZE), np.zeros(SIZE), np.zeros(SIZE), np.zeros(SIZE), np.zeros(SIZE))
+    dy, memory = np.zeros(SIZE), np.zeros(4)
+    seen, pace = np.zeros((out.shape[0], 2)), np.array([control[1], 0.0, 1.0])
+    period, duty = h.controller_period, 0.0
+    back, part = measurement_delay.looked_up(h, period)
     for k in range(out.shape[0]):
         t = k * period - shift
-        reference = _at(knots, t)
-        shaft, current = y[24] / ratio, y[26] + noise[k]
+        if part == 0.0:
+            seen[k, 0] = y[SHAFT]
+            seen[k, 1] = rates(h, y, 0.0, reference_at(knots, t), duty, is_sampled, y, dy)[2]
+        shaft, current = measured(h, seen, k, back)
+        current += noise[k]
         if is_sampled:
-            shaft = encoder(h, shaft)
-            current = rounded(current, h.controller_current_step)
-            duty = sampled(h, reference, shaft * ratio, current, memory)
-        used, force = rates(h, y, reference, duty, is_sampled, dy)
-        out[k, 0], out[k, 1], out[k, 2] = _at(knots, k * period) / ratio, shaft, current
-        out[k, 3], out[k, 4], states[k] = used, force, y
-        size = period / substeps
-        good, worn = _advance(
-            h, y, slope, knots, t, period, size, duty, is_sampled, scale, work, new, worn
-        )
-        if not good:
+            shaft, current = encoder(h, shaft), rounded(current, h.controller_current_step)
+        duty, bus = tick(h, y, dy, t, knots, (shaft, current), duty, memory, is_sampled)
+        asked = reference_at(knots, k * period) / h.gear_ratio
+        out[k, 0], out[k, 1], out[k, 2] = asked, shaft, current
+        out[k, 3], out[k, 4], out[k, 5], out[k, 6] = duty, bus, y[FELT], y[FACE]
+        states[k] = y
+        drive, late = (duty, is_sampled), command_delay.heard(h, t)
+        if part > 0.0:
+            if not advance(
+                h, y, dy, late, part, knots, drive, control, unknowns, stages, work, pace
+            ):
+                return k
+            seen[k, 0] = y[SHAFT]
+            seen[k, 1] = rates(h, y, 0.0, 0.0, duty, is_sampled, y, dy)[2]
+        rest = period - part
+        if not advance(
+            h, y, dy, late + part, rest, knots, drive, control, unknowns, stages, work, pace
+        ):
             return k
     return out.shape[0]
-
-
-def _hidden(effects: Mapping[str, float]) -> dict[str, float]:
-    for name in effects:
-        if name not in EFFECTS:
-            raise ValueError(f"no effect is called {name}; expected one of {', '.join(EFFECTS)}")
-    return {EFFECTS[name][1]: size for name, size in effects.items()}
 
 
 def trace(
@@ -102,54 +91,63 @@ def trace(
     duration: float = 1.15,
     effects: Mapping[str, float] | None = None,
     controller: str = "sampled",
-    rng: np.random.Generator | None = None,
-    noise: Mapping[str, float] | None = None,
-    step_size: float = 50e-6,
+    current_noise: np.ndarray | None = None,
     shift: float = 0.0,
+    crept: float = 0.0,
+    tolerance: float = TOLERANCE,
+    longest: float = LONGEST,
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """The channels of `simulate`, and the states (samples, 30) in the order of `motion`."""
-    if controller not in ("sampled", "continuous"):
-        raise ValueError(f"expected controller sampled or continuous, came {controller}")
-    h = pack(parameters, object, **_hidden(effects or {}))
+    """The channels of `simulate`, and the states (samples, state.SIZE)."""
+    h = pack(parameters, object, effects)
+    _check(h, controller)
     ticks = round(duration / h.controller_period) + 1
     knots = np.array(reference, float) * (1.0, h.gear_ratio)
-    sigma = dict(QUIET if rng is None else NOISE, **(noise or {}))
-    draws = (rng or np.random.default_rng(0)).standard_normal((3, ticks))
-    out, states = np.zeros((ticks, 5)), np.zeros((ticks, SIZE))
-    substeps = max(1, round(h.controller_period / step_size))
-    sampling = controller == "sampled"
-    current_noise = sigma["current"] * draws[0]
-    reached = _run(
-        h, rest_state(h), knots, shift, substeps, sampling, current_noise, SCALE, out, states
+    out, states = np.zeros((ticks, len(COLUMNS))), np.zeros((ticks, SIZE))
+    noise = np.zeros(ticks) if current_noise is None else current_noise
+    start = rest_state(h)
+    start[CREPT] = crept
+    unknowns = UNKNOWNS[:-1] if h.gear_backlash_gap == 0.0 else UNKNOWNS
+    reached = run(
+        h,
+        start,
+        knots,
+        shift,
+        controller == "sampled",
+        noise,
+        (tolerance, longest),
+        unknowns,
+        out,
+        states,
     )
     if reached < ticks:
-        raise RuntimeError(f"the step at {reached * h.controller_period:.3f} s did not converge")
-    channels = {
-        "time_s": np.arange(ticks) * h.controller_period,
-        "reference_rad": out[:, 0],
-        "position_rad": out[:, 1],
-        "current_A": out[:, 2],
-        "duty_1": out[:, 3],
-        "supply_V": h.supply_voltage + sigma["supply"] * draws[1],
-        "force_N": out[:, 4] + sigma["force"] * draws[2],
-    }
-    return channels, states
+        raise RuntimeError(f"no step converges at {reached * h.controller_period:.3f} s")
+    time = np.arange(ticks) * h.controller_period
+    return {"time_s": time, **dict(zip(COLUMNS, out.T.copy(), strict=True))}, states
+
+
+def _check(h: np.record, controller: str) -> None:
+    if controller not in ("sampled", "continuous"):
+        raise ValueError(f"expected controller sampled or continuous, came {controller}")
+    if controller == "continuous" and h.measurement_delay_time > 0.0:
+        raise ValueError("measurement_delay.time needs the sampled controller")
 
 
 def simulate(
     parameters: Mapping[str, Any], reference: Sequence[Sequence[float]], **options: Any
 ) -> dict[str, np.ndarray]:
-    """Channels at 1 kHz: time_s, reference_rad, position_rad, current_A, duty_1, supply_V, force_N.
+    """Channels at 1 kHz: time_s, reference_rad, position_rad, current_A, duty_1, supply_V,
+    force_N (sum of normal forces), sensor_N (push on the object's face towards the palm).
 
     parameters: SI values by name (see `parameters.NOMINAL`); the missing ones are nominal.
     reference: points (s, rad at the output shaft), linear between. Options, all by name, as in
     `trace`:
-    object: shape ("cylinder" along z, or "sphere"), radius, position (hand frame), stiffness,
-    damping, friction. duration: s. effects: size by name of EFFECTS.
+    object: shape ("cylinder" along z, or "sphere") and what differs from the hand's `object.*`:
+    radius, position (hand frame), stiffness, damping, friction. duration: s.
+    effects: sizes by full name, such as "leader_slack.length" (see `effects`).
     controller: "sampled" (quantised encoder, zero-order hold) or "continuous".
-    rng: switches sensor noise on (`noise`: standard deviations, default NOISE).
-    step_size: s, rounded to a whole number of steps in 1 ms. shift: s, how much later the hand runs
-    than the clock of the record.
+    current_noise: A, of the current sensor at every tick, for the controller and the record.
+    shift: s, how much later the hand runs than the clock of the record. crept: m, length that the
+    leader has gained before (wire_creep). tolerance: of a step; longest: step in s.
     Raises ValueError on bad input, RuntimeError where Newton's method fails at the smallest step.
     """
     return trace(parameters, reference, **options)[0]

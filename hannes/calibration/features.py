@@ -15,10 +15,11 @@ UNITS = {
 
 
 def _grasp(time: np.ndarray, channels: Channels) -> dict[str, float]:
-    needed = [channels.get(name) for name in ("current", "force", "position")]
-    if any(each is None for each in needed):
+    if not all(name in channels for name in ("current", "force", "position")):
         return {}
-    found = metrics.grasp_metrics(time, *needed)
+    found = metrics.grasp_metrics(
+        time, channels["current"], channels["force"], channels["position"]
+    )
     return {name: getattr(found, name) for name in GRASP}
 
 

@@ -75,7 +75,7 @@ def _correction(information: np.ndarray, inverse: np.ndarray) -> tuple[np.ndarra
 
 
 def _clusters(found: Found) -> tuple[np.ndarray, np.ndarray, str]:
-    """Information (clusters, p, p) and scores (clusters, p): of each run, or of one run's blocks."""
+    """Information (clusters, p, p) and scores (clusters, p) of each run, or of its blocks."""
     information, scores = [], []
     views = found.model.views
     runs = zip(found.whitenings, found.columns, found.misses, views, strict=True)

@@ -20,7 +20,7 @@ def floors(views: Sequence[View]) -> tuple[np.ndarray, str]:
     runs of one condition, as RMS over time.
     """
     names = views[0].names
-    spreads = np.array([_repeated(views, number) for number in range(len(names))])
+    spreads = np.array([_repeated(views, name, binned=True) for name in names])
     rough = np.array([_rough(views, name) for name in names])
     traced = np.isfinite(rough)
     found = np.where(np.isfinite(spreads), np.fmax(spreads, 0.0), rough)
@@ -28,11 +28,21 @@ def floors(views: Sequence[View]) -> tuple[np.ndarray, str]:
     return found, how
 
 
-def _repeated(views: Sequence[View], number: int) -> float:
+def sample_floors(views: Sequence[View]) -> dict[str, float]:
+    """The same of single samples instead of bins, by channel."""
+    channels = dict.fromkeys(name for view in views for name in view.channels)
+    found = {}
+    for name in channels:
+        spread = _repeated(views, name, binned=False)
+        found[name] = spread if np.isfinite(spread) else _rough(views, name, binned=False)
+    return found
+
+
+def _repeated(views: Sequence[View], name: str, binned: bool) -> float:
     """Root mean variance between the runs of each condition; NaN where there are no repeats."""
     groups: dict[str, list[np.ndarray]] = {}
     for view in views:
-        values = view.measured[view.part == number]
+        values = view.part_of(name) if binned else view.samples(name)
         if values.size:
             groups.setdefault(view.entry.condition, []).append(values)
     squares, weights = [], []
@@ -44,12 +54,11 @@ def _repeated(views: Sequence[View], number: int) -> float:
     return float(np.sqrt(np.average(squares, weights=weights))) if squares else np.nan
 
 
-def _rough(views: Sequence[View], name: str) -> float:
-    """White noise of a channel's bins from the second differences of its samples."""
-    found = [
-        1.4826 * np.median(np.abs(np.diff(view.recording[name], 2))) / np.sqrt(6.0)
-        / np.sqrt(max(1.0, len(view.recording) / view.bins))
-        for view in views
-        if name in view.channels
-    ]  # fmt: skip
+def _rough(views: Sequence[View], name: str, binned: bool = True) -> float:
+    """White noise of a channel from the second differences of its samples; less in bins."""
+    found = []
+    for view in (each for each in views if name in each.channels):
+        bends = np.abs(np.diff(view.recording[name], 2))
+        together = len(view.recording) / view.bins if binned else 1.0
+        found.append(1.4826 * np.median(bends) / np.sqrt(6.0 * max(1.0, together)))
     return float(np.median(found)) if found else np.nan

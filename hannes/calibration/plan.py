@@ -17,7 +17,6 @@ KEYS = (
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 MOST_STARTS, MOST_SCANNED = 64, 4096
 WEAK = 0.5  # relative standard deviation of a given value about which nothing was said
-START_TIME = 0.01  # s, standard deviation of the moment at which a run starts
 SCAN = 64  # points, where features ask for a global start
 
 
@@ -43,7 +42,7 @@ class Plan:
     spread: Mapping[str, float]
     bounds: Mapping[str, tuple[float, float]]
     nuisance: Mapping[str, float]
-    start_time: float = START_TIME
+    start_time: float = 0.0
     channels: tuple[str, ...] = ()
     features: tuple[str, ...] = ()
     loss: str = "linear"
@@ -62,7 +61,6 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
     """
     there = [name for name in plant.judged if name in set(channels)]
     names = _names(table, plant)
-    nuisance = table.table("nuisance")
     features = tuple(_known(table, "features", FEATURES))
     declared = {name: plant.parameters.declared[name] for name in names}
     spread = {name: _weak(plant.parameters[name], each) for name, each in declared.items()}
@@ -71,8 +69,8 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
         "parameters" in table,
         {**spread, **_sizes(table.table("spread"), plant, names)},
         {**{n: e.bounds for n, e in declared.items()}, **_bounds(table.table("bounds"), declared)},
-        _nuisances(nuisance, plant),
-        nuisance.quantity("start_time", "s") if "start_time" in nuisance else START_TIME,
+        _nuisances(table.table("nuisance"), plant),
+        _start_time(table.table("nuisance"), plant),
         tuple(_known(table, "channels", there)) if "channels" in table else tuple(there),
         features,
         table.choice("loss", LOSSES, "linear"),
@@ -132,13 +130,19 @@ def _size(table: Table, name: str, plant: Plant) -> float:
 
 def _nuisances(table: Table, plant: Plant) -> dict[str, float]:
     """What runs may differ in: the campaign's word, else what the plant says of itself."""
-    usual = {
-        name: share * abs(plant.parameters[name])
-        for name, share in getattr(plant, "restless", {}).items()
-        if plant.parameters[name] != 0.0
-    }
+    usual = {name: size for name, size in getattr(plant, "restless", {}).items() if size > 0.0}
     own = [name for name in table.content if name != "start_time"]
     return {name: _size(table, name, plant) for name in own} if own else usual
+
+
+def _start_time(table: Table, plant: Plant) -> float:
+    """Standard deviation [s]: the campaign's word, else what the plant says of itself."""
+    if "start_time" not in table:
+        return float(getattr(plant, "start_time", 0.0))
+    spread = table.quantity("start_time", "s")
+    if spread < 0.0:
+        table.refuse("start_time", f"= {spread:g} s: a standard deviation is not negative")
+    return spread
 
 
 def _bounds(table: Table, declared: Mapping[str, Parameter]) -> dict[str, tuple[float, float]]:

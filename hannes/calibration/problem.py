@@ -121,7 +121,7 @@ class Problem:
 
     def _stands(self, x: np.ndarray, slopes: np.ndarray) -> bool:
         """Tell whether the step to the least misfit, were it linear, is short; bounds hold."""
-        if self.left is None or not np.array_equal(self.at, x):
+        if self.left is None or self.at is None or not np.array_equal(self.at, x):
             return False
         pull = -slopes.T @ self.left
         scales = self.scales

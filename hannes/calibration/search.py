@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+
 import numpy as np
 
 from hannes.calibration.model import Bundle, Model
@@ -24,12 +25,11 @@ from hannes.errors import ComputationFailed
 ROUNDS = 5
 STILL = 0.3  # standard deviations within which a round may move and be the last
 MOST_EVALUATIONS = 40
-COARSE, FINE = 1.0, 0.1  # standard deviations: a step shorter than this ends a round
-TOLERANCE = 1e-5  # of scipy's own tests, which know nothing of standard deviations
+ENOUGH = 0.1  # standard deviations: a step shorter than this ends a round
+COARSE, FINE = 0.1, 1e-5  # relative gain that ends the first round, whose weights are wrong; others
 JERK = 10.0  # times a simulated jerk inside a bin is taken as noise there
 SLACK = 1e-3  # s, by which no model gets the moment of a jerk right
 ROBUST = 2.0  # standard deviations beyond which a robust loss bends
-LONGEST_MEMORY = 20  # bins over which what remains may hang together
 FIRST_STEP = 2e-3  # of a parameter's scale, of differences before anything is known
 FAR = 0.05  # of a parameter's scale, from where directions in which runs differ are had anew
 _NOTHING_SIMULATES = (
@@ -80,12 +80,19 @@ class Found:
     columns: list[np.ndarray]
     steps: np.ndarray
     bundle: Bundle
-    restless: Bundle
+    restless: Bundle | None
     restless_at: np.ndarray
     costs: list[float] = field(default_factory=list)
     starts: list[Start] = field(default_factory=list)
     on_bound: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    floors: np.ndarray = field(default_factory=lambda: np.zeros(0))
     interrupted: bool = False
+
+    @property
+    def misfit(self) -> float:
+        """RMS of the whitened misfit of all runs."""
+        pairs = zip(self.whitenings, self.misses, strict=True)
+        return float(np.sqrt(np.mean(np.concatenate([w(m) for w, m in pairs]) ** 2)))
 
     @property
     def values(self) -> dict[str, float]:
@@ -124,10 +131,11 @@ class Search:
         with ThreadPoolExecutor(self.workers) as self.pool:
             state = self._begin()
             try:
-                return self._rounds(state)
+                found = self._rounds(state)
             except KeyboardInterrupt:
                 x = self.best[1] if np.isfinite(self.best[0]) else state.x
-                return replace(self._linear(x, state), interrupted=True)
+                found = replace(self._linear(x, state), interrupted=True)
+        return replace(found, costs=self.costs, starts=self.starts, floors=self.floors)
 
     def _begin(self) -> Found:
         """The misfit at the given values, or where a scan found it least."""
@@ -165,7 +173,7 @@ class Search:
                 break
         if not solved.settled:
             raise ComputationFailed(_unsettled(self.costs))
-        return replace(state, costs=self.costs, starts=self.starts)
+        return state
 
     def _from_all(self, state: Found) -> tuple[Solved, Problem]:
         """Search from here and from scattered points at once; return the best of all."""
@@ -195,14 +203,14 @@ class Search:
         except (ComputationFailed, Stopped):
             return None
 
-    def _solve(self, problem: Problem, x: np.ndarray, enough: float) -> tuple[Solved, Problem]:
+    def _solve(self, problem: Problem, x: np.ndarray, tolerance: float) -> tuple[Solved, Problem]:
         from scipy.optimize import least_squares
 
         low, high = problem.scales.low, problem.scales.high
         inside = np.clip(x, low + 1e-9, high - 1e-9)
         if not np.isfinite(problem.residual(inside)).all():
             raise ComputationFailed(_NOTHING_SIMULATES)
-        problem.enough = enough
+        problem.enough = ENOUGH
         try:
             found = least_squares(
                 problem.residual,
@@ -211,8 +219,8 @@ class Search:
                 bounds=(low, high),
                 loss=self.plan.loss,
                 f_scale=ROBUST,
-                ftol=TOLERANCE,
-                xtol=TOLERANCE,
+                ftol=tolerance,
+                xtol=FINE,
                 gtol=None,
                 max_nfev=MOST_EVALUATIONS,
             )
@@ -253,9 +261,9 @@ class Search:
         steps = np.full(x.size, FIRST_STEP)
         level = np.maximum(self.floors, self.plan.model_error * self.rms)
         noise = np.where(level > 0.0, level, 1.0)
-        bundle, restless = self._bundle(x, steps), self._restless(x)
+        bundle = self._bundle(x, steps)
         self.model.settle(self.scales.values(x), bundle.base, self.pool.map)
-        return self._made(x, late, noise, steps, bundle, restless)
+        return self._made(x, late, noise, steps, bundle, None)
 
     def _linear(self, x: np.ndarray, state: Found) -> Found:
         """Everything at x, with noise and starts as they were."""
@@ -269,7 +277,7 @@ class Search:
         if known is None or not np.array_equal(known[0], x):
             known = x, self._bundle(x, problem.steps)
         self.model.settle(self.scales.values(x), known[1].base, self.pool.map)
-        far = np.abs(x - state.restless_at).max() > FAR
+        far = state.restless is None or np.abs(x - state.restless_at).max() > FAR
         restless = self._restless(x) if far else state.restless
         at = x if far else state.restless_at
         rough = self._made(x, state.late, state.noise, problem.steps, known[1], restless)
@@ -299,13 +307,14 @@ class Search:
         noise: np.ndarray,
         steps: np.ndarray,
         bundle: Bundle,
-        restless: Bundle,
+        restless: Bundle | None,
     ) -> Found:
         views, model = self.model.views, self.model
         columns = scaled_columns(model, bundle, self.scales, late)
         moved = [
             [size * each for each in model.slopes(restless, name, late)]
             for name, size in self.plan.nuisance.items()
+            if restless is not None
         ]
         delays = model.delays(bundle.base, late)
         if self.plan.start_time:
@@ -329,7 +338,7 @@ class Search:
         )  # fmt: skip
 
     def _remaining(self, state: Found) -> np.ndarray:
-        """Noise by channel and feature: what remains, counted once where it hangs together."""
+        """Noise by channel and feature: what remains beyond what runs do, or the least believed."""
         rests = [w.rest(m) for w, m in zip(state.whitenings, state.misses, strict=True)]
         level = self.plan.model_error * self.rms
         for number, name in enumerate(self.model.views[0].names):
@@ -339,7 +348,8 @@ class Search:
             ]
             pieces = [each for each in pieces if each.size]
             if name in self.plan.channels and pieces:
-                level[number] = max(level[number], _lasting(pieces))
+                left = np.concatenate(pieces)
+                level[number] = max(level[number], float(np.sqrt(np.mean(left**2))))
             elif pieces:
                 level[number] = max(level[number], self.floors[number])
         return np.where(level > 0.0, level, 1.0)
@@ -352,19 +362,6 @@ def _sizes(model: Model) -> np.ndarray:
         values = np.concatenate([v.measured[v.part == number] for v in model.views])
         found[number] = np.sqrt(np.mean(values**2)) if values.size else 0.0
     return found
-
-
-def _lasting(pieces: Sequence[np.ndarray]) -> float:
-    """RMS of what remains, times the root of the number of bins over which it hangs together."""
-    power = sum(float(each @ each) for each in pieces)
-    together = 1.0
-    for lag in range(1, LONGEST_MEMORY):
-        shared = sum(float(each[lag:] @ each[:-lag]) for each in pieces if each.size > lag)
-        if shared <= 0.05 * power:
-            break
-        together += 2.0 * shared / power
-    count = sum(each.size for each in pieces)
-    return float(np.sqrt(power / count * together))
 
 
 def _unsettled(costs: Sequence[float]) -> str:

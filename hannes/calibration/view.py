@@ -11,14 +11,15 @@ from hannes.calibration.features import measure
 from hannes.campaign import Entry
 from hannes.plant import Plant
 
-PER_BLOCK = 20  # bins in the time over which the plant's misfit hangs together
+BIN = 0.01  # s
+PER_BLOCK = 20  # bins, at least, in the time over which the plant's misfit hangs together
 
 
 class View:
     """One recording as a vector, shape (n,), and the same of any simulation of it.
 
     `part` names the channel or feature of every element by its place in `names`; `block` numbers
-    the stretch of time that it lies in.
+    the stretch of time (`stretch` [s] long) that it lies in.
     """
 
     def __init__(
@@ -29,12 +30,14 @@ class View:
         self.channels = tuple(name for name in channels if name in self.recording)
         self.since = self.recording.time - self.recording.time[0]
         self.features = self._sensible(features)
+        self.stretch = plant.block
         mask = plant.judged_part(self.recording)
-        bins = (self.since[mask] / (plant.block / PER_BLOCK) + 1e-9).astype(int)
+        width = min(BIN, plant.block / PER_BLOCK)
+        bins = (self.since[mask] / width + 1e-9).astype(int)
         kept, self._bin = np.unique(bins, return_inverse=True)
         self._mask, self._count = mask, np.bincount(self._bin)
         self.part = self._parts(kept.size)
-        stretch = (kept / PER_BLOCK).astype(int)
+        stretch = (kept * width / plant.block).astype(int)
         feature_blocks = np.full(len(self.features), stretch[-1] + 1)
         self.block = np.concatenate([*[stretch] * len(self.channels), feature_blocks])
         self.measured = self.of(self.recording.channels)
@@ -52,6 +55,14 @@ class View:
     def bins(self) -> int:
         """Number of bins of each channel."""
         return self._count.size
+
+    def part_of(self, name: str) -> np.ndarray:
+        """The recorded bins of a channel, or the value of a feature; empty where it has none."""
+        return self.measured[self.part == self.names.index(name)]
+
+    def samples(self, name: str) -> np.ndarray:
+        """The recorded samples of a channel that count; empty where it has none."""
+        return self.recording[name][self._mask] if name in self.channels else np.zeros(0)
 
     def of(self, channels: Mapping[str, np.ndarray], late: float = 0.0) -> np.ndarray:
         """The vector of channels at the recorded times, of a run that starts `late` [s]."""

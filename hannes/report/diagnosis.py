@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from hannes.report.figure_diagnosis import figures
-from hannes.report.formats import number
+from hannes.report.formats import decimals, number
 from hannes.report.page import render
 from hannes.report.tables import Table
 from hannes.verdict import untold
@@ -67,7 +67,7 @@ def _tried(diagnosis: "Diagnosis") -> Table:
     rows = []
     for attempt in diagnosis.verdict.tried:
         row = gains.get(attempt["effect"])
-        share = f"{number(100.0 * row['gain_select'], 2)} %" if row else "–"
+        share = f"{decimals(round(100.0 * row['gain_select']), 0)} %" if row else "–"
         sigma = number(row["evidence"], 2) if row else "–"
         alike = ", ".join(row["confusable_with"]) if row else ""
         least = _least(diagnosis, attempt["effect"])

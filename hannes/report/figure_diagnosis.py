@@ -6,6 +6,7 @@ import numpy as np
 
 from hannes.report import style
 from hannes.report.drawn import Drawn, drawn
+from hannes.report.formats import decimals
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -133,13 +134,22 @@ def _ranking(diagnosis: "Diagnosis") -> Drawn:
     def draw() -> "Figure":
         figure, (axes,) = style.panels(1, 0.6 + 0.3 * len(rows))
         colours = [style.BLUE if row["effect"] in chosen else style.GREY for row in rows]
-        bars = axes.barh(names, gains, color=colours, height=0.6)
-        axes.bar_label(bars, [f"{gain:.0f} %" for gain in gains], padding=3)
+        axes.barh(names, gains, color=colours, height=0.6)
+        for place, gain in enumerate(gains):  # right of the axis, also where it takes nothing away
+            axes.annotate(
+                f"{decimals(round(gain), 0)} %",
+                (max(gain, 0.0), place),
+                xytext=(3, 0),
+                textcoords="offset points",
+                va="center",
+            )
         axes.set_xlabel("misfit above the floor that it takes away [%]")
         axes.set_xlim(min(0.0, *gains), max(10.0, *gains) * 1.15)
         axes.grid(axis="y", visible=False)
         return figure
 
-    alt = "; ".join(f"{n} {g:.0f} %" for n, g in zip(names[::-1], gains[::-1], strict=True))
+    alt = "; ".join(
+        f"{n} {decimals(round(g), 0)} %" for n, g in zip(names[::-1], gains[::-1], strict=True)
+    )
     caption = "On recordings that chose and were not fitted. Blue: what the verdict names."
     return drawn("diagnosis-ranking", "What each effect would explain", caption, alt, draw)

@@ -34,7 +34,11 @@ class Finding:
         vague = untold(found)
         return [
             f"{name} = {each['value']:.4g} {each['unit']} ({each['low']:.4g} to {each['high']:.4g})"
-            + (": the interval contains none of it" if name in vague else "")
+            + (
+                f": not told from none, the interval contains {each['off']:g}"
+                if name in vague
+                else ""
+            )
             for name, each in found.items()
         ]
 

@@ -82,7 +82,7 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
             break
         shrink = SHRINK
         if error < 1e6:
-            order = ORDER
+            order = float(ORDER)
             if rejected and failed < 1e6:
                 order = math.log(failed / error) / math.log(tried / h)
             shrink = SAFETY * error ** (-1.0 / min(max(order, 0.5), ORDER))

@@ -60,7 +60,7 @@ friction_step.joint *       1        0 .. 9 (2)           step over 0.02 rad
 nonlinear_spring.cubic      N m/rad3 3e-3 .. 0.08     T_open += cubic (q - q_rest)^3
 eccentric_pulley.share      1        0.01 .. 0.15     lever r_p (1 + share cos(phi + phase))
 eccentric_pulley.phase *    rad      -3.2 .. 3.2 (0)
-jammed_finger.lost          1        0.3 .. 0.95      closing stops at q_end - lost (q_end - q_rest)
+jammed_finger.lost          1        0.5 .. 0.95      closing stops at q_end - lost (q_end - q_rest)
 jammed_finger.finger *      1        0 .. 4 (1)           of one finger
 wire_creep.rate             m/(N s)  1e-7 .. 1e-5     slack' = rate T_L, carried from run to run
 ==========================  =======  ===============  ===========================================

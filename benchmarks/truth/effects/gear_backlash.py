@@ -4,7 +4,7 @@
 
 th: motor angle; gap: the whole play at the output shaft, at rest in its middle. Rigid teeth and a
 shaft without mass are meant; here the teeth are a spring (300 N m/rad, 0.02 N m s/rad) and the
-shaft has 2e-7 kg m2 and 1e-4 N m s/rad, which moves the shaft by microradians.
+shaft has 2e-7 kg m2 and 1e-6 N m s/rad: at no gap, nothing that a sensor sees.
 Nearly invisible while the wire pulls one face: it shows at the start, where the motor crosses half
 the gap, and wherever the wire falls slack.
 Source: dead-zone model, Nordin & Gutman (2002). Range: 0.1 to 3 degrees at the output.
@@ -15,7 +15,7 @@ from benchmarks.truth.size import Size
 
 SIZES = {"gap": Size("rad", 2e-3, 50e-3)}
 STIFFNESS, DAMPING = 300.0, 0.02  # N m/rad, N m s/rad, at the output shaft
-INERTIA, DRAG = 2e-7, 1e-4  # kg m2, N m s/rad
+INERTIA, DRAG = 2e-7, 1e-6  # kg m2, N m s/rad
 
 
 @compiled

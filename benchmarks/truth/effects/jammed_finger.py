@@ -2,7 +2,7 @@
 
     closing stops of the finger's two joints at  q_end - lost (q_end - q_rest)
 
-finger: 0 index to 4 thumb. Source: geometry. Range: 30 % to 95 % of the travel lost (on the
+finger: 0 index to 4 thumb. Source: geometry. Range: 50 % to 95 % of the travel lost (on the
 dynamometer a finger uses about a third of it).
 """
 
@@ -10,7 +10,7 @@ from benchmarks.truth._jit import compiled
 from benchmarks.truth.size import Size
 
 SIZES = {
-    "lost": Size("1", 0.3, 0.95),
+    "lost": Size("1", 0.5, 0.95),
     "finger": Size("1", 0.0, 4.0, default=1.0, amplitude=False),
 }
 

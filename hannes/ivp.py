@@ -1,4 +1,4 @@
-"""The same experiments by scipy's own solvers, from kink to kink: cross-checks of the method."""
+"""Through scipy's solve_ivp, from kink to kink: by the method of hannes/rodas or scipy's own."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 
 from hannes.assemble import Compiled
+from hannes.entries import LONGEST
 from hannes.experiment import Experiment
 from hannes.trajectory import Cost, Outcome, Trajectory
 
-METHODS = ("LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
+METHODS = ("Rodas", "LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
 IMPLICIT = ("LSODA", "BDF", "Radau")
 HOLD = 7  # numbers that firmware holds
+RUN = 256  # steps that Rodas takes between two returns to scipy
 
 
 def tolerances(compiled: Compiled, rtol: float) -> np.ndarray:
@@ -21,8 +23,8 @@ def tolerances(compiled: Compiled, rtol: float) -> np.ndarray:
     return np.array(declared) * rtol / 1e-4
 
 
-class Stock:
-    """One simulation in progress: state and samples so far."""
+class Initial:
+    """An initial value problem on its way: state and samples so far."""
 
     def __init__(
         self,
@@ -53,7 +55,12 @@ class Stock:
         return self._result()
 
     def _smooth_parts(self) -> Iterator[tuple[float, float, np.ndarray]]:
-        yield from self.experiment.reference.segments(self.experiment.duration)
+        """Parts between kinks of the reference; Rodas knows of the kinks itself."""
+        reference, duration = self.experiment.reference, self.experiment.duration
+        if self.method == "Rodas":
+            yield 0.0, duration, reference.knots
+        else:
+            yield from reference.segments(duration)
 
     def _ticks(self) -> Iterator[tuple[float, float, np.ndarray]]:
         """Parts from tick to tick of the firmware, its duty held in between."""
@@ -68,7 +75,7 @@ class Stock:
         from scipy.integrate import solve_ivp
 
         rates, inside = self._rates(knots), self._samples(end)
-        if not np.isfinite(rates(start, self.state)).all():  # some would step on the spot
+        if not self._sets_out(rates, start):
             return self._fail(Outcome.NOT_FINITE, f"the rates at {start:g} s are not finite")
         clock = time.perf_counter()
         try:
@@ -78,16 +85,15 @@ class Stock:
                     (start, end),
                     self.state,
                     t_eval=np.clip(np.append(self.times[self.filled : inside], end), start, end),
-                    method=self.method,
                     rtol=self.rtol,
                     atol=self.atol,
-                    **self._jacobian(knots),
+                    **self._method(knots),
                 )
         except ValueError as error:
             if "infs or NaNs" not in str(error):
                 raise
             return self._fail(Outcome.NOT_FINITE, str(error))  # scipy will not factor such
-        self.cost += Cost(part.nfev, part.njev, 1, time.perf_counter() - clock)
+        self.cost += Cost(part.nfev, part.njev, self._parts(), time.perf_counter() - clock)
         rows = np.asarray(part.y).T.reshape(-1, self.state.size)  # a bare list when empty
         if not np.isfinite(rows.sum()):
             sound = np.isfinite(rows).all(axis=1)
@@ -95,7 +101,8 @@ class Stock:
             return self._fail(Outcome.NOT_FINITE, part.message)
         self._store(rows[: inside - self.filled])
         if not part.success:
-            return self._fail(Outcome.SOLVER_GAVE_UP, part.message)
+            lost = "not finite" in part.message
+            return self._fail(Outcome.NOT_FINITE if lost else Outcome.SOLVER_GAVE_UP, part.message)
         self.state = rows[-1].copy()
         return True
 
@@ -116,11 +123,36 @@ class Stock:
         rates, p, hold = self.compiled.fast.rates, self.p, self.hold
         return lambda t, y: rates(t, y, p, knots, hold)
 
-    def _jacobian(self, knots: np.ndarray) -> dict[str, Any]:
+    def _sets_out(self, rates: Callable[..., np.ndarray], start: float) -> bool:
+        """Tell whether the rates are finite: scipy's methods would step on the spot."""
+        return self.method == "Rodas" or bool(np.isfinite(rates(start, self.state)).all())
+
+    def _parts(self) -> int:
+        """Number of smooth parts that one call of the solver covers."""
+        reference, end = self.experiment.reference, self.experiment.duration
+        if self.method != "Rodas" or not reference.kinked:
+            return 1
+        return 1 + sum(0.0 < time < end for time in set(reference.knots[0].tolist()))
+
+    def _method(self, knots: np.ndarray) -> dict[str, Any]:
+        """Method and its options."""
+        if self.method == "Rodas":
+            return self._rodas(knots)
         if self.method not in IMPLICIT:
-            return {}
+            return {"method": self.method}
         jacobian, p, hold = self.compiled.fast.jacobian, self.p, self.hold
-        return {"jac": lambda t, y: jacobian(t, y, p, knots, hold)}
+        return {"method": self.method, "jac": lambda t, y: jacobian(t, y, p, knots, hold)}
+
+    def _rodas(self, knots: np.ndarray) -> dict[str, Any]:
+        from hannes.rodas.solver import Rodas
+
+        return {
+            "method": Rodas,
+            "problem": self.compiled.problem(self.p, knots, self.hold),
+            "run": RUN,
+            "kinks": knots[0] if self.experiment.reference.kinked else (),
+            "max_step": LONGEST,
+        }
 
     def _result(self) -> Trajectory:
         if self.outcome is Outcome.COMPLETED and self.filled < self.times.size:

@@ -1,0 +1,83 @@
+"""Run the benchmarks and write benchmarks/README.md: `python -m benchmarks [--quick] [NAME ...]`.
+
+Each runs in a process of its own. The page is written when all named by default have run whole.
+"""
+
+import argparse
+import ast
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from benchmarks.harness import Row, table
+from hannes.files import write_text
+
+NAMES = ("accuracy_work", "peers", "batch", "start")
+FOLDER = Path(__file__).parent
+HEAD = """# Benchmarks
+
+Written by `make bench`, on {machine}. One benchmark alone: `python -m benchmarks.NAME [--quick]
+[--json FILE|-]`. A bound holds for the value itself; low and high are its 95 % interval.
+"""
+
+
+def main() -> int:
+    """Run what is asked for; the exit status of the first that fails, else 0."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="fewer repeats; leaves the page")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}")
+    asked = parser.parse_args()
+    found: dict[str, Any] = {}
+    for name in asked.names or NAMES:
+        print(f"\n== {name}", flush=True)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "found.json"
+            command = [sys.executable, "-m", f"benchmarks.{name}", "--json", str(file)]
+            status = subprocess.run([*command, *["--quick"] * asked.quick], check=False).returncode
+            if status != 0:
+                return status
+            found[name] = json.loads(file.read_text())
+    if not asked.quick and set(NAMES) <= found.keys():
+        write_text(FOLDER / "README.md", page(found))
+    return 0
+
+
+def page(found: dict[str, Any]) -> str:
+    """Text of the page: of each benchmark what it does, its bounds, its rows."""
+    parts = [HEAD.format(machine=machine())]
+    for name, tables in found.items():
+        doc = ast.get_docstring(ast.parse((FOLDER / f"{name}.py").read_text(encoding="utf-8")))
+        parts += [f"## {name}\n\n{doc}\n", markdown(tables["must_show"])]
+        parts.append(f"```text\n{table(tables['rows'])}\n```\n")
+    return "\n".join(parts)
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """Bounds as a table in Markdown."""
+    lines = ["| what | value | 95 % interval | bound | holds |", "|---|---|---|---|---|"]
+    for row in rows:
+        spread = f"{row['low']:.4g} to {row['high']:.4g}" if "low" in row else ""
+        holds = "yes" if row["holds"] else "**no**"
+        lines.append(
+            f"| {row['name']} | {row['value']:.4g} | {spread} | {row['bound']:g} | {holds} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def machine() -> str:
+    """Model of the processor and number of cores."""
+    known = Path("/proc/cpuinfo")
+    lines = known.read_text(encoding="utf-8").splitlines() if known.exists() else []
+    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    model = models[0] if models else platform.processor() or platform.machine()
+    return f"{model}, {os.cpu_count()} cores"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

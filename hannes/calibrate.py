@@ -1,0 +1,130 @@
+"""Fit a plant's parameters to recordings, with intervals that hold and what the data cannot see.
+
+How: hannes/calibration/__init__.py. Recordings in roles fit and select are fitted, those in role
+show are only predicted.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from hannes import files
+from hannes.calibration.intervals import spread
+from hannes.calibration.labels import answers
+from hannes.calibration.model import Model
+from hannes.calibration.noise import floors, sample_floors
+from hannes.calibration.plan import Plan, read_plan
+from hannes.calibration.prediction import prediction
+from hannes.calibration.profile import sides
+from hannes.calibration.remains import remains
+from hannes.calibration.result import Fit
+from hannes.calibration.search import Found, Progress, Search
+from hannes.calibration.view import View
+from hannes.campaign import Campaign, read_campaign
+from hannes.errors import BadInput
+from hannes.plant_file import plant_toml
+
+STRETCHES = 2  # of the plant's block, that a recording must have for each parameter
+
+
+class Calibration(Fit):
+    """The result of `calibrate`: see hannes/calibration/result.py; it can be written."""
+
+    def write(self, folder: str | Path) -> Path:
+        """Write calibration.json, hand.toml, report.html into `folder`, whole or not at all."""
+        from hannes.report.calibration import page
+
+        with files.atomic_folder(folder) as temporary:
+            (temporary / "calibration.json").write_text(self.json(), encoding="utf-8")
+            (temporary / "hand.toml").write_text(self.toml(), encoding="utf-8")
+            (temporary / "report.html").write_text(page(self), encoding="utf-8")
+        return Path(folder)
+
+    def toml(self) -> str:
+        """Text of the hand.toml of the plant at the fitted values."""
+        return plant_toml(self.plant, self.campaign.shipped, self.campaign.base)
+
+
+def calibrate(
+    campaign: Campaign | str | Path,
+    *,
+    out: str | Path | None = None,
+    seed: int = 0,
+    plan: Plan | None = None,
+    workers: int | None = None,
+    progress: bool | None = None,
+) -> Calibration:
+    """Calibrate by a campaign, or the TOML file of one; writes to `out` where given.
+
+    `plan` replaces the campaign's table [calibrate]; `workers` threads simulate (default: one for
+    each processor), which changes no result; `progress`: a bar on standard error, by default where
+    that is a terminal. Interrupted (Ctrl-C), it returns the best so far. Raises BadInput for what
+    cannot be used, ComputationFailed where no simulation succeeds or the fit does not settle.
+    """
+    if not isinstance(campaign, Campaign):
+        campaign = read_campaign(campaign, seed)
+    entries = campaign.of("fit", "select") or campaign.entries
+    recorded = {name for entry in entries for name in entry.recording.names}
+    plan = plan or read_plan(campaign.calibrate, campaign.plant, recorded, seed)
+    views = [View(entry, campaign.plant, plan.channels, plan.features) for entry in entries]
+    _require_enough(plan, views)
+    level, how = floors(views)
+    workers = workers or os.cpu_count() or 1
+    with _bar(progress) as told:
+        found = Search(Model(campaign.plant, views), plan, level, workers, told).run()
+        told("intervals", found.misfit)
+        result = _told(campaign, found, workers, how, seed)
+    if out is not None:
+        result.write(out)
+    return result
+
+
+def _told(campaign: Campaign, found: Found, workers: int, how: str, seed: int) -> Calibration:
+    width = spread(found)
+    noise = sample_floors(found.model.views)
+
+    def gap(*roles: str) -> dict[str, dict[str, float]]:
+        made = prediction(found, campaign.of(*roles))
+        return {name: {**each, "floor": noise[name]} for name, each in made.items()}
+
+    return Calibration(
+        campaign,
+        found,
+        width,
+        tuple(answers(found, width, sides(found, width, workers))),
+        remains(found),
+        gap("show"),
+        gap("fit", "select"),
+        how,
+        seed,
+    )
+
+
+def _require_enough(plan: Plan, views: list[View]) -> None:
+    """Raise BadInput where there is less to see than there is to find out."""
+    if not any(view.measured.size for view in views):
+        raise BadInput("no recording has a channel or a feature that [calibrate] asks for")
+    starts = 1 if plan.start_time else 0
+    bears = sum(max(0, len(set(view.block.tolist())) // STRETCHES - starts) for view in views)
+    if plan.named and len(plan.names) > bears:
+        block = views[0].stretch
+        raise BadInput(
+            f"{len(plan.names)} parameters are more than {len(views)} recordings of this length "
+            f"bear ({bears}: {STRETCHES} stretches of {block:g} s for each, one for every start); "
+            "record more runs, or name fewer parameters"
+        )
+
+
+@contextmanager
+def _bar(progress: bool | None) -> Iterator[Progress]:
+    from tqdm import tqdm
+
+    hidden = None if progress is None else not progress
+    with tqdm(desc="calibrating", unit=" runs", delay=2.0, disable=hidden, leave=False) as bar:
+
+        def told(text: str, misfit: float) -> None:
+            bar.set_description(f"{text}, misfit {misfit:.4g}", refresh=False)
+            bar.update()
+
+        yield told

@@ -1,0 +1,49 @@
+"""How well runs are predicted, above all those that no fit has seen."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from hannes.calibration.model import SHIFT, Channels
+from hannes.calibration.search import Found
+from hannes.calibration.view import View
+from hannes.campaign import Entry
+
+ROUNDS = 3
+
+
+def prediction(found: Found, entries: Sequence[Entry]) -> dict[str, dict[str, float]]:
+    """Channel -> RMS of simulated minus recorded [its unit]: `as_given`, `after`; `recorded`.
+
+    Over all counted samples of `entries`; every run starts when that suits it best, before and
+    after alike.
+    """
+    sums: dict[str, np.ndarray] = {}
+    for entry in entries:
+        view = View(entry, found.model.plant, found.plan.channels, ())
+        mask = found.model.plant.judged_part(entry.recording)
+        runs = [_aligned(found, view, values) for values in ({}, found.values)]
+        for name in view.channels:
+            recorded = entry.recording[name][mask]
+            misses = [run[name][mask] - recorded for run in runs]
+            squares = [float(np.sum(each**2)) for each in (*misses, recorded)]
+            sums[name] = sums.get(name, np.zeros(4)) + np.array([*squares, recorded.size])
+    return {name: _roots(total) for name, total in sums.items()}
+
+
+def _roots(total: np.ndarray) -> dict[str, float]:
+    roots = np.sqrt(total[:3] / max(total[3], 1.0)).tolist()
+    return dict(zip(("as_given", "after", "recorded"), roots, strict=True))
+
+
+def _aligned(found: Found, view: View, values: Mapping[str, float]) -> Channels:
+    """Channels of a simulation that starts when it fits the recording best."""
+    channels = found.model.plant.simulate(values, view.recording)
+    late, spread = 0.0, found.plan.start_time
+    for _ in range(ROUNDS if spread else 0):
+        noise = found.noise[view.part]
+        miss = (view.of(channels, late) - view.measured) / noise
+        moved = (view.of(channels, late + SHIFT) - view.of(channels, late)) / SHIFT / noise
+        late -= float(moved @ miss) / (float(moved @ moved) + 1.0 / spread**2)
+    since = view.since
+    return {name: np.interp(since - late, since, channels[name]) for name in view.channels}

@@ -1,0 +1,128 @@
+"""The page of a calibration: the sentence, the values with their intervals, what remains."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hannes.report.figure_calibration import figures
+from hannes.report.formats import number
+from hannes.report.page import render
+from hannes.report.tables import Table
+from hannes.versions import versions
+
+if TYPE_CHECKING:
+    from hannes.calibration.result import Fit
+
+
+def page(result: "Fit") -> str:
+    """Return report.html: self-contained, no script, no network."""
+    return render(
+        "calibration.html.j2",
+        {
+            "title": result.campaign.title,
+            "sentence": result.sentence,
+            "remains": result.remains.sentence,
+            "values": _values(result),
+            "gaps": _gaps(result),
+            "starts": _starts(result),
+            "runs": _runs(result),
+            "recordings": _recordings(result),
+            "figures": figures(result),
+            "seed": result.seed,
+            "versions": versions(),
+        },
+    )
+
+
+def _values(result: "Fit") -> Table:
+    from hannes.calibration.result import told
+
+    rows = [
+        (
+            each.name,
+            number(each.given, 4),
+            told(each),
+            each.label + (f" with {', '.join(each.partners)}" if each.partners else ""),
+            each.reason or "–",
+            f"{number(each.textbook[0], 4)} to {number(each.textbook[1], 4)}",
+            number(each.freedom, 2),
+        )
+        for each in result.answers
+    ]
+    columns = (
+        "Parameter", "Given", "Value and 95 % interval", "Label", "Why", "Textbook interval",
+        "Degrees of freedom",
+    )  # fmt: skip
+    note = (
+        f"Intervals come from the scatter of {len(result.spread.pulls)} {result.spread.unit}, so "
+        "what changes from run to run is in them. The textbook interval takes every sample as "
+        "independent; it is printed for contrast."
+        + (
+            " With one recording, what changes from run to run is in no interval."
+            if result.spread.unit != "runs"
+            else ""
+        )
+    )
+    return Table("values", "Calibrated parameters", columns, tuple(rows), note)
+
+
+def _gaps(result: "Fit") -> Table:
+    shown = [("never fitted", result.gap), ("fitted", result.fitted_gap)]
+    rows = [
+        _gap(result, name, role, gap[name])
+        for name in result.fitted_gap
+        for role, gap in shown
+        if name in gap
+    ]
+    columns = ("RMS gap", "Recordings", "As given", "Calibrated", "Floor", "Same in every run")
+    note = (
+        f"In brackets: relative to the recorded signal. The floor is {result.floor_from}; the "
+        "last column is of the fitted recordings, in means over 10 ms."
+    )
+    if not result.gap:
+        note += " No recording was held out, so nothing here is a prediction."
+    return Table("gaps", "Prediction", columns, tuple(rows), note)
+
+
+def _gap(result: "Fit", name: str, role: str, gap: dict[str, float]) -> tuple[str, ...]:
+    unit, whole = result.plant.channels[name], max(gap["recorded"], 1e-300)
+    sizes = [
+        f"{number(gap[key])} ({number(100.0 * gap[key] / whole)} %)"
+        for key in ("as_given", "after")
+    ]
+    common = result.remains.common.get(name, np.nan) if role == "fitted" else np.nan
+    return (f"{name} [{unit}]", role, *sizes, number(gap["floor"], 2), number(common, 2))
+
+
+def _starts(result: "Fit") -> Table:
+    rows = tuple(
+        (str(place + 1), number(start.cost, 5), "yes" if agrees else "no")
+        for place, (start, agrees) in enumerate(
+            zip(result.found.starts, result.agreeing, strict=True)
+        )
+    )
+    note = (
+        "Each from another point about the given values. They agree where the misfit is as small "
+        "and every identified parameter ends within half an interval's half-width."
+    )
+    return Table("starts", "Starting points", ("Start", "Misfit", "Agrees"), rows, note)
+
+
+def _runs(result: "Fit") -> Table:
+    plan, rows = result.found.plan, []
+    for each in result.plain()["runs"]:
+        sizes = each["differs"]
+        most = sorted(sizes, key=lambda name: -abs(sizes[name] / plan.nuisance[name]))[:2]
+        given = result.campaign.plant.parameters
+        told = [f"{name} {100.0 * sizes[name] / abs(given[name]):+.2g} %" for name in most]
+        late = f"{1e3 * each['starts_late_s']:+.2f} ms"
+        rows.append((each["file"], each["condition"], late, ", ".join(told) or "–"))
+    columns = ("Recording", "Condition", "Starts late by", "Differs most in")
+    note = "What each run most likely did by itself, given how much runs are taken to differ."
+    return Table("runs", "Run by run", columns, tuple(rows), note)
+
+
+def _recordings(result: "Fit") -> Table:
+    roles = result.plain()["recordings"]
+    rows = tuple((role, ", ".join(names) or "none") for role, names in roles.items())
+    return Table("recordings", "Recordings by role", ("Role", "Recordings"), rows)
