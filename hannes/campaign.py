@@ -20,6 +20,7 @@ KEYS = ("title", "plant", "base", "out", "effects", "recording", "calibrate")
 RECORDING_KEYS = ("file", "experiment", "condition", "role")
 ROLES = ("fit", "select", "show")
 MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/measured.py
+SIMULATED = "simulated:"  # file = "simulated:closure-runs": see hannes/virtual.py
 
 
 @dataclass(frozen=True)
@@ -150,13 +151,26 @@ def _entries(row: Table, folder: Path, plant: Plant) -> list[Entry]:
     condition = row.text("condition", experiment)
     planned = _experiment_text(row, experiment, folder) if experiment else None
     made = []
-    for path in _paths(row, name, folder):
-        recording = read_recording(path)
+    for path, recording in _recordings(row, name, folder):
         if planned is not None:
             recording = replace(recording, experiment=planned)
         _check(recording, plant, path)
         made.append(Entry(path.name, recording, condition or path.name, role))
     return made
+
+
+def _recordings(row: Table, name: str, folder: Path) -> list[tuple[Path, Recording]]:
+    """Recordings under the names of their files: read, or simulated here."""
+    if not name.startswith(SIMULATED):
+        return [(path, read_recording(path)) for path in _paths(row, name, folder)]
+    from hannes.virtual import virtual_recordings
+
+    experiment = name.removeprefix(SIMULATED)
+    place = folder / experiment if experiment.endswith(".toml") else experiment
+    try:
+        return [(Path(file), each) for file, each in virtual_recordings(place).items()]
+    except BadInput as error:
+        row.refuse("file", f"cannot be simulated: {error}")
 
 
 def _paths(row: Table, name: str, folder: Path) -> list[Path]:

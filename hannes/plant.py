@@ -36,8 +36,9 @@ class Plant(Protocol):
     Angles, times and all else in SI units. A plant may have these besides, and is used without:
 
     expected:   channel -> hannes.expected.Expected, which sharpens `hannes check`
-    restless:   parameter -> share of its value by which runs of one machine differ; calibrate
-                takes what they explain for no misfit
+    restless:   parameter -> how far runs of one machine differ in it (one standard deviation, SI);
+                calibrate takes what that explains for no misfit
+    start_time: how far runs start off their clock [s], one standard deviation; 0 without it
     check(recording):              raises BadInput for what `simulate` could not start from
     smooth(parameters, recording): as `simulate`, quicker and without the grain of firmware, to
                                    take slopes from

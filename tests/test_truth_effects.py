@@ -44,6 +44,9 @@ AMPLITUDES = [name for name, size in SIZES.items() if size.amplitude]
 OTHERS = {name: size.high for name, size in SIZES.items() if not size.amplitude}
 
 
+TIGHT = ({"tolerance": 1e-6}, {})
+
+
 def hand(**sizes):
     """The kernels' record with effects, their names' dots as double underscores."""
     return pack({}, effects={name.replace("__", "."): x for name, x in sizes.items()})
@@ -95,6 +98,16 @@ def test_every_effect_shows_at_its_largest_physical_size(name):
         gaps = [np.sqrt(np.mean((changed[c] - base[c]) ** 2)) / x for c, x in noise.items()]
         seen = max(seen, *gaps)
     assert seen > 1.0
+
+
+@pytest.mark.parametrize("name", AMPLITUDES)
+def test_every_effect_at_its_largest_is_integrated_far_below_the_sensors(name):
+    hidden = {**OTHERS, name: SIZES[name].high}
+    for thing in (None, DYNAMOMETER):
+        options = {"object": thing, "effects": hidden, "duration": 1.1}
+        fine, rough = (trace({"encoder.bits": 30.0}, PAPER, **options, **t)[0] for t in TIGHT)
+        assert np.abs(fine["current_A"] - rough["current_A"]).max() < 0.2 * CURRENT
+        assert np.abs(fine["force_N"] - rough["force_N"]).max() < 0.5 * FORCE
 
 
 def test_wires_in_series_share_their_stretch():

@@ -70,8 +70,10 @@ def _correction(information: np.ndarray, inverse: np.ndarray) -> tuple[np.ndarra
     for run in range(len(information)):
         expected[:, run, run] += np.diag(own[run])
     trace = np.einsum("krr->k", expected)
-    freedom = trace**2 / np.einsum("krs,krs->k", expected, expected)
-    return np.diag(total) / np.maximum(trace, 1e-300), freedom
+    square = np.einsum("krs,krs->k", expected, expected)
+    told = trace > 1e-12 * np.maximum(np.diag(total), 1e-300)  # else no run speaks of it at all
+    honest = np.divide(np.diag(total), trace, out=np.ones_like(trace), where=told)
+    return honest, np.divide(trace**2, square, out=np.zeros_like(trace), where=told)
 
 
 def _clusters(found: Found) -> tuple[np.ndarray, np.ndarray, str]:

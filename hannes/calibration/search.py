@@ -19,8 +19,10 @@ from hannes.calibration.problem import (
     scaled_columns,
 )
 from hannes.calibration.starts import scattered
+from hannes.calibration.view import View
 from hannes.calibration.whitening import Whitening
 from hannes.errors import ComputationFailed
+from hannes.plant import expectations
 
 ROUNDS = 5
 STILL = 0.3  # standard deviations within which a round may move and be the last
@@ -28,7 +30,6 @@ MOST_EVALUATIONS = 40
 ENOUGH = 0.1  # standard deviations: a step shorter than this ends a round
 COARSE, FINE = 0.1, 1e-5  # relative gain that ends the first round, whose weights are wrong; others
 JERK = 10.0  # times a simulated jerk inside a bin is taken as noise there
-SLACK = 1e-3  # s, by which no model gets the moment of a jerk right
 ROBUST = 2.0  # standard deviations beyond which a robust loss bends
 FIRST_STEP = 2e-3  # of a parameter's scale, of differences before anything is known
 FAR = 0.05  # of a parameter's scale, from where directions in which runs differ are had anew
@@ -316,12 +317,12 @@ class Search:
             for name, size in self.plan.nuisance.items()
             if restless is not None
         ]
-        delays = model.delays(bundle.base, late)
         if self.plan.start_time:
+            delays = model.delays(bundle.base, late)
             moved.append([self.plan.start_time * each for each in delays])
         per_run = [
-            np.hypot(noise[view.part], np.hypot(SLACK * delay, JERK * jerk))
-            for view, delay, jerk in zip(views, delays, model.jerks(bundle.base), strict=True)
+            np.hypot(noise[view.part], JERK * jerk)
+            for view, jerk in zip(views, model.jerks(bundle.base), strict=True)
         ]
         directions = [
             np.array([each[run] for each in moved]).reshape(len(moved), views[run].measured.size)
@@ -356,12 +357,26 @@ class Search:
 
 
 def _sizes(model: Model) -> np.ndarray:
-    """RMS of every channel and feature over all runs [its unit], shape (names,)."""
-    found = np.zeros(len(model.views[0].names))
-    for number in range(found.size):
-        values = np.concatenate([v.measured[v.part == number] for v in model.views])
-        found[number] = np.sqrt(np.mean(values**2)) if values.size else 0.0
-    return found
+    """RMS of every channel and feature over all runs [its unit], shape (names,).
+
+    Of a channel that follows a command, only how far it is off that: a position that a controller
+    holds says little by itself.
+    """
+    names = model.views[0].names
+    follows = {name: each.follows for name, each in expectations(model.plant).items()}
+    return np.array([_size(model.views, name, follows.get(name, "")) for name in names])
+
+
+def _size(views: Sequence[View], name: str, command: str) -> float:
+    values = []
+    for view in views:
+        asked = view.recording[command] if command in view.recording else 0.0
+        off = {**view.recording.channels}
+        if name in view.channels:
+            off[name] = off[name] - asked
+        values.append(view.of(off)[view.part == view.names.index(name)])
+    whole = np.concatenate(values)
+    return float(np.sqrt(np.mean(whole**2))) if whole.size else 0.0
 
 
 def _unsettled(costs: Sequence[float]) -> str:

@@ -23,7 +23,7 @@ stribeck.speed *            rad/s    5 .. 60 (20)     u = w / (sqrt(2) speed)
 gear_backlash.gap           rad      2e-3 .. 0.05     shaft (pulley, encoder) free within +-gap/2
                                                       of th/N, in the middle at rest
 torque_ripple.amplitude     N m      1e-4 .. 3e-3     J w' += amplitude sin(cycles th + phase)
-torque_ripple.cycles *      1        1 .. 24 (4)      periods in a motor turn
+torque_ripple.cycles *      1        1 .. 12 (4)      periods in a motor turn
 torque_ripple.phase *       rad      -3.2 .. 3.2 (0)
 winding_heating.rise        K        5 .. 100         R (1 + 3.93e-3 rise), k_t (1 - 1.1e-3 rise)
 supply_sag.resistance       ohm      0.02 .. 1.5      V_bus = V_0 - resistance duty i

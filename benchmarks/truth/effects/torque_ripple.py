@@ -3,7 +3,7 @@
     J w' += amplitude sin(cycles th + phase)
 
 th: motor angle. Source: Hanselman (2003), brushless permanent-magnet motor design, cogging torque.
-Range: 2 % to 60 % of the nominal dry friction, 1 to 24 times a motor turn (above 11 times the 1 kHz
+Range: 2 % to 60 % of the nominal dry friction, 1 to 12 times a motor turn (above 10 times the 1 kHz
 recording cannot show it at full speed).
 """
 
@@ -14,7 +14,7 @@ from benchmarks.truth.size import Size
 
 SIZES = {
     "amplitude": Size("N m", 0.1e-3, 3e-3),
-    "cycles": Size("1", 1.0, 24.0, default=4.0, amplitude=False),
+    "cycles": Size("1", 1.0, 12.0, default=4.0, amplitude=False),
     "phase": Size("rad", -3.2, 3.2, amplitude=False),
 }
 

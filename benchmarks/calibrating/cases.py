@@ -1,0 +1,83 @@
+"""Campaigns of a hand whose nine named parameters lie 20 % off, made by the independent truth.
+
+All else of the hand is as the analyst believes it; every run scatters it anew (see
+benchmarks/truth/scatter.py).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.truth import campaign as truth
+from benchmarks.truth.fitness import fit
+from benchmarks.truth.parameters import parse_hand
+from benchmarks.truth.protocol import PROTOCOLS, Protocol
+from hannes.campaign import Campaign, Entry
+from hannes.hand import Hand
+from hannes.hand_plant import HandPlant
+from hannes.table import Table
+from hannes.units import text
+
+NINE = (
+    "motor.torque_constant",
+    "motor.resistance",
+    "motor.dry_friction",
+    "mcp.coulomb_friction",
+    "pip.coulomb_friction",
+    "mcp.spring_stiffness",
+    "gear.pulley_radius",
+    "object.stiffness",
+    "object.friction",
+)
+SPREAD, CUT = 0.2, 2.5  # relative, and standard deviations beyond which a value is drawn again
+STREAM = 77  # of random numbers
+
+
+@dataclass(frozen=True)
+class Case:
+    """A campaign as the analyst has it, and the values that nobody tells him."""
+
+    campaign: Campaign
+    true: dict[str, float]
+
+
+def scattered(seed: int) -> dict[str, float]:
+    """True values of the nine, of a hand that still grasps."""
+    rng, shipped = np.random.default_rng([seed, STREAM]), Hand().parameters
+    while True:
+        z = rng.standard_normal(len(NINE))
+        if np.abs(z).max() > CUT:
+            continue
+        values = {name: float(shipped[name] * (1.0 + SPREAD * k)) for name, k in zip(NINE, z, strict=True)}
+        if fit(parse_hand(hand_text(values))):
+            return values
+
+
+def hand_text(values: Mapping[str, float]) -> str:
+    """A hand.toml with these values."""
+    declared = Hand().parameters.declared
+    lines = [f'"{name}" = "{text(x, declared[name].unit)}"' for name, x in values.items()]
+    return "\n".join(['base = "hannes"', "[parameters]", *lines]) + "\n"
+
+
+def case(
+    seed: int,
+    parameters: tuple[str, ...] = NINE,
+    protocol: Protocol = PROTOCOLS["rich"],
+    hidden: Mapping[str, float] | None = None,
+    starts: int = 1,
+) -> Case:
+    """A campaign under `protocol`, with the shipped hand as the analyst's belief."""
+    true = scattered(seed)
+    made = truth.make(protocol, seed, hidden, truth.Spread(hand=0.0), hand_text(true))
+    entries = tuple(
+        Entry(name, recording, made.conditions[name], "fit")
+        for name, recording in made.recordings.items()
+    )
+    asked = Table({"parameters": list(parameters), "starts": starts}, "calibrate", ())
+    plant, out = HandPlant(), Path("results")
+    real = {**dict(Hand().parameters), **true}
+    campaign = Campaign(plant, plant, entries, out, {}, "rich", calibrate=asked)
+    return Case(campaign, {name: real[name] for name in parameters})
