@@ -55,7 +55,7 @@ steps = np.full(31, 1e-3)
 def motor_stages(t, y, dy, p, c, reference, hold, out):
     """From the reference to the winding; returns the torque constant [N m/A]."""
     target = position_reference(t, y, dy, p, c, reference, out)
-    position, current = sense(t, y, dy, p, c, out)
+    position, current = sense(t, y, dy, p, c, hold, out)
     duty = control(t, y, dy, p, c, hold, target, position, current, out)
     return drive(t, y, dy, p, c, duty, out)
 

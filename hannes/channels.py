@@ -56,6 +56,7 @@ CHANNELS = (
         "",
         """
         reference_time    | s | time at which the reference is read
+        reading_age       | s | of what the firmware reads of the sensors
         shaft_position    | rad | of the output shaft, where the encoder sits
         sensed_current    | A | in the current sensor
         delayed_position  | rad | when it reaches the controller and the log

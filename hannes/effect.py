@@ -7,7 +7,6 @@ of `writes`, then the rate of each of its states.
 """
 
 import inspect
-import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -75,22 +74,11 @@ class Effect:
 
     def __str__(self) -> str:
         """Equation, meaning, source and parameters, as `hannes effects NAME` shows them."""
-        adds = ", ".join(name for term in self.terms for name in term.writes)
-        lines = [self.name]
-        lines += _wrapped(self.meaning, self.equation, f"source: {self.source}", f"adds to: {adds}")
+        lines = [self.name, f"  {self.meaning}", f"  {self.equation}", f"  source: {self.source}"]
+        lines += [f"  adds to: {', '.join(w for term in self.terms for w in term.writes)}"]
         for each in self.parameters:
             low, high = each.bounds
             end = f"shipped as {each.value:g}" if each.off is None else f"vanishes at {each.off:g}"
-            lines += _wrapped(
-                f"{self.full_name(each.name)} [{each.unit}]: {each.doc}; {low:g} to {high:g}, {end}"
-            )
+            lines.append(f"  {self.full_name(each.name)} [{each.unit}]: {each.doc}")
+            lines.append(f"    {low:g} to {high:g}, {end}")
         return "\n".join(lines)
-
-
-def _wrapped(*told: str) -> list[str]:
-    """Lines of each text within 80 columns, indented."""
-    return [
-        line
-        for each in told
-        for line in textwrap.wrap(each, 80, initial_indent="  ", subsequent_indent="    ")
-    ]

@@ -28,7 +28,7 @@ def equations(t, y, dy, p, c, reference, hold, out):
     for i in range(dy.size):
         dy[i] = 0.0  # of effects in a stage that is left out
     target = position_reference(t, y, dy, p, c, reference, out)
-    position, current = sense(t, y, dy, p, c, out)
+    position, current = sense(t, y, dy, p, c, hold, out)
     duty = control(t, y, dy, p, c, hold, target, position, current, out)
     torque_constant = drive(t, y, dy, p, c, duty, out)
     kinematics(y, p, c)
@@ -50,10 +50,17 @@ def position_reference(t, y, dy, p, c, reference, out):
     return target
 
 
-def sense(t, y, dy, p, c, out):
-    """What the controller sees: encoder [rad, output shaft] and current sensor [A]."""
+def probe(t, y, dy, p, c, out):
+    """What encoder and current sensor are put to: shaft [rad, output side] and current [A]."""
     shaft_position, sensed_current = y.motor_angle / p.gear_ratio, y.motor_current
     # effects: shaft_position, sensed_current
+    return shaft_position, sensed_current
+
+
+def sense(t, y, dy, p, c, hold, out):
+    """What the controller sees: encoder [rad, output shaft] and current sensor [A]."""
+    shaft_position, sensed_current = probe(t, y, dy, p, c, out)
+    held_position, held_current = hold[7], hold[8]
     delayed_position, delayed_current = shaft_position, sensed_current
     # effects: delayed_position, delayed_current
     measured_position, measured_current = delayed_position, delayed_current
@@ -100,10 +107,15 @@ def control(t, y, dy, p, c, hold, target, position, current, out):
 def sample(t, y, dy, p, c, reference, hold, out):
     """One tick of the firmware: read, filter, two PIDs, and hold the duty until the next.
 
-    hold: duty, both integrals, filtered speed, last angle and current, current reference.
+    hold: duty, both integrals, filtered speed, last angle and current, current reference; shaft
+    and current as they were probed, and how old the next tick's will be [s]. `y` is of then.
     """
     target = position_reference(t, y, dy, p, c, reference, out)
-    position, current = sense(t, y, dy, p, c, out)
+    reading_age = 0.0
+    # effects: reading_age
+    hold[9] = reading_age
+    hold[7], hold[8] = probe(t, y, dy, p, c, out)
+    position, current = sense(t, y, dy, p, c, hold, out)
     angle = quantised(position, p.encoder_bits) * p.gear_ratio
     if p.controller_current_step > 0.0:
         current = p.controller_current_step * round(current / p.controller_current_step)

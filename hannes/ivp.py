@@ -1,5 +1,6 @@
 """Through scipy's solve_ivp, from kink to kink: by the method of hannes/rodas or scipy's own."""
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -13,7 +14,8 @@ from hannes.trajectory import Cost, Outcome, Trajectory
 
 METHODS = ("Rodas", "LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
 IMPLICIT = ("LSODA", "BDF", "Radau")
-HOLD = 7  # numbers that firmware holds
+HOLD = 10  # numbers that firmware holds, see `sample` in equations.py
+AGE = 9  # place among them of the age of its readings
 RUN = 256  # steps that Rodas takes between two returns to scipy
 
 
@@ -38,7 +40,8 @@ class Initial:
         self.compiled, self.p, self.experiment = compiled, p, experiment
         self.method, self.rtol, self.atol = method, rtol, tolerances(compiled, rtol)
         self.hold = np.zeros(HOLD)
-        self.state = rest
+        self.state, self.first = rest, rest.copy()
+        self.past: list[Callable[[float], np.ndarray]] = []  # by tick, where readings are old
         self.cost, self.message = Cost(), "completed"
         self.outcome = Outcome.COMPLETED
         self.times = experiment.times
@@ -67,8 +70,15 @@ class Initial:
         knots, duration = self.experiment.reference.knots, self.experiment.duration
         period = float(self.p[self.compiled.parameters["controller_period"]][0])
         for k in range(int(np.ceil(duration / period - 1e-9))):
-            self.compiled.fast.tick(k * period, self.state, self.p, knots, self.hold)
+            self.compiled.fast.tick(k * period, self._read(k, period), self.p, knots, self.hold)
             yield k * period, min((k + 1) * period, duration), knots
+
+    def _read(self, tick: int, period: float) -> np.ndarray:
+        """The state that the firmware reads at a tick."""
+        moment = tick * period - self.hold[AGE]
+        if not self.past:
+            return self.state
+        return self.first if moment <= 0.0 else self.past[math.ceil(moment / period) - 1](moment)
 
     def _advance(self, start: float, end: float, knots: np.ndarray) -> bool:
         """Integrate one smooth part and store its samples; False where it failed."""
@@ -87,6 +97,7 @@ class Initial:
                     t_eval=np.clip(np.append(self.times[self.filled : inside], end), start, end),
                     rtol=self.rtol,
                     atol=self.atol,
+                    dense_output=bool(self.hold[AGE]),
                     **self._method(knots),
                 )
         except ValueError as error:
@@ -104,6 +115,7 @@ class Initial:
             lost = "not finite" in part.message
             return self._fail(Outcome.NOT_FINITE if lost else Outcome.SOLVER_GAVE_UP, part.message)
         self.state = rows[-1].copy()
+        self.past += [part.sol] if part.sol else []
         return True
 
     def _fail(self, outcome: Outcome, message: str) -> bool:

@@ -12,7 +12,9 @@ from hannes.effect import Effect, Term
 from hannes.layout import Layout, Slot
 
 PARTS = {
-    **dict.fromkeys(("position_reference", "sense", "control", "drive"), "motor"),
+    **dict.fromkeys(
+        ("position_reference", "probe", "sense", "sample", "control", "drive"), "motor"
+    ),
     **dict.fromkeys(("leader", "gear", "carts"), "wires"),
     **dict.fromkeys(("joints", "contact", "press", "inertia"), "fingers"),
 }

@@ -20,7 +20,7 @@ def deepening(penetration, penetration_rate, object_stiffness, exponent, dissipa
 
 EFFECT = Effect(
     name="hunt_crossley",
-    meaning="The object gets stiffer the deeper it is pressed, and damps the more with depth.",
+    meaning="The object gets stiffer, and damps more, the deeper it is pressed.",
     equation="F = k x (x / 1 mm)^exponent (1 + dissipation x') + beta x' ramp(x)",
     source="Hunt & Crossley (1975)",
     parameters=(

@@ -15,7 +15,7 @@ EFFECT = Effect(
     name="supply_sag",
     meaning="The battery's voltage falls while the motor draws current.",
     equation="V_bus = V_0 - resistance duty i",
-    source="Erickson & Maksimovic (2001), averaged converter behind a source's resistance",
+    source="Erickson & Maksimovic (2001), a converter's mean current",
     parameters=(Parameter("resistance", 0.0, "ohm", (0.0, 3.0), "of battery and leads", off=0.0),),
     terms=(Term(sag, writes=("supply",)),),
 )

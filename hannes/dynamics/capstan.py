@@ -40,7 +40,7 @@ def over_cart(follower_slip, friction):
 
 EFFECT = Effect(
     name="capstan",
-    meaning="Wires rub on the pulleys they wrap, so fingers far from the motor get less pull.",
+    meaning="Wires rub on the pulleys they wrap, so the last fingers get less pull.",
     equation="T_out = T_in exp(-friction pi tanh(v / 5 mm/s)) at each pulley",
     source="Euler (1769) and Eytelwein (1808); Kaneko, Yamashita & Tanie (1991)",
     parameters=(Parameter("friction", 0.0, "1", (0.0, 0.5), "wire on pulley", off=0.0),),
