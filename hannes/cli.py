@@ -224,9 +224,8 @@ def _effects(chosen: argparse.Namespace) -> None:
         print(catalogue.effect(chosen.effect))
         return
     for each in catalogue.effects().values():
-        print(each.name)
-        for told in (each.meaning, each.equation, f"source: {each.source}"):
-            print(textwrap.fill(told, 78, initial_indent="  ", subsequent_indent="  "))
+        told = textwrap.fill(each.meaning, 78, initial_indent="  ", subsequent_indent="  ")
+        print(f"{each.name}\n{told}\n  {each.equation}\n  source: {each.source}")
 
 
 def _hand(chosen: argparse.Namespace) -> None:
