@@ -7,80 +7,31 @@ takes up, and its rate:
 
     dx_f/dt = F_f x_f + a_f T_f + C_f core,    (T, dcore/dt) = Z (core, l, dl/dt)
 
-Stages are differenced one at a time with what they receive held, all fingers at once: whatever
-effects are in the stages are in the differences. structure.py tells which states an effect adds
-to a finger or to the core, what it reads, and when this shape does not hold. Arrays over fingers
-have the finger last, so that the five are worked on at once.
+The blocks come in closed form (finger_slopes.py, core_slopes.py), or, where effects are in their
+stages, from differences of these one at a time with what they receive held
+(finger_differences.py, core_differences.py). structure.py tells which of the two, which states an
+effect adds to a finger or to the core, what it reads, and when this shape does not hold. Arrays
+over fingers have the finger last, so that the five are worked on at once.
 """
 
 from typing import Any
 
 import numpy as np
 
-from hannes.equations import (
-    carts,
-    contact,
-    control,
-    drive,
-    equations,
-    excursions,
-    gear,
-    inertia,
-    joints,
-    kinematics,
-    leader,
-    position_reference,
-    press,
-    sense,
-)
+from hannes.equations import equations
 from hannes.rodas.arrays import copy_to
 
 # Filled in by structure.py; here those of the hand without effects.
 CORE = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10])  # places of the core's states
 OWN = np.array([[11 + k + 2 * f for f in range(5)] for k in (0, 1, 10, 11)])  # of each finger's
 SEEN = np.array([0])[:0]  # which of CORE the finger stages read
-PART = np.array([0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2])  # who reads which of CORE: see structure.py
-CART = np.array([0, 0, 1, 1, -1] + 7 * [-1] + [0, 1, 0, 1])  # whose row it is, of ROWS
-TIMED = False  # whether other stages than the motor's read the time
-HELD = True  # whether nothing but the flexor reads a tension in the fingers
-PAIRED = True  # whether only the carts, each for itself, read the wire taken up by a pair
 SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, CORE, SEEN; tensions and core
 CHANNELS, OUTPUTS = 1, 1
 KINKS, ENTRIES = 30, 110
 factor_rest: Any = None  # both written out by elimination.py
 solve_rest: Any = None
-steps = np.full(31, 1e-3)
-
-
-def motor_stages(t, y, dy, p, c, reference, hold, out):
-    """From the reference to the winding; returns the torque constant [N m/A]."""
-    target = position_reference(t, y, dy, p, c, reference, out)
-    position, current = sense(t, y, dy, p, c, hold, out)
-    duty = control(t, y, dy, p, c, hold, target, position, current, out)
-    return drive(t, y, dy, p, c, duty, out)
-
-
-def wire_stages(t, y, dy, p, c, torque_constant, out):
-    """Leader, gear and carts, given the excursions."""
-    load = leader(t, y, dy, p, c, out)
-    gear(t, y, dy, p, c, torque_constant, load, out)
-    carts(t, y, dy, p, c, out)
-
-
-def finger_stages(t, y, dy, p, c, out):
-    """Joints, contact and inertia, given the tensions."""
-    joints(t, y, dy, p, c, out)
-    if p.object_present > 0.5:
-        contact(t, y, dy, p, c, out)
-    inertia(t, y, dy, p, c, out)
-
-
-def moving_stages(t, y, dy, p, c, out):
-    """Finger stages where only the joints' speeds are others: contacts stay where they are."""
-    joints(t, y, dy, p, c, out)
-    if p.object_present > 0.5:
-        press(t, y, dy, p, c, out)
-    inertia(t, y, dy, p, c, out)
+finger_columns: Any = None  # of finger_slopes.py or finger_differences.py
+core_columns: Any = None  # of core_slopes.py or core_differences.py
 
 
 def slope(t, y, dy, data):
@@ -95,137 +46,8 @@ def linearise(t, y, rates, drift, data):
     blocks, core, tensions = data[1], data[2], data[3]
     copy_to(moved, y)
     copy_to(tensions, c.tendon_tension)
-    difference_tensions(t, y, rates, dy, p, c, out, tensions, blocks)
-    for n in range(SEEING):
-        difference_seen(t, y, moved, rates, dy, p, c, out, n, blocks)
-    for j in range(SIZE - 1, -1, -1):  # angles last: the links' directions hold till then
-        difference_own(t, y, moved, rates, dy, p, c, out, j, blocks)
-    kinematics(y, p, c)
-    base = difference_time(t, y, rates, dy, p, c, reference, hold, out, drift)
-    copy_to(c.tendon_tension, tensions)
-    for j in range(COUNT):
-        difference_core(t, y, moved, rates, dy, p, c, reference, hold, out, base, j, core, tensions)
-    for f in range(5):
-        if not PAIRED or f % 2 == 0:
-            difference_taking(t, y, rates, dy, p, c, out, base, f, core, tensions)
-
-
-def difference_tensions(t, y, rates, dy, p, c, out, tensions, blocks):
-    """Rates of each finger by its tension; alone, a tension is as much torque on each joint."""
-    nudge = 1e-3
-    if HELD:
-        for joint in range(10):
-            c.joint_torque[joint] += nudge * p.joint_moment_arm[joint]
-        copy_to(dy, rates)
-        inertia(t, y, dy, p, c, out)
-    else:
-        for f in range(5):
-            c.tendon_tension[f] = tensions[f] + nudge
-        finger_stages(t, y, dy, p, c, out)
-        copy_to(c.tendon_tension, tensions)
-    for i in range(SIZE):
-        for f in range(5):
-            blocks[i, SIZE, f] = (dy[OWN[i, f]] - rates[OWN[i, f]]) / nudge
-
-
-def difference_seen(t, y, moved, rates, dy, p, c, out, n, blocks):
-    """Rates of each finger by a core state that the finger stages read."""
-    place = CORE[SEEN[n]]
-    moved[place] += 1e-7 * max(abs(y[place]), steps[place])
-    finger_stages(t, moved, dy, p, c, out)
-    for i in range(SIZE):
-        for f in range(5):
-            change = dy[OWN[i, f]] - rates[OWN[i, f]]
-            blocks[i, SIZE + 1 + n, f] = change / (moved[place] - y[place])
-    moved[place] = y[place]
-
-
-def difference_own(t, y, moved, rates, dy, p, c, out, j, blocks):
-    """Rates of each finger by its own state j: all fingers moved at once."""
-    for f in range(5):
-        place = OWN[j, f]
-        moved[place] += 1e-7 * max(abs(y[place]), steps[place])
-    if j < 2:
-        kinematics(moved, p, c)
-        finger_stages(t, moved, dy, p, c, out)
-    else:
-        excursions(moved, p, c)
-        moving_stages(t, moved, dy, p, c, out)
-    for f in range(5):
-        place = OWN[j, f]
-        per = 1.0 / (moved[place] - y[place])
-        for i in range(SIZE):
-            blocks[i, j, f] = (dy[OWN[i, f]] - rates[OWN[i, f]]) * per
-        moved[place] = y[place]
-
-
-def difference_time(t, y, rates, dy, p, c, reference, hold, out, drift):
-    """Fill df/dt; returns the torque constant."""
-    later = t + 1e-7 * max(1.0, abs(t))
-    copy_to(dy, rates)
-    torque_constant = motor_stages(later, y, dy, p, c, reference, hold, out)
-    if TIMED:
-        wire_stages(later, y, dy, p, c, torque_constant, out)
-        finger_stages(later, y, dy, p, c, out)
-    for i in range(y.size):
-        drift[i] = (dy[i] - rates[i]) / (later - t)
-    return motor_stages(t, y, dy, p, c, reference, hold, out)
-
-
-def difference_core(t, y, moved, rates, dy, p, c, reference, hold, out, base, j, core, tensions):
-    """Tensions and core rates by core state j."""
-    place = CORE[j]
-    moved[place] += 1e-7 * max(abs(y[place]), steps[place])
-    copy_to(dy, rates)
-    torque_constant = base
-    if PART[j] != 2:
-        torque_constant = motor_stages(t, moved, dy, p, c, reference, hold, out)
-    if PART[j] != 1:
-        wire_stages(t, moved, dy, p, c, torque_constant, out)
-    per = 1.0 / (moved[place] - y[place])
-    moved[place] = y[place]
-    for f in range(5):
-        core[j, f] = (c.tendon_tension[f] - tensions[f]) * per
-        c.tendon_tension[f] = tensions[f]
-    for i in range(COUNT):
-        core[j, 5 + i] = (dy[CORE[i]] - rates[CORE[i]]) * per
-
-
-def difference_taking(t, y, rates, dy, p, c, out, base, f, core, tensions):
-    """Tensions and core rates by the wire that finger f takes up, then by its rate."""
-    if PAIRED and f == 2:
-        return  # along with finger 0
-    copy_to(dy, rates)
-    nudge_taking(c.excursion, f, 1e-9)
-    wire_stages(t, y, dy, p, c, base, out)
-    keep_taking(COUNT, f, 1e9, rates, dy, c, core, tensions)
-    excursions(y, p, c)
-    nudge_taking(c.excursion_rate, f, 1e-7)
-    wire_stages(t, y, dy, p, c, base, out)
-    keep_taking(COUNT + 5, f, 1e7, rates, dy, c, core, tensions)
-    excursions(y, p, c)
-
-
-def nudge_taking(taken, f, nudge):
-    """Let finger f, or a finger of each cart, take up more."""
-    taken[f] += nudge
-    if PAIRED and f == 0:
-        taken[2] += nudge
-
-
-def keep_taking(first, f, per, rates, dy, c, core, tensions):
-    """Store the column of finger f, or those of both carts' fingers."""
-    for g in range(5):
-        core[first + f, g] = (c.tendon_tension[g] - tensions[g]) * per
-    for i in range(COUNT):
-        core[first + f, 5 + i] = (dy[CORE[i]] - rates[CORE[i]]) * per
-    copy_to(c.tendon_tension, tensions)
-    if PAIRED and f == 0:
-        for i in range(ROWS):
-            core[first + 1, i] = core[first, i] if CART[i] == 0 else 0.0
-            core[first + 2, i] = core[first, i] if CART[i] == 1 else 0.0
-            core[first, i] = core[first + 1, i]
-            core[first + 3, i] = core[first + 2, i]
+    finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks)
+    core_columns(t, y, moved, rates, dy, drift, p, c, reference, hold, out, core, tensions)
 
 
 def decompose(shift, data):
@@ -306,6 +128,11 @@ def mark(y, data):
 def crossing(y, data):
     """How far on the way to y the first contact is made or lost; 1 where none is."""
     depths(y, data[0][0], data[0][3], data[12])
+    crossed = 0
+    for k in range(data[11].size):
+        crossed += data[11][k] * data[12][k] < 0.0
+    if crossed == 0:
+        return 1.0
     first = 1.0
     for k in range(KINKS):
         before, after = data[11][k], data[12][k]
@@ -316,8 +143,10 @@ def crossing(y, data):
 
 def depths(y, p, c, found):
     """Depth of each phalanx in the object, of each joint in its stops."""
+    present = p.object_present
     for k in range(10):
-        found[k] = c.penetration[k] if p.object_present > 0.5 else -1.0
+        found[k] = c.penetration[k] * present - (1.0 - present)
+    for k in range(10):
         rest = p.rest[k] + p.joint_spring_preload[k] / p.joint_stop_stiffness[k]
         found[10 + k] = rest - y.joint_angle[k]
         found[20 + k] = y.joint_angle[k] - p.end[k]

@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from hannes import entries, full, generated, observed
-from hannes._jit import plain
 from hannes.effect import Effect, Term
 from hannes.errors import BadInput
 from hannes.filling import HOOK, Layouts, without_outputs
@@ -31,11 +30,11 @@ from hannes.rodas.problem import Problem
 class Shape:
     """How a plant's Jacobian is differenced and solved.
 
-    `module` holds the text; `constants` its constants; `written` further text; `broken` says why
+    `modules` hold the text; `constants` its constants; `written` further text; `broken` says why
     the shape does not hold with these effects, or nothing.
     """
 
-    module: ModuleType
+    modules: tuple[ModuleType, ...]
     constants: dict[str, str]
     written: str
     broken: str
@@ -149,10 +148,11 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, effects)
     text, sizes = layouts.fill(plant.source()), layouts.sizes()
     solution, kind = _solution(plant, layouts, effects)
-    names = _names(plant, solution.module, effects)
+    names = _names(plant, solution.modules, effects)
     origin = generated.fingerprint(names)
     seen = generated.module("observed", text + _functions(observed), names, origin, sizes)
-    quick = without_outputs(text) + layouts.fill(_functions(solution.module)) + solution.written
+    solved = "".join(map(_functions, solution.modules))
+    quick = without_outputs(text) + layouts.fill(solved) + solution.written
     quick += method.source() + _functions(entries) + plant.entries
     names |= {name: value for name, value in vars(entries).items() if name.isupper()}
     names["fill_outputs"] = seen.fill_outputs
@@ -161,19 +161,18 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     return Compiled(text, layouts.p, layouts.y, layouts.out, fast, seen, kind)
 
 
-def _names(plant: Equations, solution: ModuleType, effects: tuple[Effect, ...]) -> dict[str, Any]:
+def _names(
+    plant: Equations, solution: tuple[ModuleType, ...], effects: tuple[Effect, ...]
+) -> dict[str, Any]:
     """What the written texts and the calls of effects go by."""
-    kernels = {
-        f"{effect.name}_{plain(term.kernel).__name__}": term.kernel
-        for effect in effects
-        for term in effect.terms
-    }
-    return {**vars(plant.module), **vars(solution), **method.NAMES, **kernels}
+    kernels = {effect.kernel_name(term): term.kernel for effect in effects for term in effect.terms}
+    known = {name: value for each in solution for name, value in vars(each).items()}
+    return {**vars(plant.module), **known, **method.NAMES, **kernels}
 
 
 def _solution(plant: Equations, layouts: Layouts, effects: tuple[Effect, ...]) -> tuple[Shape, str]:
     """How to difference and solve, and what to call it."""
-    dense = Shape(full, {}, "", "")
+    dense = Shape((full,), {}, "", "")
     if plant.shape is None:
         return dense, "dense differences"
     shape = plant.shape(layouts.y, layouts.c, plant.stage_of, effects)

@@ -19,7 +19,8 @@ from hannes.calibration.prediction import prediction
 from hannes.calibration.profile import sides
 from hannes.calibration.remains import remains
 from hannes.calibration.result import Fit
-from hannes.calibration.search import Found, Progress, Search
+from hannes.calibration.search import Progress, Search
+from hannes.calibration.state import State
 from hannes.calibration.view import View
 from hannes.campaign import Campaign, read_campaign
 from hannes.errors import BadInput
@@ -80,7 +81,7 @@ def calibrate(
     return result
 
 
-def _told(campaign: Campaign, found: Found, workers: int, how: str, seed: int) -> Calibration:
+def _told(campaign: Campaign, found: State, workers: int, how: str, seed: int) -> Calibration:
     width = spread(found)
     noise = sample_floors(found.model.views)
 

@@ -7,17 +7,20 @@ from hannes.dynamics import carts, joints, motor, wires
 from hannes.layout import Slot
 from hannes.parameter import Parameter
 
-SIZES = {"cart": 2, "finger": 5, "joint": 10, "phalanx": 10}
+# Ten joints or phalanges are worked on as sixteen, in whole vector registers; what the last six
+# hold is finite and counts for nothing.
+LANES = 16
+SIZES = {"cart": 2, "finger": 5, "joint": 10, "phalanx": 10, "lane": LANES}
 
 
-def _slots(axis: str, rows: str) -> tuple[Slot, ...]:
+def _slots(axis: str, rows: str, room: int = 0) -> tuple[Slot, ...]:
     """Read `name unit doc` lines, one slot each; a fourth field before doc is a tolerance."""
     slots = []
     for row in rows.strip().splitlines():
         name, unit, rest = (part.strip() for part in row.split("|", 2))
         tolerance, _, doc = rest.rpartition("|")
         size = SIZES.get(axis, 1)
-        slots.append(Slot(name, unit, doc.strip(), axis, size, float(tolerance or 1e-6)))
+        slots.append(Slot(name, unit, doc.strip(), axis, size, float(tolerance or 1e-6), room))
     return tuple(slots)
 
 
@@ -71,6 +74,10 @@ CHANNELS = (
         slack             | m | free length of the leader wire
         leader_compliance | m/N | of the leader wire
         follower_compliance | m/N | of each follower wire
+        leader_stretch    | m | of the leader wire, negative while slack
+        leader_rate       | m/s | of its stretch
+        leader_stiffness  | N/m | of the leader wire
+        follower_stiffness | N/m | of each follower wire
         leader_tension    | N | at the motor pulley
         pull_a            | N | leader tension at cart A, mean of both sides of its pulley
         pull_b            | N | leader tension at cart B, mean of both sides of its pulley
@@ -84,10 +91,12 @@ CHANNELS = (
     + _slots(
         "cart",
         """
-        leader_pull   | N | leader tension at the cart
-        cart_friction | N | opposing the cart
-        follower_slip | m/s | of the follower wire over the cart's pulley, from its first finger
-        follower_loss | 1 | share of its tension that the first finger lacks, the second has more
+        leader_pull      | N | leader tension at the cart
+        cart_friction    | N | opposing the cart
+        follower_stretch | m | of the follower wire, negative while slack
+        follower_rate    | m/s | of its stretch
+        follower_slip    | m/s | of the follower wire over the pulley, from the first finger
+        follower_loss    | 1 | share of its tension that the first finger lacks, the second has more
         """,
     )
     + _slots(
@@ -103,14 +112,18 @@ CHANNELS = (
     + _slots(
         "joint",
         """
+        lane_angle     | rad | the state joint_angle
+        lane_speed     | rad/s | the state joint_speed
         bend_cosine    | 1 | of the joint's angle
         bend_sine      | 1 | of the joint's angle
         cosine         | 1 | of the direction of the link that starts at the joint
         sine           | 1 | of the direction of the link that starts at the joint
         joint_friction | N m | opposing the joint
         spring_torque  | N m | re-opening
+        stop_torque    | N m | of both end stops, closing positive
         joint_torque   | N m | everything that acts on the joint
         """,
+        LANES,
     )
     + _slots(
         "phalanx",
@@ -118,7 +131,7 @@ CHANNELS = (
         penetration      | m | into the object
         penetration_rate | m/s | into the object
         normal_force     | N | of the object on the phalanx
-        face_force       | N | of the phalanx on the dynamometer's sensing face, along its axis
+        drag             | N | of the object along the phalanx, against its slip
         place            | m | of the contact along the phalanx, from its joint
         normal_x         | 1 | out of the object, in the finger's plane
         normal_y         | 1 | out of the object, in the finger's plane
@@ -131,7 +144,22 @@ CHANNELS = (
         normal_arm_pip   | m | of the normal force about the finger's PIP
         slip_arm_mcp     | m | of the tangential force about the finger's MCP
         slip_arm_pip     | m | of the tangential force about the finger's PIP
+        torque_mcp       | N m | of the contact about the finger's MCP
+        torque_pip       | N m | of the contact about the finger's PIP
+        own_angle_slope  | N m/rad | of a joint's torque but for contacts, by its angle
+        own_speed_slope  | N m s/rad | of the same by its speed
+        mcp_angle_slope  | N m/rad | of a joint's torque by contacts, by its finger's MCP
+        pip_angle_slope  | N m/rad | of the same by PIP
+        mcp_speed_slope  | N m s/rad | of the same by the speed of MCP
+        pip_speed_slope  | N m s/rad | of the same by the speed of PIP
+        mcp_by_mcp       | N m s/rad | of torque_mcp by the speed of MCP
+        pip_by_mcp       | N m s/rad | of torque_pip by the speed of MCP
+        mcp_by_pip       | N m s/rad | of torque_mcp by the speed of PIP
+        pip_by_pip       | N m s/rad | of torque_pip by the speed of PIP
+        held_mcp         | N m | torque_mcp before a difference
+        held_pip         | N m | torque_pip before a difference
         """,
+        LANES,
     )
 )
 
@@ -183,11 +211,15 @@ PARAMETERS: tuple[Parameter, ...] = (
     *penalty.PARAMETERS,
 )
 
-# One compiled array for each table; every other parameter is a number of its own.
-TABLES = anatomy.TABLES
+# One compiled array for each table; every other parameter is a number of its own. Tables of joints
+# and phalanges are filled up with their last entry.
+TABLES = {
+    name: names if len(names) < 10 else names + names[-1:] * (LANES - len(names))
+    for name, names in anatomy.TABLES.items()
+}
 _TABLED = {name for names in TABLES.values() for name in names}
 _SINGLES = tuple(each for each in PARAMETERS if each.name not in _TABLED)
-_AXES = {5: "finger", 10: "joint"}
+_AXES = {5: "finger", LANES: "joint"}
 
 PARAMETER_SLOTS = (
     *(Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in _SINGLES),
@@ -202,7 +234,7 @@ PARAMETER_SLOTS = (
         """,
     ),
     *_slots(
-        "phalanx",
+        "lane",
         """
         reach  | m | from the section's core to where the phalanx's axis touches; -1 where it can't
         distal | 1 | 1 for the phalanx beyond PIP

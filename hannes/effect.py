@@ -59,6 +59,9 @@ class Effect:
         used = {name for term in self.terms for name in term.arguments}
         if unused := sorted(own - used):
             raise BadInput(f"effect {self.name}: no kernel takes its {', '.join(unused)}")
+        kernels = [self.kernel_name(term) for term in self.terms]
+        if len(set(kernels)) < len(kernels):
+            raise BadInput(f"effect {self.name}: two of its kernels have the same name")
         rated = [name for term in self.terms for name in term.states]
         if sorted(rated) != sorted(each.name for each in self.states):
             raise BadInput(f"effect {self.name}: each state needs its rate from exactly one term")
@@ -67,6 +70,10 @@ class Effect:
     def amplitudes(self) -> tuple[Parameter, ...]:
         """The parameters whose `off` values, taken together, make the effect vanish."""
         return tuple(each for each in self.parameters if each.off is not None)
+
+    def kernel_name(self, term: Term) -> str:
+        """Name of one of its kernels in generated code: no plant's function begins like this."""
+        return f"{self.name}__{plain(term.kernel).__name__}"
 
     def full_name(self, parameter: str) -> str:
         """Name under which a parameter of this effect is known outside."""

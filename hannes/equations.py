@@ -165,8 +165,10 @@ def kinematics(y, p, c):
     The size of an array is a number that the compiler does not know: loops over it stay loops,
     worked on several elements at a time.
     """
+    for joint in range(10):
+        c.lane_angle[joint] = y.joint_angle[joint]
     for joint in range(p.rest.size):
-        c.bend_cosine[joint], c.bend_sine[joint] = direction(y.joint_angle[joint])
+        c.bend_cosine[joint], c.bend_sine[joint] = direction(c.lane_angle[joint])
     for f in range(5):
         mcp, pip = 2 * f, 2 * f + 1
         cosine, sine = c.bend_cosine[mcp], c.bend_sine[mcp]
@@ -178,6 +180,8 @@ def kinematics(y, p, c):
 
 def excursions(y, p, c):
     """Flexor wire taken up by each finger [m], and its rate [m/s]."""
+    for joint in range(10):
+        c.lane_speed[joint] = y.joint_speed[joint]
     for f in range(5):
         mcp, pip = 2 * f, 2 * f + 1
         c.excursion[f] = p.joint_moment_arm[0] * (y.joint_angle[mcp] - p.rest[mcp])
@@ -198,6 +202,7 @@ def leader(t, y, dy, p, c, out):
         arm * y.motor_speed, y.cart_speed[0], y.cart_speed[1], c.excursion_rate[4], 0.0
     )
     stiffness = 1.0 / leader_compliance
+    c.leader_stretch, c.leader_rate, c.leader_stiffness = stretch, rate, stiffness
     leader_tension = tension(stretch, rate, stiffness, p.leader_damping, p.wires_onset)
     # effects: leader_tension
     pull_a, pull_b, pull_thumb = leader_tension, leader_tension, leader_tension
@@ -255,6 +260,8 @@ def carts(t, y, dy, p, c, out):
             y.cart_speed[cart], c.excursion_rate[first], c.excursion_rate[second]
         )
         pull = tension(stretch, rate, stiffness, p.follower_damping, p.wires_onset)
+        c.follower_stretch[cart], c.follower_rate[cart] = stretch, rate
+        c.follower_stiffness = stiffness
         c.tendon_tension[first] = pull - pull * c.follower_loss[cart]
         c.tendon_tension[second] = pull + pull * c.follower_loss[cart]
         dy.cart_position[cart] = y.cart_speed[cart]
@@ -273,24 +280,21 @@ def joints(t, y, dy, p, c, out):
     """Torques on MCP and PIP: flexor wire, re-opening spring, friction (eq. 1), stops, gravity."""
     for joint in range(p.rest.size):
         c.spring_torque[joint] = spring_torque(
-            y.joint_angle[joint],
+            c.lane_angle[joint],
             p.rest[joint],
             p.joint_spring_stiffness[joint],
             p.joint_spring_preload[joint],
         )
-    for joint in range(p.rest.size):
         c.joint_friction[joint] = stribeck(
-            y.joint_speed[joint],
+            c.lane_speed[joint],
             p.joint_breakaway_friction[joint],
             p.joint_coulomb_friction[joint],
             p.joint_breakaway_speed[joint],
             p.joint_viscous_friction[joint],
         )
-    # effects: spring_torque, joint_friction
-    for joint in range(p.rest.size):
-        c.joint_torque[joint] = stop_torque(
-            y.joint_angle[joint],
-            y.joint_speed[joint],
+        c.stop_torque[joint] = stop_torque(
+            c.lane_angle[joint],
+            c.lane_speed[joint],
             p.rest[joint],
             p.end[joint],
             p.joint_spring_preload[joint],
@@ -298,12 +302,14 @@ def joints(t, y, dy, p, c, out):
             p.joint_stop_damping[joint],
             p.joint_stop_onset[joint],
         )
+    # effects: spring_torque, joint_friction
     for joint in range(10):
         out.power_spring += c.spring_torque[joint] * y.joint_speed[joint]
         out.power_joint_friction += c.joint_friction[joint] * y.joint_speed[joint]
-        out.power_stop -= c.joint_torque[joint] * y.joint_speed[joint]
+        out.power_stop -= c.stop_torque[joint] * y.joint_speed[joint]
         flexor = p.joint_moment_arm[joint] * c.tendon_tension[joint // 2]
-        c.joint_torque[joint] += flexor - c.spring_torque[joint] - c.joint_friction[joint]
+        opening = c.spring_torque[joint] + c.joint_friction[joint]
+        c.joint_torque[joint] = flexor + c.stop_torque[joint] - opening
     if p.gravity_x != 0.0 or p.gravity_y != 0.0:
         gravity(t, y, p, c, out)
     # effects: joint_torque
@@ -412,17 +418,13 @@ def press(t, y, dy, p, c, out):
             p.object_onset,
         )
     # effects: normal_force
-    for phalanx in range(10):
+    touching = 0
+    for phalanx in range(p.link_length.size):
         c.normal_force[phalanx] = max(0.0, c.normal_force[phalanx])
-        c.face_force[phalanx] = 0.0
-        if c.normal_force[phalanx] > 0.0:
-            push(t, y, p, c, phalanx, out)
-    for f in range(5):
-        c.told_force[f] = c.normal_force[2 * f] + c.normal_force[2 * f + 1]
-        c.told_sensor[f] = c.face_force[2 * f] + c.face_force[2 * f + 1]
-    # effects: told_force, told_sensor
-    out.force += c.told_force.sum()
-    out.sensor += c.told_sensor.sum()
+        touching += c.normal_force[phalanx] > 0.0
+    if touching > 0:
+        push(p, c, out)
+    tell(t, y, dy, p, c, touching, out)
 
 
 def slide(y, c, phalanx, mcp_speed, pip_speed):
@@ -435,17 +437,39 @@ def slide(y, c, phalanx, mcp_speed, pip_speed):
     )
 
 
-def push(t, y, p, c, phalanx, out):
-    """Hand the contact force of one phalanx to its joints: J^T F."""
-    mcp, pip = phalanx - phalanx % 2, phalanx - phalanx % 2 + 1
-    normal = c.normal_force[phalanx]
-    drag = tangential_law(normal, c.slip_speed[phalanx], p.object_friction, p.object_slip_speed)
-    c.joint_torque[mcp] += normal * c.normal_arm_mcp[phalanx] - drag * c.slip_arm_mcp[phalanx]
-    c.joint_torque[pip] += normal * c.normal_arm_pip[phalanx] - drag * c.slip_arm_pip[phalanx]
-    c.face_force[phalanx] = sensed(normal, drag, c.normal_x[phalanx], c.normal_y[phalanx])
-    out.phalanx_force[phalanx] = normal
-    out.power_contact_normal += normal * c.penetration_rate[phalanx]
-    out.power_contact_tangential += drag * c.slip_speed[phalanx]
+def push(p, c, out):
+    """Hand the contact forces to the joints: J^T F."""
+    for phalanx in range(p.link_length.size):
+        normal = c.normal_force[phalanx]
+        drag = tangential_law(normal, c.slip_speed[phalanx], p.object_friction, p.object_slip_speed)
+        c.drag[phalanx] = drag
+        c.torque_mcp[phalanx] = normal * c.normal_arm_mcp[phalanx] - drag * c.slip_arm_mcp[phalanx]
+        c.torque_pip[phalanx] = normal * c.normal_arm_pip[phalanx] - drag * c.slip_arm_pip[phalanx]
+    for f in range(5):
+        mcp, pip = 2 * f, 2 * f + 1
+        c.joint_torque[mcp] += c.torque_mcp[mcp] + c.torque_mcp[pip]
+        c.joint_torque[pip] += c.torque_pip[mcp] + c.torque_pip[pip]
+    for phalanx in range(10):
+        normal, drag = c.normal_force[phalanx], c.drag[phalanx]
+        out.phalanx_force[phalanx] = normal
+        out.power_contact_normal += normal * c.penetration_rate[phalanx]
+        out.power_contact_tangential += drag * c.slip_speed[phalanx]
+
+
+def tell(t, y, dy, p, c, touching, out):
+    """What force sensors tell: of all fingers together, and of the dynamometer's face."""
+    for f in range(5):
+        c.told_force[f], c.told_sensor[f] = 0.0, 0.0
+    if touching > 0:
+        for phalanx in range(10):
+            normal, drag = c.normal_force[phalanx], c.drag[phalanx]
+            c.told_force[phalanx // 2] += normal
+            c.told_sensor[phalanx // 2] += sensed(
+                normal, drag, c.normal_x[phalanx], c.normal_y[phalanx]
+            )
+    # effects: told_force, told_sensor
+    out.force = c.told_force.sum()
+    out.sensor = c.told_sensor.sum()
 
 
 def inertia(t, y, dy, p, c, out):

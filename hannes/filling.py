@@ -8,7 +8,6 @@ import ast
 import re
 from dataclasses import replace
 
-from hannes._jit import plain
 from hannes.effect import Effect, Term
 from hannes.layout import Layout, Slot
 
@@ -72,7 +71,7 @@ class Layouts:
         axis = self.c.slot(target).axis
         index = "[k]" if axis else ""
         arguments = ", ".join(self._argument(name, effect, axis) for name in term.arguments)
-        call = f"{effect.name}_{plain(term.kernel).__name__}({arguments})"
+        call = f"{effect.kernel_name(term)}({arguments})"
         places = [f"c{self.c.text(name)}{index}" if axis else name for name in term.writes]
         rates = [f"dy{self.y.text(f'{effect.name}.{name}')}{index}" for name in term.states]
         if len(places) + len(rates) == 1:

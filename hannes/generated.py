@@ -8,7 +8,7 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -37,9 +37,9 @@ def fingerprint(names: Mapping[str, Any]) -> str:
     parts: set[bytes] = set()
 
     def visit(each: Any) -> None:
-        if each.__code__ in seen:
+        if each in seen:
             return
-        seen.add(each.__code__)
+        seen.add(each)
         own, found = _full_name(each), _reached(each)
         parts.add(own + _content(inspect.getsourcefile(each)))
         parts.update(own + constant for constant in _constants(found))
@@ -72,18 +72,29 @@ def _content(path: str | None) -> bytes:
 
 def _reached(function: Any) -> list[tuple[str, Any]]:
     """Name and value of whatever a function can look up."""
-    names = function.__code__.co_names
+    names = _names(function.__code__)
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     found = list(zip(function.__code__.co_freevars, cells, strict=True))
     found += [(name, function.__globals__.get(name)) for name in names]
+    found += [("default", value) for value in function.__defaults__ or ()]
     modules = [value for _, value in found if isinstance(value, ModuleType)]
-    return found + [(name, getattr(each, name, None)) for each in modules for name in names]
+    for each in modules:  # grows: names may lead from module to module
+        known = [(name, getattr(each, name, None)) for name in names]
+        found += known
+        modules += [v for _, v in known if isinstance(v, ModuleType) and v not in modules]
+    return found
+
+
+def _names(code: CodeType) -> list[str]:
+    """What a function and those written within it look up."""
+    inner = [name for each in code.co_consts if isinstance(each, CodeType) for name in _names(each)]
+    return [*code.co_names, *inner]
 
 
 def _constants(found: Iterable[tuple[str, Any]]) -> Iterator[bytes]:
     """Names and values of those that are numbers, texts or arrays."""
     for name, value in found:
-        if isinstance(value, bool | int | float | complex | str | tuple):
+        if isinstance(value, bool | int | float | complex | str | tuple | np.generic):
             yield f"{name} = {value!r}".encode()
         elif isinstance(value, np.ndarray):
             yield name.encode() + str(value.dtype).encode() + value.tobytes()

@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from hannes import channels, equations, structure
+from hannes import anatomy, channels, equations, structure
 from hannes.anatomy import FINGERS
 from hannes.assemble import Compiled, Equations, assemble
 from hannes.catalogue import effect as find_effect
+from hannes.channels import LANES
 from hannes.contact.shapes import sections
 from hannes.effect import Effect
 from hannes.layout import Layout
@@ -82,8 +83,8 @@ class Hand:
         """
         values = self.parameters
         packed = [values[name] for name in channels.PACKED]
-        packed += [0.0] * 22 if shape is None else [1.0, *self._sections(shape)]
-        packed += [0.0, 1.0] * 5
+        packed += [0.0] * (12 + LANES) if shape is None else [1.0, *self._sections(shape)]
+        packed += [0.0, 1.0] * (LANES // 2)
         for effect in self.present_effects() if effects is None else effects:
             packed += [values[effect.full_name(each.name)] for each in effect.parameters]
         return np.array(packed)
@@ -123,20 +124,22 @@ class Hand:
             for finger, cut in zip(FINGERS, cuts, strict=True)
             for _ in range(2)
         ]
-        return [1.0 if any(halves) else 0.0, *halves, *reach]
+        ghosts = [-1.0] * (LANES - len(reach))
+        return [1.0 if any(halves) else 0.0, *halves, *reach, *ghosts]
 
     def rest(self, compiled: Compiled) -> np.ndarray:
         """State of the open hand at rest, shape (states,)."""
         state = np.zeros(compiled.states.size)
         state[compiled.states["joint_angle"]] = [
-            self.parameters[name] for name in channels.TABLES["rest"]
+            self.parameters[name] for name in anatomy.TABLES["rest"]
         ]
         return state
 
     def rests(self, compiled: Compiled, vectors: np.ndarray) -> np.ndarray:
         """The same for each row of `vectors`, shape (m, states)."""
         states = np.zeros((vectors.shape[0], compiled.states.size))
-        states[:, compiled.states["joint_angle"]] = vectors[:, compiled.parameters["rest"]]
+        angles = states[:, compiled.states["joint_angle"]]
+        angles[:] = vectors[:, compiled.parameters["rest"]][:, : angles.shape[1]]
         return states
 
     def __str__(self) -> str:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hannes import channels
 from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.experiment import Experiment, Reference
@@ -51,6 +52,14 @@ RESTLESS = dict.fromkeys(  # relative
     0.005,
 )  # fmt: skip
 MOVED = dict.fromkeys(("object.x", "object.y"), 0.2e-3)  # m, by which an object is put elsewhere
+# What nobody knows of a hand is all but its firmware, gear, poses and regularisations.
+CERTAIN = (
+    *("position_pid.", "current_pid.", "controller.", "encoder.", "gravity.", "supply."),
+    *("gear.ratio", "motor.friction_speed", "object.slip_speed", "object.radius"),
+    *("object.half_x", "object.half_y", "object.z"),
+)
+CERTAIN_ENDINGS = ("onset", ".mount_x", ".mount_y", ".mount_z", ".facing", ".first_length")
+PLACED = dict.fromkeys(("object.x", "object.y"), 10e-3)  # m, of which a share may be missed
 MOST_KNOTS = 40  # a reference with more corners is integrated without restarts
 TOLERANCE = 1e-5
 
@@ -97,6 +106,17 @@ class HandPlant:
     def restless(self) -> Mapping[str, float]:
         """What differs from run to run, one standard deviation."""
         return {n: share * abs(self.parameters[n]) for n, share in RESTLESS.items()} | MOVED
+
+    @property
+    def uncertain(self) -> Mapping[str, float]:
+        """What is never known for sure, and the size [SI] of which a share may be off."""
+        own = channels.PARAMETERS
+        names = [
+            each.name
+            for each in own
+            if not each.name.startswith(CERTAIN) and not each.name.endswith(CERTAIN_ENDINGS)
+        ]
+        return {name: abs(self.parameters[name]) for name in names} | PLACED
 
     def with_effects(self, *effects: Effect) -> "HandPlant":
         """Return a plant whose hand has `effects` too."""

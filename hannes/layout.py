@@ -10,7 +10,8 @@ from hannes.errors import BadInput, nearest
 class Slot:
     """A named run of numbers: `size` of them along `axis` ("" for a single number).
 
-    `tolerance` is the absolute error that matters in a state [unit].
+    `tolerance` is the absolute error that matters in a state [unit]; `room` how many numbers the
+    slot takes in the plain array where that is more than its size.
     """
 
     name: str
@@ -19,6 +20,7 @@ class Slot:
     axis: str = ""
     size: int = 1
     tolerance: float = 1e-6
+    room: int = 0
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class Layout:
         places, start = {}, 0
         for slot in self.slots:
             places[slot.name] = slice(start, start + slot.size)
-            start += slot.size
+            start += max(slot.size, slot.room)
         object.__setattr__(self, "_places", places)
 
     def __contains__(self, name: object) -> bool:
@@ -51,7 +53,7 @@ class Layout:
     @property
     def size(self) -> int:
         """Length of the plain array."""
-        return sum(slot.size for slot in self.slots)
+        return sum(max(slot.size, slot.room) for slot in self.slots)
 
     def extended(self, slots: Iterable[Slot]) -> "Layout":
         """Return a layout with further slots at its end."""

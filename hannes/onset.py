@@ -46,3 +46,25 @@ def soft_sign(x):
     """tanh(x) to within 1e-16, at half its cost."""
     fade = math.exp(-2.0 * abs(x))
     return math.copysign((1.0 - fade) / (1.0 + fade), x)
+
+
+@kernel
+def one_sided_slopes(stiffness, damping, depth, rate, onset):
+    """Derivatives of `one_sided` by depth and by rate.
+
+    At the kink, and 1e-4 `onset` before it, those of the pushing side: a wire that is just taut at
+    rest would else come and go with the last digit, unnoticed by a long step.
+    """
+    x = min(max(depth / onset, 0.0), 1.0)
+    ramp = x * x * (3.0 - 2.0 * x)
+    force = stiffness * max(depth, 0.0) + damping * rate * ramp
+    pushes = 1.0 if min(depth + 1e-4 * onset, force) >= 0.0 else 0.0
+    by_depth = stiffness + damping * rate * 6.0 * x * (1.0 - x) / onset
+    return pushes * by_depth, pushes * damping * ramp
+
+
+@kernel
+def limited_slope(x, limit):
+    """Derivative of `limited`."""
+    width = 0.02 * limit
+    return 0.5 * min(max((limit + width - abs(x)) / width, 0.0), 2.0)

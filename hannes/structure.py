@@ -6,7 +6,14 @@ Decided from what each kernel reads and where it joins, before anything is compi
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from hannes import arrow, elimination
+from hannes import (
+    arrow,
+    core_differences,
+    core_slopes,
+    elimination,
+    finger_differences,
+    finger_slopes,
+)
 from hannes.assemble import Shape
 from hannes.effect import Effect, Term
 from hannes.layout import Layout, Slot
@@ -16,7 +23,7 @@ PARTS = {
         ("position_reference", "probe", "sense", "sample", "control", "drive"), "motor"
     ),
     **dict.fromkeys(("leader", "gear", "carts"), "wires"),
-    **dict.fromkeys(("joints", "contact", "press", "inertia"), "fingers"),
+    **dict.fromkeys(("joints", "contact", "press", "tell", "inertia"), "fingers"),
 }
 PER_FINGER = {"joint": 2, "phalanx": 2, "finger": 1}
 BOTH, MOTOR_ONLY, WIRES_ONLY = 0, 1, 2  # PART in arrow.py
@@ -46,6 +53,9 @@ _BY_WIRE: dict[str, tuple[int, ...]] = {
     **dict.fromkeys(("cart_position0", "cart_position1", "motor_angle"), ()),
 }
 _TAKEN_UP = ("excursion", "excursion_rate")
+_CONSTANTS = ("slack", "leader_compliance", "follower_compliance")
+_ROTOR = ("motor_angle", "motor_speed", "motor_current")
+_OF_DRIVE = ("duty", "supply", "voltage")  # hang on all states of the motor's stages
 _WHOLE = ("y", "dy", "c", "out", "reference", "hold")
 _OF_CART = ("leader_pull", "cart_friction", "follower_slip", "follower_loss")
 _FROM_WIRES = (*_OF_CART, "tendon_tension")
@@ -70,6 +80,8 @@ class Arrow:
     held: bool = True
     paired: bool = True
     plain: bool = True  # no effect reads in the wires' stages what these do not read anyway
+    plain_core: bool = True  # core_slopes.py holds
+    plain_fingers: bool = True  # finger_slopes.py holds
     broken: str = ""
     names: list[str] = field(default_factory=list)  # of the core's states, one each
     winding: list[str] = field(default_factory=lambda: ["motor_current"])  # rates by the motor only
@@ -148,11 +160,13 @@ def shape(
         for term in effect.terms:
             _join(found, effect, term, states, channels, stages[term.writes[0]])
     if found.broken:
-        return Shape(arrow, {}, "", found.broken)
+        return Shape((arrow,), {}, "", found.broken)
     found.seen.sort()
     pattern, takes = found.pattern()
     written = elimination.text(pattern, takes, found.core, found.seen)
-    return Shape(arrow, found.constants(), written, found.broken)
+    fingers = finger_slopes if found.plain_fingers else finger_differences
+    core = core_slopes if found.plain_core else core_differences
+    return Shape((fingers, core, arrow), found.constants(), written, found.broken)
 
 
 def _homes(effects: tuple[Effect, ...], stages: dict[str, str]) -> dict[str, str]:
@@ -183,13 +197,27 @@ def _join(
         if part == "fingers" and states.slot(f"{effect.name}.{name}").axis not in PER_FINGER
     ]
     found.broken = found.broken or next((f"{effect.name} {why}" for why in whys if why), "")
-    found.timed |= part != "motor" and "t" in arguments
+    found.plain_fingers &= part != "fingers"
+    found.plain_core &= part == "fingers" or _is_plain(term, stage, reads, bool(arrays))
+    turned = "torque_constant" in term.writes  # what the winding's stage hands to the gear's
+    found.timed |= (part != "motor" or turned) and "t" in arguments
+    if turned and set(arguments) & set(_OF_DRIVE):
+        found.part = [BOTH if part == MOTOR_ONLY else part for part in found.part]
     names = {slot.name for slot in arrays}
     found.held &= part != "fingers" or not names & {"tendon_tension", "joint_torque"}
     if part == "wires":
         found.paired &= not term.states and not arrays
         read = names if stage == "gear" else names | {slot.name for slot in reads}
         found.plain &= not term.states and read <= set(_USUAL.get((stage, axis), ()))
+
+
+def _is_plain(term: Term, stage: str, reads: tuple[Slot, ...], arrays: bool) -> bool:
+    """Tell whether core_slopes.py has all that one kernel adds to motor or wires."""
+    if arrays or term.states or "t" in term.arguments:
+        return False
+    if stage == "gear":
+        return all(slot.name in _ROTOR for slot in reads)
+    return set(term.writes) <= set(_CONSTANTS) and not reads
 
 
 def _read_states(effect: Effect, arguments: list[str], states: Layout) -> Iterator[Slot]:
@@ -219,7 +247,7 @@ def _reads_channel(slot: Slot, axis: str, part: str) -> str:
         return f"reads {slot.name} in the stages of the motor"
     if part == "wires":
         return "" if slot.name in (*_TAKEN_UP, *_FROM_WIRES) else f"reads {slot.name} in the wires"
-    if slot.name in _FROM_WIRES[:2]:
+    if slot.name in _OF_CART:
         return f"reads {slot.name} in the fingers"
     return "" if _own(slot, axis) else f"reads all of {slot.name}"
 

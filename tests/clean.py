@@ -39,7 +39,7 @@ def _closures(seed, runs=4):
         command = [sys.executable, "-m", "benchmarks.truth.closures", "--out", folder]
         command += ["--slack", "none", "--runs", str(runs), "--seed", str(seed)]
         subprocess.run(command, check=True, capture_output=True)
-        files = sorted(Path(folder).glob("void_*.csv"))
+        files = sorted(Path(folder).glob("*_void.csv"))
         return [replace(Recording.read(file), plant="hand") for file in files]
 
 

@@ -7,7 +7,7 @@ import oven
 import pytest
 
 from hannes.calibrate import calibrate
-from hannes.calibration.search import Search
+from hannes.calibration import least, search
 from hannes.errors import BadInput, ComputationFailed
 
 TRUE = {"oven.gain": 2.5, "oven.time": 0.62, "oven.offset": 0.3}
@@ -137,15 +137,17 @@ def test_the_number_of_workers_changes_no_digit():
 
 
 def test_an_interrupted_search_gives_the_best_so_far(monkeypatch):
-    solve = Search._solve
+    solve, done = search.solve, []
 
-    def interrupted(self, *arguments):
-        if self.costs:
+    def interrupted(*arguments):
+        if done:
             raise KeyboardInterrupt
-        return solve(self, *arguments)
+        done.append(solve(*arguments))
+        return done[0]
 
-    monkeypatch.setattr(Search, "_solve", interrupted)
-    found = calibrate(oven.campaign(11, TRUE, parameters=THREE), progress=False)
+    monkeypatch.setattr(search, "solve", interrupted)
+    made = oven.campaign(11, TRUE, parameters=THREE, starts=1)
+    found = calibrate(made, progress=False)
     assert found.found.interrupted and found.sentence.startswith("Interrupted")
     assert found.plain()["status"] == "interrupted"
     assert by_name(found)["oven.gain"].value == pytest.approx(2.5, rel=0.2)
@@ -208,9 +210,7 @@ def test_a_machine_that_cannot_be_simulated_as_given_is_a_failed_computation():
 
 
 def test_a_search_that_does_not_settle_is_a_failed_computation(monkeypatch):
-    from hannes.calibration import search
-
-    monkeypatch.setattr(search, "MOST_EVALUATIONS", 2)
+    monkeypatch.setattr(least, "MOST_EVALUATIONS", 2)
     monkeypatch.setattr(search, "ROUNDS", 2)
     far = {"oven.gain": 9.0, "oven.time": 3.0, "oven.offset": 4.0}
     with pytest.raises(ComputationFailed, match="did not settle"):

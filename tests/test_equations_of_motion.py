@@ -154,8 +154,7 @@ def test_penetration_rate_is_the_rate_of_penetration(phalanx):
     touch, step = Touch("cylinder", SECTIONS["cylinder"]), 1e-6
     for angles, speeds in moving():
         deeper, before = (
-            touch(angles + sign * step * speeds)("penetration")[phalanx]
-            for sign in (1.0, -1.0)
+            touch(angles + sign * step * speeds)("penetration")[phalanx] for sign in (1.0, -1.0)
         )
         mine = touch(angles, speeds)("penetration_rate")[phalanx]
         assert mine == pytest.approx((deeper - before) / (2.0 * step), rel=1e-6, abs=1e-8)

@@ -98,7 +98,7 @@ def test_another_plant_is_told_by_effects_and_values():
 
 def test_equations_are_printed_or_refused():
     hand = Hand().with_effects("leader_slack").with_values({"leader_slack.length": 1e-3})
-    assert "leader_slack_free_length(" in equations_of(hand)
+    assert "leader_slack__free_length(" in equations_of(hand)
 
     class Bare(Axis):
         equations = None

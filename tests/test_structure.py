@@ -73,6 +73,18 @@ def dragging(cart_speed, worn, size):
 
 
 @kernel
+def followed(motor_angle, size):
+    """A bench that the motor pulls along."""
+    return size * 1e-4 * motor_angle
+
+
+@kernel
+def saturating(voltage, t, size):
+    """A torque constant that falls with the voltage, and in time."""
+    return -1e-6 * size * voltage * (1.0 + np.sin(50.0 * t))
+
+
+@kernel
 def coupled(joint_angle, size):
     """Fingers push the object about: no arrow."""
     return size * 1e-4 * joint_angle[0] * joint_angle[4]
@@ -102,6 +114,8 @@ OWN = {
         Term(dragging, ("cart_friction",), ("worn",)),
         Slot("worn", "m", "of the guide", "cart", 2, 1e-6),
     ),
+    "followed": made("followed", Term(followed, ("object_x",))),
+    "saturating": made("saturating", Term(saturating, ("torque_constant",))),
     "coupled": made("coupled", Term(coupled, ("object_x",))),
 }
 CASES = {
@@ -110,6 +124,7 @@ CASES = {
     "states of a finger and of the core": ("bristle", "heating"),
     "fingers that see the core": ("shaking", "loaded"),
     "wires": ("routed", "stretching", "dragging"),
+    "an object that moves, a constant that does not stay": ("followed", "saturating"),
     "no arrow": ("coupled",),
 }
 KNOTS, HELD = reference(GRASP).knots, np.zeros(HOLD)
@@ -172,6 +187,47 @@ def test_jacobian_and_solution_against_plain_differences_and_numpy(case):
         theirs = compiled.fast.differences(time, state, p, KNOTS, HELD)
         scale = np.abs(theirs) + 1e-4 * np.abs(theirs).max(axis=1, keepdims=True) + 1e-9
         assert (np.abs(columns - theirs) / scale).max() < 1e-3, time
+
+
+PRISM = {"object.half_x": 0.02, "object.half_y": 0.015, "object.radius": 0.005}
+
+
+@pytest.mark.parametrize(
+    "values, shape",
+    [
+        ({"gravity.x": 3.0, "gravity.y": -9.0}, "cylinder"),
+        ({**PRISM, "object.y": -0.05, "object.friction": 0.0}, "prism"),
+        ({"controller.sampled": 1.0}, None),
+        ({"position_pid.limit": 0.5, "supply.voltage": 2.0}, "cylinder"),
+        ({"mcp.breakaway_speed": 0.1, "cart.breakaway_speed": 1e-3}, "cylinder"),
+    ],
+)
+def test_closed_forms_hold_for_other_values(values, shape):
+    """Weight, flat sides, firmware, limits that are reached, steep friction: the same slopes."""
+    hand = posed(()).with_values(values)
+    compiled, p = hand.compiled(), hand.vector(shape)
+    n, b = compiled.states.size, np.ones(compiled.states.size)
+    for time, state in states(compiled):
+        data, columns = compiled.problem(p, KNOTS, HOLD).data, np.zeros((n, n))
+        solved(compiled)(time, state, data, 1e4, columns, b.copy())
+        theirs = compiled.fast.differences(time, state, p, KNOTS, HOLD)
+        scale = np.abs(theirs) + 1e-4 * np.abs(theirs).max(axis=1, keepdims=True) + 1e-9
+        assert (np.abs(columns - theirs) / scale).max() < 1e-3, time
+
+
+@pytest.mark.parametrize(
+    "names, fingers, core",
+    [
+        ((), True, True),
+        (("leader_slack", "gear_load", "direction_friction"), True, True),
+        (("bristle",), False, True),
+        (("heating",), True, False),
+    ],
+)
+def test_closed_forms_are_used_where_effects_leave_their_stages_alone(names, fingers, core):
+    fast = posed(names).compiled().fast
+    assert hasattr(fast, "solve_columns") == fingers
+    assert hasattr(fast, "leader_column") == core
 
 
 def test_what_does_not_fit_is_said():

@@ -13,7 +13,17 @@ import numpy as np
 from benchmarks.truth import campaign as truth
 from benchmarks.truth.fitness import fit
 from benchmarks.truth.parameters import parse_hand
-from benchmarks.truth.protocol import PROTOCOLS, Protocol
+from benchmarks.truth.protocol import (
+    DYNAMOMETER,
+    PAPER,
+    PROTOCOLS,
+    RICH,
+    SOFT_BALL,
+    Condition,
+    Protocol,
+    closures,
+    scaled,
+)
 from hannes.campaign import Campaign, Entry
 from hannes.hand import Hand
 from hannes.hand_plant import HandPlant
@@ -31,6 +41,18 @@ NINE = (
     "object.stiffness",
     "object.friction",
 )
+# Quick runs only, three of each: a campaign that can be made and fitted hundreds of times.
+QUICK = Protocol(
+    (
+        *closures(3).conditions,
+        Condition("dynamometer, full speed", PAPER, 3, DYNAMOMETER, sensor=True),
+        Condition("dynamometer, 0.85 amplitude", scaled(PAPER, 1.0, 0.85), 3, DYNAMOMETER, True),
+        Condition("soft ball", PAPER, 3, SOFT_BALL),
+    ),
+    RICH,
+)
+RICH_PROTOCOL = PROTOCOLS["rich"]
+ONE_RUN = Protocol((Condition("dynamometer", PAPER, 1, DYNAMOMETER, sensor=True),), RICH)
 SPREAD, CUT = 0.2, 2.5  # relative, and standard deviations beyond which a value is drawn again
 STREAM = 77  # of random numbers
 
@@ -50,7 +72,9 @@ def scattered(seed: int) -> dict[str, float]:
         z = rng.standard_normal(len(NINE))
         if np.abs(z).max() > CUT:
             continue
-        values = {name: float(shipped[name] * (1.0 + SPREAD * k)) for name, k in zip(NINE, z, strict=True)}
+        values = {
+            name: float(shipped[name] * (1.0 + SPREAD * k)) for name, k in zip(NINE, z, strict=True)
+        }
         if fit(parse_hand(hand_text(values))):
             return values
 
@@ -65,19 +89,26 @@ def hand_text(values: Mapping[str, float]) -> str:
 def case(
     seed: int,
     parameters: tuple[str, ...] = NINE,
-    protocol: Protocol = PROTOCOLS["rich"],
+    protocol: Protocol = RICH_PROTOCOL,
     hidden: Mapping[str, float] | None = None,
     starts: int = 1,
+    rest: float = 0.0,
 ) -> Case:
-    """A campaign under `protocol`, with the shipped hand as the analyst's belief."""
-    true = scattered(seed)
-    made = truth.make(protocol, seed, hidden, truth.Spread(hand=0.0), hand_text(true))
+    """A campaign under `protocol`, with the shipped hand as the analyst's belief.
+
+    `rest` is how far (relative, one standard deviation) all else of the hand lies off, which the
+    analyst then says.
+    """
+    values = scattered(seed)
+    made = truth.make(protocol, seed, hidden, truth.Spread(hand=rest), hand_text(values))
     entries = tuple(
         Entry(name, recording, made.conditions[name], "fit")
         for name, recording in made.recordings.items()
     )
-    asked = Table({"parameters": list(parameters), "starts": starts}, "calibrate", ())
-    plant, out = HandPlant(), Path("results")
-    real = {**dict(Hand().parameters), **true}
-    campaign = Campaign(plant, plant, entries, out, {}, "rich", calibrate=asked)
-    return Case(campaign, {name: real[name] for name in parameters})
+    asked = {"parameters": list(parameters), "starts": starts}
+    asked |= {"doubt": f"{100.0 * rest:g} %"} if rest else {}
+    plant = HandPlant()
+    table = Table(asked, "calibrate", ())
+    campaign = Campaign(plant, plant, entries, Path("results"), {}, "known", calibrate=table)
+    real = {**dict(Hand().parameters), **values, **made.answer["hand"]}
+    return Case(campaign, {name: float(real[name]) for name in parameters})

@@ -35,7 +35,7 @@ from benchmarks.mujoco.engine import (
 )
 from benchmarks.mujoco.skeleton import skeleton
 from hannes.anatomy import FINGERS
-from hannes.channels import CHANNELS, PARAMETER_SLOTS, STATES
+from hannes.channels import CHANNELS, LANES, PARAMETER_SLOTS, STATES
 from hannes.experiment import Experiment
 from hannes.hand import Hand
 from hannes.ivp import HOLD
@@ -111,7 +111,7 @@ def steepen(user, v, damping, force):
             grip = math.tanh(c[SLIP + k] / p[WIDTH])
             slip = p[FRICTION] * c[PUSH + k] * (1.0 - grip**2) / p[WIDTH]
             for joint in range(2):
-                arms = c[NORMAL_ARM + 10 * joint + k], c[SLIP_ARM + 10 * joint + k]
+                arms = c[NORMAL_ARM + LANES * joint + k], c[SLIP_ARM + LANES * joint + k]
                 damping[3 + k - k % 2 + joint] += normal * arms[0] ** 2 + slip * arms[1] ** 2
 
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hannes.calibration.search import ROBUST, Found
+from hannes.calibration.least import weights
+from hannes.calibration.state import State
 
 LEVEL = 0.95
 ALONE = 1.2  # degrees of freedom below which one run alone decides a parameter
@@ -41,48 +42,64 @@ class Spread:
     unit: str
 
 
-def spread(found: Found) -> Spread:
+def spread(found: State) -> Spread:
     """Intervals of a finished search."""
-    from scipy.stats import t
+    from scipy.stats import norm, t
 
+    count = len(found.plan.names)
     information, scores, unit = _clusters(found)
-    prior = np.diag(found.scales.prior**2)
-    inverse = np.linalg.inv(information.sum(axis=0) + prior)
-    pulls = scores @ inverse
-    pulls = pulls - pulls.mean(axis=0)  # the prior holds against their sum
-    honest, freedom = _correction(information, inverse)
-    deviation = np.sqrt(honest * (pulls**2).sum(axis=0) + np.diag(inverse @ prior @ inverse))
-    working = np.sqrt(np.diag(inverse))
+    prior = np.concatenate([found.scales.prior, np.ones(len(found.plan.doubt))]) ** 2
+    inverse = np.linalg.inv(information.sum(axis=0) + np.diag(prior))
+    pulls = (scores @ inverse)[:, :count]
+    pulls = pulls - pulls.mean(axis=0)  # the priors hold against their sum
+    honest, freedom = _correction(information, inverse, count)
+    by_run = np.sqrt(honest * (pulls**2).sum(axis=0))
+    by_prior = np.sqrt(np.einsum("ij,j,ij->i", inverse, prior, inverse)[:count])
+    working = np.sqrt(np.diag(inverse)[:count])
     alone = freedom < ALONE
-    deviation, freedom = np.where(alone, working, deviation), np.where(alone, np.inf, freedom)
-    reach = t.ppf(0.5 + LEVEL / 2.0, freedom) * deviation
-    return Spread(deviation, freedom, reach, working, inverse, _textbook(found), alone, pulls, unit)
+    by_run = np.where(alone, np.sqrt(np.maximum(working**2 - by_prior**2, 0.0)), by_run)
+    freedom = np.where(alone, np.inf, freedom)
+    level = 0.5 + LEVEL / 2.0
+    return Spread(
+        np.hypot(by_run, by_prior),
+        freedom,
+        np.hypot(t.ppf(level, freedom) * by_run, norm.ppf(level) * by_prior),
+        working,
+        inverse[:count, :count],
+        _textbook(found),
+        alone,
+        pulls,
+        unit,
+    )
 
 
-def _correction(information: np.ndarray, inverse: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Factor on the sum of squared pulls, and its degrees of freedom, shape (p,) each."""
-    own = np.einsum("ij,rjk,kl->ril", inverse, information, inverse)  # M G_r M
-    total = own.sum(axis=0)
-    leverage = inverse @ information  # M G_r
-    shared = np.einsum("rij,sjk->rsik", leverage, own)  # M G_r M G_s M
-    both = np.einsum("rij,jk,slk->rsil", leverage, total, leverage)
-    expected = np.einsum("rskk->krs", both) - 2.0 * np.einsum("rskk->krs", shared)
-    for run in range(len(information)):
-        expected[:, run, run] += np.diag(own[run])
-    trace = np.einsum("krr->k", expected)
-    square = np.einsum("krs,krs->k", expected, expected)
-    told = trace > 1e-12 * np.maximum(np.diag(total), 1e-300)  # else no run speaks of it at all
-    honest = np.divide(np.diag(total), trace, out=np.ones_like(trace), where=told)
-    return honest, np.divide(trace**2, square, out=np.zeros_like(trace), where=told)
+def _correction(
+    information: np.ndarray, inverse: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Factor on the sum of squared pulls, and its degrees of freedom, shape (count,) each."""
+    whole = inverse @ information.sum(axis=0) @ inverse
+    honest, freedom = np.ones(count), np.zeros(count)
+    for place in range(count):
+        rows = information @ inverse[place]  # G_r m, (clusters, p)
+        expected = rows @ whole @ rows.T - 2.0 * rows @ inverse @ rows.T
+        expected += np.diag(rows @ inverse[place])
+        trace, total = float(np.trace(expected)), float(whole[place, place])
+        if trace > 1e-12 * max(total, 1e-300):  # else no run speaks of it at all
+            honest[place] = total / trace
+            freedom[place] = trace**2 / float(np.sum(expected**2))
+    return honest, freedom
 
 
-def _clusters(found: Found) -> tuple[np.ndarray, np.ndarray, str]:
-    """Information (clusters, p, p) and scores (clusters, p) of each run, or of its blocks."""
+def _clusters(found: State) -> tuple[np.ndarray, np.ndarray, str]:
+    """Information (clusters, p, p) and scores (clusters, p) of each run, or of its blocks.
+
+    p counts the doubtful parameters too, after those of the plan.
+    """
     information, scores = [], []
-    views = found.model.views
-    runs = zip(found.whitenings, found.columns, found.misses, views, strict=True)
-    for white, columns, miss, view in runs:
-        rows, left = white(columns), white(miss)
+    views, everything = found.model.views, found.left()
+    runs = zip(found.whitenings, found.columns, found.doubts, everything, views, strict=True)
+    for white, columns, doubts, left, view in runs:
+        rows = white(np.vstack([columns, doubts]))
         weight = weights(found.plan.loss, left)
         groups = [np.ones(left.size, bool)]
         if len(views) == 1:
@@ -95,22 +112,11 @@ def _clusters(found: Found) -> tuple[np.ndarray, np.ndarray, str]:
     return np.array(information), np.array(scores), unit
 
 
-def weights(loss: str, left: np.ndarray) -> np.ndarray:
-    """What a robust loss leaves of every element's weight, shape (n,)."""
-    z = (left / ROBUST) ** 2
-    if loss == "soft_l1":
-        return 1.0 / np.sqrt(1.0 + z)
-    if loss == "huber":
-        return 1.0 / np.sqrt(np.maximum(z, 1.0))
-    return 1.0 / (1.0 + z) if loss == "cauchy" else np.ones_like(z)
-
-
-def _textbook(found: Found) -> np.ndarray:
+def _textbook(found: State) -> np.ndarray:
     """Root of the diagonal of s^2 (J'J)^-1, every bin taken as independent."""
-    rows = np.hstack([c / w.noise for c, w in zip(found.columns, found.whitenings, strict=True)])
-    left = np.concatenate(
-        [m / w.noise for m, w in zip(found.misses, found.whitenings, strict=True)]
-    )
+    runs = list(zip(found.columns, found.misses, found.whitenings, strict=True))
+    rows = np.hstack([columns / white.noise for columns, _, white in runs])
+    left = np.concatenate([miss / white.noise for _, miss, white in runs])
     square = float(left @ left) / max(1, left.size - rows.shape[0])
     information = rows @ rows.T + np.diag(found.scales.prior**2) * 1e-6
     return np.sqrt(square * np.diag(np.linalg.inv(information)))

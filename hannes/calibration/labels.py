@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.calibration.intervals import Spread
-from hannes.calibration.search import Found
+from hannes.calibration.state import State
 
 NORMAL = 1.96
 SILENT = 1e-6  # of the prior's information: a parameter that moves nothing
@@ -48,12 +48,12 @@ class Answer:
         return self.label == IDENTIFIED
 
 
-def answers(found: Found, spread: Spread, sides: np.ndarray) -> list[Answer]:
+def answers(found: State, spread: Spread, sides: np.ndarray) -> list[Answer]:
     """Answers in the order of the plan; `sides` are half-widths below and above, scaled, (2, p)."""
     return [_answer(found, spread, sides, place) for place in range(len(found.plan.names))]
 
 
-def _answer(found: Found, spread: Spread, sides: np.ndarray, place: int) -> Answer:
+def _answer(found: State, spread: Spread, sides: np.ndarray, place: int) -> Answer:
     name, scale = found.plan.names[place], float(found.scales.scale[place])
     declared = found.model.plant.parameters.declared[name]
     value, bounds = found.values[name], found.plan.bounds[name]
@@ -79,7 +79,7 @@ def _answer(found: Found, spread: Spread, sides: np.ndarray, place: int) -> Answ
 
 
 def _label(
-    found: Found, spread: Spread, sides: np.ndarray, place: int
+    found: State, spread: Spread, sides: np.ndarray, place: int
 ) -> tuple[str, tuple[str, ...], str]:
     names = found.plan.names
     if place in found.on_bound:
@@ -104,13 +104,13 @@ def _alone(spread: Spread, place: int) -> str:
     return ""
 
 
-def _silent(found: Found, place: int) -> bool:
+def _silent(found: State, place: int) -> bool:
     pairs = zip(found.whitenings, found.columns, strict=True)
     information = sum(float(np.sum(white(columns[place]) ** 2)) for white, columns in pairs)
     return information < SILENT * float(found.scales.prior[place]) ** 2
 
 
-def _width(found: Found, spread: Spread, sides: np.ndarray, place: int) -> float:
+def _width(found: State, spread: Spread, sides: np.ndarray, place: int) -> float:
     """Half-width relative to the value; to the given one's scale where that is larger."""
     reach = max(float(sides[:, place].max()), NORMAL * float(spread.working[place]))
     value = abs(found.values[found.plan.names[place]]) / float(found.scales.scale[place])

@@ -11,7 +11,7 @@ from hannes.table import Table
 from hannes.units import quantity
 
 KEYS = (
-    *("parameters", "spread", "bounds", "nuisance", "channels", "features"),
+    *("parameters", "spread", "bounds", "nuisance", "doubt", "channels", "features"),
     *("loss", "starts", "scan", "model_error", "limit"),
 )
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
@@ -30,6 +30,8 @@ class Plan:
     bounds:      parameter -> lowest and highest value
     nuisance:    parameter -> standard deviation from run to run
     start_time:  standard deviation [s] of the moment at which a run starts, 0 where it is known
+    doubt:       standard deviation of what parameters that are not moved may be off, none where
+                 these are taken as known
     channels:    compared as traces;  features: compared as figures (see features.py)
     loss:        of scipy's least_squares
     starts:      how many starting points;  scan: how many points are looked at to find them
@@ -43,6 +45,7 @@ class Plan:
     bounds: Mapping[str, tuple[float, float]]
     nuisance: Mapping[str, float]
     start_time: float = 0.0
+    doubt: Mapping[str, float] = field(default_factory=dict)
     channels: tuple[str, ...] = ()
     features: tuple[str, ...] = ()
     loss: str = "linear"
@@ -71,6 +74,7 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
         {**{n: e.bounds for n, e in declared.items()}, **_bounds(table.table("bounds"), declared)},
         _nuisances(table.table("nuisance"), plant),
         _start_time(table.table("nuisance"), plant),
+        _doubt(table, plant, names),
         tuple(_known(table, "channels", there)) if "channels" in table else tuple(there),
         features,
         table.choice("loss", LOSSES, "linear"),
@@ -133,6 +137,17 @@ def _nuisances(table: Table, plant: Plant) -> dict[str, float]:
     usual = {name: size for name, size in getattr(plant, "restless", {}).items() if size > 0.0}
     own = [name for name in table.content if name != "start_time"]
     return {name: _size(table, name, plant) for name in own} if own else usual
+
+
+def _doubt(table: Table, plant: Plant, names: Iterable[str]) -> dict[str, float]:
+    """How far off other parameters may be: one share for all that the plant holds uncertain."""
+    if "doubt" not in table:
+        return {}
+    scales: Mapping[str, float] = getattr(plant, "uncertain", {})
+    if not scales:
+        table.refuse("doubt", f"cannot be had: the plant {plant.name} holds no value uncertain")
+    share = _share(table, "doubt", 0.0)
+    return {name: share * size for name, size in scales.items() if name not in names and size}
 
 
 def _start_time(table: Table, plant: Plant) -> float:

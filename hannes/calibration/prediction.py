@@ -5,14 +5,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from hannes.calibration.model import SHIFT, Channels
-from hannes.calibration.search import Found
+from hannes.calibration.state import State
 from hannes.calibration.view import View
 from hannes.campaign import Entry
 
 ROUNDS = 3
 
 
-def prediction(found: Found, entries: Sequence[Entry]) -> dict[str, dict[str, float]]:
+def prediction(found: State, entries: Sequence[Entry]) -> dict[str, dict[str, float]]:
     """Channel -> RMS of simulated minus recorded [its unit]: `as_given`, `after`; `recorded`.
 
     Over all counted samples of `entries`; every run starts when that suits it best, before and
@@ -22,7 +22,7 @@ def prediction(found: Found, entries: Sequence[Entry]) -> dict[str, dict[str, fl
     for entry in entries:
         view = View(entry, found.model.plant, found.plan.channels, ())
         mask = found.model.plant.judged_part(entry.recording)
-        runs = [_aligned(found, view, values) for values in ({}, found.values)]
+        runs = [_aligned(found, view, values) for values in ({}, found.all_values)]
         for name in view.channels:
             recorded = entry.recording[name][mask]
             misses = [run[name][mask] - recorded for run in runs]
@@ -36,7 +36,7 @@ def _roots(total: np.ndarray) -> dict[str, float]:
     return dict(zip(("as_given", "after", "recorded"), roots, strict=True))
 
 
-def _aligned(found: Found, view: View, values: Mapping[str, float]) -> Channels:
+def _aligned(found: State, view: View, values: Mapping[str, float]) -> Channels:
     """Channels of a simulation that starts when it fits the recording best."""
     channels = found.model.plant.simulate(values, view.recording)
     late, spread = 0.0, found.plan.start_time

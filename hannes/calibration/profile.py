@@ -10,18 +10,18 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from hannes.calibration.intervals import Spread
+from hannes.calibration.least import cost
 from hannes.calibration.problem import Problem
-from hannes.calibration.search import Found, cost
+from hannes.calibration.state import State
 
 CROOKED = 0.25  # relative difference from the parabola that calls for a profile
 TRIALS = 3
 WIDEST = 3.0  # times the half-width of the parabola, at most
 
 
-def sides(found: Found, spread: Spread, workers: int) -> np.ndarray:
+def sides(found: State, spread: Spread, workers: int) -> np.ndarray:
     """Half-widths below and above every parameter, scaled, shape (2, p)."""
-    problem = Problem(found.model, found.scales, found.whitenings, found.late, found.steps)
-    profile = _Profile(found, problem, spread)
+    profile = _Profile(found, spread)
     tasks = [(k, side) for side in (-1.0, 1.0) for k in range(len(found.plan.names))]
     with ThreadPoolExecutor(workers) as pool:
         reach = list(pool.map(lambda task: profile.reach(*task), tasks))
@@ -31,13 +31,11 @@ def sides(found: Found, spread: Spread, workers: int) -> np.ndarray:
 class _Profile:
     """Misfit along one parameter while the others follow."""
 
-    def __init__(self, found: Found, problem: Problem, spread: Spread) -> None:
-        self.found, self.problem, self.spread = found, problem, spread
-        pairs = zip(found.whitenings, found.columns, strict=True)
-        slopes = np.hstack([white(columns) for white, columns in pairs]).T
-        self.slopes = np.vstack([slopes, np.diag(found.scales.prior)])
+    def __init__(self, found: State, spread: Spread) -> None:
+        self.found, self.problem, self.spread = found, Problem(found), spread
+        self.slopes = np.vstack([found.slopes().T, np.diag(found.scales.prior)])
         self.loss = found.plan.loss
-        self.floor = cost(self.loss, problem.residual(found.x))
+        self.floor = cost(self.loss, self.problem.residual(found.x))
 
     def reach(self, place: int, side: float) -> float:
         """Half-width on one side (-1 below, 1 above), scaled."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hannes.calibration.search import Found
+from hannes.calibration.state import State
 from hannes.calibration.view import View
 
 FLIPS = 999
@@ -44,7 +44,7 @@ class Remains:
         )
 
 
-def remains(found: Found) -> Remains:
+def remains(found: State) -> Remains:
     """Compare what the fit leaves in the runs of each condition."""
     groups = _groups(found)
     if not groups:
@@ -56,10 +56,9 @@ def remains(found: Found) -> Remains:
     return Remains(chance <= CHANCE and share >= SHARE, chance, share, _by_channel(found))
 
 
-def _groups(found: Found) -> list[np.ndarray]:
+def _groups(found: State) -> list[np.ndarray]:
     """Whitened misfit of the runs of each repeated condition, shape (runs, n) each."""
-    whitened = [w(m) for w, m in zip(found.whitenings, found.misses, strict=True)]
-    return _by_condition(found.model.views, whitened)
+    return _by_condition(found.model.views, found.left())
 
 
 def _by_condition(views: Sequence[View], rows: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -90,7 +89,7 @@ def _chance(groups: Sequence[np.ndarray], seed: int) -> float:
     return (1 + int(np.sum(np.array(drawn) >= seen * (1.0 - 1e-12)))) / (1 + FLIPS)
 
 
-def _by_channel(found: Found) -> dict[str, float]:
+def _by_channel(found: State) -> dict[str, float]:
     """RMS of what repeats in each channel [its unit]."""
     common = {}
     for number, name in enumerate(found.model.views[0].names):

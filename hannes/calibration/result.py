@@ -9,7 +9,7 @@ import numpy as np
 from hannes.calibration.intervals import LEVEL, Spread
 from hannes.calibration.labels import AT_BOUND, CONFOUNDED, NOT_IDENTIFIED, Answer
 from hannes.calibration.remains import Remains
-from hannes.calibration.search import Found
+from hannes.calibration.state import State
 from hannes.campaign import Campaign
 from hannes.plant import Plant
 from hannes.versions import versions
@@ -28,7 +28,7 @@ class Fit:
     """
 
     campaign: Campaign
-    found: Found
+    found: State
     spread: Spread
     answers: tuple[Answer, ...]
     remains: Remains
@@ -40,7 +40,7 @@ class Fit:
     @property
     def plant(self) -> Plant:
         """The plant at the fitted values."""
-        return self.campaign.plant.with_values(self.found.values)
+        return self.campaign.plant.with_values(self.found.all_values)
 
     @property
     def agreeing(self) -> list[bool]:
@@ -92,6 +92,7 @@ class Fit:
                 role: [each.name for each in self.campaign.of(role)]
                 for role in ("fit", "select", "show")
             },
+            "doubted": self._doubted(),
             "misfit": self.found.costs,
             "seed": self.seed,
             "versions": versions(),
@@ -115,6 +116,20 @@ class Fit:
             }
             for start, agrees in zip(self.found.starts, self.agreeing, strict=True)
         ]
+
+    def _doubted(self) -> dict[str, dict[str, Any]]:
+        """Parameters that were not asked for but taken as uncertain, and where they came to lie."""
+        plant, found = self.campaign.plant, self.found
+        pulls = zip(found.plan.doubt.items(), found.doubted, strict=True)
+        return {
+            name: {
+                "value": found.all_values[name],
+                "unit": plant.parameters.declared[name].unit,
+                "given": plant.parameters[name],
+                "deviations": float(at),
+            }
+            for (name, _), at in pulls
+        }
 
     def _runs(self) -> list[dict[str, Any]]:
         """When each run started, and in what it most likely differed from the others."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hannes.calibration.plan import Plan
-from hannes.calibration.problem import Scales
+from hannes.calibration.scales import Scales
 
 REACH = 0.25  # of a parameter's scale, at most, on either side
 

@@ -25,6 +25,15 @@ def stribeck(speed, breakaway, coulomb, breakaway_speed, viscous):
 
 
 @kernel
+def stribeck_slope(speed, breakaway, coulomb, breakaway_speed, viscous):
+    """Derivative of `stribeck` by speed."""
+    x = speed / breakaway_speed
+    peak = math.sqrt(math.e) * (breakaway - coulomb) * (1.0 + faded(0.5 * x * x)) * (1.0 - x * x)
+    level = lane_sign(10.0 * x)
+    return (peak + 10.0 * coulomb * (1.0 - level * level)) / breakaway_speed + viscous
+
+
+@kernel
 def dry(speed, level, onset_speed):
     """Coulomb friction regularised over `onset_speed`: T tanh(w / w_s); T [N m], w [rad/s]."""
     return level * soft_sign(speed / onset_speed)

@@ -22,27 +22,52 @@ def add_scaled(target, factor, row):
 
 
 @kernel
-def add_stages(target, scale, factors, stages):
-    """target += scale * (factors of the first five stages), in one pass."""
+def combine(target, base, weight, row, scale, factors, stages):
+    """target = base + weight row + scale (factors of the first five stages), in one pass."""
     first, second, third = scale * factors[0], scale * factors[1], scale * factors[2]
     fourth, fifth = scale * factors[3], scale * factors[4]
     for i in range(target.size):
-        target[i] += (
-            first * stages[0, i]
-            + second * stages[1, i]
-            + third * stages[2, i]
-            + fourth * stages[3, i]
+        target[i] = (base[i] + weight * row[i]) + (
+            (first * stages[0, i] + second * stages[1, i])
+            + (third * stages[2, i] + fourth * stages[3, i])
             + fifth * stages[4, i]
         )
 
 
 @kernel
-def scaled_size(row, first, second, rtol, atol):
-    """RMS of row_i / (atol_i + rtol max(|first_i|, |second_i|))."""
-    total = 0.0
+def weigh(target, factors, stages):
+    """target = factors of the first five stages."""
+    first, second, third = factors[0], factors[1], factors[2]
+    fourth, fifth = factors[3], factors[4]
+    for i in range(target.size):
+        target[i] = (
+            (first * stages[0, i] + second * stages[1, i])
+            + (third * stages[2, i] + fourth * stages[3, i])
+            + fifth * stages[4, i]
+        )
+
+
+@kernel
+def scaled_size(row, first, second, rtol, atol, parts):
+    """RMS of row_i / (atol_i + rtol max(|first_i|, |second_i|)); `parts` is room to work, or row.
+
+    Summed in four turns, i = 0, 4, 8, ..., then 1, 5, ... side by side, so that no sum waits.
+    """
     for i in range(row.size):
         part = row[i] / (atol[i] + rtol * max(abs(first[i]), abs(second[i])))
-        total += part * part
+        parts[i] = part * part
+    sums = (0.0, 0.0, 0.0, 0.0)
+    last = row.size - row.size % 4
+    for i in range(0, last, 4):
+        sums = (
+            sums[0] + parts[i],
+            sums[1] + parts[i + 1],
+            sums[2] + parts[i + 2],
+            sums[3] + parts[i + 3],
+        )
+    total = (sums[0] + sums[1]) + (sums[2] + sums[3])
+    for i in range(last, row.size):
+        total += parts[i]
     return math.sqrt(total / row.size)
 
 

@@ -20,15 +20,23 @@ import math
 
 import numpy as np
 
-from hannes.rodas.arrays import add_scaled, add_stages, copy_to, interpolate_piece, scaled_size
+from hannes.rodas.arrays import (
+    add_scaled,
+    combine,
+    copy_to,
+    interpolate_piece,
+    scaled_size,
+    weigh,
+)
 from hannes.rodas.coefficients import COUPLING, DENSE, DRIFT, GAMMA, NODES, ORDER, STAGE
 
 STAGES = 6
-WORK = STAGES + 4  # rows of workspace: k_1 .. k_6, f(t, y), df/dt, argument, right-hand side
+WORK = STAGES + 5  # rows of workspace: k_1 .. k_6, f(t, y), df/dt, argument, right-hand side, f
 SAFETY, SHRINK, GROW, AGAIN = 0.9, 0.2, 6.0, 1.5  # AGAIN: growth after a rejection
 HOPELESS = 8.0  # size of the nonlinear remainder at which a step is given up after two stages
 BEYOND, ADDED = 1.02, 0.005  # a step that fails at a kink is cut to end just beyond it
 DOUBT = 3.0  # what an error estimate may be wrong by across a kink
+LEAST = 2e-15  # of the time: the shortest step
 TOO_SMALL, NOT_FINITE = -1, -2
 
 
@@ -63,15 +71,14 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
     problem.linearise(t, y, rates, drift, data)
     counts[0] += 1
     counts[1] += 1
-    least = 10.0 * abs(np.nextafter(t, bound) - t)
     rejected, tried, failed = False, 0.0, 0.0
     while True:
         h = clock[1]
         if abs(h) > clock[3]:
             h = math.copysign(clock[3], h)
-        if abs(h) * 1.01 >= abs(bound - t):
+        if abs(bound - t) <= min(1.01 * abs(h), (1.0 + 1e-9) * clock[3]):
             h = bound - t
-        elif abs(h) < least:
+        elif not abs(h) > LEAST * abs(t):  # nor where it is no number
             return TOO_SMALL
         problem.decompose(1.0 / (GAMMA * h), data)
         counts[2] += 1
@@ -103,20 +110,19 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
 def attempt(problem, data, t, h, y, rtol, atol, clock, counts, work):
     """Compute the stages k and y(t + h); return the error in units of the tolerance."""
     rates, drift, moved, b = work[STAGES], work[STAGES + 1], work[STAGES + 2], work[STAGES + 3]
+    value = work[STAGES + 4]
     work[1:STAGES] = 0.0
     copy_to(work[0], rates)
     add_scaled(work[0], h * DRIFT[0], drift)
     problem.resolve(work[0], data)
     for stage in range(1, STAGES):
-        copy_to(moved, y)
-        add_stages(moved, 1.0, STAGE[stage], work)
+        combine(moved, y, 0.0, drift, 1.0, STAGE[stage], work)
         now = t + NODES[stage] * h
         if (now - clock[2]) * h >= 0.0:
             now = np.nextafter(clock[2], t)  # there f may jump
-        problem.slope(now, moved, b, data)
+        problem.slope(now, moved, value, data)
         counts[0] += 1
-        add_scaled(b, h * DRIFT[stage], drift)
-        add_stages(b, 1.0 / h, COUPLING[stage], work)
+        combine(b, value, h * DRIFT[stage], drift, 1.0 / h, COUPLING[stage], work)
         problem.resolve(b, data)
         copy_to(work[stage], b)
         if stage == 1:
@@ -125,10 +131,10 @@ def attempt(problem, data, t, h, y, rtol, atol, clock, counts, work):
                 clock[4] = 1.0
             # k_2 = -2 k_1 where f is linear: what differs is a remainder of order h^2
             add_scaled(b, 2.0, work[0])
-            if not scaled_size(b, y, moved, rtol, atol) < HOPELESS:
+            if not scaled_size(b, y, moved, rtol, atol, value) < HOPELESS:
                 return np.inf
     add_scaled(moved, 1.0, work[STAGES - 1])
-    return scaled_size(work[STAGES - 1], y, moved, rtol, atol)
+    return scaled_size(work[STAGES - 1], y, moved, rtol, atol, value)
 
 
 def keep_piece(piece, y, moved, work):
@@ -136,16 +142,17 @@ def keep_piece(piece, y, moved, work):
     copy_to(piece[0], y)
     copy_to(piece[1], moved)
     for row in range(2):
-        piece[2 + row][:] = 0.0
-        add_stages(piece[2 + row], 1.0, DENSE[row], work)
+        weigh(piece[2 + row], DENSE[row], work)
 
 
 def first_step(problem, data, y, rtol, atol, clock, counts, work):
     """Choose the first step as Hairer, Norsett & Wanner (1993), section II.4, do."""
     rates, other, moved = work[STAGES], work[STAGES + 1], work[STAGES + 2]
+    parts = work[STAGES + 3]
     reach = clock[2] - clock[0]
     problem.slope(clock[0], y, rates, data)
-    size, speed = scaled_size(y, y, y, rtol, atol), scaled_size(rates, y, y, rtol, atol)
+    size = scaled_size(y, y, y, rtol, atol, parts)
+    speed = scaled_size(rates, y, y, rtol, atol, parts)
     h = 1e-6 if size < 1e-5 or speed < 1e-5 else 0.01 * size / speed
     h = math.copysign(min(h, abs(reach)), reach)
     copy_to(moved, y)
@@ -153,7 +160,7 @@ def first_step(problem, data, y, rtol, atol, clock, counts, work):
     problem.slope(clock[0] + h, moved, other, data)
     counts[0] += 2
     add_scaled(other, -1.0, rates)
-    bend = scaled_size(other, y, y, rtol, atol) / abs(h)
+    bend = scaled_size(other, y, y, rtol, atol, parts) / abs(h)
     worst = max(speed, bend)
     asked = max(1e-6, abs(h) * 1e-3) if worst < 1e-15 else (0.01 / worst) ** (1.0 / ORDER)
     clock[1] = math.copysign(min(100.0 * abs(h), asked, abs(reach)), reach)

@@ -1,0 +1,121 @@
+"""Calibration of hands that are known: recovery, coverage, labels, wrong models, and time.
+
+Campaigns are made by the independent truth (benchmarks/truth), which sees sampled firmware, sensor
+noise and resolution, and a hand that differs from itself in every run; nine parameters lie 20 %
+(one standard deviation) off what the analyst believes. In the study `doubted` all else is 2 % off
+as well, and the analyst says so (doubt = "2 %"). Some four hours on one core, which --resume
+spreads over as many calls as it takes; --quick takes minutes.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from benchmarks import study
+from benchmarks.calibrating import speed, summary
+from benchmarks.calibrating.cases import NINE, ONE_RUN, QUICK, RICH_PROTOCOL, case
+from benchmarks.calibrating.outcome import outcome
+from benchmarks.harness import Row, aligned, must_show, table
+
+TEN = (*NINE, summary.HIDDEN_ON_PURPOSE)
+ONE = ("object.stiffness", "leader.stiffness")
+HIDDEN = (
+    ("leader_slack.length", 3e-3),
+    ("direction_friction.dry", 0.2),
+    ("gear_load.coefficient", 0.05),
+)
+# Cases of each study: whole, quick.
+COUNTS = {
+    "recovery": (24, 1),
+    "doubted": (24, 1),
+    "coverage": (240, 2),
+    "one run": (60, 3),
+    "wrong model": (24, 3),
+}
+CASES = Path("results/benchmarks/calibration.jsonl")
+
+
+def measured(kind: str, seed: int) -> dict[str, Any]:
+    """One case of a study."""
+    if kind == "recovery":
+        return outcome(case(seed, protocol=RICH_PROTOCOL, starts=4), seed)
+    if kind == "doubted":
+        return outcome(case(seed, protocol=RICH_PROTOCOL, starts=4, rest=0.02), seed)
+    if kind == "one run":
+        return outcome(case(seed, ONE, ONE_RUN), seed)
+    if kind == "coverage":
+        return outcome(case(seed, TEN, QUICK), seed)
+    name, size = HIDDEN[seed % len(HIDDEN)]
+    return {"hidden": name, **outcome(case(seed, NINE, QUICK, {name: size}), seed)}
+
+
+def asked_for(quick: bool) -> list[study.Case]:
+    """Cases of all studies, the short studies first; no two studies share a seed."""
+    cases = []
+    for number, (kind, counts) in enumerate(COUNTS.items()):
+        cases += [(kind, 10_000 * (number + 1) + k) for k in range(counts[quick])]
+    return cases
+
+
+def figures(done: Sequence[dict[str, Any]]) -> tuple[list[Row], list[Row]]:
+    """Rows and what must be shown of all studies that have cases."""
+    parts = []
+    for kind in COUNTS:
+        some = [each for each in done if each["kind"] == kind]
+        if not some:
+            continue
+        if kind in ("recovery", "doubted"):
+            parts.append(summary.recovery(some, kind))
+        elif kind == "coverage":
+            parts.append(summary.coverage(some))
+        else:
+            parts.append((summary.one_run if kind == "one run" else summary.wrong_model)(some))
+    return [row for rows, _ in parts for row in rows], [row for _, rows in parts for row in rows]
+
+
+def timed(quick: bool) -> tuple[list[Row], list[Row]]:
+    """How long eight parameters over six recordings take."""
+    rows = speed.rows(quick)
+    seconds = rows[0]["seconds"]
+    name = "eight parameters over six recordings [s], two cores, four starts"
+    return rows, [must_show(name, seconds, 10.0, seconds <= 10.0)]
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.calibration",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help="few cases, for a first look")
+    parser.add_argument("--resume", action="store_true", help="keep the cases already measured")
+    parser.add_argument("--only", choices=[*COUNTS, "time"], help="one study alone")
+    parser.add_argument("--cases", type=Path, default=CASES, metavar="FILE",
+                        help=f"a line for each case ({CASES})")  # fmt: skip
+    parser.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
+    return parser.parse_args()
+
+
+def main() -> None:
+    """Measure, print tables, write JSON where asked."""
+    asked = _arguments()
+    cases = [each for each in asked_for(asked.quick) if asked.only in (None, each[0])]
+    done = study.run(asked.cases, cases, measured, asked.resume)
+    rows, bounds = figures(done)
+    if asked.only in (None, "time"):
+        more = timed(asked.quick)
+        rows, bounds = [*rows, *more[0]], [*bounds, *more[1]]
+    stream = sys.stderr if asked.json == "-" else sys.stdout
+    print(table(aligned(rows)), "\n", table(bounds), sep="\n", file=stream)
+    text = json.dumps({"rows": rows, "must_show": bounds}, indent=1)
+    if asked.json == "-":
+        print(text)
+    elif asked.json:
+        Path(asked.json).write_text(text + "\n")
+
+
+if __name__ == "__main__":
+    main()
