@@ -109,7 +109,7 @@ def main() -> None:
         more = timed(asked.quick)
         rows, bounds = [*rows, *more[0]], [*bounds, *more[1]]
     stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(table(aligned(rows)), "\n", table(bounds), sep="\n", file=stream)
+    print(table(aligned(rows)), "\n", table(aligned(bounds)), sep="\n", file=stream)
     text = json.dumps({"rows": rows, "must_show": bounds}, indent=1)
     if asked.json == "-":
         print(text)

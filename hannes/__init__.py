@@ -12,6 +12,7 @@ __all__ = [
     "Recording",
     "Reference",
     "Target",
+    "calibrate",
     "check",
     "convert",
     "diagnose",
@@ -24,6 +25,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from hannes.batch import simulate_many as simulate_many
+    from hannes.calibrate import calibrate as calibrate
     from hannes.catalogue import effects as effects
     from hannes.check import check as check
     from hannes.convert import convert as convert
@@ -44,6 +46,7 @@ _HOMES = {
     "Recording": "recording",
     "Reference": "experiment",
     "Target": "experiment",
+    "calibrate": "calibrate",
     "check": "check",
     "convert": "convert",
     "diagnose": "diagnose",

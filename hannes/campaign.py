@@ -20,7 +20,7 @@ KEYS = ("title", "plant", "base", "out", "effects", "recording", "calibrate")
 RECORDING_KEYS = ("file", "experiment", "condition", "role")
 ROLES = ("fit", "select", "show")
 MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/measured.py
-SIMULATED = "simulated:"  # file = "simulated:closure-runs": see hannes/virtual.py
+SIMULATED = "simulated:"  # file = "simulated:mine.toml": see hannes/virtual.py
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ def _kernels() -> list[_Own]:
 
 def _mentions(text: str, own: _Own) -> bool:
     """Tell whether numba's text has the function, its call in the model, or a line of its file."""
-    signs = (f"<function {own.name} at", f"{own.effect}_{own.name}", f'{own.path.name}"')
+    signs = (f"<function {own.name} at", f"{own.effect}__{own.name}", f'{own.path.name}"')
     return any(sign in text for sign in signs)
 
 

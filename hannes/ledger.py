@@ -13,6 +13,7 @@ from hannes.trajectory import Trajectory
 POWER = "power_"
 COARSEST = 4000.0  # Hz; below this the trapezoids miss the quick parts of a grasp
 FINE = 20_000.0  # Hz
+ROUNDING = 1e-15  # J that a hand at rest may seem to take
 MOST = 200_000  # samples, some 200 MB of outputs
 
 
@@ -59,7 +60,7 @@ def energy_ledger(trajectory: Trajectory) -> dict[str, float]:
     kinetic = trajectory["energy_kinetic"]
     ledger["kinetic"] = float(kinetic[-1] - kinetic[0])
     given = ledger["electrical"]
-    if given == 0.0:
+    if abs(given) < ROUNDING:
         raise BadInput("an energy ledger needs a run that takes energy; the motor took none")
     spent = sum(energy for name, energy in ledger.items() if name != "electrical")
     return {**ledger, "residual": (given - spent) / given}

@@ -120,7 +120,7 @@ def test_equations_show_the_effects_call(own):
     values = {"warm_winding.gain": 1.0, "stiff_springs.share": 0.1, "leader_slack.length": 1e-3}
     text = hand.with_values(values).equations()
     assert "leader_slack__free_length(p[" in text
-    assert "warm_winding_warmed(" in text and "stiff_springs_stiffened(" in text
+    assert "warm_winding__warmed(" in text and "stiff_springs__stiffened(" in text
     after = text[text.index("# effects: slack") :].splitlines()
     assert "slack += leader_slack__free_length(" in after[1]
     assert "leader_slack" not in hand.equations()

@@ -312,7 +312,7 @@ def test_a_clock_that_is_not_the_experiments(late):
 def test_noise_and_resolution_are_told():
     recording = clean.truth_closure()
     (told,) = found(recording, "resolution", "current", "note")
-    assert told.size == pytest.approx(0.0145, rel=0.1)
+    assert told.size == pytest.approx(0.0121, rel=0.1)
     (told,) = found(recording, "resolution", "position", "note")
     assert f"step {2 * np.pi / 4096:.4g} rad" in told.text
     coarse = np.round(recording["current"] / 0.05) * 0.05

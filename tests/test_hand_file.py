@@ -121,7 +121,7 @@ def test_hand_prints_the_file_of_another_plant(tmp_path, capsys):
     told = capsys.readouterr().out
     assert 'The plant "axis"' in told and "direction_friction.viscous = -0.18" in told
     assert main(["hand", str(file), "--equations"]) == 0
-    assert "direction_friction_asymmetry(" in capsys.readouterr().out
+    assert "direction_friction__asymmetry(" in capsys.readouterr().out
     assert main(["hand", str(file), "--values"]) == 0
     assert "here, not 95.109" in capsys.readouterr().out
 

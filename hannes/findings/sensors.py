@@ -24,7 +24,8 @@ ENTRY = 3  # samples before and after a flat top that give its slope
 ABRUPT = 3.0  # steps of quantisation from sample to sample; a round top is entered by less than one
 FEWEST_LEVELS = 8  # a signal of fewer values is switched, not measured
 LEAST_FROZEN = 20  # samples without any change, where there is noise otherwise
-REPEATS = 0.02  # share of repeated values that noise leaves elsewhere
+REPEATS = 0.2  # share of repeated values beyond which a channel simply rests
+RARE = 4  # times longer than any other stretch of one value
 JUMP = 3.0  # times the fastest sustained move
 LEAST_JUMP = 0.01  # of the channel's range
 COARSE = 50.0  # steps in the range, below which resolution hurts
@@ -120,7 +121,9 @@ def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding
         return
     first, last = max(still, key=lambda each: each[1] - each[0])
     elsewhere = np.delete(same, np.arange(first, last + 1))
-    if last - first + 2 < LEAST_FROZEN or elsewhere.sum() > REPEATS * same.size:
+    others = [end - start for start, end in still if start != first]
+    natural = max(others, default=0) + 1  # noise on a coarse scale repeats itself, but briefly
+    if last - first + 2 < max(LEAST_FROZEN, RARE * natural) or elsewhere.mean() > REPEATS:
         return
     if values[first] in (values.min(), values.max()):
         return  # told as clipped
@@ -174,6 +177,8 @@ def _resolution(subject: Subject, name: str, values: FloatArray) -> Iterator[Fin
     shown += f", from {values.min():.4g} to {subject.told(float(values.max()), name)}"
     yield note("resolution", name, shown, size=rough)
     measured = name not in subject.commands and values.size >= FEWEST_LEVELS
-    if measured and step * COARSE > span and np.unique(values).size >= FEWEST_LEVELS:
+    dithered = noise(values) > 0.5 * step  # noise tells what lies between the steps
+    many = np.unique(values).size >= FEWEST_LEVELS
+    if measured and step * COARSE > span and many and not dithered:
         text = f"only {span / step:.0f} steps of {subject.told(step, name)} cover its range"
         yield warning("coarse", name, f"{text}: choose a finer range", size=step)

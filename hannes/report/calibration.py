@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from hannes.calibration.result import Fit
 
 
+MOST_DOUBTED = 8
+
+
 def page(result: "Fit") -> str:
     """Return report.html: self-contained, no script, no network."""
     return render(
@@ -27,6 +30,7 @@ def page(result: "Fit") -> str:
             "starts": _starts(result),
             "runs": _runs(result),
             "recordings": _recordings(result),
+            "doubted": _doubted(result),
             "figures": figures(result),
             "seed": result.seed,
             "versions": versions(),
@@ -120,6 +124,23 @@ def _runs(result: "Fit") -> Table:
     columns = ("Recording", "Condition", "Starts late by", "Differs most in")
     note = "What each run most likely did by itself, given how much runs are taken to differ."
     return Table("runs", "Run by run", columns, tuple(rows), note)
+
+
+def _doubted(result: "Fit") -> Table:
+    """What was not asked for but held uncertain, as far as it moved."""
+    found = result.plain()["doubted"]
+    moved = sorted(found.items(), key=lambda item: -abs(item[1]["deviations"]))[:MOST_DOUBTED]
+    rows = tuple(
+        (name, number(each["given"], 4), number(each["value"], 4), each["unit"],
+         number(each["deviations"], 2))
+        for name, each in moved
+    )  # fmt: skip
+    note = (
+        f"Of {len(found)} values that were held uncertain, those that moved most; a deviation is "
+        "what each was said to be off. They stand in hand.toml too."
+    )
+    columns = ("Held uncertain", "Given", "Value", "Unit", "Deviations")
+    return Table("doubted", "What else moved", columns, rows, note)
 
 
 def _recordings(result: "Fit") -> Table:

@@ -1,0 +1,105 @@
+"""Calibration of the hand and of the real axis, from campaign to page."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from hannes import measured
+from hannes.calibrate import calibrate
+from hannes.campaign import read_campaign
+from hannes.cli import main
+from hannes.errors import MissingRecording
+from hannes.hand_file import load_hand
+from hannes.virtual import virtual_recordings
+
+
+def test_virtual_recordings_do_not_tell_what_made_them():
+    made = virtual_recordings(shipped_runs("dynamometer-runs"))
+    assert len(made) == 8
+    for recording in made.values():
+        assert recording.hand == "" and "object.stiffness" not in recording.experiment
+        assert "30000" not in recording.experiment
+    first, second = list(made.values())[:2]
+    assert not (first["current"] == second["current"]).all()
+
+
+def shipped_runs(name):
+    from hannes import library
+
+    return library.folder() / "virtual" / f"{name}.toml"
+
+
+@pytest.mark.slow
+def test_contact_from_the_motor_current_finds_the_dynamometer(tmp_path, capsys):
+    out = tmp_path / "contact"
+    assert main(["calibrate", "dynamometer-contact", "--out", str(out), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told == json.loads((out / "calibration.json").read_text(encoding="utf-8"))
+    stiffness, damping, friction = (
+        told["parameters"][f"object.{name}"] for name in ("stiffness", "damping", "friction")
+    )
+    assert stiffness["value"] == pytest.approx(30000.0, rel=0.05)
+    assert stiffness["low"] < 30000.0 < stiffness["high"]
+    assert friction["value"] == pytest.approx(0.45, rel=0.05)
+    assert damping["label"] == "not identified"
+    assert told["remains"]["repeats"] is False
+    assert all(start["agrees"] for start in told["starts"])
+    gap = told["gap"]["current"]
+    assert gap["after"] < 1.3 * gap["floor"] < gap["as_given"]
+    hand = load_hand(out / "hand.toml")
+    assert hand.parameters["object.stiffness"] == stiffness["value"]
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "not identified" in page and "<script" not in page
+
+
+@pytest.mark.slow
+def test_closing_time_and_position_tell_none_of_the_papers_frictions():
+    found = calibrate("closure-friction", progress=False)
+    assert len(found.answers) == 9
+    assert not any(each.identified for each in found.answers)
+
+
+@pytest.mark.slow
+def test_the_real_axis_refitted_predicts_the_other_file():
+    try:
+        measured.folder("emps")
+    except MissingRecording as missing:
+        pytest.skip(f"needs the EMPS recordings: {missing}")
+    found = calibrate("emps", progress=False)
+    fitted, other = (
+        100.0 * gap["drive"]["after"] / gap["drive"]["recorded"]
+        for gap in (found.fitted_gap, found.gap)
+    )
+    assert fitted <= 4.5 and other <= 5.4
+    assert found.spread.unit == "stretches of one run"
+
+
+@pytest.mark.slow
+def test_control_c_keeps_the_best_so_far(tmp_path):
+    campaign, out = tmp_path / "campaign.toml", tmp_path / "out"
+    runs = f'file = "simulated:{shipped_runs("dynamometer-runs")}"\ncondition = "dynamometer"'
+    asked = 'parameters = ["object.stiffness", "object.friction"]\nstarts = 64'
+    campaign.write_text(f"[[recording]]\n{runs}\n[calibrate]\n{asked}\n", encoding="utf-8")
+    command = [sys.executable, "-m", "hannes", "calibrate", str(campaign), "--out", str(out)]
+    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(12.0)
+    running.send_signal(signal.SIGINT)
+    _, told = running.communicate(timeout=240)
+    assert running.returncode == 130 and "Traceback" not in told
+    if out.exists():  # the signal came after the first simulations
+        status = json.loads((out / "calibration.json").read_text(encoding="utf-8"))["status"]
+        assert status == "interrupted"
+
+
+def test_a_campaign_of_another_plant_is_refused(tmp_path):
+    campaign = tmp_path / "campaign.toml"
+    file = shipped_runs("closure-runs")
+    campaign.write_text(f'plant = "axis"\n[[recording]]\nfile = "simulated:{file}"\n')
+    from hannes.errors import BadInput
+
+    with pytest.raises(BadInput, match="a recording of the plant"):
+        read_campaign(campaign)
