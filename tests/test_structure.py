@@ -208,9 +208,9 @@ def test_closed_forms_hold_for_other_values(values, shape):
     compiled, p = hand.compiled(), hand.vector(shape)
     n, b = compiled.states.size, np.ones(compiled.states.size)
     for time, state in states(compiled):
-        data, columns = compiled.problem(p, KNOTS, HOLD).data, np.zeros((n, n))
+        data, columns = compiled.problem(p, KNOTS, HELD).data, np.zeros((n, n))
         solved(compiled)(time, state, data, 1e4, columns, b.copy())
-        theirs = compiled.fast.differences(time, state, p, KNOTS, HOLD)
+        theirs = compiled.fast.differences(time, state, p, KNOTS, HELD)
         scale = np.abs(theirs) + 1e-4 * np.abs(theirs).max(axis=1, keepdims=True) + 1e-9
         assert (np.abs(columns - theirs) / scale).max() < 1e-3, time
 
