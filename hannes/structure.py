@@ -282,8 +282,6 @@ def _reads_state(found: Arrow, slot: Slot, states: Layout, axis: str, part: str,
 
 
 def _reads_channel(slot: Slot, axis: str, part: str) -> str:
-    if part == "motor":
-        return f"reads {slot.name} in the stages of the motor"
     if part == "wires":
         return "" if slot.name in (*_TAKEN_UP, *_FROM_WIRES) else f"reads {slot.name} in the wires"
     if slot.name in _OF_CART:
