@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -202,21 +203,25 @@ def posed(recording: Recording) -> Experiment:
             )
         return replace(planned, noise={})
     since = recording.time - recording.time[0]
-    sampling = 1.0 / float(np.median(np.diff(since)))
+    duration = float(since[-1])
+    sampling = max(1, round(duration / float(np.median(np.diff(since))))) / duration
     reference = recorded_reference(since, recording["reference"])
     if planned is None:
-        return Experiment("recorded", float(since[-1]), reference, sampling=sampling)
-    return replace(
-        planned, duration=float(since[-1]), reference=reference, sampling=sampling, noise={}
-    )
+        return Experiment("recorded", duration, reference, sampling=sampling)
+    return replace(planned, duration=duration, reference=reference, sampling=sampling, noise={})
 
 
 def _planned(recording: Recording) -> Experiment | None:
     if not recording.experiment:
         return None
+    return _parsed(recording.experiment)
+
+
+@lru_cache(maxsize=64)  # a fit poses the same few experiments hundreds of times
+def _parsed(text: str) -> Experiment:
     from hannes.experiment_file import parse_experiment
 
-    return parse_experiment(recording.experiment)
+    return parse_experiment(text)
 
 
 def recorded_reference(times: np.ndarray, values: np.ndarray) -> Reference:
