@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -98,6 +99,14 @@ def test_it_reads_with_h5py_alone_and_says_what_is_what(whole):
         assert units["object.stiffness"] == "N/m" and units["contact"] == "s"
         assert read_spec(file.attrs["specification"].decode()).count == 310
         assert file.attrs["seed"] == 3
+
+
+def test_the_five_lines_of_the_readme_read_it(whole, capsys):
+    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```py\n(.*?)```", text, flags=re.DOTALL)
+    assert len(block.splitlines()) == 5
+    exec(compile(block.replace("results/large.h5", str(whole)), "README.md", "exec"), {})
+    assert "'object.stiffness': b'N/m'" in capsys.readouterr().out
 
 
 def test_levels_are_crossed_and_draws_stand_clear_of_the_hand(spec, whole):
