@@ -73,7 +73,7 @@ def held_object(
     return share * object_friction * normal_force * added, rate
 
 
-EFFECT = Effect(
+LAW = Effect(
     name="stiction",
     meaning="What stands still stays so until its dry friction is overcome: a grip does not creep.",
     equation="T += share (T(max(|w|, w_bf)) z - T(w)), z' = (w - |w| z) / width",
