@@ -303,3 +303,14 @@ def test_fuzzed_files_are_read_or_refused(whole, tmp_path):
             list(found.blocks(np.arange(min(50, found.table.size)), ("current",)))
         except BadInput:
             pass
+
+
+def test_a_table_that_claims_a_huge_size_is_refused(whole, tmp_path):
+    path = tmp_path / "huge.h5"
+    path.write_bytes(whole.read_bytes())
+    with h5py.File(path, "r+") as file:
+        kind = file["grasps"].dtype
+        del file["grasps"]
+        file.create_dataset("grasps", (10**11,), kind, chunks=(100,))
+    with pytest.raises(BadInput, match="claims far more rows"):
+        read(path)
