@@ -171,6 +171,21 @@ def test_a_killed_run_goes_on_where_it_was(spec, whole, tmp_path):
     assert not list(tmp_path.glob(".parts*"))
 
 
+def test_an_interrupted_run_says_so_and_leaves_nobody_at_work(whole, tmp_path):
+    (tmp_path / "set.toml").write_text(TEXT.replace("draws = 250", "draws = 2500"))
+    command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
+    run = subprocess.Popen(
+        command, cwd=tmp_path, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+    while not list(tmp_path.glob(".parts*/*.part")) and run.poll() is None:
+        time.sleep(0.02)
+    run.send_signal(signal.SIGINT)
+    _, told = run.communicate(timeout=60)
+    assert run.returncode == 130 and "goes on where it was" in told
+    assert "Traceback" not in told
+
+
 def test_a_full_disk_is_told_and_the_run_goes_on_after(whole, tmp_path):
     (tmp_path / "set.toml").write_text(TEXT)
     command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
