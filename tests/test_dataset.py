@@ -106,7 +106,7 @@ def test_the_five_lines_of_the_readme_read_it(whole, capsys):
     (block,) = re.findall(r"```py\n(.*?)```", text, flags=re.DOTALL)
     assert len(block.splitlines()) == 5
     exec(compile(block.replace("results/large.h5", str(whole)), "README.md", "exec"), {})
-    assert "'object.stiffness': b'N/m'" in capsys.readouterr().out
+    assert "'object.stiffness': b'N/m', " in capsys.readouterr().out
 
 
 def test_levels_are_crossed_and_draws_stand_clear_of_the_hand(spec, whole):
