@@ -16,7 +16,7 @@ from hannes.plant_file import base_name, with_plant_file
 from hannes.recording import Recording
 from hannes.table import Table, read_text
 
-KEYS = ("title", "plant", "base", "out", "effects", "recording", "calibrate")
+KEYS = ("title", "plant", "base", "out", "effects", "recording", "calibrate", "diagnose")
 RECORDING_KEYS = ("file", "experiment", "condition", "role")
 ROLES = ("fit", "select", "show")
 MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/measured.py
