@@ -14,6 +14,7 @@ import numpy as np
 import tomli_w
 from tqdm import tqdm
 
+from benchmarks.oracle import FROZEN
 from benchmarks.oracle import bench as simulated
 from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import FALSE_ALARM, POWER, Discriminant
@@ -25,7 +26,6 @@ from benchmarks.truth.effects import SIZES
 from benchmarks.truth.protocol import PROTOCOLS
 from hannes.files import write_text
 
-FROZEN = Path(__file__).parent / "smallest_detectable.toml"
 KEPT = Path("results/benchmarks/oracle")
 EMPTIES, HANDS = 200, 5
 BEYOND = "beyond the physical range"

@@ -9,7 +9,7 @@ from benchmarks.oracle.features import BINS, names, vector
 from benchmarks.oracle.store import Store
 from benchmarks.truth.campaign import SHIPPED, Spread, make
 from benchmarks.truth.parameters import NOMINAL, flat
-from benchmarks.truth.protocol import PROTOCOLS, Condition, Protocol
+from benchmarks.truth.protocol import PROTOCOLS, Condition
 from benchmarks.truth.scatter import PLACES
 
 EXACTLY = Spread(0.0, "normal", 0.0, 0.0)

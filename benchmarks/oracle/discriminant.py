@@ -43,7 +43,7 @@ class Side:
 
 
 class Discriminant:
-    """Scores of effects in units of their signature's size."""
+    """Tests of one protocol, an effect at a time."""
 
     def __init__(self, empties: np.ndarray, expected: np.ndarray) -> None:
         """empties: (campaigns, n); expected: (n, n)."""
@@ -52,36 +52,29 @@ class Discriminant:
         one, other = scaled[0::2], scaled[1::2]
         self._sides = (_side(one, other, target), _side(other, one, target))
 
-    def scores(self, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Scores of empties never looked at, and of each hand's change with their mean as signature.
+    def scores(self, signature: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, float]:
+        """Scores of empties never looked at, (empties,), and the mean score of changes, (hands, n).
 
-        change: (hands, n); what is returned: (empties,), (hands,), the latter of mean 1.
+        Both are of the signature's size 1.
         """
-        changes = change / self._scale
-        signature = changes.mean(axis=0)
-        weights = [side.weights(signature) for side in self._sides]
+        weights = [side.weights(signature / self._scale) for side in self._sides]
         empty = [
             (side.scored - side.seen.mean(axis=0)) @ w
             for side, w in zip(self._sides, weights, strict=True)
         ]
-        return np.concatenate(empty), changes @ np.mean(weights, axis=0)
+        scores = (change / self._scale) @ np.mean(weights, axis=0)
+        return np.concatenate(empty), float(scores.mean())
 
 
-def power(empty: np.ndarray, change: np.ndarray, times: float = 1.0) -> float:
-    """Share of campaigns with the effect, `times` as large, above the null's quantile."""
-    limit = np.quantile(empty, 1.0 - FALSE_ALARM)
-    return float(np.mean(empty[:, None] + times * change > limit))
+def power(empty: np.ndarray, change: float) -> float:
+    """Share of campaigns above the null's quantile that an effect lifts by `change`."""
+    return float(np.mean(empty + change > np.quantile(empty, 1.0 - FALSE_ALARM)))
 
 
-def needed(empty: np.ndarray, change: np.ndarray) -> float:
-    """How many times as large the effect must be for `POWER`; inf where it shows nowhere."""
-    low, high = 1e-3, 1e3
-    if power(empty, change, high) < POWER:
-        return np.inf
-    for _ in range(40):
-        middle = np.sqrt(low * high)
-        low, high = (low, middle) if power(empty, change, middle) >= POWER else (middle, high)
-    return float(high)
+def needed(empty: np.ndarray, change: float) -> float:
+    """How many times `change` it takes for `POWER`; inf where it points the other way."""
+    low, high = np.quantile(empty, [1.0 - POWER, 1.0 - FALSE_ALARM])
+    return float((high - low) / change) if change > 0.0 else np.inf
 
 
 def _side(seen: np.ndarray, scored: np.ndarray, target: np.ndarray) -> Side:

@@ -16,7 +16,8 @@ NEARBY = 1.3  # ratio from which on all hands are asked
 MOST_STEPS = 9
 FARTHEST = 30.0  # ratio of one step to the next
 FIGURES = 3  # significant, of a size that is simulated
-Change = Callable[[float, int], np.ndarray]  # size, number of hands -> (hands, n)
+SIGNATURE_HAND, SIGNATURE_HANDS = 1000, 2
+Change = Callable[[float, int, int], np.ndarray]  # size, first hand, hands -> (hands, n)
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,8 @@ def smallest(
     found = {}
     for told, sign in signs.items():
 
-        def change(u: float, count: int, sign: float = sign) -> np.ndarray:
-            return np.array([bench.change(name, sign * u, k) for k in range(count)])
+        def change(u: float, first: int, count: int, sign: float = sign) -> np.ndarray:
+            return np.array([bench.change(name, sign * u, first + k) for k in range(count)])
 
         found[told] = searched(change, test, size.high, begin or middle, hands)
     return Smallest(name, size, found)
@@ -59,17 +60,30 @@ def searched(change: Change, test: Discriminant, most: float, u: float, hands: i
     count = 1
     for _ in range(MOST_STEPS):
         u = float(f"{min(u, most):.{FIGURES}g}")
-        try:
-            times = needed(*test.scores(change(u, count)))
-        except ComputationFailed:  # a hand with so much of it does not move: surely detected
-            times = 1.0 / FARTHEST
-        if 1.0 / NEARBY < times < NEARBY and count < hands:
+        times = needed_times(change, test, most, u, count)
+        if (1.0 / NEARBY < times < NEARBY or (u == most and times > 1.0)) and count < hands:
             count = hands
-            times = needed(*test.scores(change(u, count)))
-        if u == most and times > 1.0 and count == hands:
+            times = needed_times(change, test, most, u, count)
+        if u == most and times > 1.0:
             return None
         if 1.0 / NEAR < times < NEAR and count == hands:
             return u * times
-        count = hands if u == most and times > 1.0 else count
-        u *= float(np.clip(times, 1.0 / FARTHEST, FARTHEST))
+        u *= times
     return u
+
+
+def needed_times(change: Change, test: Discriminant, most: float, u: float, count: int) -> float:
+    """How many times as large as `u` the effect must be.
+
+    Its signature is what it does to other hands at some four times the size, where the rounding
+    of sensors, which no two simulations share, hardly blurs it.
+    """
+    moderate = float(min(2.0 ** round(np.log2(4.0 * u)), most))
+    try:
+        signature = change(moderate, SIGNATURE_HAND, SIGNATURE_HANDS).mean(axis=0)
+        if not signature.any():
+            return FARTHEST
+        times = needed(*test.scores(signature, change(u, 0, count)))
+    except ComputationFailed:  # a hand with so much of it does not move: surely detected
+        times = 1.0 / FARTHEST
+    return float(np.clip(times, 1.0 / FARTHEST, FARTHEST))

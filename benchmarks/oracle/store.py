@@ -1,4 +1,4 @@
-"""Vectors of numbers on disk, one file each, so that what was simulated is never simulated twice."""
+"""Vectors of numbers on disk, one file each: nothing is simulated twice."""
 
 from collections.abc import Callable
 from pathlib import Path
