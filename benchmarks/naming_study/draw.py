@@ -30,11 +30,17 @@ STREAM = 41  # of random numbers
 class Drawn:
     """hidden: SI sizes by full name, shapes included; times: each amplitude's size over its u.
 
-    A u beyond the physical range gives None.
+    A u beyond the physical range gives None, as do free closures, for which no oracle was asked.
     """
 
     hidden: dict[str, float]
     times: dict[str, float | None]
+
+    @property
+    def least_times(self) -> float | None:
+        """Size over u of the hardest to see; None where nothing is nameable."""
+        times = list(self.times.values())
+        return min(times) if times and None not in times else None
 
     @property
     def effects(self) -> list[str]:
@@ -51,7 +57,7 @@ def drawn(what: str, protocol: str, seed: int) -> Drawn:
     if what == "empty":
         return Drawn({}, {})
     if what == "closures":
-        return Drawn({"leader_slack.length": _log(rng, *SLACK)}, {"leader_slack.length": np.inf})
+        return Drawn({"leader_slack.length": _log(rng, *SLACK)}, {"leader_slack.length": None})
     names = amplitudes(OUTSIDE if what == "outside" else CATALOGUE)
     first = names[seed % len(names)]
     if what != "pair":
