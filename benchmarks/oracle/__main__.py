@@ -27,7 +27,7 @@ from benchmarks.truth.protocol import PROTOCOLS
 from hannes.files import write_text
 
 KEPT = Path("results/benchmarks/oracle")
-EMPTIES, HANDS = 200, 5
+EMPTIES, HANDS = 200, 3
 BEYOND = "beyond the physical range"
 
 

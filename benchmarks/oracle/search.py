@@ -13,7 +13,7 @@ from hannes.errors import ComputationFailed
 
 NEAR = 1.12  # ratio within which the effect is as good as proportional to its size
 NEARBY = 1.3  # ratio from which on all hands are asked
-MOST_STEPS = 9
+MOST_STEPS = 14
 FARTHEST = 30.0  # ratio of one step to the next
 FIGURES = 3  # significant, of a size that is simulated
 SIGNATURE_HAND, SIGNATURE_HANDS = 1000, 2
@@ -57,33 +57,42 @@ def searched(change: Change, test: Discriminant, most: float, u: float, hands: i
 
     One hand tells the order of magnitude; all of them have the last word.
     """
-    count = 1
+    count, low, high = 1, 0.0, np.inf
     for _ in range(MOST_STEPS):
         u = float(f"{min(u, most):.{FIGURES}g}")
         times = needed_times(change, test, most, u, count)
         if (1.0 / NEARBY < times < NEARBY or (u == most and times > 1.0)) and count < hands:
-            count = hands
+            count, low, high = hands, 0.0, np.inf
             times = needed_times(change, test, most, u, count)
         if u == most and times > 1.0:
             return None
         if 1.0 / NEAR < times < NEAR and count == hands:
-            return u * times
-        u *= times
-    return u
+            return min(u * times, most)
+        low, high = (u, high) if times > 1.0 else (low, u)
+        u = u * times if low < u * times < high else float(np.sqrt(low * high))
+    return high
 
 
 def needed_times(change: Change, test: Discriminant, most: float, u: float, count: int) -> float:
     """How many times as large as `u` the effect must be.
 
-    Its signature is what it does to other hands at some four times the size, where the rounding
-    of sensors, which no two simulations share, hardly blurs it.
+    Its signature is what it does to other hands: at four times the size, where the rounding of
+    sensors, which no two simulations share, hardly blurs it; or nearer, where it depends on the
+    size. The better one counts.
     """
-    moderate = float(min(2.0 ** round(np.log2(4.0 * u)), most))
+    scored = _made(change, u, 0, count)
+    if scored is None:  # a hand with so much of it does not move: surely detected
+        return 1.0 / FARTHEST
+    times = [FARTHEST]
+    for moderate in {float(min(2.0 ** round(np.log2(k * u)), most)) for k in (1.0, 4.0)}:
+        made = _made(change, moderate, SIGNATURE_HAND, SIGNATURE_HANDS)
+        if made is not None and made.any():
+            times.append(needed(*test.scores(made.mean(axis=0), scored)))
+    return float(np.clip(min(times), 1.0 / FARTHEST, FARTHEST))
+
+
+def _made(change: Change, *asked: float) -> np.ndarray | None:
     try:
-        signature = change(moderate, SIGNATURE_HAND, SIGNATURE_HANDS).mean(axis=0)
-        if not signature.any():
-            return FARTHEST
-        times = needed(*test.scores(signature, change(u, 0, count)))
-    except ComputationFailed:  # a hand with so much of it does not move: surely detected
-        times = 1.0 / FARTHEST
-    return float(np.clip(times, 1.0 / FARTHEST, FARTHEST))
+        return change(*asked)
+    except ComputationFailed:
+        return None
