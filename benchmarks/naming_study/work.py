@@ -22,11 +22,12 @@ def diagnosed(campaign: Path, out: Path) -> None:
 
 
 def worked(
-    case: Drawn, protocol: str, seed: int, told: float = 1.0, diagnose: Diagnose = diagnosed
+    case: Drawn, protocol: str, seed: int, told: float = 1.0, diagnose: Diagnose | None = None
 ) -> dict[str, Any]:
     """Verdict and answer of a case, and what the diagnosis took.
 
-    told: how many times as wide as it is the analyst is told that the scatter is.
+    told: how many times as wide as it is the analyst is told that the scatter is. diagnose: in
+    place of the library's.
     """
     with tempfile.TemporaryDirectory() as folder:
         open_part, sealed = Path(folder) / "campaign", Path(folder) / "elsewhere"
@@ -38,7 +39,7 @@ def worked(
         shutil.move(open_part / "sealed", sealed)
         begun, spent = time.perf_counter(), time.process_time()
         try:
-            diagnose(open_part / "campaign.toml", open_part / "out")
+            (diagnose or diagnosed)(open_part / "campaign.toml", open_part / "out")
         except ComputationFailed as failed:
             (open_part / "out").mkdir(exist_ok=True)
             verdict = {"verdict": "failed", "effects": [], "reason": str(failed)}
