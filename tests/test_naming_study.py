@@ -146,7 +146,7 @@ def line(kind, seed, outcome, times=3.0, **more):
         "kind": kind.name, "seed": seed, "what": kind.what, "protocol": kind.protocol,
         "told": kind.told, "effects": effects.get(kind.what, []), "hidden": {}, "times": times,
         "outcome": outcome, "verdict": "named", "named": ["leader_slack"], "closed": 0.9,
-        "placebo": 0.1, "parameters": {}, "next_run": None, "seconds": 2.0, **more,
+        "placebo": 0.1, "parameters": {}, "next_run": None, "after": {}, "seconds": 2.0, **more,
     }  # fmt: skip
 
 
@@ -222,8 +222,7 @@ def test_confusion_counts_answers_by_what_is_hidden():
     json.dumps([rows, bounds], allow_nan=False)
 
 
-def test_the_answer_is_out_of_reach_until_the_verdict_is_on_disk(monkeypatch):
-    monkeypatch.setitem(work.PLANS, "blink", BLINK)
+def test_the_answer_is_out_of_reach_until_the_verdict_is_on_disk():
     seen = {}
 
     def diagnose(campaign, out):
@@ -234,7 +233,7 @@ def test_the_answer_is_out_of_reach_until_the_verdict_is_on_disk(monkeypatch):
         (out / "verdict.json").write_text(json.dumps(said("named", "leader_slack")))
 
     case = draw.Drawn({"leader_slack.length": 3e-3}, {"leader_slack.length": 2.0})
-    found = work.worked(case, "blink", 5, told=2.0, diagnose=diagnose)
+    found = work.worked(case, BLINK, 5, told=2.0, diagnose=diagnose)
     assert seen["files"] == ["01_void.h5", "02_void.h5", "campaign.toml", "hand.toml"]
     assert 'scatter = "4 %"' in seen["told"] and 'run_scatter = "1 %"' in seen["told"]
     assert found["answer"] == {"leader_slack": {"length": 3e-3}}
@@ -277,7 +276,7 @@ def test_a_study_goes_on_where_it_was_killed(tmp_path, workers):
 
 
 def test_a_case_of_the_study_is_one_line_of_json(monkeypatch):
-    monkeypatch.setitem(work.PLANS, "poor", BLINK)
+    monkeypatch.setitem(draw.PLANS, "poor", BLINK)
 
     def diagnose(campaign, out):
         out.mkdir()
@@ -287,3 +286,32 @@ def test_a_case_of_the_study_is_one_line_of_json(monkeypatch):
     found = naming.measured("empty, poor", 5)
     assert found["outcome"] == "unknown" and found["effects"] == [] and found["times"] is None
     json.dumps(found, allow_nan=False)
+
+
+def test_one_more_run_is_recorded_where_a_case_is_left_open(monkeypatch):
+    plans = []
+
+    def worked(case, plan, seed):
+        plans.append(plan)
+        return {"verdict": said("named", "leader_slack" if len(plans) == 1 else "capstan")}
+
+    monkeypatch.setattr(naming, "worked", worked)
+    case = draw.Drawn({"leader_slack.length": 3e-3}, {"leader_slack.length": 2.0})
+    next_run = {"experiment": "soft ball", "separates": [], "why": ""}
+    opened = {**said("unknown"), "next_run": next_run}
+    assert naming.one_more(case, 7, opened) == {"suggested": "right", "any": "wrong"}
+    poor = draw.PLANS["poor"].runs
+    assert all(plan.runs[:-1] == poor and len(plan.runs) == 13 for plan in plans)
+    assert plans[0].runs[-1].name == "soft ball" and plans[1].runs[-1].name == draw.any_run(7)
+    assert naming.one_more(case, 7, said("unknown")) == {}
+    assert naming.one_more(case, 7, {**said("named", "capstan"), "next_run": next_run}) == {}
+
+
+def test_the_next_run_is_worth_what_it_resolves_beyond_any_run():
+    kind = plan.NAMED["single, poor"]
+    ends = [{"suggested": "right", "any": "unknown"}] * 3 + [{"suggested": "right", "any": "right"}]
+    done = [line(kind, k, "unknown", verdict="unknown", after=end) for k, end in enumerate(ends)]
+    row = shown(done)["resolved by the suggested run rather than any [points]"]
+    assert row["value"] == 75.0 and row["holds"]
+    rows, _ = summary.figures([line(kind, 1, "unknown", verdict="unknown")])
+    assert rows[-1]["next run told"] == 0

@@ -19,6 +19,12 @@ PLANS: dict[str, Protocol] = {
     "poor, duty": replace(PROTOCOLS["poor"], channels=(*POOR, "duty_1")),
     "closures": closures(6),
 }
+# What may be recorded in addition to the poor protocol, once: all else that the rich one has.
+MENU = {
+    each.name: replace(each, repeats=1)
+    for each in PROTOCOLS["rich"].conditions
+    if (each.points, each.thing) not in [(c.points, c.thing) for c in PROTOCOLS["poor"].conditions]
+}
 LEAST, MOST = 0.5, 5.0  # times u
 PAIRED = 2.0  # times u, of each of a pair, at least
 SLACK = (1e-3, 6e-3)  # m, in free closures like the paper's figure 7
@@ -67,6 +73,16 @@ def drawn(what: str, protocol: str, seed: int) -> Drawn:
     first = seen[seed % len(seen)]
     others = [name for name in seen if name.partition(".")[0] != first.partition(".")[0]]
     return _hidden([first, str(rng.choice(others))], protocol, PAIRED, rng)
+
+
+def with_run(plan: Protocol, name: str) -> Protocol:
+    """A protocol and one more run of the menu: all runs before it stay what they are."""
+    return replace(plan, conditions=(*plan.conditions, MENU[name]))
+
+
+def any_run(seed: int) -> str:
+    """A run of the menu, by chance."""
+    return str(np.random.default_rng([seed, STREAM, 1]).choice(sorted(MENU)))
 
 
 def amplitudes(effects: tuple) -> list[str]:

@@ -8,8 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from benchmarks.naming_study.draw import PLANS, Drawn
+from benchmarks.naming_study.draw import Drawn
 from benchmarks.truth.campaign import Spread, make
+from benchmarks.truth.protocol import Protocol
 from hannes.diagnose import diagnose as library
 from hannes.errors import ComputationFailed
 
@@ -22,7 +23,7 @@ def diagnosed(campaign: Path, out: Path) -> None:
 
 
 def worked(
-    case: Drawn, protocol: str, seed: int, told: float = 1.0, diagnose: Diagnose | None = None
+    case: Drawn, plan: Protocol, seed: int, told: float = 1.0, diagnose: Diagnose | None = None
 ) -> dict[str, Any]:
     """Verdict and answer of a case, and what the diagnosis took.
 
@@ -32,7 +33,7 @@ def worked(
     with tempfile.TemporaryDirectory() as folder:
         open_part, sealed = Path(folder) / "campaign", Path(folder) / "elsewhere"
         try:
-            made = make(PLANS[protocol], seed, case.hidden, told=Spread().times(told))
+            made = make(plan, seed, case.hidden, told=Spread().times(told))
         except ComputationFailed as failed:
             return {"not_made": str(failed)}
         made.write(open_part)

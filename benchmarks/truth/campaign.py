@@ -50,6 +50,17 @@ class Spread:
     run: float = 0.005
     timing: float = 0.2e-3
 
+    @property
+    def lines(self) -> list[str]:
+        """As a campaign says it; of what does not scatter it says nothing."""
+        told = {
+            "scatter": (100.0 * self.hand, "%"),
+            "run_scatter": (100.0 * self.run, "%"),
+            "start_time": (1e3 * self.timing, "ms"),
+        }
+        lines = [f'{key} = "{size:g} {unit}"' for key, (size, unit) in told.items() if size > 0.0]
+        return ["", "[diagnose]", *lines] if lines else []
+
     def times(self, factor: float) -> "Spread":
         """All of it so many times as wide."""
         return replace(
@@ -86,9 +97,7 @@ class Made:
 
     def _campaign(self, suffix: str, experiment: str) -> str:
         lines = ['plant = "hand"', 'base = "hand.toml"', 'out = "diagnosis"']
-        lines += ["", "[diagnose]", f'scatter = "{100.0 * self.told.hand:g} %"']
-        lines += [f'run_scatter = "{100.0 * self.told.run:g} %"']
-        lines += [f'start_time = "{1e3 * self.told.timing:g} ms"']
+        lines += self.told.lines
         for name, condition in self.conditions.items():
             lines += ["", "[[recording]]", f'file = "{name}{suffix}"', f'condition = "{condition}"']
             lines += [f'experiment = "{experiment}"'] if experiment else []
