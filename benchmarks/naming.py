@@ -11,7 +11,7 @@ figures quoted are those of the set "quoted". An abstention counts as a case lik
 the one that the verdict suggests, and beside it one drawn from the rich protocol's.
 
 The whole study takes hours, which --resume spreads over as many calls as it takes; --quick takes
-some minutes.
+some minutes. Times are those of a machine that does nothing else: --workers 1.
 """
 
 import argparse
