@@ -1,9 +1,9 @@
-"""What a diagnosis is worth to recognition: the same training on the base hand and on the found one.
+"""What a diagnosis is worth to recognition: training on the base hand and on the one it found.
 
-One hand of the independent truth has a slack leader. It runs the poor protocol, `diagnose` says what
-the model is missing, and a classifier is trained on each of two data sets that differ in the hand
-alone: the shipped one, and the one that the diagnosis left. Both are scored on the same grasps of
-that hand.
+One hand of the independent truth has a slack leader. It runs the poor protocol, `diagnose` says
+what the model is missing, and a classifier is trained on each of two data sets that differ in the
+hand alone: the shipped one, and the one that the diagnosis left. Both are scored on the same
+grasps of that hand.
 """
 
 import tempfile
