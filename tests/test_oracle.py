@@ -8,7 +8,7 @@ from benchmarks.oracle.discriminant import FALSE_ALARM, POWER, Discriminant, nee
 from benchmarks.oracle.features import BINS, names, vector
 from benchmarks.oracle.likeness import of_hands, of_runs
 from benchmarks.oracle.search import NEAR, searched
-from benchmarks.oracle.store import Store
+from benchmarks.oracle.store import Store, digest
 from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.protocol import DYNAMOMETER, POOR, Condition, Protocol
 from hannes.errors import ComputationFailed
@@ -103,3 +103,11 @@ def test_what_scatters_has_a_slope_and_is_simulated_once(tmp_path, monkeypatch):
     assert files == {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.npy")}
     change = bench.change("leader_slack.length", 3e-3, 0)
     assert np.abs(change).max() > 0.0
+
+
+def test_another_truth_is_another_folder(tmp_path):
+    (tmp_path / "one.py").write_text("A = 1\n")
+    before = digest(tmp_path)
+    assert digest(tmp_path) == before
+    (tmp_path / "one.py").write_text("A = 2\n")
+    assert digest(tmp_path) != before

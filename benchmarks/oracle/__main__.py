@@ -2,8 +2,8 @@
 
 python -m benchmarks.oracle --resume
 
-Some twenty minutes on one core; --resume keeps what an interrupted call has simulated (and must
-not be given after a change of the truth).
+Some twenty minutes on one core; --resume keeps what an interrupted call has simulated, as long as
+the truth is the same.
 """
 
 import argparse
@@ -14,13 +14,14 @@ import numpy as np
 import tomli_w
 from tqdm import tqdm
 
+from benchmarks import truth
 from benchmarks.oracle import FROZEN
 from benchmarks.oracle import bench as simulated
 from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import FALSE_ALARM, POWER, Discriminant
 from benchmarks.oracle.likeness import expected
 from benchmarks.oracle.search import smallest
-from benchmarks.oracle.store import Store
+from benchmarks.oracle.store import Store, digest
 from benchmarks.truth.campaign import Spread
 from benchmarks.truth.effects import SIZES
 from benchmarks.truth.protocol import PROTOCOLS
@@ -83,12 +84,13 @@ def main() -> None:
     parser.add_argument("--hands", type=int, default=HANDS, help="hands with each effect")
     parser.add_argument("--out", type=Path, default=FROZEN)
     asked = parser.parse_args()
+    store = Store(KEPT / digest(Path(truth.__file__).parent))
     if not asked.resume:
-        shutil.rmtree(KEPT, ignore_errors=True)
+        shutil.rmtree(store.folder, ignore_errors=True)
     found: dict[str, dict] = {}
     for protocol in PROTOCOLS:
         before = next(iter(found.values()), {})
-        found[protocol] = searched(Bench(protocol, Store(KEPT)), asked, before)
+        found[protocol] = searched(Bench(protocol, store), asked, before)
         write_text(asked.out, tomli_w.dumps(head(asked) | found))
 
 

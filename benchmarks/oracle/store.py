@@ -1,5 +1,9 @@
-"""Vectors of numbers on disk, one file each: nothing is simulated twice."""
+"""Vectors of numbers on disk, one file each: nothing is simulated twice.
 
+Another truth has another folder: what two versions of it made must never meet in a difference.
+"""
+
+import hashlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,7 +13,7 @@ from hannes.files import atomic_file
 
 
 class Store:
-    """A folder of vectors. What it holds is that of the truth it was made with."""
+    """A folder of vectors."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -22,3 +26,11 @@ class Store:
             with atomic_file(file) as temporary, temporary.open("wb") as stream:
                 np.save(stream, made)
         return np.load(file)
+
+
+def digest(folder: Path) -> str:
+    """Of all sources in a folder."""
+    found = hashlib.sha256()
+    for source in sorted(folder.rglob("*.py")):
+        found.update(source.name.encode() + source.read_bytes())
+    return found.hexdigest()[:12]
