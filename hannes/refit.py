@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.pieces import Piece
-from hannes.plant import Plant, free_amplitudes
+from hannes.plant import Plant, free_amplitudes, robust
 
 STEP = 0.1  # of one standard deviation (of 1/20 of an effect's range)
 MOST_ROUNDS = 8
@@ -71,7 +71,10 @@ class Misfit:
         for piece, channels in zip(self.pieces, raw, strict=True):
             interval = float(np.median(np.diff(piece.recording.time)))
             together = max(1.0, self.plant.block / PER_BLOCK / interval)
-            parts += [v / (self.floors[n] * np.sqrt(together)) for n, v in channels.items()]
+            parts += [
+                softened(v, robust(self.plant, n)) / (self.floors[n] * np.sqrt(together))
+                for n, v in channels.items()
+            ]
         return np.concatenate(parts)
 
     def clusters(self) -> np.ndarray:
@@ -85,6 +88,17 @@ class Misfit:
             ids = np.array([numbers.setdefault((key, int(b)), len(numbers)) for b in blocks])
             parts += [ids for name in self.floors if name in piece.recording]
         return np.concatenate(parts)
+
+
+def softened(difference: np.ndarray, size: float) -> np.ndarray:
+    """Differences whose squares are the soft L1 loss: as they are well within `size`.
+
+    Far beyond it a square grows only as the difference does (Triggs et al. 2000, section 4.3).
+    """
+    if not np.isfinite(size):
+        return difference
+    loss = 2.0 * size**2 * (np.sqrt(1.0 + (difference / size) ** 2) - 1.0)
+    return np.copysign(np.sqrt(loss), difference)
 
 
 def fit(
