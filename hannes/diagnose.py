@@ -102,26 +102,30 @@ class _Work:
 
     def result(self) -> Diagnosis:
         fitted = self.of("fit") or self.known
-        base, scales = self.base(fitted)
-        trials = self.trials(fitted, base, scales)
+        base = self.fitted(fitted, self.plant)
+        trials = self.trials(fitted, base)
         best, said = self.choice(trials, base)
-        known = Misfit(self.plant, self.known, scales)
-        before = fit(known, self.plant, base.values, self.tell)
+        before = self.fitted(self.known, self.plant, base)
         after = before
         if best is not None and best.fitted is not None:
-            after = fit(known, best.fitted.plant, best.fitted.values, self.tell)
+            after = self.fitted(self.known, best.fitted.plant, best.fitted)
         return self.closed(said, best, trials, before, after)
 
-    def base(self, fitted: Sequence[Piece]) -> tuple[Fitted, dict[str, float]]:
-        """Refit the base, twice: first by the floor, then by what it leaves."""
-        first = self.misfit(fitted)
-        rough = fit(first, self.plant, tell=self.tell)
-        scales = inflated(self.floors, first, rough)
-        return fit(Misfit(self.plant, fitted, scales), self.plant, rough.values, self.tell), scales
+    def fitted(
+        self, pieces: Sequence[Piece], plant: Plant, start: Fitted | None = None
+    ) -> Fitted:
+        """Fit `plant`, weighed by what it leaves itself.
 
-    def trials(
-        self, fitted: Sequence[Piece], base: Fitted, scales: Mapping[str, float]
-    ) -> list[Trial]:
+        What it leaves is first that of `start`, or of a fit weighed by the floor.
+        """
+        floor = self.misfit(pieces)
+        rough = start or fit(floor, plant, tell=self.tell)
+        for _ in range(2 if start else 1):
+            scales = inflated(self.floors, floor, rough)
+            rough = fit(Misfit(self.plant, pieces, scales), plant, rough.values, self.tell)
+        return rough
+
+    def trials(self, fitted: Sequence[Piece], base: Fitted) -> list[Trial]:
         chosen, rng = self.misfit(self.of("select")), np.random.default_rng(self.seed)
         present, made = {each.name for each in self.plant.effects}, []
         for name, effect in self.campaign.effects.items():
@@ -131,8 +135,7 @@ class _Work:
                 made.append(Trial(name, effect, "already in the model"))
             else:
                 grown = self.plant.with_effects(effect)
-                misfit = Misfit(self.plant, fitted, scales)
-                trial = Trial(name, effect, fitted=fit(misfit, grown, base.values, self.tell))
+                trial = Trial(name, effect, fitted=self.fitted(fitted, grown, base))
                 made.append(
                     judge(trial, chosen, base, rng)
                     if chosen.pieces

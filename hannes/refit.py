@@ -1,7 +1,9 @@
 """Fits a plant's parameters to pieces of recordings: least squares with the given values as prior.
 
-Differences are taken on the scale of each parameter's uncertainty, never of its value: the
-simulation comes from an adaptive solver and is only smooth down to its tolerance.
+Differences are taken on the scale of each parameter's uncertainty, never of its value, first in
+coarse steps, then in finer ones: coarse, because a simulation from an adaptive solver is only smooth
+down to its tolerance, and because they see past ripples; fine, because a contact that comes and goes
+bends what coarse steps take for a line, and the search would end on a slope.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,7 +14,7 @@ import numpy as np
 from hannes.pieces import Piece
 from hannes.plant import Plant, free_amplitudes, robust
 
-STEP = 0.1  # of one standard deviation (of 1/20 of an effect's range)
+STEPS = (0.1, 0.01, 0.001)  # of one standard deviation (of 1/20 of an effect's range)
 MOST_ROUNDS = 8
 PER_BLOCK = 4  # independent moments in one block of the plant
 
@@ -127,19 +129,22 @@ def fit(
     def data(x: np.ndarray) -> np.ndarray:
         return misfit.weigh(misfit.raw(plant, values(x)))
 
-    def columns(x: np.ndarray) -> np.ndarray:
+    def columns(x: np.ndarray, step: float) -> np.ndarray:
         tell(", ".join(each.name for each in plant.effects) or "base")
-        return differences(data, x, low, high)
+        return differences(data, x, low, high, step)
 
-    found = least_squares(
-        lambda x: np.concatenate((data(x), prior * x)),
-        np.clip((begin - given) / scale, low + 1e-6, high - 1e-6),
-        jac=lambda x: np.vstack((columns(x), np.diag(prior))),
-        bounds=(low, high),
-        ftol=1e-4,
-        xtol=1e-4,
-        max_nfev=MOST_ROUNDS,
-    )
+    x = (begin - given) / scale
+    for step in STEPS:
+        found = least_squares(
+            lambda x: np.concatenate((data(x), prior * x)),
+            np.clip(x, low + 1e-6, high - 1e-6),
+            jac=lambda x, step=step: np.vstack((columns(x, step), np.diag(prior))),
+            bounds=(low, high),
+            ftol=1e-4,
+            xtol=1e-4,
+            max_nfev=MOST_ROUNDS,
+        )
+        x = found.x
     rows = found.jac[: -len(names)]
     covariance = _covariance(rows, found.fun[: -len(names)], misfit.clusters(), prior)
     return Fitted(
@@ -155,12 +160,16 @@ def _scales(plant: Plant) -> dict[str, float]:
 
 
 def differences(
-    data: Callable[[np.ndarray], np.ndarray], x: np.ndarray, low: np.ndarray, high: np.ndarray
+    data: Callable[[np.ndarray], np.ndarray],
+    x: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    size: float,
 ) -> np.ndarray:
-    """Forward differences by STEP, backward at the upper bound; shape (samples, parameters)."""
+    """Forward differences by `size`, backward at the upper bound; shape (samples, parameters)."""
     base, columns = data(x), []
     for place in range(x.size):
-        step = STEP if x[place] + STEP <= high[place] else -STEP
+        step = size if x[place] + size <= high[place] else -size
         moved = x.copy()
         moved[place] = max(x[place] + step, low[place])
         columns.append((data(moved) - base) / step)
