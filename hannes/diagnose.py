@@ -15,6 +15,7 @@ import numpy as np
 from hannes import decision, files
 from hannes import pieces as cutting
 from hannes.campaign import Campaign, read_campaign
+from hannes.cautions import cautions
 from hannes.gap import Traces, gaps, inflated, times_floor, traces, undone, where
 from hannes.pieces import Piece, floors
 from hannes.plant import Plant
@@ -60,12 +61,15 @@ def diagnose(
     """Diagnose a campaign, or the TOML file of one; writes to `out` where given.
 
     `progress`: a bar on standard error, by default where that is a terminal. Raises BadInput for
-    what cannot be used, ComputationFailed where a simulation fails.
+    what cannot be used, which is also what the data check calls a fault; ComputationFailed where a
+    simulation fails.
     """
     if not isinstance(campaign, Campaign):
         campaign = read_campaign(campaign, seed)
+    told = cautions(campaign)
     with _bar(progress) as tell:
         result = _Work(campaign, seed, tell).result()
+    result = replace(result, verdict=replace(result.verdict, cautions=told))
     if out is not None:
         result.write(out)
     return result
@@ -102,30 +106,26 @@ class _Work:
 
     def result(self) -> Diagnosis:
         fitted = self.of("fit") or self.known
-        base = self.fitted(fitted, self.plant)
-        trials = self.trials(fitted, base)
+        base, scales = self.base(fitted)
+        trials = self.trials(fitted, base, scales)
         best, said = self.choice(trials, base)
-        before = self.fitted(self.known, self.plant, base)
+        known = Misfit(self.plant, self.known, scales)
+        before = fit(known, self.plant, base.values, self.tell)
         after = before
         if best is not None and best.fitted is not None:
-            after = self.fitted(self.known, best.fitted.plant, best.fitted)
+            after = fit(known, best.fitted.plant, best.fitted.values, self.tell)
         return self.closed(said, best, trials, before, after)
 
-    def fitted(
-        self, pieces: Sequence[Piece], plant: Plant, start: Fitted | None = None
-    ) -> Fitted:
-        """Fit `plant`, weighed by what it leaves itself.
+    def base(self, fitted: Sequence[Piece]) -> tuple[Fitted, dict[str, float]]:
+        """Refit the base, twice: first by the floor, then by what it leaves."""
+        first = self.misfit(fitted)
+        rough = fit(first, self.plant, tell=self.tell)
+        scales = inflated(self.floors, first, rough)
+        return fit(Misfit(self.plant, fitted, scales), self.plant, rough.values, self.tell), scales
 
-        What it leaves is first that of `start`, or of a fit weighed by the floor.
-        """
-        floor = self.misfit(pieces)
-        rough = start or fit(floor, plant, tell=self.tell)
-        for _ in range(2 if start else 1):
-            scales = inflated(self.floors, floor, rough)
-            rough = fit(Misfit(self.plant, pieces, scales), plant, rough.values, self.tell)
-        return rough
-
-    def trials(self, fitted: Sequence[Piece], base: Fitted) -> list[Trial]:
+    def trials(
+        self, fitted: Sequence[Piece], base: Fitted, scales: Mapping[str, float]
+    ) -> list[Trial]:
         chosen, rng = self.misfit(self.of("select")), np.random.default_rng(self.seed)
         present, made = {each.name for each in self.plant.effects}, []
         for name, effect in self.campaign.effects.items():
@@ -135,7 +135,8 @@ class _Work:
                 made.append(Trial(name, effect, "already in the model"))
             else:
                 grown = self.plant.with_effects(effect)
-                trial = Trial(name, effect, fitted=self.fitted(fitted, grown, base))
+                misfit = Misfit(self.plant, fitted, scales)
+                trial = Trial(name, effect, fitted=fit(misfit, grown, base.values, self.tell))
                 made.append(
                     judge(trial, chosen, base, rng)
                     if chosen.pieces

@@ -105,9 +105,7 @@ def own_effects(model: Model) -> Mapping[str, Effect]:
     return getattr(model, "catalogue", {})
 
 
-def _effect(
-    name: str, table: Table, folder: Path | None, known: Mapping[str, Effect]
-) -> Effect:
+def _effect(name: str, table: Table, folder: Path | None, known: Mapping[str, Effect]) -> Effect:
     try:
         return known[name] if name in known else catalogue.effect(name, folder)
     except BadInput as error:

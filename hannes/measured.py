@@ -40,8 +40,6 @@ class Source:
         return f"https://github.com/{self.repository}/tree/{self.commit}/{self.path}"
 
 
-
-
 def _sums(name: str) -> dict[str, str]:
     """SHA-256 by file, as `sha256sum` writes them."""
     lines = (Path(__file__).parent / f"{name}.sha256").read_text(encoding="utf-8").splitlines()

@@ -1,9 +1,9 @@
 """Fits a plant's parameters to pieces of recordings: least squares with the given values as prior.
 
 Differences are taken on the scale of each parameter's uncertainty, never of its value, first in
-coarse steps, then in finer ones: coarse, because a simulation from an adaptive solver is only smooth
-down to its tolerance, and because they see past ripples; fine, because a contact that comes and goes
-bends what coarse steps take for a line, and the search would end on a slope.
+coarse steps, then in finer ones. Coarse: a simulation from an adaptive solver is only smooth down
+to its tolerance, and small ripples must not stop the search. Fine: a contact that comes and goes
+bends what coarse steps take for a line.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +15,7 @@ from hannes.pieces import Piece
 from hannes.plant import Plant, free_amplitudes, robust
 
 STEPS = (0.1, 0.01, 0.001)  # of one standard deviation (of 1/20 of an effect's range)
-MOST_ROUNDS = 8
+MOST_ROUNDS = 12  # with each of them
 PER_BLOCK = 4  # independent moments in one block of the plant
 
 Progress = Callable[[str], None]

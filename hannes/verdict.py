@@ -26,6 +26,7 @@ class Verdict:
     gap: channel -> unit, as_given, before (base refitted), after, floor: RMS on `gap_on`, the
     show recordings where there are any; and all three in percent of the recorded channel's RMS.
     parameters: full name -> value, unit, low, high (95 %), off (where its effect vanishes).
+    cautions: what the data check says of the recordings.
     """
 
     verdict: str
@@ -42,6 +43,7 @@ class Verdict:
     gap_on: str = ""
     floor_from: str = ""
     cut: str = ""
+    cautions: list[str] = field(default_factory=list)
     next_run: dict[str, Any] | None = None
     smallest_detectable: dict[str, Any] | None = None
     versions: dict[str, str] = field(default_factory=versions)
@@ -57,7 +59,7 @@ class Verdict:
 
     def summary(self) -> str:
         """Some five lines for a terminal."""
-        lines = [self.sentence, self.reason]
+        lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
         if self.gap:
             lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
         for name, gap in self.gap.items():

@@ -11,8 +11,9 @@ from hannes.finger.elastic import pressed
 def equations(t, y, dy, p, c, reference, hold, out):
     """Fill dy with the rates of whatever states the effects bring; the base has none."""
     angle = closed(t, y, dy, p, c, reference, out)
-    force = contact(t, y, dy, p, c, angle, hold, out)
-    sensor(t, y, dy, p, c, force, hold, out)
+    rested = pressed(hold[0], p.contact_stiffness, p.contact_angle, p.contact_exponent)
+    force = contact(t, y, dy, p, c, angle, rested, hold[2], out)
+    sensor(t, y, dy, p, c, force, hold[1], out)
 
 
 def closed(t, y, dy, p, c, reference, out):
@@ -23,20 +24,20 @@ def closed(t, y, dy, p, c, reference, out):
     return interpolate(reading_time, reference)
 
 
-def contact(t, y, dy, p, c, angle, hold, out):
-    """Force of the object on the finger, F = k max(a_c - angle / 100, 0)^n, never pulling."""
-    closing_speed = hold[2]
+def contact(t, y, dy, p, c, angle, rested, closing_speed, out):
+    """Force of the object on the finger, F = k max(a_c - angle / 100, 0)^n, never pulling.
+
+    `rested` is the force at which the recording starts.
+    """
     elastic = pressed(angle, p.contact_stiffness, p.contact_angle, p.contact_exponent)
-    rested = pressed(hold[0], p.contact_stiffness, p.contact_angle, p.contact_exponent)
     contact_force = elastic
     # effects: contact_force
     out.contact_force = max(contact_force, 0.0)
     return max(contact_force, 0.0)
 
 
-def sensor(t, y, dy, p, c, force, hold, out):
+def sensor(t, y, dy, p, c, force, first_reading, out):
     """What the hand tells of the force [counts]."""
-    first_reading = hold[1]
     told_force = force
     # effects: told_force
     out.force = told_force
