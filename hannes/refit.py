@@ -15,6 +15,7 @@ from hannes.pieces import Piece
 from hannes.plant import Plant, free_amplitudes, robust
 
 STEPS = (0.1, 0.01, 0.001)  # of one standard deviation (of 1/20 of an effect's range)
+STARTS = (-4.0, -1.0, 1.0, 4.0)  # of 1/20 of an effect's range, from where it vanishes
 MOST_ROUNDS = 12  # with each of them
 PER_BLOCK = 4  # independent moments in one block of the plant
 
@@ -118,7 +119,8 @@ def fit(
     scales = _scales(plant)
     names, scale = tuple(scales), np.array(list(scales.values()))
     given = np.array([plant.parameters[name] for name in names])
-    begin = np.array([(start or {}).get(name, plant.parameters[name]) for name in names])
+    known = start or {}
+    begin = np.array([known.get(name, plant.parameters[name]) for name in names])
     bounds = np.array([plant.parameters.declared[name].bounds for name in names], float).T
     low, high = (bounds - given) / scale + [[-1e-9], [1e-9]]
     prior = np.array([1.0 if name in plant.free else 0.1 for name in names])
@@ -133,7 +135,8 @@ def fit(
         tell(", ".join(each.name for each in plant.effects) or "base")
         return differences(data, x, low, high, step)
 
-    x = (begin - given) / scale
+    unknown = [k for k, name in enumerate(names) if name not in plant.free and name not in known]
+    x = _begun(data, (begin - given) / scale, unknown, low, high)
     for step in STEPS:
         found = least_squares(
             lambda x: np.concatenate((data(x), prior * x)),
@@ -150,6 +153,27 @@ def fit(
     return Fitted(
         plant, names, values(found.x), scale, covariance * np.outer(scale, scale), rows, prior
     )
+
+
+def _begun(
+    data: Callable[[np.ndarray], np.ndarray],
+    x: np.ndarray,
+    unknown: Sequence[int],
+    low: np.ndarray,
+    high: np.ndarray,
+) -> np.ndarray:
+    """Start each unknown where the misfit is least of a few sizes, one parameter after the other.
+
+    An effect may be flat at `off`: a lag far below the sampling interval changes nothing at all.
+    """
+    best, left = x, np.sum(data(x) ** 2) if unknown else 0.0
+    for place in unknown:
+        for size in x[place] + np.array(STARTS):
+            moved = best.copy()
+            moved[place] = np.clip(size, low[place], high[place])
+            if (found := np.sum(data(moved) ** 2)) < left:
+                best, left = moved, found
+    return best
 
 
 def _scales(plant: Plant) -> dict[str, float]:
