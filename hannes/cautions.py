@@ -7,9 +7,10 @@ import numpy as np
 from hannes.campaign import Campaign, Entry
 from hannes.check import check, refuse_faults
 from hannes.findings.finding import Finding
-from hannes.plant import Plant
+from hannes.period import inputs
 
 FEWEST_REPEATS = 5  # to tell two machines from one that scatters; two at least of each
+SAME = 1e-2  # by which commands and lengths of repeats may differ
 APART = 3.5  # nearest two of different machines, in distances of the farthest two of one machine
 
 
@@ -36,27 +37,45 @@ def _line(told: Sequence[tuple[str, Finding]], count: int) -> str:
 
 def _mixed(campaign: Campaign) -> Iterator[str]:
     """Repeats that fall into two heaps, far apart and each close together."""
-    for condition, entries in _repeats(campaign.plant, campaign.entries):
+    for condition in dict.fromkeys(each.condition for each in campaign.entries):
+        entries = _repeats(campaign, condition)
         for channel in campaign.plant.judged:
-            if all(channel in each.recording for each in entries):
-                one, other = _heaps(np.array([each.recording[channel] for each in entries]))
-                if one:
-                    parts = [", ".join(entries[k].name for k in heap) for heap in (one, other)]
-                    yield (
-                        f"the repeats of {condition} fall into two heaps by {channel}, "
-                        f"{parts[0]} and {parts[1]}: recordings of two machines, or before and "
-                        "after a change? diagnose them apart"
-                    )
-                    break
+            if len(entries) < FEWEST_REPEATS or any(channel not in e.recording for e in entries):
+                continue
+            one, other = _heaps(np.array([_aligned(each, entries[0], channel) for each in entries]))
+            if one:
+                parts = [", ".join(entries[k].name for k in heap) for heap in (one, other)]
+                yield (
+                    f"the repeats of {condition} fall into two heaps by {channel}, {parts[0]} and "
+                    f"{parts[1]}: recordings of two machines, or before and after a change? "
+                    "diagnose them apart"
+                )
+                break
 
 
-def _repeats(plant: Plant, entries: Sequence[Entry]) -> Iterator[tuple[str, list[Entry]]]:
-    groups: dict[tuple[str, bytes], list[Entry]] = {}
-    for each in entries:
-        groups.setdefault((each.condition, plant.same_run(each.recording)), []).append(each)
-    for (condition, _), group in groups.items():
-        if len(group) >= FEWEST_REPEATS:
-            yield condition, group
+def _repeats(campaign: Campaign, condition: str) -> list[Entry]:
+    """Recordings of a condition under the very command of its first, and as long."""
+    entries = [each for each in campaign.entries if each.condition == condition]
+    first, driving = entries[0], inputs(campaign.plant, entries[0].recording)
+    return [each for each in entries if _same(each, first, driving)]
+
+
+def _same(entry: Entry, first: Entry, driving: Sequence[str]) -> bool:
+    lasts = [float(np.ptp(each.recording.time)) for each in (entry, first)]
+    if abs(lasts[0] / lasts[1] - 1.0) > SAME:
+        return False
+    return all(
+        name in entry.recording
+        and np.abs(_aligned(entry, first, name) - first.recording[name]).max()
+        <= SAME * np.ptp(first.recording[name])
+        for name in driving
+    )
+
+
+def _aligned(entry: Entry, first: Entry, channel: str) -> np.ndarray:
+    """A channel at the times of another recording, both counted from their start."""
+    at, time = (each.recording.time - each.recording.time[0] for each in (first, entry))
+    return np.interp(at, time, entry.recording[channel])
 
 
 def _heaps(runs: np.ndarray) -> tuple[list[int], list[int]]:

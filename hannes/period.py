@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.findings.subject import stretches
+from hannes.findings.subject import Subject, stretches
 from hannes.plant import Plant, expectations
 from hannes.recording import Recording
 
@@ -14,18 +14,22 @@ SAME = 1e-6  # of its range, that a command may differ from itself
 AWAY = 0.1  # of its variance, that a command must change by before it comes back
 
 
-def period(plant: Plant, recording: Recording) -> int:
-    """Samples after which all that drives the plant repeats; 0 where it does not, twice at least.
+def inputs(plant: Plant, recording: Recording) -> list[str]:
+    """Channels of a recording that drive the plant: commands, and what it requires to be told.
 
-    What drives it are the channels that are neither judged nor follow another.
+    Not those that are judged or follow another.
     """
-    followers = {name for name, each in expectations(plant).items() if each.follows}
-    inputs = [
-        recording[name]
-        for name in recording.names
-        if name not in plant.judged and name not in followers
-    ]
-    moving = [values for values in inputs if np.ptp(values) > 0.0]
+    expected = dict(expectations(plant))
+    commands = Subject(recording, expected).commands | set(plant.required)
+    followers = {name for name, each in expected.items() if each.follows}
+    found = commands - followers - set(plant.judged)
+    return [name for name in recording.names if name in found]
+
+
+def period(plant: Plant, recording: Recording) -> int:
+    """Samples after which all that drives the plant repeats; 0 where it never does."""
+    driving = [recording[name] for name in inputs(plant, recording)]
+    moving = [values for values in driving if np.ptp(values) > 0.0]
     intervals = np.diff(recording.time)
     if not moving or np.ptp(intervals) > EVEN * float(np.median(intervals)):
         return 0

@@ -60,9 +60,9 @@ def _blocks(piece: Piece, plant: Plant) -> bool:
 
 
 def _runs(piece: Piece, plant: Plant) -> np.ndarray:
-    """Times at which the command of a recording begins anew; none where it never does."""
-    samples = period(plant, piece.recording)
-    return piece.recording.time[::samples] if samples else np.zeros(0)
+    """Times at which whole runs of a repeated command begin; none where it never repeats."""
+    samples, time = period(plant, piece.recording), piece.recording.time
+    return time[: time.size // samples * samples : samples] if samples else np.zeros(0)
 
 
 def _halves(piece: Piece, runs: np.ndarray) -> list[Piece]:
@@ -133,12 +133,16 @@ def _repeats(plant: Plant, pieces: Sequence[Piece], name: str) -> list[np.ndarra
 
 
 def _runs_within(plant: Plant, pieces: Sequence[Piece], name: str) -> list[np.ndarray]:
-    """Variance between the runs of one recording over time, one array for each such recording."""
+    """Variance between the runs of one recording over time, one array for each such recording.
+
+    From when the plant has forgotten how it was started.
+    """
     found = []
     for recording in {id(p.recording): p.recording for p in pieces}.values():
         samples = period(plant, recording) if name in recording else 0
-        if samples:
-            whole = recording[name][: len(recording) // samples * samples]
+        settled = recording[name][recording.time >= recording.time[0] + plant.block]
+        if samples and settled.size >= 2 * samples:
+            whole = settled[: settled.size // samples * samples]
             found.append(np.var(whole.reshape(-1, samples), axis=0, ddof=1))
     return found
 

@@ -58,16 +58,19 @@ class Verdict:
         return SENTENCES[self.verdict](self)
 
     def summary(self) -> str:
-        """Some five lines for a terminal."""
+        """Some lines for a terminal."""
         lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
         if self.gap:
             lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
         for name, gap in self.gap.items():
             shown = " -> ".join(f"{gap[key]:.3g}" for key in ("as_given", "before", "after"))
+            unit = "" if gap["unit"] == "1" else f" {gap['unit']}"
             lines.append(
-                f"  {name}: {shown} {gap['unit']} (as given -> base refitted -> result; "
+                f"  {name}: {shown}{unit} (as given -> base refitted -> result; "
                 f"floor {gap['floor']:.2g})"
             )
+        if self.gap and self.floor_from:
+            lines.append(f"floor: {self.floor_from}")
         return "\n".join(lines)
 
 
