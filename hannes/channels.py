@@ -10,7 +10,7 @@ from hannes.parameter import Parameter
 # Ten joints or phalanges are worked on as sixteen, in whole vector registers; what the last six
 # hold is finite and counts for nothing.
 LANES = 16
-SIZES = {"cart": 2, "branch": 3, "finger": 5, "joint": 10, "phalanx": 10, "lane": LANES}
+SIZES = {"cart": 2, "finger": 5, "joint": 10, "phalanx": 10, "lane": LANES}
 
 
 def _slots(axis: str, rows: str, room: int = 0) -> tuple[Slot, ...]:
@@ -59,8 +59,14 @@ CHANNELS = (
         "",
         """
         reference_time    | s | time at which the reference is read
-        measured_position | rad | encoder angle at the output shaft
+        reading_age       | s | of what the firmware reads of the sensors
+        shaft_position    | rad | of the output shaft, where the encoder sits
+        sensed_current    | A | in the current sensor
+        delayed_position  | rad | when it reaches the controller and the log
+        delayed_current   | A | when it reaches the controller and the log
+        measured_position | rad | what the encoder tells, at the output shaft
         measured_current  | A | what the current sensor tells
+        duty              | 1 | of the PWM drive, as it reaches the motor
         supply            | V | bus voltage
         voltage           | V | at the motor's terminals
         resistance        | ohm | of the winding
@@ -73,19 +79,24 @@ CHANNELS = (
         leader_stiffness  | N/m | of the leader wire
         follower_stiffness | N/m | of each follower wire
         leader_tension    | N | at the motor pulley
+        pull_a            | N | leader tension at cart A, mean of both sides of its pulley
+        pull_b            | N | leader tension at cart B, mean of both sides of its pulley
+        pull_thumb        | N | leader tension at the thumb
         gear_friction     | N m | opposing the motor, motor side
         motor_torque      | N m | further torque on the rotor, motor side
         object_x          | m | of the object in the hand frame
         object_y          | m | of the object in the hand frame
         """,
     )
-    + _slots("branch", "leader_pull | N | leader tension at cart A, at cart B, at the thumb")
     + _slots(
         "cart",
         """
+        leader_pull      | N | leader tension at the cart
         cart_friction    | N | opposing the cart
         follower_stretch | m | of the follower wire, negative while slack
         follower_rate    | m/s | of its stretch
+        follower_slip    | m/s | of the follower wire over the pulley, from the first finger
+        follower_loss    | 1 | share of its tension that the first finger lacks, the second has more
         """,
     )
     + _slots(
@@ -94,6 +105,8 @@ CHANNELS = (
         excursion      | m | flexor wire taken up by the finger
         excursion_rate | m/s | of the flexor wire
         tendon_tension | N | flexor wire at the finger
+        told_force     | N | sum of the normal forces on the finger, as it is logged
+        told_sensor    | N | on the dynamometer's sensing face by the finger, as it is logged
         """,
     )
     + _slots(
@@ -168,10 +181,12 @@ OUTPUTS = (
         power_copper     | W | lost in the winding
         power_inductance | W | into the magnetic field
         power_gear_friction | W | lost in motor and gear
+        power_motor_torque | W | taken by further torques on the rotor
         power_cart_friction | W | lost at the guides
         power_joint_friction | W | lost at the joints
         power_wire_elastic | W | into stretched wires
         power_wire_damping | W | lost in wires
+        power_wire_friction | W | lost where wires run over pulleys
         power_spring     | W | into the re-opening springs
         power_stop       | W | into and lost at the end stops
         power_gravity    | W | against gravity

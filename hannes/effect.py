@@ -19,11 +19,16 @@ from hannes.parameter import Parameter
 
 @dataclass(frozen=True)
 class Term:
-    """One kernel of an effect, the channels it adds to and the states whose rates it returns."""
+    """One kernel of an effect, the channels it adds to and the states whose rates it returns.
+
+    `unit` is that of what it adds, where the effect's own parameters fix it: a plant that has
+    `writes` in another unit cannot carry it.
+    """
 
     kernel: Callable[..., Any]
     writes: tuple[str, ...]
     states: tuple[str, ...] = ()
+    unit: str = ""
 
     @property
     def arguments(self) -> tuple[str, ...]:
@@ -80,7 +85,7 @@ class Effect:
         lines += [f"  adds to: {', '.join(w for term in self.terms for w in term.writes)}"]
         for each in self.parameters:
             low, high = each.bounds
-            vanish = "" if each.off is None else f", vanishes at {each.off:g}"
-            name = f"{self.full_name(each.name)} [{each.unit}]"
-            lines.append(f"  {name} {low:g} to {high:g}{vanish}: {each.doc}")
+            end = f"shipped as {each.value:g}" if each.off is None else f"vanishes at {each.off:g}"
+            lines.append(f"  {self.full_name(each.name)} [{each.unit}]: {each.doc}")
+            lines.append(f"    {low:g} to {high:g}, {end}")
         return "\n".join(lines)

@@ -11,7 +11,7 @@ import numpy as np
 from hannes.equations import equations, sample
 from hannes.full import gather, linearise, slope, workspace
 from hannes.rodas.arrays import copy_to
-from hannes.rodas.step import NOT_FINITE, WORK
+from hannes.rodas.step import NOT_FINITE, TOO_MANY, WORK
 
 # Filled in by assemble.py; the functions are those of the method and of `OBSERVED`.
 STATES, CHANNELS, OUTPUTS = 1, 1, 1
@@ -24,7 +24,6 @@ fill_outputs: Any = None
 LONGEST = 0.03  # s, of a step: a longer one may miss a contact that comes and goes
 RUN = 16  # steps whose dense output is kept until it is sampled
 MOST = 1_000_000  # steps of one grasp: seconds, where an ordinary one takes a few hundred
-TOO_MANY = -3
 
 
 def rates(t, y, p, reference, hold):
@@ -116,6 +115,7 @@ def grasp(data, y, bounds, period, times, rtol, atol, stop, rows, holds, counts)
     work, clock = np.zeros((WORK, y.size)), np.ones(5)
     clock[3] = LONGEST
     last, end, filled = bounds[bounds.size - 1], 0.0, 0
+    seen, turn = np.zeros((1, y.size)), np.ones(2)
     parts = bounds.size if period == 0.0 else int(np.ceil(last / period - 1e-9))
     for part in range(parts):
         start, end = end, bounds[part] if period == 0.0 else min((part + 1) * period, last)
@@ -123,9 +123,14 @@ def grasp(data, y, bounds, period, times, rtol, atol, stop, rows, holds, counts)
         if period == 0.0:
             first_step(data, y, rtol, atol, clock, counts, work)
         else:
-            sample(start, y, dy, p, c, reference, hold, out)
+            then = seen[part % seen.shape[0]] if hold[9] > 0.0 else y
+            sample(start, then, dy, p, c, reference, hold, out)
+            if part == 0 and hold[9] > 0.0:
+                seen = np.ones((int(hold[9] / period) + 2, 1)) * y
         while clock[0] != end:
             taken = advance(data, y, rtol, atol, clock, counts, ends, pieces, work)
+            if hold[9] > 0.0:
+                read_ahead(hold[9], period, ends[: taken + 1], pieces[:taken], turn, seen)
             before = ends[taken] if period == 0.0 else ends[taken] * (1.0 - 1e-12)
             first = filled
             while filled < times.size and times[filled] < before:
@@ -143,6 +148,19 @@ def grasp(data, y, bounds, period, times, rtol, atol, stop, rows, holds, counts)
         copy_to(rows[row], y)
         copy_to(holds[row], hold)
     return times.size
+
+
+def read_ahead(age, period, ends, pieces, turn, seen):
+    """Keep what the firmware reads `age` later, at ticks to come: a row of `seen` for each.
+
+    turn: moment of a reading [s], tick that is next.
+    """
+    while turn[1] * period - age <= ends[ends.size - 1]:
+        turn[0] = turn[1] * period - age
+        row = int(turn[1]) % seen.shape[0]
+        if turn[0] > 0.0:
+            sample_pieces(turn[:1], ends, pieces, seen[row : row + 1])
+        turn[1] += 1.0
 
 
 def finite(rows, filled):

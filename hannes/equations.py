@@ -25,8 +25,10 @@ from hannes.lanes import direction
 
 def equations(t, y, dy, p, c, reference, hold, out):
     """Fill dy with the rates of all states."""
+    for i in range(dy.size):
+        dy[i] = 0.0  # of effects in a stage that is left out
     target = position_reference(t, y, dy, p, c, reference, out)
-    position, current = sense(t, y, dy, p, c, out)
+    position, current = sense(t, y, dy, p, c, hold, out)
     duty = control(t, y, dy, p, c, hold, target, position, current, out)
     torque_constant = drive(t, y, dy, p, c, duty, out)
     kinematics(y, p, c)
@@ -48,10 +50,20 @@ def position_reference(t, y, dy, p, c, reference, out):
     return target
 
 
-def sense(t, y, dy, p, c, out):
+def probe(t, y, dy, p, c, out):
+    """What encoder and current sensor are put to: shaft [rad, output side] and current [A]."""
+    shaft_position, sensed_current = y.motor_angle / p.gear_ratio, y.motor_current
+    # effects: shaft_position, sensed_current
+    return shaft_position, sensed_current
+
+
+def sense(t, y, dy, p, c, hold, out):
     """What the controller sees: encoder [rad, output shaft] and current sensor [A]."""
-    measured_position = y.motor_angle / p.gear_ratio
-    measured_current = y.motor_current
+    shaft_position, sensed_current = probe(t, y, dy, p, c, out)
+    held_position, held_current = hold[7], hold[8]
+    delayed_position, delayed_current = shaft_position, sensed_current
+    # effects: delayed_position, delayed_current
+    measured_position, measured_current = delayed_position, delayed_current
     # effects: measured_position, measured_current
     out.position = measured_position
     out.current = measured_current
@@ -95,10 +107,15 @@ def control(t, y, dy, p, c, hold, target, position, current, out):
 def sample(t, y, dy, p, c, reference, hold, out):
     """One tick of the firmware: read, filter, two PIDs, and hold the duty until the next.
 
-    hold: duty, both integrals, filtered speed, last angle and current, current reference.
+    hold: duty, both integrals, filtered speed, last angle and current, current reference; shaft
+    and current as they were probed, and how old the next tick's will be [s]. `y` is of then.
     """
     target = position_reference(t, y, dy, p, c, reference, out)
-    position, current = sense(t, y, dy, p, c, out)
+    reading_age = 0.0
+    # effects: reading_age
+    hold[9] = reading_age
+    hold[7], hold[8] = probe(t, y, dy, p, c, out)
+    position, current = sense(t, y, dy, p, c, hold, out)
     angle = quantised(position, p.encoder_bits) * p.gear_ratio
     if p.controller_current_step > 0.0:
         current = p.controller_current_step * round(current / p.controller_current_step)
@@ -125,6 +142,7 @@ def sample(t, y, dy, p, c, reference, hold, out):
 def drive(t, y, dy, p, c, duty, out):
     """PWM drive and winding: L di/dt = V - R i - k_e w; returns k_t [N m/A]."""
     current, speed = y.motor_current, y.motor_speed
+    # effects: duty
     supply = p.supply_voltage
     # effects: supply
     voltage = drive_voltage(duty, supply)
@@ -187,14 +205,19 @@ def leader(t, y, dy, p, c, out):
     c.leader_stretch, c.leader_rate, c.leader_stiffness = stretch, rate, stiffness
     leader_tension = tension(stretch, rate, stiffness, p.leader_damping, p.wires_onset)
     # effects: leader_tension
-    for branch in range(3):
-        c.leader_pull[branch] = leader_tension
-    # effects: leader_pull
-    c.tendon_tension[4] = c.leader_pull[2]
+    pull_a, pull_b, pull_thumb = leader_tension, leader_tension, leader_tension
+    rate_a, rate_b, rate_thumb = y.cart_speed[0], y.cart_speed[1], c.excursion_rate[4]
+    # effects: pull_a, pull_b, pull_thumb
+    c.leader_pull[0], c.leader_pull[1], c.tendon_tension[4] = pull_a, pull_b, pull_thumb
     out.leader_tension = leader_tension
     out.leader_stretch = stretch
     out.power_wire_elastic = stiffness * max(stretch, 0.0) * rate
     out.power_wire_damping = (leader_tension - stiffness * max(stretch, 0.0)) * rate
+    out.power_wire_friction = (
+        2.0 * (leader_tension - pull_a) * rate_a
+        + 2.0 * (leader_tension - pull_b) * rate_b
+        + (leader_tension - pull_thumb) * rate_thumb
+    )
     return arm * leader_tension
 
 
@@ -210,6 +233,7 @@ def gear(t, y, dy, p, c, torque_constant, load, out):
         torque_constant, y.motor_current, gear_friction - motor_torque, load, p.motor_inertia
     )
     out.power_gear_friction = gear_friction * speed
+    out.power_motor_torque = -motor_torque * speed
 
 
 def carts(t, y, dy, p, c, out):
@@ -224,7 +248,10 @@ def carts(t, y, dy, p, c, out):
             p.cart_breakaway_speed,
             p.cart_viscous_friction,
         )
-    # effects: cart_friction
+    for cart in range(2):
+        c.follower_slip[cart] = 0.5 * (c.excursion_rate[2 * cart] - c.excursion_rate[2 * cart + 1])
+        c.follower_loss[cart] = 0.0
+    # effects: cart_friction, follower_loss
     for cart in range(2):
         first, second = 2 * cart, 2 * cart + 1
         stiffness = 1.0 / follower_compliance
@@ -235,7 +262,8 @@ def carts(t, y, dy, p, c, out):
         pull = tension(stretch, rate, stiffness, p.follower_damping, p.wires_onset)
         c.follower_stretch[cart], c.follower_rate[cart] = stretch, rate
         c.follower_stiffness = stiffness
-        c.tendon_tension[first] = c.tendon_tension[second] = pull
+        c.tendon_tension[first] = pull - pull * c.follower_loss[cart]
+        c.tendon_tension[second] = pull + pull * c.follower_loss[cart]
         dy.cart_position[cart] = y.cart_speed[cart]
         dy.cart_speed[cart] = cart_rate(
             c.leader_pull[cart], pull, c.cart_friction[cart], p.cart_mass
@@ -244,6 +272,7 @@ def carts(t, y, dy, p, c, out):
         out.power_cart_friction += c.cart_friction[cart] * y.cart_speed[cart]
         out.power_wire_elastic += stiffness * max(stretch, 0.0) * rate
         out.power_wire_damping += (pull - stiffness * max(stretch, 0.0)) * rate
+        out.power_wire_friction += 2.0 * pull * c.follower_loss[cart] * c.follower_slip[cart]
     # effects: tendon_tension
 
 
@@ -395,6 +424,7 @@ def press(t, y, dy, p, c, out):
         touching += c.normal_force[phalanx] > 0.0
     if touching > 0:
         push(p, c, out)
+    tell(t, y, dy, p, c, touching, out)
 
 
 def slide(y, c, phalanx, mcp_speed, pip_speed):
@@ -422,10 +452,24 @@ def push(p, c, out):
     for phalanx in range(10):
         normal, drag = c.normal_force[phalanx], c.drag[phalanx]
         out.phalanx_force[phalanx] = normal
-        out.force += normal
-        out.sensor += sensed(normal, drag, c.normal_x[phalanx], c.normal_y[phalanx])
         out.power_contact_normal += normal * c.penetration_rate[phalanx]
         out.power_contact_tangential += drag * c.slip_speed[phalanx]
+
+
+def tell(t, y, dy, p, c, touching, out):
+    """What force sensors tell: of all fingers together, and of the dynamometer's face."""
+    for f in range(5):
+        c.told_force[f], c.told_sensor[f] = 0.0, 0.0
+    if touching > 0:
+        for phalanx in range(10):
+            normal, drag = c.normal_force[phalanx], c.drag[phalanx]
+            c.told_force[phalanx // 2] += normal
+            c.told_sensor[phalanx // 2] += sensed(
+                normal, drag, c.normal_x[phalanx], c.normal_y[phalanx]
+            )
+    # effects: told_force, told_sensor
+    out.force = c.told_force.sum()
+    out.sensor = c.told_sensor.sum()
 
 
 def inertia(t, y, dy, p, c, out):

@@ -31,6 +31,7 @@ def described(hand: "Hand") -> str:
     lines += ["Stages of the model, in order (their text: hannes hand --equations)"]
     lines += _stages(hand.present_effects())
     lines += ["", "Effects", *(_effects(hand) or ["  none beyond the base model"])]
+    lines += _slow(hand.present_effects())
     lines += ["", "Values that differ from the shipped hand", *(_changed(hand) or ["  none"])]
     lines += ["", "Sources of the values (each of them: hannes hand --values)"]
     return "\n".join([*lines, *_sources(hand.parameters.declared.values())])
@@ -81,6 +82,15 @@ def _stages(effects: Iterable[Effect]) -> list[str]:
     return lines
 
 
+def _slow(effects: Iterable[Effect]) -> list[str]:
+    """A line on effects with which the integrator's Jacobian is not the structured one."""
+    from hannes.assemble import jacobian_kind
+    from hannes.hand import EQUATIONS
+
+    kind = jacobian_kind(EQUATIONS, effects)
+    return [] if kind == "structured" else _wrapped(f"slower to simulate: {kind}", 2)
+
+
 def _headline(function: Callable[..., object]) -> str:
     """First paragraph of a docstring, on one line."""
     return " ".join((inspect.getdoc(function) or "").split("\n\n")[0].split()).replace("`", "")
@@ -115,8 +125,8 @@ def _effects(hand: Model) -> list[str]:
         values = [hand.parameters[each.full_name(a.name)] for a in each.amplitudes]
         vanished = values == [a.off for a in each.amplitudes]
         off = " (off: vanishes from the model)" if vanished else ""
-        lines += [f"  {each.name}{off}", f"    {each.equation}"]
-        lines += _wrapped(f"source: {each.source}", 4)
+        lines.append(f"  {each.name}{off}")
+        lines += [*_wrapped(each.equation, 4), *_wrapped(f"source: {each.source}", 4)]
     return lines
 
 

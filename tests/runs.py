@@ -8,6 +8,7 @@ from hannes._jit import kernel
 from hannes.effect import Effect, Term
 from hannes.experiment import Experiment, Reference, Target
 from hannes.hand import EQUATIONS, Hand
+from hannes.ivp import HOLD
 from hannes.parameter import Parameter
 from hannes.simulate import simulate
 
@@ -82,7 +83,7 @@ class Bench:
         self.compiled = hand.compiled()
         self.p = hand.vector(shape)
         self.rest = hand.rest(self.compiled)
-        self.hold = np.zeros(7)
+        self.hold = np.zeros(HOLD)
         self.knots = np.array([[0.0, 1.0], [0.0, 0.0]])
 
     def place(self, name):

@@ -20,7 +20,7 @@ from hannes.batch import simulate_many
 from hannes.entries import LONGEST, TOO_MANY
 from hannes.errors import BadInput, ComputationFailed
 from hannes.hand import Hand
-from hannes.ivp import tolerances
+from hannes.ivp import HOLD, tolerances
 from hannes.plan import ended
 from hannes.rodas.solver import Rodas
 from hannes.simulate import simulate
@@ -104,7 +104,7 @@ def test_the_compiled_loop_takes_the_steps_of_solve_ivp():
     hand, experiment = Hand(), grasp()
     posed = hand.with_values(experiment.overrides())
     compiled, knots = posed.compiled(), experiment.reference.knots
-    problem = compiled.problem(posed.vector("cylinder"), knots, np.zeros(7))
+    problem = compiled.problem(posed.vector("cylinder"), knots, np.zeros(HOLD))
     found = solve_ivp(
         None,
         (0.0, experiment.duration),

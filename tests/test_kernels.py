@@ -21,6 +21,7 @@ from hannes import axis, onset
 from hannes._jit import compiles, plain
 from hannes.catalogue import effects
 from hannes.hand import EQUATIONS, Hand
+from hannes.ivp import HOLD
 from hannes.simulate import simulate
 from hannes.units import quantity
 
@@ -137,8 +138,8 @@ def both(tmp_path_factory):
         "y": states,
         "p": run.parameters,
         "knots": run.knots,
-        "hold": rng.uniform(-0.5, 0.5, 7),
-        "holds": np.zeros((states.shape[0], 7)),
+        "hold": rng.uniform(-0.5, 0.5, HOLD),
+        "holds": np.zeros((states.shape[0], HOLD)),
     }
     np.savez(folder / "given.npz", **given)
     done = subprocess.run(
