@@ -67,7 +67,10 @@ def _sizes(diagnosis: "Diagnosis") -> Table:
 def _tried(diagnosis: "Diagnosis") -> Table:
     gains = {row["effect"]: row for row in diagnosis.verdict.candidates}
     rows = []
+    unfit = [each["effect"] for each in diagnosis.verdict.tried if not each["applicable"]]
     for attempt in diagnosis.verdict.tried:
+        if attempt["effect"] in unfit:
+            continue
         row = gains.get(attempt["effect"])
         share = f"{decimals(round(100.0 * row['gain_select']), 0)} %" if row else "–"
         sigma = number(row["evidence"], 2) if row else "–"
@@ -81,6 +84,8 @@ def _tried(diagnosis: "Diagnosis") -> Table:
         f"Each at a false-alarm level of {diagnosis.verdict.alpha:g}. Smallest size seen: with "
         "80 % power, were the fit linear; “none” where it lies beyond the physical bounds."
     )
+    if unfit:
+        note += f" Not tried: {', '.join(unfit)}; verdict.json tells why."
     return Table("tried", "What was tried", columns, tuple(rows), note)
 
 
