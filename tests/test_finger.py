@@ -202,7 +202,9 @@ def test_the_real_finger_lags_in_its_reading(tmp_path, capsys):
         for runs, role in parts
     ]
     (tmp_path / "c.toml").write_text('plant = "finger"\n' + "".join(rows), encoding="utf-8")
-    assert main(["diagnose", str(tmp_path / "c.toml"), "--out", str(tmp_path), "--json"]) == 0
+    assert (
+        main(["diagnose", str(tmp_path / "c.toml"), "--out", str(tmp_path / "out"), "--json"]) == 0
+    )
     verdict = json.loads(capsys.readouterr().out)
     assert verdict["effects"] == ["force_lag"]
     assert 0.13 < verdict["parameters"]["force_lag.time"]["value"] < 0.16
