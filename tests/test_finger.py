@@ -49,6 +49,14 @@ def test_the_finger_is_a_plant_with_a_catalogue_of_its_own():
     )
 
 
+def test_its_effects_are_listed_and_told(capsys):
+    assert main(["effects", "--plant", "finger"]) == 0
+    listed = capsys.readouterr().out
+    assert all(name in listed for name in Finger.catalogue) and "leader_slack" not in listed
+    assert main(["effects", "reading_delay", "--plant", "finger"]) == 0
+    assert "told late by a fixed time" in capsys.readouterr().out
+
+
 def test_the_contact_is_a_power_of_depth_and_never_pulls():
     recording = closing()
     found = Finger().simulate(TRUE, recording)["force"]
