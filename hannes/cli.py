@@ -151,6 +151,9 @@ def _parser() -> _Parser:
     reproduce.add_argument(
         "--taut", metavar="FOLDER", help="results of a diagnosis of the same closures without it"
     )
+    reproduce.add_argument(
+        "--recognition", metavar="FOLDER", help="results of an evaluation of the ten objects"
+    )
 
     calibrate = _command(commands, "calibrate", _calibrate, "fit parameters, with intervals")
     calibrate.add_argument("campaign", help="a campaign's .toml file")
@@ -255,7 +258,8 @@ def _reproduce(chosen: argparse.Namespace) -> None:
     from hannes.reproduce import reproduce
 
     out = chosen.out or "results/reproduce"
-    found = reproduce(out, slack=chosen.slack, taut=chosen.taut)
+    given = {"slack": chosen.slack, "taut": chosen.taut, "recognition": chosen.recognition}
+    found = reproduce(out, **given)
     if chosen.json:
         _print_json(found)
         return

@@ -134,7 +134,7 @@ def declared(name: str, model: Model, table: Table) -> Parameter:
     prefix = name.partition(".")[0]
     if name == "controller.sampled":
         table.refuse(name, 'is not set here: write controller = "sampled" in the experiment')
-    if name not in model.parameters.declared and prefix in catalogue.effects():
+    if name not in model.parameters.declared and prefix in catalogue.named():
         if prefix not in {each.name for each in model.effects}:
             table.refuse(name, f'belongs to an effect that is not on: add effects = ["{prefix}"]')
     try:
@@ -179,7 +179,7 @@ def effect_names(model: Model) -> list[str]:
 
 
 def _effect_name(effect: Effect, known: Mapping[str, Effect]) -> str:
-    if (known.get(effect.name) or catalogue.effects().get(effect.name)) == effect:
+    if (known.get(effect.name) or catalogue.named().get(effect.name)) == effect:
         return effect.name
     for place, own in catalogue.own_effects().items():
         if own == effect:
