@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import study
-from benchmarks.calibrating import speed, summary
+from benchmarks.calibrating import real_axis, speed, summary
 from benchmarks.calibrating.cases import NINE, ONE_RUN, QUICK, RICH_PROTOCOL, case
 from benchmarks.calibrating.outcome import outcome
 from benchmarks.harness import Row, aligned, must_show, table
@@ -92,7 +92,7 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true", help="few cases, for a first look")
     parser.add_argument("--resume", action="store_true", help="keep the cases already measured")
-    parser.add_argument("--only", choices=[*COUNTS, "time"], help="one study alone")
+    parser.add_argument("--only", choices=[*COUNTS, "EMPS", "time"], help="one study alone")
     parser.add_argument("--cases", type=Path, default=CASES, metavar="FILE",
                         help=f"a line for each case ({CASES})")  # fmt: skip
     parser.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
@@ -105,9 +105,10 @@ def main() -> None:
     cases = [each for each in asked_for(asked.quick) if asked.only in (None, each[0])]
     done = study.run(asked.cases, cases, measured, asked.resume)
     rows, bounds = figures(done)
-    if asked.only in (None, "time"):
-        more = timed(asked.quick)
-        rows, bounds = [*rows, *more[0]], [*bounds, *more[1]]
+    for kind, more in (("EMPS", real_axis.figures), ("time", lambda: timed(asked.quick))):
+        if asked.only in (None, kind):
+            found = more()
+            rows, bounds = [*rows, *found[0]], [*bounds, *found[1]]
     stream = sys.stderr if asked.json == "-" else sys.stdout
     print(table(aligned(rows)), "\n", table(aligned(bounds)), sep="\n", file=stream)
     text = json.dumps({"rows": rows, "must_show": bounds}, indent=1)

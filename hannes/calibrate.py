@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from hannes import files
+from hannes.calibration.inspection import Findings, inspected
 from hannes.calibration.intervals import spread
 from hannes.calibration.labels import answers
 from hannes.calibration.model import Model
@@ -61,13 +62,15 @@ def calibrate(
     `plan` replaces the campaign's table [calibrate]; `workers` threads simulate (default: one for
     each processor), which changes no result; `progress`: a bar on standard error, by default where
     that is a terminal. Interrupted (Ctrl-C), it returns the best so far. Raises BadInput for what
-    cannot be used, ComputationFailed where no simulation succeeds or the fit does not settle.
+    cannot be used, which is also what the data check finds wrong and the plan does not accept;
+    ComputationFailed where no simulation succeeds or the fit does not settle.
     """
     if not isinstance(campaign, Campaign):
         campaign = read_campaign(campaign, seed)
     entries = campaign.of("fit", "select") or campaign.entries
     recorded = {name for entry in entries for name in entry.recording.names}
     plan = plan or read_plan(campaign.calibrate, campaign.plant, recorded, seed)
+    findings = inspected(campaign, plan.accept)
     views = [View(entry, campaign.plant, plan.channels, plan.features) for entry in entries]
     _require_enough(plan, views)
     level, how = floors(views)
@@ -75,13 +78,20 @@ def calibrate(
     with _bar(progress) as told:
         found = Search(Model(campaign.plant, views), plan, level, workers, told).run()
         told("intervals", found.misfit)
-        result = _told(campaign, found, workers, how, seed)
+        result = _told(campaign, found, findings, workers, how, seed)
     if out is not None:
         result.write(out)
     return result
 
 
-def _told(campaign: Campaign, found: State, workers: int, how: str, seed: int) -> Calibration:
+def _told(
+    campaign: Campaign,
+    found: State,
+    findings: Findings,
+    workers: int,
+    how: str,
+    seed: int,
+) -> Calibration:
     width = spread(found)
     noise = sample_floors(found.model.views)
 
@@ -91,6 +101,7 @@ def _told(campaign: Campaign, found: State, workers: int, how: str, seed: int) -
 
     return Calibration(
         campaign,
+        findings,
         found,
         width,
         tuple(answers(found, width, sides(found, width, workers))),

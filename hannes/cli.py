@@ -52,6 +52,7 @@ campaign.toml, after its [[recording]]s; all of it may be left out:
   loss = "soft_l1"                        # linear, soft_l1, huber, cauchy
   starts = 4                              # searches from different points
   scan = 64                               # points looked at before them
+  accept = ["gap", "saturated"]           # what `hannes check` finds, taken as it is
   [calibrate.spread]                      # how far off a given value may be, 1 deviation
   "motor.resistance" = "20 %"
   [calibrate.bounds]

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -214,9 +215,14 @@ def posed(recording: Recording) -> Experiment:
 def _planned(recording: Recording) -> Experiment | None:
     if not recording.experiment:
         return None
+    return _parsed(recording.experiment)
+
+
+@lru_cache(maxsize=64)  # a fit poses the same few experiments hundreds of times
+def _parsed(text: str) -> Experiment:
     from hannes.experiment_file import parse_experiment
 
-    return parse_experiment(recording.experiment)
+    return parse_experiment(text)
 
 
 def recorded_reference(times: np.ndarray, values: np.ndarray) -> Reference:

@@ -2,9 +2,8 @@
 
 import json
 import signal
-import subprocess
 import sys
-import time
+from contextlib import contextmanager
 
 import pytest
 
@@ -13,6 +12,7 @@ from hannes.calibrate import calibrate
 from hannes.campaign import read_campaign
 from hannes.cli import main
 from hannes.errors import MissingRecording
+from hannes.hand import Hand
 from hannes.hand_file import load_hand
 from hannes.virtual import virtual_recordings
 
@@ -79,20 +79,35 @@ def test_the_real_axis_refitted_predicts_the_other_file():
 
 
 @pytest.mark.slow
-def test_control_c_keeps_the_best_so_far(tmp_path):
+def test_control_c_keeps_the_best_so_far(tmp_path, monkeypatch, capsys):
     campaign, out = tmp_path / "campaign.toml", tmp_path / "out"
     runs = f'file = "simulated:{shipped_runs("dynamometer-runs")}"\ncondition = "dynamometer"'
-    asked = 'parameters = ["object.stiffness", "object.friction"]\nstarts = 64'
+    asked = 'parameters = ["object.stiffness", "object.friction"]\nstarts = 8'
     campaign.write_text(f"[[recording]]\n{runs}\n[calibrate]\n{asked}\n", encoding="utf-8")
-    command = [sys.executable, "-m", "hannes", "calibrate", str(campaign), "--out", str(out)]
-    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(12.0)
-    running.send_signal(signal.SIGINT)
-    _, told = running.communicate(timeout=240)
-    assert running.returncode == 130 and "Traceback" not in told
-    if out.exists():  # the signal came after the first simulations
-        status = json.loads((out / "calibration.json").read_text(encoding="utf-8"))["status"]
-        assert status == "interrupted"
+    misfits = interrupting(monkeypatch, "starts")
+    assert main(["calibrate", str(campaign), "--out", str(out)]) == 130
+    assert "Traceback" not in capsys.readouterr().err
+    found = json.loads((out / "calibration.json").read_text(encoding="utf-8"))
+    assert found["status"] == "interrupted" and min(misfits) < misfits[0]
+    assert found["parameters"]["object.stiffness"]["value"] != Hand().parameters["object.stiffness"]
+
+
+def interrupting(monkeypatch, text):
+    """Press Ctrl-C once, at the fifth misfit that progress tells of in the part named `text`."""
+    misfits = []
+
+    @contextmanager
+    def bar(progress):
+        def told(part, misfit):
+            if part == text:
+                misfits.append(misfit)
+                if len(misfits) == 5:
+                    signal.raise_signal(signal.SIGINT)
+
+        yield told
+
+    monkeypatch.setattr(sys.modules["hannes.calibrate"], "_bar", bar)
+    return misfits
 
 
 def test_a_campaign_of_another_plant_is_refused(tmp_path):

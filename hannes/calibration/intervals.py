@@ -5,7 +5,10 @@ u_r = M X_r' z_r is its pull on the parameters. At the fit the pulls balance, so
 squares is less than the variance, the more so the fewer runs decide a parameter. Were the working
 covariance right, the pulls at the fit would have covariance B (runs x runs, known from the G_r);
 then the sum of squares times trace(M G M) / trace(B) is free of bias, and it is as sure as
-trace(B)^2 / trace(B^2) degrees of freedom (Satterthwaite 1946; Bell & McCaffrey 2002).
+trace(B)^2 / trace(B^2) degrees of freedom (Satterthwaite 1946; Bell & McCaffrey 2002). Where the
+runs of one condition pull more on a parameter than those of another, against what is expected of
+them, B is scaled by as much, shrunk because few runs tell it: else runs that only seem to decide
+would leave too few degrees of freedom.
 """
 
 from dataclasses import dataclass
@@ -16,6 +19,7 @@ from hannes.calibration.least import weights
 from hannes.calibration.state import State
 
 LEVEL = 0.95
+SHRINK = 3.0  # runs, that believing all conditions alike counts for
 ALONE = 1.2  # degrees of freedom below which one run alone decides a parameter
 
 
@@ -47,12 +51,13 @@ def spread(found: State) -> Spread:
     from scipy.stats import norm, t
 
     count = len(found.plan.names)
-    information, scores, unit = _clusters(found)
+    information, scores, conditions, unit = _clusters(found)
     prior = np.concatenate([found.scales.prior, np.ones(len(found.plan.doubt))]) ** 2
     inverse = np.linalg.inv(information.sum(axis=0) + np.diag(prior))
     pulls = (scores @ inverse)[:, :count]
     pulls = pulls - pulls.mean(axis=0)  # the priors hold against their sum
-    honest, freedom = _correction(information, inverse, count)
+    lively = _lively(information, inverse, pulls, conditions)
+    honest, freedom = _correction(information, inverse, lively)
     by_run = np.sqrt(honest * (pulls**2).sum(axis=0))
     by_prior = np.sqrt(np.einsum("ij,j,ij->i", inverse, prior, inverse)[:count])
     working = np.sqrt(np.diag(inverse)[:count])
@@ -73,16 +78,34 @@ def spread(found: State) -> Spread:
     )
 
 
+def _lively(
+    information: np.ndarray, inverse: np.ndarray, pulls: np.ndarray, conditions: np.ndarray
+) -> np.ndarray:
+    """Squares of pulls over what the working covariance expects, by condition, as `pulls`."""
+    told = inverse[: pulls.shape[1]]
+    expected = np.maximum(np.einsum("ki,rij,kj->rk", told, information, told), 1e-300)
+    overall = (pulls**2).sum(axis=0) / expected.sum(axis=0)
+    lively = np.empty_like(pulls)
+    for condition in np.unique(conditions):
+        inside = conditions == condition
+        own = (pulls[inside] ** 2).sum(axis=0) / expected[inside].sum(axis=0)
+        lively[inside] = (inside.sum() * own + SHRINK * overall) / (inside.sum() + SHRINK)
+    return lively
+
+
 def _correction(
-    information: np.ndarray, inverse: np.ndarray, count: int
+    information: np.ndarray, inverse: np.ndarray, lively: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Factor on the sum of squared pulls, and its degrees of freedom, shape (count,) each."""
-    whole = inverse @ information.sum(axis=0) @ inverse
+    count = lively.shape[1]
     honest, freedom = np.ones(count), np.zeros(count)
     for place in range(count):
+        factor = lively[:, place]
+        whole = inverse @ np.tensordot(factor, information, 1) @ inverse
         rows = information @ inverse[place]  # G_r m, (clusters, p)
-        expected = rows @ whole @ rows.T - 2.0 * rows @ inverse @ rows.T
-        expected += np.diag(rows @ inverse[place])
+        crossed = factor[:, np.newaxis] * rows @ inverse @ rows.T
+        expected = rows @ whole @ rows.T - crossed - crossed.T
+        expected += np.diag(factor * (rows @ inverse[place]))
         trace, total = float(np.trace(expected)), float(whole[place, place])
         if trace > 1e-12 * max(total, 1e-300):  # else no run speaks of it at all
             honest[place] = total / trace
@@ -90,12 +113,14 @@ def _correction(
     return honest, freedom
 
 
-def _clusters(found: State) -> tuple[np.ndarray, np.ndarray, str]:
+def _clusters(found: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
     """Information (clusters, p, p) and scores (clusters, p) of each run, or of its blocks.
+
+    Then the condition of each cluster, and what the clusters are.
 
     p counts the doubtful parameters too, after those of the plan.
     """
-    information, scores = [], []
+    information, scores, conditions = [], [], []
     views, everything = found.model.views, found.left()
     runs = zip(found.whitenings, found.columns, found.doubts, everything, views, strict=True)
     for white, columns, doubts, left, view in runs:
@@ -108,8 +133,9 @@ def _clusters(found: State) -> tuple[np.ndarray, np.ndarray, str]:
             part, heavy = rows[:, inside], weight[inside]
             information.append((part * heavy) @ part.T)
             scores.append((part * heavy) @ left[inside])
+            conditions.append(view.entry.condition)
     unit = "runs" if len(views) > 1 else "stretches of one run"
-    return np.array(information), np.array(scores), unit
+    return np.array(information), np.array(scores), np.array(conditions), unit
 
 
 def _textbook(found: State) -> np.ndarray:

@@ -49,7 +49,7 @@ def solve(problem: Problem, x: np.ndarray, tolerance: float = FINE) -> Solved:
         )
         at, settled = found.x, found.status > 0
     except Settled:
-        at, settled = problem.at, True
+        at, settled = problem.last[0], True
     left = problem.residual(at)
     on_bound = np.flatnonzero((at - scales.low < NEAR) | (scales.high - at < NEAR))
     return Solved(at, cost(loss, left), on_bound, settled)

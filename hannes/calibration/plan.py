@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from hannes.calibration.features import FEATURES
 from hannes.errors import BadInput, nearest
+from hannes.findings.finding import KINDS
 from hannes.parameter import Parameter
 from hannes.plant import Plant
 from hannes.table import Table
@@ -12,7 +13,7 @@ from hannes.units import quantity
 
 KEYS = (
     *("parameters", "spread", "bounds", "nuisance", "doubt", "channels", "features"),
-    *("loss", "starts", "scan", "model_error", "limit"),
+    *("loss", "starts", "scan", "model_error", "limit", "accept"),
 )
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 MOST_STARTS, MOST_SCANNED = 64, 4096
@@ -37,6 +38,7 @@ class Plan:
     starts:      how many starting points;  scan: how many points are looked at to find them
     model_error: share of a channel's RMS in which no model of the machine is believed
     limit:       relative half-width of an interval beyond which a parameter is not identified
+    accept:      kinds of findings of the data check that are no reason to refuse a recording
     """
 
     names: tuple[str, ...]
@@ -55,6 +57,7 @@ class Plan:
     limit: float = 0.1
     seed: int = 0
     scale: Mapping[str, float] = field(default_factory=dict)
+    accept: tuple[str, ...] = ()
 
 
 def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0) -> Plan:
@@ -84,6 +87,7 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
         _share(table, "limit", 0.1),
         seed,
         {name: abs(plant.parameters[name]) or spread[name] for name in names},
+        tuple(_known(table, "accept", KINDS)),
     )
 
 

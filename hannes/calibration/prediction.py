@@ -19,10 +19,15 @@ def prediction(found: State, entries: Sequence[Entry]) -> dict[str, dict[str, fl
     after alike.
     """
     sums: dict[str, np.ndarray] = {}
+    plant = found.model.plant
+    simulated: dict[bytes, list[Channels]] = {}  # of repeats once
     for entry in entries:
-        view = View(entry, found.model.plant, found.plan.channels, ())
-        mask = found.model.plant.judged_part(entry.recording)
-        runs = [_aligned(found, view, values) for values in ({}, found.all_values)]
+        view = View(entry, plant, found.plan.channels, ())
+        mask, run = plant.judged_part(entry.recording), plant.same_run(entry.recording)
+        if run not in simulated:
+            points: tuple[Mapping[str, float], ...] = ({}, found.all_values)
+            simulated[run] = [plant.simulate(values, entry.recording) for values in points]
+        runs = [_aligned(found, view, channels) for channels in simulated[run]]
         for name in view.channels:
             recorded = entry.recording[name][mask]
             misses = [run[name][mask] - recorded for run in runs]
@@ -36,9 +41,8 @@ def _roots(total: np.ndarray) -> dict[str, float]:
     return dict(zip(("as_given", "after", "recorded"), roots, strict=True))
 
 
-def _aligned(found: State, view: View, values: Mapping[str, float]) -> Channels:
-    """Channels of a simulation that starts when it fits the recording best."""
-    channels = found.model.plant.simulate(values, view.recording)
+def _aligned(found: State, view: View, channels: Channels) -> Channels:
+    """Channels of a simulation, moved to start when it fits the recording best."""
     late, spread = 0.0, found.plan.start_time
     for _ in range(ROUNDS if spread else 0):
         noise = found.noise[view.part]

@@ -13,6 +13,7 @@ from hannes.errors import ComputationFailed
 Told = Callable[[float, np.ndarray], None]
 STEP = 0.5  # of a parameter's standard deviation: slopes as they are where it may lie
 LEAST, MOST = 3e-4, 3e-2  # of a parameter's scale, of a difference step
+CLOSE_BY = 0.03  # of a parameter's scale, within which slopes are as good as the same
 NEAR = 1e-5  # of a parameter's scale, to its bound
 ENOUGH = 0.1  # standard deviations: where the next step is shorter than this, a search ends
 
@@ -29,8 +30,9 @@ class Settled(Exception):
 class Problem:
     """Least squares with the working covariance of `state`; see __init__.py.
 
-    `bundle` keeps the simulations about the last point that a Jacobian was asked for, `left` the
-    residual at `at`, the last point that one was asked for.
+    `bundle` keeps a point and the simulations about it, from which slopes come as long as searches
+    stay close by; `last` the last point that a residual was asked for, and that. Several threads
+    may ask for residuals.
     """
 
     state: State
@@ -39,19 +41,21 @@ class Problem:
     stop: Event = field(default_factory=Event)
     bundle: tuple[np.ndarray, Bundle] = field(init=False)
     steps: np.ndarray = field(init=False)
-    at: np.ndarray = field(init=False)
-    left: np.ndarray = field(init=False)
+    last: tuple[np.ndarray, np.ndarray] = field(init=False)
 
     def __post_init__(self) -> None:
         state = self.state
         self.bundle, self.steps = (state.x, state.bundle), state.steps
-        self.at = self.left = np.zeros(0)
+        self.last = (np.zeros(0), np.zeros(0))
         self.maker = Maker(state.model, state.plan, state.scales, self.spread_over)
 
     def residual(self, x: np.ndarray) -> np.ndarray:
         """Whitened misfit of all runs, then the priors'; infinite where a simulation fails."""
         if self.stop.is_set():
             raise Stopped
+        at, left = self.last
+        if np.array_equal(at, x):  # searches ask anew where they begin and where they end
+            return left
         state = self.state
         try:
             values = self.maker.values(x, state.doubted)
@@ -59,9 +63,10 @@ class Problem:
         except ComputationFailed:
             return np.full(sum(each.size for each in state.misses) + x.size, np.inf)
         data = state.missed(self._misses(done))
-        self.at, self.left = x.copy(), np.concatenate([data, state.scales.prior * x])
+        left = np.concatenate([data, state.scales.prior * x])
+        self.last = x.copy(), left
         self.told(float(np.sqrt(np.mean(data**2))), x)
-        return self.left
+        return left
 
     def _misses(self, done: list[Channels]) -> list[np.ndarray]:
         state = self.state
@@ -74,20 +79,21 @@ class Problem:
         if self.stop.is_set():
             raise Stopped
         state = self.state
-        if not np.array_equal(self.bundle[0], x):
+        if np.abs(self.bundle[0] - x).max() > CLOSE_BY:
             self.bundle = x.copy(), self.maker.bundle(x, state.doubted, self.steps)
         columns = self.maker.columns(self.bundle[1], state.late)
         whole = state.together(columns)
         deviation = deviations(whole, state.scales.prior)
         self.steps = np.clip(STEP * deviation, LEAST, MOST)
         slopes = np.vstack([whole.T, np.diag(state.scales.prior)])
-        if np.array_equal(self.at, x) and self._stands(x, slopes):
+        at, left = self.last
+        if np.array_equal(at, x) and self._stands(x, left, slopes):
             raise Settled
         return slopes
 
-    def _stands(self, x: np.ndarray, slopes: np.ndarray) -> bool:
+    def _stands(self, x: np.ndarray, left: np.ndarray, slopes: np.ndarray) -> bool:
         """Tell whether the step to the least misfit, were it linear, is short; bounds hold."""
-        pull, scales = -slopes.T @ self.left, self.state.scales
+        pull, scales = -slopes.T @ left, self.state.scales
         held = (x - scales.low < NEAR) & (pull < 0.0)
         held |= (scales.high - x < NEAR) & (pull > 0.0)
         free = ~held

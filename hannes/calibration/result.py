@@ -1,11 +1,12 @@
 """The result of a calibration, as plain data and as a sentence."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+from hannes.calibration.inspection import Findings
 from hannes.calibration.intervals import LEVEL, Spread
 from hannes.calibration.labels import AT_BOUND, CONFOUNDED, NOT_IDENTIFIED, Answer
 from hannes.calibration.remains import Remains
@@ -15,6 +16,7 @@ from hannes.plant import Plant
 from hannes.versions import versions
 
 APART = 0.5  # half-widths of an interval within which two starts found the same
+MOST_WARNINGS = 5  # in a terminal; files hold all
 NO_WORSE = 1.01  # times the least misfit: a start that ended there ended as well
 
 
@@ -22,12 +24,14 @@ NO_WORSE = 1.01  # times the least misfit: a start that ended there ended as wel
 class Fit:
     """Everything that a calibration found; `calibrate` adds the campaign's view of it.
 
-    gap:   channel -> RMS as_given, after, recorded, floor [its unit], on the recordings that no
-           fit has seen; empty where none was held out
+    findings:   what the data check found and the campaign accepted, with the file's name
+    gap:        channel -> RMS as_given, after, recorded, floor [its unit], on the recordings that
+                no fit has seen; empty where none was held out
     fitted_gap: the same on those that were fitted
     """
 
     campaign: Campaign
+    findings: Findings
     found: State
     spread: Spread
     answers: tuple[Answer, ...]
@@ -74,6 +78,7 @@ class Fit:
         return {
             "status": "interrupted" if self.found.interrupted else "converged",
             "parameters": {each.name: _plain(each) for each in self.answers},
+            "findings": [{"file": name, **asdict(each)} for name, each in self.findings],
             "level": LEVEL,
             "intervals_by": self.spread.unit,
             "gap": self._with_units(self.gap),
@@ -154,7 +159,12 @@ class Fit:
         for each in self.answers:
             note = "" if each.identified else f"  {each.label}"
             lines.append(f"  {each.name:<{width}}  {told(each)}{note}")
-        return "\n".join([*lines, self.remains.sentence + "."])
+        return "\n".join([*lines, self.remains.sentence + ".", *self._warnings()])
+
+    def _warnings(self) -> list[str]:
+        more = len(self.findings) - MOST_WARNINGS
+        lines = [f"{name}: {each}" for name, each in self.findings[:MOST_WARNINGS]]
+        return [*lines, f"{more} more warnings: see `hannes check`"] if more > 0 else lines
 
 
 def told(answer: Answer) -> str:

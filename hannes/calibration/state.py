@@ -12,7 +12,7 @@ from hannes.calibration.whitening import Whitening
 from hannes.plant import Plant
 
 FIRST_STEP = 2e-3  # of a parameter's scale, of differences before anything is known
-FAR = 0.05  # of a parameter's scale, from where slow directions are had anew
+FAR = 0.15  # of a parameter's scale, from where slow directions are had anew
 JERK = 10.0  # times a simulated jerk inside a bin is taken as noise there
 SENSELESS = 10.0  # misfit, in standard deviations, of a feature that a simulation does not have
 

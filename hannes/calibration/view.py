@@ -94,8 +94,9 @@ class View:
     def _moved(self, channels: Mapping[str, np.ndarray], late: float) -> Mapping[str, np.ndarray]:
         if late == 0.0:
             return channels
+        wanted = channels if self.features else self.channels
         return {
-            name: np.interp(self.since - late, self.since, values)
-            for name, values in channels.items()
+            name: np.interp(self.since - late, self.since, channels[name])
+            for name in wanted
             if name != "time"
         }

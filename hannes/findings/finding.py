@@ -7,11 +7,16 @@ LEVELS = (
     "warning",
     "note",
 )  # not to be fitted as it is; part of it misleads; good to know
+KINDS = (
+    *("gap", "uneven", "drift", "late-start", "command"),  # of time
+    *("dead", "saturated", "frozen", "jump", "resolution", "coarse"),  # of sensors
+    *("unit", "sign"),  # of columns
+)
 
 
 @dataclass(frozen=True)
 class Finding:
-    """`kind` is one word for it, `channel` where it shows, `time` [s] when first, None for always.
+    """`kind` is one of KINDS, `channel` where it shows, `time` [s] when first, None for always.
 
     `text` says what was found and what to do; `size` is how large, in the unit that text names.
     """

@@ -64,7 +64,7 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
             )
         return
     yield from _gain(subject, name, command, lag)
-    yield from timed(subject, name, command, lag)
+    yield from timed(subject, name, command, pace(subject.time, asked), lag)
     apart = float(motion[0] - asked[0])
     if abs(apart) > APART * np.ptp(asked) and HONEST[0] < lag.gain < HONEST[1]:
         yield warning(
@@ -102,15 +102,23 @@ def _gain(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Findi
     yield fault("unit", name, f"{told}: check unit and scale of both", size=lag.gain)
 
 
-def timed(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Finding]:
-    """Findings about a motion that comes too late behind its command, or before it."""
+def pace(times: FloatArray, values: FloatArray) -> float:
+    """How long the fastest part of a command would take through its whole range [s]."""
+    return float(np.ptp(values) / max(np.abs(speeds(times, values)).max(), 1e-300))
+
+
+def timed(subject: Subject, name: str, command: str, across: float, lag: Lag) -> Iterator[Finding]:
+    """Findings about a motion that comes too late behind its command, or before it.
+
+    `across` is the command's `pace` [s]: friction holds slow motion back by an angle, not a time.
+    """
     advice = "shift it with [align] when converting"
     doubt = 3.0 * lag.deviation
     if lag.value < -BEFORE - doubt:
         text = f"moves {1e3 * -lag.value:.4g} ms before {command}: two clocks; {advice}"
         yield fault("late-start", name, text, size=lag.value)
     longest = subject.of(name).lag
-    if longest and lag.value > longest + doubt:
+    if longest and lag.value > max(longest, APART * across) + doubt:
         text = f"moves {1e3 * lag.value:.4g} ms behind {command}, longer than the machine takes"
         yield warning("late-start", name, f"{text}: {advice}", size=lag.value)
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.findings.finding import Finding, fault, note, warning
-from hannes.findings.motion import found_lag, timed
+from hannes.findings.motion import found_lag, pace, timed
 from hannes.findings.subject import Subject
 
 FloatArray = NDArray[np.float64]
@@ -26,6 +26,11 @@ class Plan:
     times: FloatArray
     values: FloatArray
 
+    @property
+    def pace(self) -> float:
+        """How long its fastest part would take through its whole range [s]."""
+        return pace(self.times, self.values)
+
 
 def inspect(subject: Subject, plan: Plan, command: str = "reference") -> Iterator[Finding]:
     """Findings about the recording against the experiment that it is said to be of."""
@@ -36,7 +41,7 @@ def inspect(subject: Subject, plan: Plan, command: str = "reference") -> Iterato
         if expected.follows == command and name in subject.recording:
             lag = found_lag(subject, subject.recording[name], plan.times, plan.values)
             if lag is not None:
-                yield from timed(subject, name, "the experiment's command", lag)
+                yield from timed(subject, name, "the experiment's command", plan.pace, lag)
 
 
 def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:

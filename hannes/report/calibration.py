@@ -30,6 +30,7 @@ def page(result: "Fit") -> str:
             "starts": _starts(result),
             "runs": _runs(result),
             "recordings": _recordings(result),
+            "findings": _findings(result),
             "doubted": _doubted(result),
             "figures": figures(result),
             "seed": result.seed,
@@ -141,6 +142,12 @@ def _doubted(result: "Fit") -> Table:
     )
     columns = ("Held uncertain", "Given", "Value", "Unit", "Deviations")
     return Table("doubted", "What else moved", columns, rows, note)
+
+
+def _findings(result: "Fit") -> Table:
+    rows = tuple((name, str(each)) for name, each in result.findings)
+    note = "The campaign accepts these kinds: each misleads the fit as far as it goes."
+    return Table("findings", "What the data check found", ("Recording", "Finding"), rows, note)
 
 
 def _recordings(result: "Fit") -> Table:
