@@ -28,7 +28,9 @@ SEEN = np.array([0])[:0]  # which of CORE the finger stages read
 SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, CORE, SEEN; tensions and core
 CHANNELS, OUTPUTS = 1, 1
 KINKS, ENTRIES = 30, 110
-factor_rest: Any = None  # both written out by elimination.py
+factor_fingers: Any = None  # these four written out by elimination.py
+solve_fingers: Any = None
+factor_rest: Any = None
 solve_rest: Any = None
 finger_columns: Any = None  # of finger_slopes.py or finger_differences.py
 core_columns: Any = None  # of core_slopes.py or core_differences.py
@@ -62,42 +64,6 @@ def decompose(shift, data):
                 takes[kind, n, f] = p.joint_moment_arm[0] * lifts[2 * kind, SIZE + n, f]
                 takes[kind, n, f] += p.joint_moment_arm[1] * lifts[2 * kind + 1, SIZE + n, f]
     factor_rest(shift, core, takes, data[5])
-
-
-def factor_fingers(shift, blocks, lifts):
-    """LU of shift - F of all fingers in the first columns of lifts; what acts on them beside."""
-    for i in range(SIZE):
-        for j in range(SIZE):
-            for f in range(5):
-                lifts[i, j, f] = -blocks[i, j, f]
-        for n in range(1 + SEEING):
-            for f in range(5):
-                lifts[i, SIZE + n, f] = blocks[i, SIZE + n, f]
-        for f in range(5):
-            lifts[i, i, f] += shift
-    for k in range(SIZE):
-        for f in range(5):
-            lifts[k, k, f] = 1.0 / lifts[k, k, f]
-        for i in range(k + 1, SIZE):
-            for f in range(5):
-                lifts[i, k, f] *= lifts[k, k, f]
-            for j in range(k + 1, SIZE):
-                for f in range(5):
-                    lifts[i, j, f] -= lifts[i, k, f] * lifts[k, j, f]
-
-
-def solve_fingers(lifts, b):
-    """Replace b (states of a finger, fingers) by the solution of the factored fingers."""
-    for i in range(1, SIZE):
-        for k in range(i):
-            for f in range(5):
-                b[i, f] -= lifts[i, k, f] * b[k, f]
-    for i in range(SIZE - 1, -1, -1):
-        for k in range(i + 1, SIZE):
-            for f in range(5):
-                b[i, f] -= lifts[i, k, f] * b[k, f]
-        for f in range(5):
-            b[i, f] *= lifts[i, i, f]
 
 
 def resolve(b, data):

@@ -18,12 +18,13 @@ from typing import Any
 import numpy as np
 
 from hannes import entries, full, generated, observed
-from hannes.effect import Effect, Term
+from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.filling import HOOK, Layouts, without_outputs
 from hannes.layout import Layout
 from hannes.rodas import text as method
 from hannes.rodas.problem import Problem
+from hannes.worked_out import worked_out
 
 
 @dataclass(frozen=True)
@@ -80,15 +81,27 @@ class Equations:
                 if term.unit not in ("", here):
                     return f"it adds {term.unit} to {channel}, which this plant has in {here}"
             for name in term.arguments:
-                if not self._known(name, effect, term):
-                    return f"it reads {name}, which this plant does not have"
+                if why := self._unreadable(name, effect, term.writes[0]):
+                    return f"it reads {name}, which {why}"
         return ""
 
-    def _known(self, name: str, effect: Effect, term: Term) -> bool:
+    def _unreadable(self, name: str, effect: Effect, channel: str) -> str:
+        """Why a kernel that adds to `channel` cannot read `name`, or nothing."""
         own = {each.name for each in effect.parameters} | {each.name for each in effect.states}
         if name in own or name == "t" or name in self.parameters or name in self.states:
-            return True
-        return name in self.channels or name in self._locals(term.writes[0])
+            return ""
+        if name in self.channels and self.channels.slot(name).axis:
+            late = name not in self._worked_out[channel]
+            return f"is not worked out yet where {channel} is open" if late else ""
+        if name in self._locals(channel):
+            return ""
+        if name in self.channels:
+            return f"is not at hand where {channel} is open"
+        return "this plant does not have"
+
+    @functools.cached_property
+    def _worked_out(self) -> dict[str, set[str]]:
+        return worked_out(self.source(), self.channels)
 
     def _locals(self, channel: str) -> set[str]:
         """Names bound in the stage of `channel` before its hook."""
@@ -159,6 +172,13 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     origin += seen.__name__
     fast = generated.module("fast", quick, names, origin, sizes | solution.constants)
     return Compiled(text, layouts.p, layouts.y, layouts.out, fast, seen, kind)
+
+
+def jacobian_kind(plant: Equations, effects: Iterable[Effect] = ()) -> str:
+    """How the Jacobian of `plant` with `effects` is had: "structured", or what else and why."""
+    chosen = tuple(effects)
+    layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, chosen)
+    return _solution(plant, layouts, chosen)[1]
 
 
 def _names(

@@ -24,7 +24,8 @@ CORE = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10])
 PART = np.array([0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2])  # who reads which of CORE: see structure.py
 CART = np.array([0, 0, 1, 1, -1] + 7 * [-1] + [0, 1, 0, 1])  # whose row it is, of ROWS
 TIMED = False  # whether other stages than the motor's read the time
-PAIRED = True  # whether only the carts, each for itself, read the wire taken up by a pair
+APART = True  # whether only the carts, each for itself, read the wire taken up by their fingers
+ALIKE = True  # whether it does not matter which of the two fingers takes it up
 COUNT, ROWS = 11, 16
 steps = np.full(31, 1e-3)
 
@@ -37,7 +38,7 @@ def core_columns(t, y, moved, rates, dy, drift, p, c, reference, hold, out, core
     for j in range(COUNT):
         difference_core(t, y, moved, rates, dy, p, c, reference, hold, out, base, j, core, tensions)
     for f in range(5):
-        if not PAIRED or f % 2 == 0:
+        if not (APART and f in (2, 3)) and not (ALIKE and f in (1, 3)):
             difference_taking(t, y, rates, dy, p, c, out, base, f, core, tensions)
 
 
@@ -90,8 +91,6 @@ def difference_core(t, y, moved, rates, dy, p, c, reference, hold, out, base, j,
 
 def difference_taking(t, y, rates, dy, p, c, out, base, f, core, tensions):
     """Tensions and core rates by the wire that finger f takes up, then by its rate."""
-    if PAIRED and f == 2:
-        return  # along with finger 0
     copy_to(dy, rates)
     nudge_taking(c.excursion, f, 1e-9)
     wire_stages(t, y, dy, p, c, base, out)
@@ -106,20 +105,21 @@ def difference_taking(t, y, rates, dy, p, c, out, base, f, core, tensions):
 def nudge_taking(taken, f, nudge):
     """Let finger f, or a finger of each cart, take up more."""
     taken[f] += nudge
-    if PAIRED and f == 0:
-        taken[2] += nudge
+    if APART and f < 2:
+        taken[f + 2] += nudge
 
 
 def keep_taking(first, f, per, rates, dy, c, core, tensions):
-    """Store the column of finger f, or those of both carts' fingers."""
+    """Store the column of finger f, or those of the fingers that were moved along or are alike."""
     for g in range(5):
         core[first + f, g] = (c.tendon_tension[g] - tensions[g]) * per
     for i in range(COUNT):
         core[first + f, 5 + i] = (dy[CORE[i]] - rates[CORE[i]]) * per
     copy_to(c.tendon_tension, tensions)
-    if PAIRED and f == 0:
+    if APART and f < 2:
         for i in range(ROWS):
-            core[first + 1, i] = core[first, i] if CART[i] == 0 else 0.0
-            core[first + 2, i] = core[first, i] if CART[i] == 1 else 0.0
-            core[first, i] = core[first + 1, i]
-            core[first + 3, i] = core[first + 2, i]
+            core[first + f + 2, i] = core[first + f, i] if CART[i] == 1 else 0.0
+            core[first + f, i] = core[first + f, i] if CART[i] == 0 else 0.0
+            for finger in range(f, 4, 2):
+                if ALIKE:
+                    core[first + finger + 1, i] = core[first + finger, i]

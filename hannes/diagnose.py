@@ -15,6 +15,8 @@ import numpy as np
 from hannes import decision, files
 from hannes import pieces as cutting
 from hannes.campaign import Campaign, read_campaign
+from hannes.catalogue import effects
+from hannes.effect import Effect
 from hannes.gap import Traces, gaps, inflated, times_floor, traces, undone, where
 from hannes.pieces import Piece, floors
 from hannes.plant import Plant
@@ -22,6 +24,9 @@ from hannes.plant_file import plant_toml
 from hannes.refit import Fitted, Misfit, Progress, fit
 from hannes.trial import ALPHA, Trial, judge, ranked, smallest_detectable, with_likeness
 from hannes.verdict import Verdict
+
+# Of the catalogue: a refit for each is minutes for all, and more of them look alike.
+TRIED = ("direction_friction", "gear_load", "leader_slack")
 
 
 @dataclass(frozen=True)
@@ -124,7 +129,7 @@ class _Work:
     ) -> list[Trial]:
         chosen, rng = self.misfit(self.of("select")), np.random.default_rng(self.seed)
         present, made = {each.name for each in self.plant.effects}, []
-        for name, effect in self.campaign.effects.items():
+        for name, effect in self.candidates():
             if why := self.plant.accepts(effect):
                 made.append(Trial(name, effect, f"not applicable: {why}"))
             elif effect.name in present:
@@ -139,6 +144,11 @@ class _Work:
                     else replace(trial, why="no recording is left to choose by")
                 )
         return ranked(with_likeness(made))
+
+    def candidates(self) -> list[tuple[str, Effect]]:
+        """The user's own effects, and those of the catalogue that are tried."""
+        named = self.campaign.effects.items()
+        return [(name, each) for name, each in named if name in TRIED or name not in effects()]
 
     def choice(self, trials: Sequence[Trial], base: Fitted) -> tuple[Trial | None, decision.Said]:
         """Return the winner or None, and the verdict's first fields."""

@@ -1,4 +1,4 @@
-"""Straight-line text that factors and solves what the arrow leaves: tensions and core.
+"""Straight-line text that factors and solves the fingers, and what they leave: tensions and core.
 
 Most of the matrix is always zero; writing the elimination out, entry by entry, leaves only the
 work that is needed, about a tenth of that of loops over all of it.
@@ -7,6 +7,7 @@ work that is needed, about a tenth of that of loops over all of it.
 from collections.abc import Sequence
 
 TENSIONS = 5
+FOR_ALL = "    for f in range(5):"
 Pattern = list[list[bool]]
 
 
@@ -34,6 +35,59 @@ def text(
     return "\n\n".join([_factor(pattern, takes, seen), _solve(pattern, takes, core)])
 
 
+def fingers(pattern: Sequence[Sequence[bool]]) -> str:
+    """Functions `factor_fingers` and `solve_fingers` for arrow.py.
+
+    `pattern`: where the rates of a finger's own states depend on these. The states on which the
+    fewest rates depend go first, so that little is filled.
+    """
+    size = len(pattern)
+    order = sorted(range(size), key=lambda j: sum(row[j] for row in pattern))
+    full = filled([[i == j or pattern[i][j] for j in order] for i in order])
+    return "\n\n".join([_factor_fingers(pattern, order, full), _solve_fingers(order, full)])
+
+
+def _factor_fingers(pattern, order, full):
+    size = len(order)
+    lines = ["def factor_fingers(shift, blocks, lifts):"]
+    lines += ['    """LU of shift - F of all fingers; what acts on them beside."""', FOR_ALL]
+    for i, row in enumerate(order):
+        for j, column in enumerate(order):
+            if full[i][j]:
+                parts = ["shift"] if i == j else []
+                parts += [f"- blocks[{row}, {column}, f]"] if pattern[row][column] else []
+                lines.append(f"        m_{i}_{j} = {' '.join(parts) or '0.0'}")
+    lines += ["    " + line for line in _triangles(full)]
+    lines += [
+        f"        lifts[{order[i]}, {order[j]}, f] = m_{i}_{j}"
+        for i in range(size)
+        for j in range(size)
+        if full[i][j]
+    ]
+    lines += [f"        for n in range({size}, blocks.shape[1]):"]
+    lines += [f"            lifts[{row}, n, f] = blocks[{row}, n, f]" for row in range(size)]
+    return "\n".join(lines) + "\n"
+
+
+def _solve_fingers(order, full):
+    size = len(order)
+    lines = ["def solve_fingers(lifts, b):"]
+    lines += ['    """Replace b (states of a finger, fingers) by the solution."""', FOR_ALL]
+    for i, row in enumerate(order):
+        lines.append(f"        z_{i} = b[{row}, f]")
+        lines += [
+            f"        z_{i} -= lifts[{row}, {order[k]}, f] * z_{k}" for k in range(i) if full[i][k]
+        ]
+    for i, row in reversed(list(enumerate(order))):
+        lines += [
+            f"        z_{i} -= lifts[{row}, {order[k]}, f] * z_{k}"
+            for k in range(i + 1, size)
+            if full[i][k]
+        ]
+        lines += [f"        z_{i} *= lifts[{row}, {row}, f]", f"        b[{row}, f] = z_{i}"]
+    return "\n".join(lines) + "\n"
+
+
 def _factor(pattern, takes, seen):
     full = filled(pattern)
     size, count = len(full), len(full) - TENSIONS
@@ -45,6 +99,15 @@ def _factor(pattern, takes, seen):
             for j in range(size)
             if full[i][j]
         ]
+    lines += _triangles(full)
+    places = _places(full)
+    lines += [f"    lu[{n}] = m_{i}_{j}" for (i, j), n in places.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _triangles(full):
+    """Lines that replace m by its LU, the reciprocal on the diagonal."""
+    size, lines = len(full), []
     for k in range(size):
         lines.append(f"    m_{k}_{k} = 1.0 / m_{k}_{k}")
         for i in range(k + 1, size):
@@ -55,9 +118,7 @@ def _factor(pattern, takes, seen):
                     for j in range(k + 1, size)
                     if full[k][j]
                 ]
-    places = _places(full)
-    lines += [f"    lu[{n}] = m_{i}_{j}" for (i, j), n in places.items()]
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def _entry(i, j, pattern, takes, seen, count):

@@ -11,7 +11,7 @@ import numpy as np
 from hannes.equations import equations, sample
 from hannes.full import gather, linearise, slope, workspace
 from hannes.rodas.arrays import copy_to
-from hannes.rodas.step import NOT_FINITE, WORK
+from hannes.rodas.step import NOT_FINITE, TOO_MANY, WORK
 
 # Filled in by assemble.py; the functions are those of the method and of `OBSERVED`.
 STATES, CHANNELS, OUTPUTS = 1, 1, 1
@@ -24,7 +24,6 @@ fill_outputs: Any = None
 LONGEST = 0.03  # s, of a step: a longer one may miss a contact that comes and goes
 RUN = 16  # steps whose dense output is kept until it is sampled
 MOST = 1_000_000  # steps of one grasp: seconds, where an ordinary one takes a few hundred
-TOO_MANY = -3
 
 
 def rates(t, y, p, reference, hold):

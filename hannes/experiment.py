@@ -1,5 +1,6 @@
 """What is done with a hand: a reference to follow, an object or none, a controller, noise."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -81,11 +82,14 @@ class Experiment:
             raise BadInput(f'controller = "{self.controller}": expected one of {CONTROLLERS}')
         if not (self.duration > 0.0 and self.sampling > 0.0):
             raise BadInput("duration and sampling must be above zero")
+        if "controller.sampled" in self.values:
+            raise BadInput('controller.sampled is no value: give controller = "sampled" instead')
 
     @property
     def times(self) -> np.ndarray:
-        """Sample times [s], shape (n,)."""
-        return np.arange(round(self.duration * self.sampling) + 1) / self.sampling
+        """Sample times [s], shape (n,): none beyond the duration."""
+        count = math.floor(self.duration * self.sampling + 1e-6)  # of a sample: rounding
+        return np.minimum(np.arange(count + 1) / self.sampling, self.duration)
 
     @property
     def shape(self) -> str | None:

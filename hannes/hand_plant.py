@@ -203,13 +203,12 @@ def posed(recording: Recording) -> Experiment:
             )
         return replace(planned, noise={})
     since = recording.time - recording.time[0]
-    sampling = 1.0 / float(np.median(np.diff(since)))
+    duration = float(since[-1])
+    sampling = max(1, round(duration / float(np.median(np.diff(since))))) / duration
     reference = recorded_reference(since, recording["reference"])
     if planned is None:
-        return Experiment("recorded", float(since[-1]), reference, sampling=sampling)
-    return replace(
-        planned, duration=float(since[-1]), reference=reference, sampling=sampling, noise={}
-    )
+        return Experiment("recorded", duration, reference, sampling=sampling)
+    return replace(planned, duration=duration, reference=reference, sampling=sampling, noise={})
 
 
 def _planned(recording: Recording) -> Experiment | None:

@@ -31,6 +31,7 @@ def described(hand: "Hand") -> str:
     lines += ["Stages of the model, in order (their text: hannes hand --equations)"]
     lines += _stages(hand.present_effects())
     lines += ["", "Effects", *(_effects(hand) or ["  none beyond the base model"])]
+    lines += _slow(hand.present_effects())
     lines += ["", "Values that differ from the shipped hand", *(_changed(hand) or ["  none"])]
     lines += ["", "Sources of the values (each of them: hannes hand --values)"]
     return "\n".join([*lines, *_sources(hand.parameters.declared.values())])
@@ -79,6 +80,15 @@ def _stages(effects: Iterable[Effect]) -> list[str]:
         lines += [line for law in _laws(stage) for line in _wrapped(law, 14)]
         lines += [f"{'':14}+ effect {name}" for name in dict.fromkeys(joined.get(stage, ()))]
     return lines
+
+
+def _slow(effects: Iterable[Effect]) -> list[str]:
+    """A line on effects with which the integrator's Jacobian is not the structured one."""
+    from hannes.assemble import jacobian_kind
+    from hannes.hand import EQUATIONS
+
+    kind = jacobian_kind(EQUATIONS, effects)
+    return [] if kind == "structured" else _wrapped(f"slower to simulate: {kind}", 2)
 
 
 def _headline(function: Callable[..., object]) -> str:

@@ -3,12 +3,13 @@
 import math
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from hannes.assemble import Compiled
-from hannes.entries import LONGEST
+from hannes.entries import LONGEST, MOST
 from hannes.experiment import Experiment
 from hannes.trajectory import Cost, Outcome, Trajectory
 
@@ -17,6 +18,7 @@ IMPLICIT = ("LSODA", "BDF", "Radau")
 HOLD = 10  # numbers that firmware holds, see `sample` in equations.py
 AGE = 9  # place among them of the age of its readings
 RUN = 256  # steps that Rodas takes between two returns to scipy
+_ready: set[tuple[Compiled, str]] = set()  # whose machine code this process has at hand
 
 
 def tolerances(compiled: Compiled, rtol: float) -> np.ndarray:
@@ -51,11 +53,22 @@ class Initial:
 
     def run(self) -> Trajectory:
         """Integrate to the end, or to where it fails."""
+        self._make_ready()
         parts = self._ticks() if self.experiment.controller == "sampled" else self._smooth_parts()
         for start, end, knots in parts:
             if not self._advance(start, end, knots):
                 break
         return self._result()
+
+    def _make_ready(self) -> None:
+        """Compile, where that is still to be done: it is no part of what the solver takes."""
+        knots, moment = self.experiment.reference.knots, 1e-9 * self.experiment.duration
+        done = (self.compiled, self.method) in _ready
+        if done or not self._sets_out(self._rates(knots), 0.0):
+            return
+        with suppress(ValueError), np.errstate(all="ignore"):  # it is told when it is in earnest
+            self._solve(knots, (0.0, moment), np.array([moment]))
+        _ready.add((self.compiled, self.method))
 
     def _smooth_parts(self) -> Iterator[tuple[float, float, np.ndarray]]:
         """Parts between kinks of the reference; Rodas knows of the kinks itself."""
@@ -82,24 +95,14 @@ class Initial:
 
     def _advance(self, start: float, end: float, knots: np.ndarray) -> bool:
         """Integrate one smooth part and store its samples; False where it failed."""
-        from scipy.integrate import solve_ivp
-
-        rates, inside = self._rates(knots), self._samples(end)
-        if not self._sets_out(rates, start):
+        inside = self._samples(end)
+        if not self._sets_out(self._rates(knots), start):
             return self._fail(Outcome.NOT_FINITE, f"the rates at {start:g} s are not finite")
         clock = time.perf_counter()
         try:
             with np.errstate(all="ignore"):
-                part = solve_ivp(
-                    rates,
-                    (start, end),
-                    self.state,
-                    t_eval=np.clip(np.append(self.times[self.filled : inside], end), start, end),
-                    rtol=self.rtol,
-                    atol=self.atol,
-                    dense_output=bool(self.hold[AGE]),
-                    **self._method(knots),
-                )
+                times = np.clip(np.append(self.times[self.filled : inside], end), start, end)
+                part = self._solve(knots, (start, end), times)
         except ValueError as error:
             if "infs or NaNs" not in str(error):
                 raise
@@ -117,6 +120,20 @@ class Initial:
         self.state = rows[-1].copy()
         self.past += [part.sol] if part.sol else []
         return True
+
+    def _solve(self, knots: np.ndarray, span: tuple[float, float], times: np.ndarray) -> Any:
+        from scipy.integrate import solve_ivp
+
+        return solve_ivp(
+            self._rates(knots),
+            span,
+            self.state,
+            t_eval=times,
+            rtol=self.rtol,
+            atol=self.atol,
+            dense_output=bool(self.hold[AGE]),
+            **self._method(knots),
+        )
 
     def _fail(self, outcome: Outcome, message: str) -> bool:
         self.outcome, self.message = outcome, message
@@ -164,6 +181,7 @@ class Initial:
             "run": RUN,
             "kinks": knots[0] if self.experiment.reference.kinked else (),
             "max_step": LONGEST,
+            "most": MOST,
         }
 
     def _result(self) -> Trajectory:

@@ -6,6 +6,8 @@ not (nor may they divide, which is slow). For a single number the library's func
 
 import math
 
+import numpy as np
+
 from hannes._jit import kernel
 
 FAR = 40.0  # where exp(-x) is below the last digit of 1
@@ -40,7 +42,7 @@ def lane_sign(x):
 @kernel
 def direction(angle):
     """Cosine and sine, to 1e-15: series at a quarter of the angle, doubled twice."""
-    turns = math.floor(angle / (2.0 * math.pi) + 0.5)
+    turns = np.floor(angle / (2.0 * math.pi) + 0.5)  # math's refuses what is no number
     t = 0.25 * (angle - 2.0 * math.pi * turns)
     q = t * t
     high = 1.0 - q * (1.0 / 110.0) * (1.0 - q * (1.0 / 156.0) * (1.0 - q * (1.0 / 210.0)))

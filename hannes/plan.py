@@ -10,12 +10,12 @@ import numpy as np
 
 from hannes._jit import compiles
 from hannes.assemble import Compiled
-from hannes.entries import MOST, TOO_MANY
+from hannes.entries import MOST
 from hannes.errors import BadInput, nearest
 from hannes.experiment import Experiment
 from hannes.ivp import HOLD, tolerances
 from hannes.layout import Layout
-from hannes.rodas.step import NOT_FINITE
+from hannes.rodas.step import NOT_FINITE, TOO_MANY
 from hannes.trajectory import Cost, Outcome
 
 
@@ -84,7 +84,7 @@ class Plan:
         return replace(ran, seconds=time.perf_counter() - ran.seconds)
 
     def make_ready(self) -> "Plan":
-        """Compile, where that is still to be done, and say so on standard error."""
+        """Compile, where that is still to be done, and say so; the clock is not to count it."""
         say_when_compiling(self.compiled, "grasps")
         parameters, states = self.compiled.parameters.size, self.compiled.states.size
         self.run(np.zeros((0, parameters)), np.zeros((0, states)))

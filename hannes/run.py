@@ -99,13 +99,13 @@ def _row(variant: Variant, ran: Trajectory) -> dict[str, Any]:
         "outcome": ran.outcome.value,
         "controller": variant.experiment.controller,
         "metrics": measured(ran),
-        "cost": _cost(ran.cost),
+        "cost": {**_cost(ran.cost), "jacobian": ran.compiled.jacobian_kind},
         "effects": effect_names(variant.hand),
         "parameters": texts(variant.hand, differences(variant.hand)),
     }
 
 
-def _cost(cost: Cost) -> dict[str, float]:
+def _cost(cost: Cost) -> dict[str, Any]:
     """What the solver took; smooth parts are the stretches between kinks of the reference."""
     return {
         "evaluations": cost.evaluations,

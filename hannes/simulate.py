@@ -40,8 +40,7 @@ def simulate(
 
 def _firmware(plan: Plan, experiment: Experiment, p: np.ndarray, rest: np.ndarray) -> Trajectory:
     """Tick after tick in one compiled call: scipy would be set up anew for every millisecond."""
-    say_when_compiling(plan.compiled, "grasps")
-    ran = plan.run(p[np.newaxis], rest[np.newaxis])
+    ran = plan.make_ready().run(p[np.newaxis], rest[np.newaxis])
     counts, reached = ran.counts[0], ran.counts[0, 5]
     return Trajectory(
         experiment,

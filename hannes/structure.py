@@ -52,6 +52,8 @@ _BY_WIRE: dict[str, tuple[int, ...]] = {
     "cart_speed1": (2, 3, 4),
     **dict.fromkeys(("cart_position0", "cart_position1", "motor_angle"), ()),
 }
+_TOLD = ("told_force", "told_sensor")
+_SHARED = {"joint_torque", *_TOLD}  # by both joints of a finger
 _TAKEN_UP = ("excursion", "excursion_rate")
 _CONSTANTS = ("slack", "leader_compliance", "follower_compliance")
 _ROTOR = ("motor_angle", "motor_speed", "motor_current")
@@ -78,19 +80,24 @@ class Arrow:
     seen: list[int] = field(default_factory=list)
     timed: bool = False
     held: bool = True
-    paired: bool = True
+    carted: bool = True  # APART in core_differences.py
+    alike: bool = True
     plain: bool = True  # no effect reads in the wires' stages what these do not read anyway
     plain_core: bool = True  # core_slopes.py holds
     plain_fingers: bool = True  # finger_slopes.py holds
     broken: str = ""
     names: list[str] = field(default_factory=list)  # of the core's states, one each
     winding: list[str] = field(default_factory=lambda: ["motor_current"])  # rates by the motor only
+    kinds: list[tuple[str, int]] = field(default_factory=list)  # own states: name, which of two
+    apart: set[str] = field(default_factory=set)  # of joints or phalanges, each for itself
+    trailing: set[str] = field(default_factory=set)  # that nothing reads but what sensors tell
 
     def constants(self) -> dict[str, str]:
         """Text of the constants by name."""
         lists = {"CORE": self.core, "PART": self.part, "CART": self.cart, "SEEN": self.seen}
         numbers = {"SIZE": len(self.own[0]), "COUNT": len(self.core), "SEEING": len(self.seen)}
-        flags = {"TIMED": self.timed, "HELD": self.held, "PAIRED": self.paired}
+        flags = {"TIMED": self.timed, "HELD": self.held}
+        flags |= {"APART": self.carted, "ALIKE": self.carted and self.alike}
         return {
             **{name: f"np.array({values}, np.int64)" for name, values in lists.items()},
             "OWN": f"np.array({self.own}).T.copy()",
@@ -113,6 +120,20 @@ class Arrow:
         for n in range(len(self.names)):
             full[5 + n][5 + n] = True
         return full, takes
+
+    def own_pattern(self) -> elimination.Pattern:
+        """Where the rates of a finger's own states may depend on these."""
+        return [
+            [self._depends(i, j) for j in range(len(self.kinds))] for i in range(len(self.kinds))
+        ]
+
+    def _depends(self, i: int, j: int) -> bool:
+        (row, link), (column, other) = self.kinds[i], self.kinds[j]
+        if i < 2:
+            return j == i + 2
+        if column in self.trailing:
+            return i == j
+        return i < 4 or j < 4 or link == other or not {row, column} <= self.apart
 
     def _taken(self, row: str) -> tuple[int, ...]:
         """Fingers whose wire a tension or the rate of a core state may depend on."""
@@ -149,6 +170,7 @@ def shape(
             share = PER_FINGER[slot.axis]
             for k in places:
                 found.own[(k - places.start) // share].append(k)  # angles, speeds, effects'
+            found.kinds += [(slot.name, link) for link in range(share)]
             continue
         names = [f"{slot.name}{n}" if slot.axis else slot.name for n in range(slot.size)]
         found.core += places
@@ -159,11 +181,13 @@ def shape(
     for effect in effects:
         for term in effect.terms:
             _join(found, effect, term, states, channels, stages[term.writes[0]])
+    found.trailing = set(_trailing(effects))
     if found.broken:
         return Shape((arrow,), {}, "", found.broken)
     found.seen.sort()
     pattern, takes = found.pattern()
     written = elimination.text(pattern, takes, found.core, found.seen)
+    written += "\n\n" + elimination.fingers(found.own_pattern())
     fingers = finger_slopes if found.plain_fingers else finger_differences
     core = core_slopes if found.plain_core else core_differences
     return Shape((fingers, core, arrow), found.constants(), written, found.broken)
@@ -177,6 +201,16 @@ def _homes(effects: tuple[Effect, ...], stages: dict[str, str]) -> dict[str, str
         for term in effect.terms
         for name in term.states
     }
+
+
+def _trailing(effects: tuple[Effect, ...]) -> Iterator[str]:
+    """Full names of states that only their own term reads, which only adds to what is told."""
+    terms = [(effect, term) for effect in effects for term in effect.terms]
+    for effect, term in terms:
+        if set(term.writes) <= set(_TOLD) and len(term.states) == 1:
+            others = {name for _, each in terms if each is not term for name in each.arguments}
+            if not others & {*term.states, *term.writes}:
+                yield f"{effect.name}.{term.states[0]}"
 
 
 def _join(
@@ -204,11 +238,16 @@ def _join(
     if turned and set(arguments) & set(_OF_DRIVE):
         found.part = [BOTH if part == MOTOR_ONLY else part for part in found.part]
     names = {slot.name for slot in arrays}
+    if part == "fingers":
+        own_states = {f"{effect.name}.{name}" for name in term.states}
+        found.apart |= own_states if PER_FINGER.get(axis) == 2 and not names & _SHARED else set()
     found.held &= part != "fingers" or not names & {"tendon_tension", "joint_torque"}
     if part == "wires":
-        found.paired &= not term.states and not arrays
+        usual = set(_USUAL.get((stage, axis), ()))
+        found.carted &= not term.states and names <= usual
+        found.alike &= not names
         read = names if stage == "gear" else names | {slot.name for slot in reads}
-        found.plain &= not term.states and read <= set(_USUAL.get((stage, axis), ()))
+        found.plain &= not term.states and read <= usual
 
 
 def _is_plain(term: Term, stage: str, reads: tuple[Slot, ...], arrays: bool) -> bool:
@@ -243,8 +282,6 @@ def _reads_state(found: Arrow, slot: Slot, states: Layout, axis: str, part: str,
 
 
 def _reads_channel(slot: Slot, axis: str, part: str) -> str:
-    if part == "motor":
-        return f"reads {slot.name} in the stages of the motor"
     if part == "wires":
         return "" if slot.name in (*_TAKEN_UP, *_FROM_WIRES) else f"reads {slot.name} in the wires"
     if slot.name in _OF_CART:

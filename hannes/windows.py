@@ -87,6 +87,8 @@ class Table:
         """Check `values` and spread them to columns of one length."""
         posed = hand.with_values(experiment.overrides())
         given = {name: np.asarray(value, float) for name, value in values.items()}
+        if "controller.sampled" in given:
+            raise BadInput('controller.sampled is no column: give controller = "sampled" instead')
         for name, column in given.items():
             _check(posed.parameters.require(name), column)
         sizes = {column.size for column in given.values() if column.ndim}

@@ -12,9 +12,12 @@ import pytest
 from runs import grasp, worst
 
 import hannes
+from hannes.assemble import assemble
 from hannes.catalogue import effect as find_effect
+from hannes.effect import Effect, Term
 from hannes.errors import BadInput
-from hannes.hand import Hand
+from hannes.hand import EQUATIONS, Hand
+from hannes.parameter import Parameter
 from hannes.simulate import simulate
 
 OWN = '''
@@ -132,6 +135,46 @@ REFUSED = {
     "reads_unknown": ("('slack',)", "nowhere", "nowhere"),
     "writes_unknown": ("('wobble',)", "share", "wobble"),
 }
+
+
+def adding(channel, *names):
+    """An effect that adds to a channel what it reads."""
+    kernel = eval(f"lambda {', '.join(names)}, share: 0.0")
+    share = Parameter("share", 0.0, "1", (0.0, 1.0), "share", off=0.0)
+    return Effect("odd", "An odd one.", "-", "a test", (share,), (Term(kernel, (channel,)),))
+
+
+@pytest.mark.parametrize(
+    "channel, name, why",
+    [
+        ("resistance", "excursion", "is not worked out yet"),  # filled by a stage to come
+        ("reading_age", "excursion", "is not worked out yet"),  # a tick of its own
+        ("spring_torque", "joint_torque", "is not worked out yet"),  # further on in its stage
+        ("gear_friction", "tendon_tension", "is not worked out yet"),  # but for the thumb's
+        ("told_force", "drag", "is not worked out yet"),  # only where something touches
+        ("gear_friction", "voltage", "is not at hand"),  # a local of another stage
+        ("gear_friction", "leader_tension", "is not at hand"),
+        ("joint_friction", "leader_stretch", "is not at hand"),
+    ],
+)
+def test_an_effect_reads_nothing_from_before(channel, name, why):
+    assert why in EQUATIONS.accepts(adding(channel, name))
+    with pytest.raises(BadInput, match=why):
+        assemble(EQUATIONS, (adding(channel, name),))
+
+
+@pytest.mark.parametrize(
+    "channel, names",
+    [
+        ("gear_friction", ["leader_pull", "excursion_rate", "load", "torque_constant"]),
+        ("joint_torque", ["tendon_tension", "stop_torque", "joint_torque"]),
+        ("normal_force", ["penetration", "normal_x", "slip_speed"]),
+        ("told_force", ["normal_force", "place"]),
+        ("leader_tension", ["stiffness", "rate"]),
+    ],
+)
+def test_an_effect_reads_what_is_worked_out(channel, names):
+    assert EQUATIONS.accepts(adding(channel, *names)) == ""
 
 
 @pytest.mark.parametrize("case", REFUSED)

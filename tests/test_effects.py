@@ -178,11 +178,6 @@ def lag(now, state, time):
     return state - now, (now - state) / time
 
 
-def lag_of_both(force, sensor, first, second, time):
-    return (*(m - f for m, f in ((first, force), (second, sensor))),
-            *((f - m) / time for m, f in ((first, force), (second, sensor))))  # fmt: skip
-
-
 def clip(x, limit):
     """A corner that is round over 2 % at either side is left out of the comparison."""
     return min(max(x, -limit), limit)
@@ -216,7 +211,8 @@ LAWS = {
     "current_offset.shifted": lambda offset: offset,
     "current_gain.exaggerated": lambda current, error: error * current,
     "current_lag.trailing": lag,
-    "force_lag.following": lag_of_both,
+    "force_lag.grip": lag,
+    "force_lag.face": lag,
     "command_delay.late": lambda time: -time,
     "measurement_delay.late_position": lambda x, held, sampled, p, q, time: (
         (held - x, 0.0, 0.0) if sampled > 0.5 else (-q, q / time, (12.0 * (x - p) - 6.0 * q) / time)

@@ -109,7 +109,8 @@ def test_run_writes_the_ledger_and_names_its_cost(tmp_path, capsys):
     assert row["energy"] == told["runs"][0]["energy"]
     assert abs(row["energy"]["residual"]["value"]) < 1e-3
     assert row["energy"]["copper"]["unit"] == "J" and row["energy"]["copper"]["value"] > 0.0
-    assert set(row["cost"]) == {"evaluations", "jacobians", "smooth_parts", "seconds"}
+    assert set(row["cost"]) == {"evaluations", "jacobians", "jacobian", "smooth_parts", "seconds"}
+    assert row["cost"]["jacobian"] == "structured"
     assert row["cost"]["smooth_parts"] == 3  # the reference rises, falls and rests
 
 

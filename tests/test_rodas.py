@@ -6,12 +6,11 @@ import warnings
 
 import numpy as np
 import pytest
-from runs import GRASP, grasp, reference, run
+from runs import grasp, run
 from scipy.integrate import solve_ivp
 from scipy.sparse import csc_array
 
 from hannes._jit import kernel
-from hannes.experiment import Experiment, Target
 from hannes.hand import Hand
 from hannes.rodas.problem import compiled
 from hannes.rodas.solver import Rodas
@@ -219,13 +218,43 @@ def test_no_step_leads_across_a_kink():
 
 
 @pytest.mark.parametrize(
-    "bad", [{"rtol": [1e-3, 1e-3]}, {"atol": [1.0, 1.0]}, {"atol": -1.0}, {"max_step": 0.0}]
+    "bad",
+    [
+        {"rtol": [1e-3, 1e-3]},
+        {"atol": [1.0, 1.0]},
+        {"atol": -1.0},
+        {"max_step": 0.0},
+        {"run": 0},
+        {"jac": np.eye(2)},
+        {"jac": lambda t, y: [-1000.0]},
+    ],
 )
 def test_bad_arguments_are_refused(bad):
     with pytest.raises(ValueError):
         solve_ivp(decay, (0.0, 1.0), [0.0], Rodas, **bad)
     with pytest.raises(ValueError):
         solve_ivp(decay, (0.0, 1.0), [0.0], Rodas, first_step=2.0)
+
+
+def test_a_jacobian_of_another_shape_is_told_of():
+    with pytest.raises(ValueError, match=r"shape \(1, 1\), but has \(2, 2\)"):
+        solve_ivp(decay, (0.0, 1.0), [0.0], Rodas, jac=np.eye(2))
+
+
+def test_nowhere_to_go():
+    found = solve_ivp(decay, (0.5, 0.5), [0.25], Rodas)
+    assert found.status == 0 and found.y[0, -1] == 0.25
+
+
+@pytest.mark.parametrize("rate", [np.inf, -np.inf, np.nan, 1e308])
+def test_rates_beyond_all_bounds_at_the_start_are_told(rate):
+    found = solve_ivp(lambda t, y: rate * (1.0 + y), (0.0, 1.0), [1.0], Rodas)
+    assert found.status == -1 and found.t.size == 1
+
+
+def test_no_more_steps_than_allowed():
+    found = solve_ivp(decay, (0.0, 2.0), [0.0], Rodas, max_step=0.01, most=20)
+    assert found.status == -1 and found.t.size == 21 and "More steps" in found.message
 
 
 def test_odd_arguments_are_warned_of():
@@ -278,7 +307,7 @@ def test_errors_fall_with_the_tolerance_on_the_hand():
     assert found[1] < 0.01 and found[2] < 1e-3
 
 
-def test_a_harsh_hand_is_right_or_refused():
+def test_a_harsh_hand_is_right():
     """Stiff object, steep friction, fast winding, light carts: no silent inaccuracy.
 
     The worst error is that of the force in the instant of the impact, 1 N for each um; stock
@@ -286,17 +315,9 @@ def test_a_harsh_hand_is_right_or_refused():
     """
     hand = Hand().with_values(HARSH)
     exact = simulate(hand, grasp(), method="Radau", rtol=1e-8).require()
-    for rtol, allowed in ((1e-3, 0.1), (1e-4, 0.03), (1e-5, 3e-3), (1e-6, 3e-4)):
+    for rtol, allowed in ((1e-3, 0.01), (1e-4, 4.5e-3), (1e-5, 1.5e-3), (1e-6, 5e-5)):
         found = simulate(hand, grasp(), rtol=rtol)
-        if found.outcome is Outcome.COMPLETED:
-            assert error(found, exact) < allowed
-            off = (found["force"] - exact["force"]) / exact["force"].max()
-            assert np.sqrt(np.mean(off**2)) < 10.0 * rtol
-
-
-def test_overflow_ends_in_a_named_outcome():
-    values = {"leader.stiffness": 1e7, "motor.inertia": 1e-9, "object.stiffness": 1e7}
-    experiment = Experiment("off", 0.5, reference(GRASP), Target("cylinder", {}), values=values)
-    found = simulate(Hand(), experiment, rtol=1e-3)
-    assert isinstance(found.outcome, Outcome)
-    assert np.isfinite(found.states).all()
+        assert found.outcome is Outcome.COMPLETED
+        assert error(found, exact) < allowed
+        off = (found["force"] - exact["force"]) / exact["force"].max()
+        assert np.sqrt(np.mean(off**2)) < 10.0 * rtol

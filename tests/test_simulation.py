@@ -1,16 +1,21 @@
 """Simulations: symmetry, convergence, agreement of methods, and how they end."""
 
 import sys
+import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from runs import GRASP, WAYS, broken, grasp, reference, run, worst
 
+from hannes import ivp
+from hannes._jit import plain
 from hannes.anatomy import FINGERS
+from hannes.batch import simulate_many
 from hannes.errors import BadInput, ComputationFailed
 from hannes.experiment import Experiment, Reference, Target
 from hannes.hand import Hand
+from hannes.lanes import direction
 from hannes.simulate import simulate
 from hannes.trajectory import Outcome
 
@@ -117,6 +122,29 @@ def test_an_effect_compiled_in_at_off_changes_no_bit():
     assert np.array_equal(mine.outputs, run().outputs)
 
 
+# --- cost -------------------------------------------------------------------------------------
+
+
+def test_steps_without_end_are_told(monkeypatch):
+    monkeypatch.setattr("hannes.ivp.MOST", 20)
+    found = simulate(Hand(), grasp(), rtol=1e-6)
+    assert found.outcome is Outcome.SOLVER_GAVE_UP and "More steps" in found.message
+    assert 0 < found.time.size < grasp().times.size
+
+
+def test_seconds_leave_out_what_is_done_once(monkeypatch):
+    """Compiling takes many times what a grasp does."""
+    solved, first = ivp.Initial._solve, [0.3]
+
+    def slow_at_first(self, *given):
+        time.sleep(first.pop() if first else 0.0)
+        return solved(self, *given)
+
+    monkeypatch.setattr(ivp, "_ready", set())
+    monkeypatch.setattr(ivp.Initial, "_solve", slow_at_first)
+    assert simulate(Hand(), grasp()).cost.seconds < 0.3 and not first
+
+
 # --- references and controllers ---------------------------------------------------------------
 
 
@@ -139,6 +167,29 @@ def test_a_step_of_the_reference_is_a_kink():
     assert np.abs(found["current"][found.time < 0.1]).max() < 1e-9
     assert found["current"][found.time > 0.101].max() > 0.5
     assert found.time.size == 301 and found.time[-1] == pytest.approx(0.3)
+
+
+def test_a_step_at_the_start_is_there_from_the_start():
+    experiment = replace(
+        grasp(None, 0.1), reference=reference(((0.0, 0.0), (0.0, 2.0), (1.0, 2.0)))
+    )
+    assert (simulate(Hand(), experiment).require()["reference"] == 2.0).all()
+
+
+@pytest.mark.parametrize("duration, last", [(0.0207, 0.02), (0.0204, 0.02), (0.021, 0.021)])
+def test_no_sample_lies_beyond_the_duration(duration, last):
+    found = simulate(Hand(), grasp(None, duration)).require()
+    assert found.time[-1] == pytest.approx(last, abs=1e-12) and found.time[-1] <= duration
+    longer = simulate(Hand(), grasp(None, 0.03), rtol=1e-8).require()
+    angle = found["motor_angle"]
+    assert angle == pytest.approx(longer["motor_angle"][: angle.size], abs=1e-3 * angle.max())
+
+
+def test_the_controller_is_told_once():
+    with pytest.raises(BadInput, match='controller = "sampled"'):
+        replace(grasp(), values={"controller.sampled": 1.0})
+    with pytest.raises(BadInput, match='controller = "sampled"'):
+        list(simulate_many(Hand(), grasp(), {"controller.sampled": [0.0, 1.0]}, channels=["force"]))
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6])
@@ -211,6 +262,12 @@ def test_a_jacobian_that_is_not_finite_keeps_the_solvers_words(monkeypatch, meth
 def not_finite(time, state):
     """A Jacobian without a finite entry."""
     return np.full((state.size, state.size), np.nan)
+
+
+def test_an_angle_that_is_no_number_has_no_direction():
+    with np.errstate(invalid="ignore"):
+        found = [plain(direction)(each) for each in (np.nan, np.inf)]
+    assert np.isnan(found).all() and np.isnan(direction(np.nan)).all()
 
 
 @pytest.mark.parametrize("rtol", [0.0, 1.0, -1e-3, 1e-14, float("nan")])

@@ -27,6 +27,7 @@ COLUMNS = {
     "cart_position": slice(20, 22),
     "joint_angle": slice(0, 10),
 }
+EVERYTHING = Hand(tuple(effects()))
 FINE_ENCODER = {"encoder.bits": 30.0}
 DYNAMIC = pytest.mark.parametrize(
     ("points", "thing"),
@@ -47,8 +48,8 @@ def shipped():
 
 
 def library(points, thing, controller, values, hidden):
-    """The library's converged trajectory; hidden: sizes by full name."""
-    hand = Hand().with_effects(*{name.partition(".")[0] for name in hidden}).with_values(hidden)
+    """The library's converged trajectory; hidden: sizes by full name, all else is off."""
+    hand = EVERYTHING.with_values(hidden) if hidden else Hand()
     own = {f"object.{name}": x for name, x in (thing or {}).items() if name != "shape"}
     experiment = Experiment(
         "agreement",
@@ -58,7 +59,7 @@ def library(points, thing, controller, values, hidden):
         controller=controller,
         values=values,
     )
-    return simulate(hand, experiment, rtol=1e-7).require()
+    return simulate(hand, experiment, rtol=1e-7, effects=hand.effects).require()
 
 
 def gaps(points, thing, controller="continuous", values=None, hidden=None):

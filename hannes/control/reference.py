@@ -7,10 +7,10 @@ from hannes._jit import kernel
 def interpolate(time, knots):
     """Value at `time` of the line through `knots`, shape (2, n): times [s], values [rad].
 
-    Held before the first and after the last knot.
+    Held before the first and after the last knot; of two knots at one time the later one counts.
     """
     last = knots.shape[1] - 1
-    if time <= knots[0, 0]:
+    if time < knots[0, 0]:
         return knots[1, 0]
     if time >= knots[0, last]:
         return knots[1, last]

@@ -63,15 +63,6 @@ def gravity_torque(angle_1, angle_2, g_x, g_y, length_1, length_2, mass_1, mass_
 
 
 @kernel
-def gravity_energy(angle_1, angle_2, g_x, g_y, length_1, length_2, mass_1, mass_2):
-    """Potential energy of gravity of one finger [J], zero at the MCP joint."""
-    direction = angle_1 + angle_2
-    along_1 = length_1 * (math.cos(angle_1) * g_x - math.sin(angle_1) * g_y)
-    along_2 = length_2 * (math.cos(direction) * g_x - math.sin(direction) * g_y)
-    return -(0.5 * mass_1 + mass_2) * along_1 - 0.5 * mass_2 * along_2
-
-
-@kernel
 def link_frame(link, angle_1, angle_2, length_1):
     """Start point [m] and unit direction of link 0 or 1 in the finger's plane (4 scalars)."""
     if link == 0:

@@ -8,19 +8,21 @@ import numpy as np
 from scipy.integrate import DenseOutput, OdeSolver
 
 from hannes.rodas.problem import Plain
-from hannes.rodas.step import NOT_FINITE, TOO_SMALL, WORK
+from hannes.rodas.step import NOT_FINITE, TOO_MANY, TOO_SMALL, WORK
 
 MESSAGES = {
     TOO_SMALL: "Required step size is less than spacing between numbers.",
     NOT_FINITE: "The right-hand side is not finite.",
+    TOO_MANY: "More steps than allowed.",
 }
 
 
 class Rodas(OdeSolver):
     """Linearly implicit method of order 4 for stiff problems, Rodas4P2.
 
-    Arguments as for scipy's own implicit solvers; `jac` a function, a constant matrix (dense or
-    sparse) or None for forward differences. Three arguments are its own:
+    Arguments as for scipy's own implicit solvers, but that `rtol` is one number for all states;
+    `jac` a function, a constant matrix (dense or sparse) or None for forward differences. Raises
+    ValueError for what cannot be used. Four arguments are its own:
 
     problem : object or None
         The right-hand side compiled together with the method (see problem.py); `fun` and `jac`
@@ -31,6 +33,8 @@ class Rodas(OdeSolver):
         leave it at 1 where there are any.
     kinks : array_like, shape (k,)
         Times at which the right-hand side has a kink or a jump: no step leads across one.
+    most : int
+        How many steps it may take in all; beyond them it fails.
     """
 
     def __init__(
@@ -48,6 +52,7 @@ class Rodas(OdeSolver):
         problem: Any = None,
         run: int = 1,
         kinks: Any = (),
+        most: float = np.inf,
         **extraneous: Any,
     ) -> None:
         if extraneous:
@@ -58,10 +63,12 @@ class Rodas(OdeSolver):
         self.rtol, self.atol = _tolerances(rtol, atol, self.n)
         if not max_step > 0.0:
             raise ValueError("`max_step` must be positive.")
-        self.run, self._counted = int(run), problem is not None
+        if run < 1:
+            raise ValueError("`run` must be at least 1.")
+        self.run, self.most, self._counted = int(run), most, problem is not None
         scale = np.maximum(self.atol / self.rtol, 1e-12)
         self.problem = problem or Plain(
-            self.fun, self.fun_vectorized, _jacobian(jac), scale, self.direction
+            self.fun, self.fun_vectorized, _jacobian(jac, self.n), scale, self.direction
         )
         self._bounds = _bounds(kinks, float(t0), float(t_bound))
         self.clock = np.array([t0, 0.0, self._bounds.pop(), max_step, 1.0])
@@ -88,6 +95,8 @@ class Rodas(OdeSolver):
         return found
 
     def _step_impl(self) -> tuple[bool, str | None]:
+        if self.njev >= self.most:
+            return False, MESSAGES[TOO_MANY]
         ends, pieces = np.empty(self.run + 1), np.empty((self.run, 4, self.n))
         self.y = self.y.copy()
         taken = self._call(self.problem.advance, ends, pieces, self.work)
@@ -142,13 +151,16 @@ def _tolerances(rtol: float, atol: Any, n: int) -> tuple[float, np.ndarray]:
     return max(float(rtol), least), np.array(np.broadcast_to(atol, (n,)))
 
 
-def _jacobian(jac: Any) -> Callable[..., Any] | None:
-    """`jac` as a function of t and y that returns a dense matrix, or None."""
+def _jacobian(jac: Any, n: int) -> Callable[..., Any] | None:
+    """`jac` as a function of t and y that returns a dense matrix (n, n), or None."""
     if jac is None:
         return None
 
     def dense(matrix: Any) -> np.ndarray:
-        return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix, float)
+        found = np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix, float)
+        if found.shape != (n, n):
+            raise ValueError(f"`jac` is expected to have shape {(n, n)}, but has {found.shape}.")
+        return found
 
     if callable(jac):
         return lambda t, y: dense(jac(t, y))

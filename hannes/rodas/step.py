@@ -37,7 +37,7 @@ HOPELESS = 8.0  # size of the nonlinear remainder at which a step is given up af
 BEYOND, ADDED = 1.02, 0.005  # a step that fails at a kink is cut to end just beyond it
 DOUBT = 3.0  # what an error estimate may be wrong by across a kink
 LEAST = 2e-15  # of the time: the shortest step
-TOO_SMALL, NOT_FINITE = -1, -2
+TOO_SMALL, NOT_FINITE, TOO_MANY = -1, -2, -3
 
 
 def advance(problem, data, y, rtol, atol, clock, counts, ends, pieces, work):
@@ -155,6 +155,9 @@ def first_step(problem, data, y, rtol, atol, clock, counts, work):
     speed = scaled_size(rates, y, y, rtol, atol, parts)
     h = 1e-6 if size < 1e-5 or speed < 1e-5 else 0.01 * size / speed
     h = math.copysign(min(h, abs(reach)), reach)
+    if not 0.0 < abs(h) < np.inf:  # nowhere to go, or rates that `step` will refuse
+        clock[1] = reach
+        return
     copy_to(moved, y)
     add_scaled(moved, h, rates)
     problem.slope(clock[0] + h, moved, other, data)
@@ -162,7 +165,9 @@ def first_step(problem, data, y, rtol, atol, clock, counts, work):
     add_scaled(other, -1.0, rates)
     bend = scaled_size(other, y, y, rtol, atol, parts) / abs(h)
     worst = max(speed, bend)
-    asked = max(1e-6, abs(h) * 1e-3) if worst < 1e-15 else (0.01 / worst) ** (1.0 / ORDER)
+    asked = max(1e-6, abs(h) * 1e-3)
+    if 1e-15 <= worst < np.inf:
+        asked = (0.01 / worst) ** (1.0 / ORDER)
     clock[1] = math.copysign(min(100.0 * abs(h), asked, abs(reach)), reach)
 
 
