@@ -16,6 +16,7 @@ from hannes import decision, files
 from hannes import pieces as cutting
 from hannes.campaign import Campaign, read_campaign
 from hannes.catalogue import effects
+from hannes.diagnosis.deep import deep, possible
 from hannes.effect import Effect
 from hannes.gap import Traces, gaps, inflated, times_floor, traces, undone, where
 from hannes.pieces import Piece, floors
@@ -70,10 +71,20 @@ def diagnose(
     if not isinstance(campaign, Campaign):
         campaign = read_campaign(campaign, seed)
     with _bar(progress) as tell:
-        result = _Work(campaign, seed, tell).result()
+        if possible(campaign.plant) and not decision.lacking(
+            campaign, cutting.cut(campaign)[0], ()
+        ):
+            result = _deep(campaign, seed, tell)
+        else:
+            result = _Work(campaign, seed, tell).result()
     if out is not None:
         result.write(out)
     return result
+
+
+def _deep(campaign: Campaign, seed: int, tell: Progress) -> Diagnosis:
+    found = deep(campaign, seed, tell)
+    return Diagnosis(campaign, found.verdict, found.plant, found.traces, found.floors, ())
 
 
 @contextmanager

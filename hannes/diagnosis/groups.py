@@ -23,7 +23,7 @@ class Group:
     def __init__(self, plant: Plant, entries: Sequence[Entry]) -> None:
         channels = tuple(name for name in plant.judged if name in entries[0].recording)
         duration = float(np.ptp(entries[0].recording.time))
-        self.width = max(BIN, duration / BINS)
+        self.width = round(max(BIN, duration / BINS), 6)
         self.entries = tuple(entries)
         self.views = [View(each, plant, channels, (), self.width) for each in entries]
         self.recording = entries[0].recording

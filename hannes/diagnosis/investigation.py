@@ -18,9 +18,12 @@ from hannes.effect import Effect
 from hannes.plant import Plant
 
 SHORT = 5  # effects of each screening that are refitted
-FINAL = 3  # of these, refitted with all slopes anew
+FINAL = 3  # of these, refitted with all slopes anew,
+NEAR = 0.5  # where they gain this share of the most, and of what a name needs
+FAINT = 8.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
-LIMIT = 32.0  # gain of an effect that is named: see benchmarks/naming on what empty hands give
+LIMIT = 36.0  # gain of an effect that is named: some 3 times the most that empty hands mostly give
+PRICE = 16.0  # of each further parameter of an effect: the more shapes, the more it fits by chance
 SHARE = 0.02  # of the first effect's gain that a second one needs
 CLEAN = 1.3  # times the bins: what a whole model leaves at most
 
@@ -29,7 +32,11 @@ Told = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Trial:
-    """Effects refitted together, and how much of the base's misfit they take away."""
+    """Effects refitted together.
+
+    gain: how much of the base's misfit they take away, less the price of their parameters
+    alike: effects whose marks these recordings hardly tell from the first one's
+    """
 
     effects: tuple[str, ...]
     point: Point = field(repr=False)
@@ -82,12 +89,15 @@ def investigate(
     told("a look at every effect")
     guesses = screened(base, names)
     bent = base.misfit > BENT * base.miss.size
-    starts = [(base, guess) for guess in guesses[:SHORT]]
+    starts = [(base, guess) for guess in guesses[:SHORT] if guess.gain > FAINT]
     if bent:
         starts += [(given, guess) for guess in screened(given, names)[:SHORT]]
     trials = _refitted(base, starts, told)
     unit = max(1.0, min([base.misfit, *(t.point.misfit for t in trials)]) / base.miss.size)
-    trials = [replace(each, gain=each.gain / unit) for each in trials]
+    trials = sorted(
+        (replace(each, gain=priced(base, each.point, unit)) for each in trials),
+        key=lambda each: -each.gain,
+    )
     found = Found(given, base, guesses, _with_likeness(base, guesses, trials), None, None, unit)
     return _second(found, told) if trials and trials[0].gain > LIMIT else found
 
@@ -112,12 +122,19 @@ def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) ->
         point = fitted(point, 5)
         if guess.effect not in best or point.misfit < best[guess.effect].misfit:
             best[guess.effect] = point
-    order = sorted(best, key=lambda name: best[name].misfit)
-    for name in order[:FINAL]:
-        told(f"{name.replace('_', ' ')}, once more")
-        best[name] = fitted(best[name], 3, anew=1)
-    trials = [Trial((name,), point, base.misfit - point.misfit) for name, point in best.items()]
-    return sorted(trials, key=lambda each: -each.gain)
+    gains = {name: base.misfit - point.misfit for name, point in best.items()}
+    enough = NEAR * max([LIMIT, *gains.values()])
+    for name in sorted(gains, key=lambda each: -gains[each])[:FINAL]:
+        if gains[name] > enough:
+            told(f"{name.replace('_', ' ')}, once more")
+            best[name] = fitted(best[name], 3, anew=1)
+    return [Trial((name,), point, base.misfit - point.misfit) for name, point in best.items()]
+
+
+def priced(base: Point, point: Point, unit: float) -> float:
+    """Misfit that a point has less than the base, less the price of its further parameters."""
+    further = point.active.size - base.active.size - 1
+    return (base.misfit - point.misfit) / unit - PRICE * further
 
 
 def joined(start: Point, guess: Guess) -> Point | None:
@@ -131,21 +148,21 @@ def joined(start: Point, guess: Guess) -> Point | None:
 def _second(found: Found, told: Told) -> Found:
     """Look for more than the best effect explains: a second effect, and what is left after it."""
     best = found.trials[0]
-    needed = max(LIMIT, SHARE * best.gain) * found.unit
+    needed = max(LIMIT, SHARE * best.gain)
     told("what is left")
     guesses = _others(best.point, best.effects)
-    if not guesses or guesses[0].gain < needed:
+    if not guesses or guesses[0].gain < needed * found.unit:
         return replace(found, rest=guesses[0] if guesses else None)
     pairs = []
-    for guess in guesses[:FINAL]:
+    for guess in guesses[:2]:
         told(f"{best.effects[0]} and {guess.effect}".replace("_", " "))
         point = joined(best.point, guess)
         if point is not None:
             point = fitted(point, 4, anew=1)
-            gain = (found.base.misfit - point.misfit) / found.unit
+            gain = priced(found.base, point, found.unit)
             pairs.append(Trial((*best.effects, guess.effect), point, gain))
     pairs.sort(key=lambda each: -each.gain)
-    if not pairs or (pairs[0].gain - best.gain) * found.unit < needed:
+    if not pairs or pairs[0].gain - best.gain < needed:
         return replace(found, rest=guesses[0])
     told("what is left after both")
     after = _others(pairs[0].point, pairs[0].effects)
@@ -153,8 +170,10 @@ def _second(found: Found, told: Told) -> Found:
 
 
 def _others(point: Point, present: tuple[str, ...]) -> list[Guess]:
+    """Guesses for all other effects, the price of their parameters off their gain."""
     names = [name for name in point.ground.model.space.effects if name not in present]
-    return screened(point, names)
+    found = [replace(g, gain=g.gain - PRICE * len(g.places)) for g in screened(point, names)]
+    return sorted(found, key=lambda each: -each.gain)
 
 
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart

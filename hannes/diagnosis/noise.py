@@ -12,7 +12,7 @@ from hannes.calibration.whitening import Whitening
 from hannes.diagnosis.groups import Group
 
 REACH = 0.2  # s, over which noise hangs together
-LEAST = 0.05  # of the mean eigenvalue: a covariance from few runs has none that is surely less
+LEAST = 0.2  # of the mean eigenvalue: a covariance from a few runs has none that is surely less
 TYPICAL = 0.4549  # median of a squared standard normal number
 Levels = dict[str, float]  # channel -> standard deviation of a bin mean
 

@@ -50,11 +50,8 @@ class Space:
         self.prior = np.array([np.sqrt(each.weight) for each in self.directions])
         self.low = np.array([(d.low - d.centre) / d.scale for d in self.directions])
         self.high = np.array([(d.high - d.centre) / d.scale for d in self.directions])
-        self._acting = {
-            id(group): np.array([not d.owner or d.owner == group.owner for d in self.directions])
-            for group in groups
-        }
         self.settings = settings
+        self._acting: dict[str, np.ndarray] = {}
 
     @property
     def size(self) -> int:
@@ -63,7 +60,10 @@ class Space:
 
     def acting(self, group: Group) -> np.ndarray:
         """Which directions make a difference to a group, shape (size,)."""
-        return self._acting[id(group)]
+        if group.owner not in self._acting:
+            owners = [each.owner for each in self.directions]
+            self._acting[group.owner] = np.array([not o or o == group.owner for o in owners])
+        return self._acting[group.owner]
 
     @cached_property
     def _places(self) -> dict[str, list[int]]:
