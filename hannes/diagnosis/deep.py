@@ -134,7 +134,7 @@ class _Closing:
         for place in space.of(*first):
             each = space.directions[place]
             value = float(each.value(point.x[place]))
-            reach = 1.96 * WIDER * np.sqrt(self.found.unit) * spread[int(place)] * each.scale
+            reach = 1.96 * WIDER * self.found.unit**0.5 * spread[int(place)] * each.scale
             low, high = max(each.low, value - reach), min(each.high, value + reach)
             declared = self.model.whole.parameters.declared[each.name]
             found[each.name] = {"value": value, "unit": declared.unit, "low": low, "high": high}

@@ -11,7 +11,7 @@ from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.noise import rough_levels
 from hannes.diagnosis.point import Point, first, missed
-from hannes.diagnosis.screen import Guess, likeness, screened
+from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
 from hannes.effect import Effect
@@ -91,7 +91,9 @@ def investigate(
     bent = base.misfit > BENT * base.miss.size
     starts = [(base, guess) for guess in guesses[:SHORT] if guess.gain > FAINT]
     if bent:
-        starts += [(given, guess) for guess in screened(given, names)[:SHORT]]
+        large = screened(given, names, ALL_SIZES)[:SHORT]
+        starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
+        starts += [(given, guess) for guess in large]
     trials = _refitted(base, starts, told)
     unit = max(1.0, min([base.misfit, *(t.point.misfit for t in trials)]) / base.miss.size)
     trials = sorted(

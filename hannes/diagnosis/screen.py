@@ -11,9 +11,12 @@ import numpy as np
 
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.point import Point
+from hannes.diagnosis.space import LOOSE
 from hannes.effect import Effect
 
-SMALL = 1.0  # steps of an amplitude
+SMALL = (1.0,)  # steps of an amplitude
+ALL_SIZES = (1.0, 8.0, 25.0, -8.0, -25.0)  # where what is missing may be large: no secant holds all
+HOLDS = 3.0  # times its size, or as small a part, within which a secant is believed
 SHAPES = 5  # values of a parameter that tells where or how fast an effect acts
 
 
@@ -31,17 +34,28 @@ class Guess:
     columns: np.ndarray
 
 
-def screened(point: Point, effects: Sequence[str]) -> list[Guess]:
+def screened(point: Point, effects: Sequence[str], sizes: Sequence[float] = SMALL) -> list[Guess]:
     """The best guess for each effect, the largest gain first."""
-    model = point.ground.model
-    trials = [(name, shape) for name in effects for shape in shapes(model.space.effects[name])]
-    columns = _columns(point, trials)
+    trials = [
+        (name, shape, size)
+        for name in effects
+        for k, shape in enumerate(shapes(point.ground.model.space.effects[name]))
+        for size in (sizes if k == 0 else sizes[:1])
+        if _allowed(point, name, size)
+    ]
     guesses: dict[str, Guess] = {}
-    for (name, shape), rows in zip(trials, columns, strict=True):
-        found = _guess(point, name, shape, rows)
+    for (name, shape, size), rows in zip(trials, _columns(point, trials), strict=True):
+        found = _guess(point, name, shape, rows, size)
         if name not in guesses or found.gain > guesses[name].gain:
             guesses[name] = found
     return sorted(guesses.values(), key=lambda each: -each.gain)
+
+
+def _allowed(point: Point, name: str, size: float) -> bool:
+    """Tell whether all amplitudes of an effect may be of a size."""
+    space = point.ground.model.space
+    places = [space.place(each) for each in amplitude_names(space.effects[name])]
+    return all(space.low[place] <= size <= space.high[place] for place in places)
 
 
 def shapes(effect: Effect) -> list[dict[str, float]]:
@@ -59,19 +73,22 @@ def _spread(low: float, high: float, count: int) -> np.ndarray:
     return low * (high / low) ** inner if low > 0.0 else low + (high - low) * inner
 
 
-def _columns(point: Point, trials: Sequence[tuple[str, dict[str, float]]]) -> list[np.ndarray]:
+def _columns(
+    point: Point, trials: Sequence[tuple[str, dict[str, float], float]]
+) -> list[np.ndarray]:
     """Whitened change of all groups per step of each trial's amplitudes, shape (amplitudes, N)."""
     model, x = point.ground.model, point.x
-    rows, spans = [x], []
-    for name, shape in trials:
+    rows, spans, steps = [x], [], []
+    for name, shape, size in trials:
         amplitudes = [model.space.place(n) for n in amplitude_names(model.space.effects[name])]
-        rows += [_at(model, x, shape, place) for place in amplitudes]
+        rows += [_at(model, x, shape, place, size) for place in amplitudes]
+        steps += [size] * len(amplitudes)
         spans.append(len(amplitudes))
-    stacked = np.array(rows)
+    stacked, sizes = np.array(rows), np.array(steps)[:, np.newaxis]
     changes = []
     for group in model.groups:
         made = model.vectors(group, stacked, True)
-        changes.append(np.nan_to_num((made[1:] - made[0]) / SMALL))
+        changes.append(np.nan_to_num((made[1:] - made[0]) / sizes))
     whole = point.ground.together(changes)
     return np.split(whole, np.cumsum(spans)[:-1])
 
@@ -81,28 +98,34 @@ def amplitude_names(effect: Effect) -> list[str]:
     return [effect.full_name(each.name) for each in effect.amplitudes]
 
 
-def _at(model: Model, x: np.ndarray, shape: dict[str, float], place: int) -> np.ndarray:
+def _at(
+    model: Model, x: np.ndarray, shape: dict[str, float], place: int, size: float
+) -> np.ndarray:
     moved = x.copy()
     for name, value in shape.items():
         where = model.space.place(name)
         each = model.space.directions[where]
         moved[where] = (value - each.centre) / each.scale
-    up = moved[place] + SMALL <= model.space.high[place]
-    moved[place] += SMALL if up else -SMALL
+    moved[place] += size
     return moved
 
 
-def _guess(point: Point, name: str, shape: dict[str, float], rows: np.ndarray) -> Guess:
+def _guess(
+    point: Point, name: str, shape: dict[str, float], rows: np.ndarray, size: float
+) -> Guess:
     from scipy.optimize import lsq_linear
 
     model = point.ground.model
     effect = model.space.effects[name]
     places = np.array([model.space.place(each) for each in amplitude_names(effect)])
     pull, curvature = projected(point, rows)
-    root = np.linalg.cholesky(curvature + 1e-9 * np.trace(curvature) * np.eye(len(places)))
+    root = np.linalg.cholesky(curvature + LOOSE * np.eye(len(places)))
     bounds = (model.space.low[places] - 1e-9, model.space.high[places] + 1e-9)
     found = lsq_linear(root.T, np.linalg.solve(root, pull), bounds).x
     gain = float(2.0 * pull @ found - found @ curvature @ found)
+    ratio = float(np.abs(found).max() / abs(size))
+    if ratio > HOLDS or (ratio < 1.0 / HOLDS and abs(size) > SMALL[0]):
+        gain *= 0.5  # a guess by a secant of another size
     own = model.space.of(name)
     x = np.zeros(model.space.size)
     for full, value in shape.items():
@@ -127,7 +150,7 @@ def likeness(point: Point, one: np.ndarray, other: np.ndarray) -> float:
     _, whole = projected(point, np.vstack([one, other]))
     roots = []
     for part in (whole[:size, :size], whole[size:, size:]):
-        roots.append(np.linalg.cholesky(part + 1e-9 * np.trace(part) * np.eye(len(part))))
+        roots.append(np.linalg.cholesky(part + LOOSE * np.eye(len(part))))
     between = np.linalg.solve(roots[0], whole[:size, size:])
     cosines = np.linalg.svd(np.linalg.solve(roots[1], between.T), compute_uv=False)
     return float(min(1.0, cosines[0]))
