@@ -31,6 +31,7 @@ def simulate_many(
     rtol: float = 1e-4,
     effects: tuple[Effect, ...] | None = None,
     workers: int | None = None,
+    progress: bool = True,
 ) -> Iterator[Grasp]:
     """Simulate many grasps on all cores and yield each as a Grasp, in order.
 
@@ -49,8 +50,9 @@ def simulate_many(
     `channels` are names of outputs or states, `sampling` [Hz] replaces that of the experiments.
     `rtol` and `effects` are those of `simulate`; results equal its own to the last bit for any
     number of `workers` (default: all cores). Only some grasps of each worker are in memory at a
-    time. A grasp that fails has another outcome and stops nothing. Raises BadInput for a bad
-    name, value, tolerance or number of workers.
+    time. A grasp that fails has another outcome and stops nothing. `progress` shows a bar on
+    standard error after two seconds. Raises BadInput for a bad name, value, tolerance or number
+    of workers.
     """
     check_tolerance(rtol)
     workers = _cores() if workers is None else workers
@@ -61,11 +63,11 @@ def simulate_many(
         if experiment is None:
             raise BadInput("expected an experiment beside the hand, or pairs of both")
         table = Table.of(hands, experiment, values or {})
-        return _streamed(table.windows(asked), table.count, workers)
+        return _streamed(table.windows(asked), table.count, workers, progress)
     if experiment is not None or values is not None:
         raise BadInput("expected pairs of hand and experiment alone, or one hand beside the rest")
     count = operator.length_hint(hands)
-    return _streamed(paired(iter(hands), count, asked), count, workers)
+    return _streamed(paired(iter(hands), count, asked), count, workers, progress)
 
 
 def _cores() -> int:
@@ -73,13 +75,16 @@ def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _streamed(windows: Iterator[list[Part]], count: int, workers: int) -> Iterator[Grasp]:
+def _streamed(
+    windows: Iterator[list[Part]], count: int, workers: int, progress: bool
+) -> Iterator[Grasp]:
     """Grasps in order, a few windows being run ahead; ends its threads whatever happens."""
     from tqdm import tqdm
 
     stop, pool = np.zeros(1, np.bool_), ThreadPoolExecutor(workers)
     ahead: deque[Future[list[Grasp]]] = deque()
-    bar = tqdm(total=count or None, desc="simulating", unit=" grasps", delay=2.0, leave=False)
+    shown = {"delay": 2.0, "leave": False, "disable": not progress}
+    bar = tqdm(total=count or None, desc="simulating", unit=" grasps", **shown)
     try:
         for window in windows:
             ahead.append(pool.submit(_run, window, stop))

@@ -4,7 +4,6 @@ import numpy as np
 
 from hannes._jit import plain
 from hannes.anatomy import FINGERS
-from hannes.contact import section
 from hannes.dynamics import finger
 from hannes.errors import BadInput
 from hannes.experiment import Experiment
@@ -25,9 +24,10 @@ def overlaps(hand: Hand, experiment: Experiment) -> dict[str, float]:
     posed = hand.with_values(experiment.overrides())
     packed, layout = posed.vector(experiment.shape, ()), EQUATIONS.parameters
     p = {slot.name: packed[layout[slot.name]] for slot in layout.slots}
+    depths = _depths(p)
     return {
-        f"{PHALANGES[link]} phalanx of the {name}{'' if name == 'thumb' else ' finger'}": _depth(
-            p, f, link
+        f"{PHALANGES[link]} phalanx of the {name}{'' if name == 'thumb' else ' finger'}": float(
+            depths[2 * f + link]
         )
         for f, name in enumerate(FINGERS)
         for link in range(2)
@@ -48,15 +48,24 @@ def require_clear(hand: Hand, experiment: Experiment, where: str) -> None:
     )
 
 
-def _depth(p: dict[str, np.ndarray], f: int, link: int) -> float:
-    lengths = p["link_length"][2 * f : 2 * f + 2]
-    rest = p["rest"][2 * f : 2 * f + 2]
-    x, y, along_x, along_y = plain(finger.link_frame)(link, *rest, lengths[0])
-    x -= p["object_x"][0] - p["mount_x"][f]
-    y -= p["facing"][f] * (p["object_y"][0] - p["mount_y"][f])
-    half = p["section_half_x"][f], p["section_half_y"][f]
-    gap = min(
-        plain(section.signed_distance)(x + place * along_x, y + place * along_y, *half)[0]
-        for place in np.linspace(0.0, lengths[link], PLACES)
+def _depths(p: dict[str, np.ndarray]) -> np.ndarray:
+    """Depth [m] of every phalanx of the open hand, shape (10,)."""
+    lengths, count = p["link_length"], 2 * len(FINGERS)
+    start = np.array(
+        [
+            plain(finger.link_frame)(
+                k % 2, *p["rest"][k - k % 2 : k - k % 2 + 2], lengths[k - k % 2]
+            )
+            for k in range(count)
+        ]
     )
-    return float(p["reach"][2 * f + link] - gap)
+    f = np.arange(count) // 2
+    x = start[:, 0] - (p["object_x"] - p["mount_x"])[f]
+    y = start[:, 1] - (p["facing"] * (p["object_y"] - p["mount_y"]))[f]
+    places = np.linspace(0.0, 1.0, PLACES) * lengths[:count, np.newaxis]
+    half_x, half_y = p["section_half_x"][f], p["section_half_y"][f]
+    over_x = np.abs(x[:, np.newaxis] + places * start[:, 2:3]) - half_x[:, np.newaxis]
+    over_y = np.abs(y[:, np.newaxis] + places * start[:, 3:4]) - half_y[:, np.newaxis]
+    outside = np.hypot(np.maximum(over_x, 0.0), np.maximum(over_y, 0.0))
+    gap = outside + np.minimum(np.maximum(over_x, over_y), 0.0)
+    return p["reach"][:count] - gap.min(axis=1)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NoReturn
 
-from hannes import __version__, cli_data
+from hannes import __version__, cli_data, cli_sets
 from hannes.errors import BadInput, HannesError, Interrupted, nearest
 from hannes.kernel_error import blamed
 
@@ -64,6 +64,7 @@ campaign.toml, after its [[recording]]s; all of it may be left out:
 hannes diagnose campaign.toml
 hannes diagnose campaign.toml --out results/verdict --json""",
     **cli_data.EXAMPLES,
+    **cli_sets.EXAMPLES,
 }
 
 
@@ -159,6 +160,7 @@ def _parser() -> _Parser:
     _results(diagnose, "as the campaign says")
 
     cli_data.add(partial(_command, commands))
+    cli_sets.add(partial(_command, commands))
     return parser
 
 

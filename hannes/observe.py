@@ -3,11 +3,12 @@
 import numpy as np
 
 from hannes.channels import OUTPUTS
+from hannes.experiment import Experiment
 from hannes.hand import Hand
 from hannes.hand_file import hand_toml
 from hannes.recording import Recording
 from hannes.spec_text import experiment_toml
-from hannes.trajectory import Trajectory
+from hannes.trajectory import Grasp, Trajectory
 
 CHANNELS = ("reference", "position", "current", "duty", "supply", "force", "sensor")
 UNITS = {"time": "s", **{slot.name: slot.unit for slot in OUTPUTS if slot.name in CHANNELS}}
@@ -19,17 +20,16 @@ def observe(hand: Hand, trajectory: Trajectory) -> Recording:
     Noise is white and depends on the experiment's seed and the channel alone. `sensor` is there
     only where the object carries one. Raises ComputationFailed where the simulation did not end.
     """
-    experiment = trajectory.require().experiment
-    channels = {"time": trajectory.time}
-    for number, name in enumerate(CHANNELS):
+    return logged(hand, trajectory.require().experiment, trajectory)
+
+
+def logged(hand: Hand, experiment: Experiment, ran: Trajectory | Grasp) -> Recording:
+    """The same of a grasp of a batch, which must have all of `CHANNELS`."""
+    channels = {"time": ran.time}
+    for name in CHANNELS:
         if name == "sensor" and not (experiment.object and experiment.object.sensor):
             continue
-        channels[name] = trajectory[name]
-        if spread := experiment.noise.get(name):
-            generator = np.random.default_rng([experiment.seed, number])
-            channels[name] = channels[name] + spread * generator.standard_normal(
-                len(trajectory.time)
-            )
+        channels[name] = noisy(experiment, name, ran[name])
     return Recording(
         channels,
         {name: UNITS[name] for name in channels},
@@ -39,3 +39,12 @@ def observe(hand: Hand, trajectory: Trajectory) -> Recording:
         seed=experiment.seed if experiment.noise else None,
         source="simulated",
     )
+
+
+def noisy(experiment: Experiment, name: str, values: np.ndarray) -> np.ndarray:
+    """Add the white noise of one channel; `values` themselves where it has none."""
+    spread = experiment.noise.get(name)
+    if not spread:
+        return values
+    generator = np.random.default_rng([experiment.seed, CHANNELS.index(name)])
+    return values + spread * generator.standard_normal(values.size)

@@ -34,11 +34,11 @@ def dump(
     memory = io.BytesIO()
     with h5py.File(memory, "w", libver=("v108", "v110")) as file:
         for key, value in metadata.items():
-            _set(file, key, value)
+            set_attribute(file, key, value)
         group = _new_group(file)
         for name, values in channels.items():
             dataset = group.create_dataset(name, data=values, dtype="<f8", track_times=False)
-            _set(dataset, "unit", units[name])
+            set_attribute(dataset, "unit", units[name])
     return memory.getvalue()
 
 
@@ -60,7 +60,7 @@ def load(path: Path) -> dict[str, Any]:
         ) from None
 
 
-def _set(item: Any, key: str, value: str | int | None) -> None:
+def set_attribute(item: Any, key: str, value: str | int | None) -> None:
     """Attach an attribute, text with a fixed length; None is left out."""
     import h5py
 
@@ -82,11 +82,11 @@ def _new_group(file: Any) -> Any:
 
 
 def _content(file: Any) -> dict[str, Any]:
-    metadata = {key: _text(file, key) for key in _TEXTS if key in file.attrs}
+    metadata = {key: text_attribute(file, key) for key in _TEXTS if key in file.attrs}
     if "schema" not in metadata:
         raise BadInput("is not a recording: the root attribute schema is missing")
     datasets = _datasets(file)
-    units = {name: _text(each, "unit") for name, each in datasets.items()}
+    units = {name: text_attribute(each, "unit") for name, each in datasets.items()}
     channels = {name: each[()] for name, each in datasets.items()}
     return {"channels": channels, "units": units, "seed": _seed(file), **metadata}
 
@@ -128,7 +128,7 @@ def _check_storage(name: str, dataset: Any) -> None:
         raise BadInput(f'channel "{name}": expected plain or gzip storage inside this file')
 
 
-def _text(item: Any, key: str) -> str:
+def text_attribute(item: Any, key: str) -> str:
     if key not in item.attrs:
         raise BadInput(f'"{item.name}" lacks the attribute {key}')
     if (length := _text_length(item, key)) is None:

@@ -18,7 +18,7 @@ ANGLES = st.floats(-3.2, 3.2)
 
 @functools.cache
 def lagrangian():
-    """Functions of the state from the Lagrangian of two uniform rods: q'', T, V, dV/dq, M.
+    """Functions of the state from the Lagrangian of two uniform rods: q'', T, -dV/dq, M.
 
     Energies are integrals over the rods, point by point: no moment of inertia is assumed.
     """
@@ -45,7 +45,7 @@ def lagrangian():
     rates = mass_matrix.LUsolve(sympy.Matrix([torque_1, torque_2]) + slope.T - drift)
     state = (q1, q2, w1, w2, torque_1, torque_2, gx, gy, l1, l2, m1, m2)
     gravity = -sympy.Matrix([potential]).jacobian(angles)
-    found = (rates, kinetic, potential, gravity, mass_matrix)
+    found = (rates, kinetic, gravity, mass_matrix)
     return [sympy.lambdify(state, each, "numpy", cse=True) for each in found]
 
 

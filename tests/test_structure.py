@@ -239,6 +239,9 @@ def test_closed_forms_are_used_where_effects_leave_their_stages_alone(names, fin
 def test_what_does_not_fit_is_said():
     kind = posed(("coupled",)).compiled().jacobian_kind
     assert kind == "dense differences, because coupled reads all of joint_angle"
+    told = " ".join(str(posed(("coupled",))).split())
+    assert f"slower to simulate: {kind}" in told
+    assert "slower to simulate" not in str(posed(("bristle",)))
 
 
 def test_a_coupled_hand_moves_like_with_a_stock_method():

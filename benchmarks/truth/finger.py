@@ -7,6 +7,7 @@ positions, and the sum is projected on the two joint angles by X' = R(q) q' (de 
 
 from math import cos, sin, sqrt, tanh
 
+from benchmarks.truth import box
 from benchmarks.truth._jit import compiled
 from benchmarks.truth.effects import hunt_crossley, viscoelastic_object
 from benchmarks.truth.laws import onset
@@ -36,25 +37,29 @@ def pressed(depth, rate, law, dented, gain):
 def contact(ends, speeds, disc, law, dented, gain):
     """Force on rod ends A and B (N; 4), normal force and push on the face (N), dent and its rate.
 
-    ends, speeds: ax, ay, bx, by (m, m/s). disc: centre x, y and radius, then the capsule's own
-    radius (m). law: stiffness (N/m), damping (N s/m), friction, onset (m), slip speed (m/s);
+    ends, speeds: ax, ay, bx, by (m, m/s). disc: centre x, y and radius, the capsule's own radius,
+    half sizes of the box that the radius surrounds (m; none: 0). law: stiffness (N/m), damping
+    (N s/m), friction, onset (m), slip speed (m/s);
     exponent, dissipation; share, time (s).
     """
     ax, ay, bx, by = ends
     avx, avy, bvx, bvy = speeds
-    cx, cy, radius, finger_radius = disc
+    cx, cy, radius, finger_radius, half_x, half_y = disc
     if radius <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, dented, 0.0
     ex, ey = bx - ax, by - ay
     length2 = ex * ex + ey * ey
-    along = min(max(((cx - ax) * ex + (cy - ay) * ey) / length2, 0.0), 1.0)
-    dx, dy = cx - ax - along * ex, cy - ay - along * ey
-    distance = sqrt(dx * dx + dy * dy)
+    if half_x > 0.0 or half_y > 0.0:
+        along, distance, nx, ny = box.nearest(ax - cx, ay - cy, ex, ey, half_x, half_y)
+    else:
+        along = min(max(((cx - ax) * ex + (cy - ay) * ey) / length2, 0.0), 1.0)
+        dx, dy = cx - ax - along * ex, cy - ay - along * ey
+        distance = sqrt(dx * dx + dy * dy)
+        nx, ny = dx / distance, dy / distance
     depth = radius + finger_radius - distance
     if depth <= 0.0:
         _, dent, dent_rate = pressed(depth, 0.0, law, dented, gain)
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, dent, dent_rate
-    nx, ny = dx / distance, dy / distance
     # The touching point as A + xi (B - A) + eta perp(B - A), perp(e) = (-ey, ex).
     xi = along + finger_radius * (nx * ex + ny * ey) / length2
     eta = finger_radius * (-nx * ey + ny * ex) / length2

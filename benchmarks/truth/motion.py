@@ -50,7 +50,14 @@ def finger_rates(h, f, tension, start, gain, y, dy):
     lengths = (h.fingers_proximal_length[f], h.fingers_distal_length[f])
     masses = (h.fingers_proximal_mass[f], h.fingers_distal_mass[f])
     gravity = (h.gravity_x, h.fingers_side[f] * h.gravity_y)
-    disc = (h.section_x[f], h.section_y[f], h.section_radius[f], h.fingers_radius[f])
+    disc = (
+        h.section_x[f],
+        h.section_y[f],
+        h.section_radius[f],
+        h.fingers_radius[f],
+        h.section_half_x,
+        h.section_half_y,
+    )
     law = (
         h.object_stiffness,
         h.object_damping,

@@ -71,7 +71,9 @@ NOMINAL: dict[str, Any] = {
     "object.friction": 0.55,
     "object.slip_speed": 5e-3,
     "object.onset": 1e-4,
-    "object.radius": 26e-3,
+    "object.radius": 26e-3,  # of a prism's edges
+    "object.half_x": 0.0,  # of a prism
+    "object.half_y": 0.0,
     "object.x": 14.6e-3,
     "object.y": -46.9e-3,
     "object.z": 0.0,
@@ -107,9 +109,9 @@ GEOMETRY = {
     "mount_z": "fingers.plane_z",
     "facing": "fingers.side",
 }
-# Without a part in this hand: fixed phalanges, gravity across the finger planes, prisms, sampling
+# Without a part in this hand: fixed phalanges, gravity across the finger planes, sampling
 # (chosen per simulation), the filter of an absent derivative.
-UNUSED = ("gravity.z", "object.half_", "controller.sampled", "current_pid.filter")
+UNUSED = ("gravity.z", "controller.sampled", "current_pid.filter")
 UNUSED += tuple(f"{finger}.first_length" for finger in FINGERS)
 
 

@@ -11,8 +11,11 @@ from benchmarks.truth.parameters import NOMINAL, named
 
 _SECTION = ("section_radius", "section_x", "section_y")  # per finger, in its own plane
 # Built from NOMINAL and SIZES so that a parameter has one home; dots become underscores.
-_ONE = [name for name in (*NOMINAL, *SIZES) if not name.startswith("fingers.")]
+_BOX = ("section_half_x", "section_half_y")  # of a prism, within its rounded edges
+_ONE = [name for name in (*NOMINAL, *SIZES, *_BOX) if not name.startswith("fingers.")]
 _FIVE = [*(name for name in NOMINAL if name.startswith("fingers.")), *_SECTION]
+HALVES = ("half_x", "half_y")
+SHAPES = ("cylinder", "sphere", "prism")
 LAYOUT = np.dtype(
     [(name.replace(".", "_"), float) for name in _ONE]
     + [(name.replace(".", "_"), float, 5) for name in _FIVE]
@@ -40,11 +43,11 @@ def posed(values: Mapping[str, Any], thing: Mapping[str, Any] | None) -> dict[st
 def sections(values: Mapping[str, Any], shape: str, hidden: Mapping[str, float]) -> np.ndarray:
     """Radius and centre (m) of the object's cut by each finger's plane, shape (3, 5).
 
-    A cylinder's axis is z, across the fingers; a sphere's cut shrinks off its centre; radius 0
-    where it misses.
+    A cylinder's axis is z, across the fingers, as is a prism's, whose radius is that of its edges;
+    a sphere's cut shrinks off its centre; radius 0 where it misses.
     """
-    if shape not in ("cylinder", "sphere"):
-        raise ValueError(f"expected shape cylinder or sphere, came {shape}")
+    if shape not in SHAPES:
+        raise ValueError(f"expected shape {', '.join(SHAPES)}, came {shape}")
     x, y = placed(
         (values["object.x"], values["object.y"]),
         hidden["object_misplacement.x"],
@@ -69,6 +72,10 @@ def pack(
     """Everything the kernels need: parameters (any subset; the rest nominal), object, effects."""
     values, hidden = posed(parameters, thing), checked(effects or {})
     cut = sections(values, thing["shape"], hidden) if thing else np.zeros((3, 5))
+    if thing and thing["shape"] == "prism":
+        least = min(values["object.radius"], values["object.half_x"], values["object.half_y"])
+        hidden |= {f"section_{side}": values[f"object.{side}"] - least for side in HALVES}
+        cut[0] = least
     record = np.rec.array(np.zeros(1, LAYOUT))[0]
     for name, value in {**values, **hidden, **dict(zip(_SECTION, cut, strict=True))}.items():
         record[name.replace(".", "_")] = value

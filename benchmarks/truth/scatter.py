@@ -12,6 +12,7 @@ Draw = Callable[[np.random.Generator, Any], np.ndarray]
 EXACT = ("position_pid.", "current_pid.", "controller.", "encoder.", "gravity.", "supply.")
 EXACT += ("gear.ratio", "motor.friction_speed", "wires.onset", "mcp.stop_onset", "pip.stop_onset")
 EXACT += ("object.slip_speed", "object.onset", "object.radius", "object.z")
+EXACT += ("object.half_x", "object.half_y")
 EXACT += ("fingers.origin_x", "fingers.origin_y", "fingers.plane_z", "fingers.side")
 # Places scatter by a share of a length (m), not of their coordinate: 0.2 mm at 2 %.
 PLACES = {"object.x": 10e-3, "object.y": 10e-3}

@@ -141,8 +141,9 @@ def simulate(
     parameters: SI values by name (see `parameters.NOMINAL`); the missing ones are nominal.
     reference: points (s, rad at the output shaft), linear between. Options, all by name, as in
     `trace`:
-    object: shape ("cylinder" along z, or "sphere") and what differs from the hand's `object.*`:
-    radius, position (hand frame), stiffness, damping, friction. duration: s.
+    object: shape ("cylinder" or "prism" along z, or "sphere") and what differs from the hand's
+    `object.*`: radius, half_x, half_y, position (hand frame), stiffness, damping, friction.
+    duration: s.
     effects: sizes by full name, such as "leader_slack.length" (see `effects`).
     controller: "sampled" (quantised encoder, zero-order hold) or "continuous".
     current_noise: A, of the current sensor at every tick, for the controller and the record.

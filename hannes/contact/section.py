@@ -11,7 +11,12 @@ from hannes._jit import kernel
 
 @kernel
 def signed_distance(x, y, half_x, half_y):
-    """Distance [m] from a point to the core rectangle, negative inside; with its gradient."""
+    """Distance [m] from a point to the core rectangle, negative inside; with its gradient.
+
+    Far inside, where two sides are about as near, the normal turns from one to the other: with
+    depths u, v below them the distance is -(u^-8 + v^-8)^(-1/8) in place of -min(u, v), or soft
+    prisms would be left chattering between two directions of force.
+    """
     over_x, over_y = abs(x) - half_x, abs(y) - half_y
     sign_x = 1.0 if x >= 0.0 else -1.0
     sign_y = 1.0 if y >= 0.0 else -1.0
@@ -19,9 +24,18 @@ def signed_distance(x, y, half_x, half_y):
         distance = math.sqrt(over_x * over_x + over_y * over_y)
         per = 1.0 / distance
         return distance, sign_x * over_x * per, sign_y * over_y * per
-    if over_x > over_y:
+    if over_x >= 0.0:
         return over_x, sign_x, 0.0
-    return over_y, 0.0, sign_y
+    if over_y >= 0.0:
+        return over_y, 0.0, sign_y
+    ratio = max(over_x, over_y) / min(over_x, over_y)  # of the lesser depth to the other
+    eighth = (ratio * ratio * ratio * ratio) ** 2
+    root = math.sqrt(math.sqrt(math.sqrt(1.0 + eighth)))
+    near = 1.0 / (root * (1.0 + eighth))
+    far = near * eighth * ratio
+    if over_x > over_y:
+        return over_x / root, sign_x * near, sign_y * far
+    return over_y / root, sign_x * far, sign_y * near
 
 
 @kernel

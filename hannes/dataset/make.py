@@ -1,0 +1,237 @@
+"""`hannes dataset`: simulate a specification's grasps on all cores or a cluster, losing nothing.
+
+Each part goes to a file of its own as soon as it is done, so that a run that was ended in any way
+goes on where it was; the data set itself appears under its name only when it is whole.
+"""
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from hannes.dataset import file
+from hannes.dataset.draw import draw
+from hannes.dataset.part import SIZE, Part, count, simulated
+from hannes.dataset.spec import Spec
+from hannes.errors import BadInput, ComputationFailed
+from hannes.files import write_bytes
+
+BACKENDS = ("local", "dask")
+ANSWER = 5  # s in which a scheduler must answer
+TRIES = 3  # times that workers may die before a run gives up
+
+
+def make(
+    spec: Spec,
+    out: str | Path,
+    *,
+    backend: str = "local",
+    scheduler: str = "",
+    workers: int | None = None,
+    progress: bool | None = None,
+) -> dict[str, Any]:
+    """Write the data set to `out`; returns counts: grasps, parts, simulated now, failed grasps.
+
+    `workers` are local processes (default: all cores); backend "dask" uses the cluster of the
+    scheduler at that address. The bytes are the same for any of them. Raises BadInput for what
+    cannot be made or written, ComputationFailed where workers keep dying.
+    """
+    target = _target(Path(out))
+    _check_cells(spec)
+    parts = Parts(target, spec)
+    if missing := parts.missing():
+        _simulate(spec, parts, missing, _how(backend, scheduler, workers), progress)
+    parts.finish()
+    return {
+        "out": str(out),
+        "grasps": spec.count,
+        "parts": count(spec),
+        "parts_simulated": len(missing),
+        "failed": parts.failed,
+    }
+
+
+def _target(out: Path) -> Path:
+    """The real path; BadInput where it holds something that is no HDF5 file."""
+    if out.suffix not in (".h5", ".hdf5"):
+        raise BadInput(f"{out}: expected a file named .h5 or .hdf5 for the data set")
+    target = Path(os.path.realpath(out))
+    if target.exists():
+        if not target.is_file() or not _begins_as_hdf5(target):
+            raise BadInput(f"{out}: holds something else than a data set; choose another name")
+    return target
+
+
+def _begins_as_hdf5(path: Path) -> bool:
+    with path.open("rb") as stream:
+        return stream.read(4) in (b"\x89HDF", b"")
+
+
+def _check_cells(spec: Spec) -> None:
+    """Draw the first grasp of every cell of the design, so that a bad one is told at once."""
+    first = 0
+    for group in spec.groups:
+        for cell in range(min(group.cells, 1000)):
+            draw(spec, first + cell * group.draws)
+        first += group.count
+
+
+class Parts:
+    """Parts that are done, each in a file of a folder beside the data set."""
+
+    def __init__(self, target: Path, spec: Spec) -> None:
+        self.target, self.spec = target, spec
+        self.folder = target.parent / f".parts-{file.fingerprint(spec)[:16]}.{target.name}"
+        self.whole, self.failed = False, 0
+
+    def path(self, k: int) -> Path:
+        return self.folder / f"{k:06d}.part"
+
+    def read(self, k: int) -> Part | None:
+        """A part, None where it is missing or damaged."""
+        try:
+            return Part.unpacked(self.path(k).read_bytes())
+        except OSError:
+            return None
+
+    def missing(self) -> list[int]:
+        """Numbers of the parts still to be simulated; those of a damaged file are taken over."""
+        kept = {k for k in range(count(self.spec)) if self.read(k)}
+        if self.target.exists():
+            sound = [part.failed for _, part in file.salvaged(self.target, self.spec)]
+            self.whole, self.failed = len(sound) == count(self.spec), sum(sound)
+            if self.whole:
+                return []
+            for k, part in file.salvaged(self.target, self.spec):
+                if k not in kept:
+                    self.write(k, part.packed())
+                    kept.add(k)
+        return [k for k in range(count(self.spec)) if k not in kept]
+
+    def write(self, k: int, data: bytes) -> None:
+        """Keep a part; BadInput where the disk is full."""
+        try:
+            write_bytes(self.path(k), data)
+        except BadInput as error:
+            raise BadInput(f"{error}; then run the same again: what is done is kept") from None
+
+    def finish(self) -> None:
+        """Put the parts together under the data set's name, and remove them."""
+        if not self.whole:
+            self.failed = 0
+            temporary = self.folder / "whole.h5"
+            file.write(temporary, self.spec, self._all())
+            _flush(temporary)
+            os.replace(temporary, self.target)
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def _all(self) -> Iterator[Part]:
+        for k in range(count(self.spec)):
+            part = self.read(k)
+            if part is None:
+                raise ComputationFailed(f"part {k} of {self.target.name} was damaged; run it again")
+            self.failed += part.failed
+            yield part
+
+
+def _flush(path: Path) -> None:
+    with path.open("rb") as stream:
+        os.fsync(stream.fileno())
+
+
+def _simulate(
+    spec: Spec, parts: Parts, missing: list[int], how: Any, progress: bool | None
+) -> None:
+    """Simulate parts in any order; where workers die, what they had is given to others."""
+    from tqdm import tqdm
+
+    _make_ready(spec)
+    left = dict.fromkeys(missing)
+    bar = tqdm(total=len(missing) * SIZE, desc="grasps", disable=_quiet(progress), delay=1.0)
+    with bar, how() as parallel:
+        for turn in range(TRIES):
+            try:
+                for k, data in parallel(_tasks(spec, list(left))):
+                    parts.write(k, data)
+                    del left[k]
+                    bar.update(SIZE)
+            except Exception as error:
+                if not _died(error) or turn == TRIES - 1:
+                    raise _explained(error, len(left)) from error
+            if not left:
+                return
+
+
+def _quiet(progress: bool | None) -> bool | None:
+    """tqdm takes None for "only on a terminal"."""
+    return None if progress is None else not progress
+
+
+def _tasks(spec: Spec, numbers: list[int]) -> Iterator[Any]:
+    from joblib import delayed
+
+    return (delayed(numbered)(spec.text, k) for k in numbers)
+
+
+def numbered(text: str, number: int) -> tuple[int, bytes]:
+    """A part with its number."""
+    return number, simulated(text, number)
+
+
+def _make_ready(spec: Spec) -> None:
+    """Compile once before workers do it all at a time."""
+    from hannes.plan import say_when_compiling
+
+    say_when_compiling(spec.hand.compiled(spec.hand.effects), "grasps")
+    simulated(spec.text, 0)
+
+
+def _died(error: Exception) -> bool:
+    return type(error).__name__ in ("TerminatedWorkerError", "KilledWorker", "BrokenProcessPool")
+
+
+def _explained(error: Exception, left: int) -> Exception:
+    if not _died(error):
+        return error
+    return ComputationFailed(
+        f"workers died {TRIES} times ({left} parts left), out of memory?; run the same again with "
+        "fewer --workers: what is done is kept"
+    )
+
+
+def _how(backend: str, scheduler: str, workers: int | None) -> Any:
+    """A context that gives joblib's `Parallel` on this machine or on a cluster."""
+    if backend not in BACKENDS:
+        raise BadInput(f'backend "{backend}": expected one of {", ".join(BACKENDS)}')
+    if workers is not None and workers < 1:
+        raise BadInput(f"workers = {workers}: expected 1 or more")
+    if (backend == "dask") != bool(scheduler):
+        raise BadInput("--backend dask goes with --scheduler ADDRESS, such as tcp://host:8786")
+    return (lambda: _cluster(scheduler)) if backend == "dask" else (lambda: _local(workers))
+
+
+@contextmanager
+def _local(workers: int | None) -> Iterator[Any]:
+    from joblib import Parallel
+
+    yield Parallel(n_jobs=workers or -1, batch_size=1, return_as="generator_unordered")
+
+
+@contextmanager
+def _cluster(address: str) -> Iterator[Any]:
+    from joblib import Parallel, parallel_config
+
+    try:
+        from distributed import Client
+    except ImportError:
+        raise BadInput(
+            "the dask backend needs the package distributed: pip install hannes[cluster]"
+        ) from None
+    try:
+        client = Client(address, timeout=ANSWER)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise BadInput(f"no Dask scheduler answers at {address}: {error}") from None
+    with client, parallel_config(backend="dask", wait_for_workers_timeout=60):
+        yield Parallel(batch_size=1, return_as="generator_unordered")

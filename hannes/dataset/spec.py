@@ -1,0 +1,246 @@
+"""A data set's specification: TOML into groups of grasps whose quantities vary by law."""
+
+import fnmatch
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from hannes import library
+from hannes.contact.shapes import SHAPES
+from hannes.dataset.law import Law, read_law
+from hannes.errors import BadInput, nearest
+from hannes.experiment import CONTROLLERS, Experiment, Reference
+from hannes.experiment_file import MOST_SAMPLES, NOISE, read_reference
+from hannes.hand import Hand
+from hannes.hand_file import changed, declared, differences, effect_names, load_hand, texts
+from hannes.table import Table, read_text
+from hannes.units import quantity
+
+KEYS = (
+    "title", "hand", "effects", "parameters", "seed", "duration", "sampling", "controller",
+    "rtol", "border", "channels", "reference", "values", "grasps",
+)  # fmt: skip
+GROUP = ("name", "shape", "role", "draws", "values")
+ROLES = ("train", "test")
+CHANNELS = ("reference", "position", "current", "force")
+MOST_GRASPS = 10_000_000
+BORDER = "5.5 kN/m"  # about the geometric mean of the shipped dynamometer and of the soft ball
+# What a grasp varies besides parameters of hand and object: unit, bounds, value where not given.
+OWN: dict[str, tuple[str, float, float, float]] = {
+    "command.speed": ("1", 0.05, 5.0, 1.0),
+    "command.amplitude": ("1", 0.05, 2.0, 1.0),
+    **{f"noise.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
+    **{f"resolution.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
+}
+
+
+@dataclass(frozen=True)
+class Group:
+    """Grasps of one shape (None: empty hand): every cell of its levels, `draws` times.
+
+    `laws` are in alphabetical order, which the random numbers and the order of cells follow.
+    """
+
+    name: str
+    shape: str | None
+    role: str
+    draws: int
+    laws: Mapping[str, Law]
+
+    @property
+    def cells(self) -> int:
+        """Number of combinations of levels."""
+        return math.prod(len(law.levels) for law in self.laws.values())
+
+    @property
+    def count(self) -> int:
+        """Number of grasps."""
+        return self.cells * self.draws
+
+    def levels(self, cell: int) -> dict[str, int]:
+        """Which level each quantity has in a cell; the last varies fastest."""
+        found = {}
+        for name, law in reversed(list(self.laws.items())):
+            cell, found[name] = divmod(cell, len(law.levels))
+        return found
+
+
+@dataclass(frozen=True)
+class Spec:
+    """All grasps of a data set; `text` is the specification resolved, without other files."""
+
+    title: str
+    text: str
+    hand: Hand
+    base: Experiment
+    seed: int
+    rtol: float
+    border: float
+    channels: tuple[str, ...]
+    groups: tuple[Group, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of grasps."""
+        return sum(group.count for group in self.groups)
+
+    @cached_property
+    def columns(self) -> tuple[str, ...]:
+        """Full names of all that varies anywhere, and the object's stiffness."""
+        names = {name: None for group in self.groups for name in group.laws}
+        return tuple(sorted(names | {"object.stiffness": None}))
+
+    def unit(self, column: str) -> str:
+        """Unit of a column."""
+        return OWN[column][0] if column in OWN else self.hand.parameters.require(column).unit
+
+    def place(self, number: int) -> tuple[int, int]:
+        """Group of a grasp, and its number within it; BadInput where there is no such grasp."""
+        left = number
+        for k, group in enumerate(self.groups):
+            if 0 <= left < group.count:
+                return k, left
+            left -= group.count
+        raise BadInput(f"no grasp {number}: the data set has {self.count}, counted from 0")
+
+
+def load_spec(name: str | Path) -> Spec:
+    """Read a shipped specification by name, or a .toml file; BadInput otherwise."""
+    path = find(name)
+    return read_spec(read_text(path), str(name), path.parent)
+
+
+def find(name: str | Path) -> Path:
+    """File of a specification."""
+    if str(name).endswith(".toml"):
+        return Path(name)
+    folder = library.folder() / "datasets"
+    names = sorted(path.stem for path in folder.glob("*.toml"))
+    if str(name) not in names:
+        raise BadInput(
+            f'no data set named "{name}"{nearest(str(name), names)} '
+            f"(shipped: {', '.join(names)}; or give the path of a .toml file)"
+        )
+    return folder / f"{name}.toml"
+
+
+def read_spec(text: str, where: str = "data set", folder: Path | None = None) -> Spec:
+    """Return what a TOML text asks for; relative paths start at `folder`."""
+    root = Table.parse(text, where, KEYS)
+    hand = changed(load_hand(root.text("hand", "hannes"), folder), root, folder)
+    base = _base(root, folder)
+    common = _laws(root.table("values"), hand)
+    groups = tuple(_group(root, k, hand, common) for k in range(len(_tables(root))))
+    if not 1 <= sum(group.count for group in groups) <= MOST_GRASPS:
+        root.refuse("grasps", f"expected from 1 to {MOST_GRASPS} grasps in all")
+    if len({group.name for group in groups}) < len(groups):
+        root.refuse("grasps", "has two groups of one name; name them apart")
+    return Spec(
+        root.text("title", Path(where).stem),
+        _resolved(root, hand, base),
+        hand,
+        base,
+        root.whole("seed", 0, 2**32 - 1, 0),
+        _rtol(root),
+        root.quantity("border", "N/m") if "border" in root else quantity(BORDER, "N/m", "border"),
+        _channels(root),
+        groups,
+    )
+
+
+def _base(root: Table, folder: Path | None) -> Experiment:
+    """What all grasps share."""
+    duration = root.quantity("duration", "s", "1.15 s")
+    sampling = root.quantity("sampling", "Hz") if "sampling" in root else 1000.0
+    if not (duration > 0.0 and sampling > 0.0 and 2 <= duration * sampling <= MOST_SAMPLES):
+        root.refuse("duration", f"and sampling: expected 2 to {MOST_SAMPLES} samples a grasp")
+    controller = root.choice("controller", CONTROLLERS, "continuous")
+    reference = read_reference(root, folder)
+    return Experiment("", duration, reference, sampling=sampling, controller=controller)
+
+
+def _rtol(root: Table) -> float:
+    given = root.content.get("rtol", 1e-3)
+    if not isinstance(given, float) or not 1e-8 <= given <= 1e-2:
+        root.refuse("rtol", "must be a number from 1e-8 to 1e-2, without quotes")
+    return given
+
+
+def _channels(root: Table) -> tuple[str, ...]:
+    chosen = tuple(root.texts("channels")) or CHANNELS
+    for name in chosen:
+        if name not in (*NOISE, "reference"):
+            known = ", ".join((*NOISE, "reference"))
+            root.refuse("channels", f'has "{name[:40]}": expected some of {known}')
+    return tuple(dict.fromkeys(chosen))
+
+
+def _tables(root: Table) -> list[Any]:
+    root.require("grasps", '[{ name = "balls", shape = "sphere", draws = 100 }]')
+    return root.items("grasps")
+
+
+def _group(root: Table, k: int, hand: Hand, common: Mapping[str, Law]) -> Group:
+    given = _tables(root)[k]
+    if not isinstance(given, dict):
+        root.refuse("grasps", "must be tables: lines [[grasps]], keys below each")
+    table = Table(given, root.where, GROUP, f"grasps[{k}].")
+    shape = table.choice("shape", (*SHAPES, "none"))
+    return Group(
+        table.text("name", f"group {k + 1}"),
+        None if shape == "none" else shape,
+        table.choice("role", ROLES, "train"),
+        table.whole("draws", 1, MOST_GRASPS, 1),
+        dict(sorted({**common, **_laws(table.table("values"), hand)}.items())),
+    )
+
+
+def _laws(table: Table, hand: Hand) -> dict[str, Law]:
+    """Laws by full name; a name with * stands for all parameters like it that are not zero.
+
+    A full name goes before a longer pattern, that before a shorter one.
+    """
+    laws: dict[str, Law] = {}
+    for key in sorted(table.content, key=lambda key: ("*" not in key, len(key), key)):
+        if "*" not in key:
+            laws[key] = _law(table, key, key, hand)
+            continue
+        names = [name for name, x in hand.parameters.items() if x and fnmatch.fnmatch(name, key)]
+        if not names:
+            table.refuse(key, "stands for no parameter that is not zero")
+        laws |= {name: _law(table, key, name, hand) for name in names}
+    return laws
+
+
+def _law(table: Table, key: str, name: str, hand: Hand) -> Law:
+    if name not in OWN and name.partition(".")[0] in ("command", "noise", "resolution"):
+        table.refuse(key, f"is unknown{nearest(name, OWN)} (there are {', '.join(OWN)})")
+    if name not in OWN:
+        parameter = declared(name, hand, table)
+        return read_law(table, key, parameter.unit, parameter.check)
+    unit, low, high, _ = OWN[name]
+
+    def check(value: float) -> float:
+        if not low <= value <= high:
+            table.refuse(key, f"= {value:g}: expected from {low:g} to {high:g} [{unit}]")
+        return value
+
+    return read_law(table, key, unit, check)
+
+
+def _resolved(root: Table, hand: Hand, base: Experiment) -> str:
+    """The specification as TOML that needs no other file."""
+    import tomli_w
+
+    content = {**root.content, "hand": "hannes", "effects": effect_names(hand)}
+    content["parameters"] = texts(hand, differences(hand))
+    if not base.reference.kinked:
+        content["reference"] = {"kind": "file", "points": _points(base.reference)}
+    return tomli_w.dumps(content)
+
+
+def _points(reference: Reference) -> list[list[str]]:
+    return [[f"{t!r} s", f"{x!r} rad"] for t, x in reference.knots.T.tolist()]

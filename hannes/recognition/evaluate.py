@@ -1,0 +1,204 @@
+"""`hannes evaluate`: a model on recordings of known objects, scored as the paper's Table III is.
+
+The paper's formula (its names of precision and recall are swapped): PR = nP / (nP + nFN),
+RE = nP / (nP + nFP), F1 = 2 PR RE / (PR + RE). It leaves open what is counted; here it is the
+windows between contact and release (5 % of the peak force) of all grasps of an object, positive
+where they are of the object's class. An object has one class, so that nFP = 0, RE = 1, and with R
+the share of windows that were told right F1 = 2 R / (R + 1). "Don't know" is wrong.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hannes.dataset.part import touching
+from hannes.errors import BadInput
+from hannes.files import atomic_folder
+from hannes.recognition.model import RIGID, WORDS, Model, decided, plain, pooled
+from hannes.recognition.train import scored
+from hannes.recording import Recording
+from hannes.table import Table, read_text
+
+CLASSES = WORDS[:2]
+STABLE = 0.15  # s from contact
+
+
+@dataclass(frozen=True)
+class Subject:
+    """An object with its class (SOFT or RIGID) and recordings of grasps of it."""
+
+    name: str
+    label: int
+    recordings: tuple[Recording, ...]
+
+
+def f1(right: float) -> float:
+    """The paper's F1 of an object of one class, from the share that was told right."""
+    return 2.0 * right / (right + 1.0)
+
+
+def read_subjects(path: str | Path) -> tuple[str, list[Subject]]:
+    """Title and objects of an evaluation.toml; files are relative to it, globs allowed."""
+    root = Table.parse(read_text(Path(path)), str(path), ("title", "object"))
+    root.require("object", '[{ name = "Ball", class = "soft", file = "ball-*.h5" }]')
+    made = [_subject(root, k) for k in range(len(root.items("object")))]
+    return root.text("title", Path(path).stem), made
+
+
+def _subject(root: Table, k: int) -> Subject:
+    given = root.items("object")[k]
+    if not isinstance(given, dict):
+        root.refuse("object", "must be tables: lines [[object]], keys below each")
+    table = Table(given, root.where, ("name", "class", "file"), f"object[{k}].")
+    table.require("file", '"ball-*.h5"')
+    pattern = table.text("file", "")
+    files = sorted(Path(root.where).parent.glob(pattern)) if pattern else []
+    if not files:
+        table.refuse("file", f'= "{pattern}": no such file')
+    recordings = tuple(Recording.read(each) for each in files)
+    for each, recording in zip(files, recordings, strict=True):
+        _require_force(each, recording)
+    name = table.text("name", f"object {k + 1}")
+    return Subject(name, CLASSES.index(table.choice("class", CLASSES)), recordings)
+
+
+def _require_force(path: Path, recording: Recording) -> None:
+    if "force" not in recording:
+        raise BadInput(
+            f"{path}: has no force; contact and release are read from it (training needs none)"
+        )
+
+
+def evaluate(model: Model, subjects: Sequence[Subject]) -> dict[str, Any]:
+    """Rows by object, averages, confusion, reliability; BadInput where nothing was touched."""
+    grasps = [(each, _grasp(model, each, rec)) for each in subjects for rec in each.recordings]
+    rows = [_row(each, [found for own, found in grasps if own is each]) for each in subjects]
+    every = [found for _, found in grasps]
+    return {
+        "objects": rows,
+        "f1_windows": float(np.mean([row["f1_windows"] for row in rows])),
+        "f1_grasps": float(np.mean([row["f1_grasps"] for row in rows])),
+        "f1_worst": min(row["f1_windows"] for row in rows),
+        "stable_in_time": float(np.mean([found["delay"] <= STABLE for found in every])),
+        "stable_s": STABLE,
+        "confusion": _confusion(grasps),
+        "reliability": _reliability(grasps),
+        "force": _force(every),
+    }
+
+
+def _grasp(model: Model, subject: Subject, recording: Recording) -> dict[str, Any]:
+    """One grasp: what each scored window was told, when the decision stood, the peak force."""
+    told, force = model.tell(recording), recording["force"]
+    contact, release = touching(recording.time, force)
+    if np.isnan(contact):
+        raise BadInput(f"{subject.name}: a recording in which nothing is touched")
+    inside = scored(told.time, model.cut, np.array([contact]), np.array([release]))[0]
+    if not inside.any():
+        raise BadInput(f"{subject.name}: an object was held for less than one window")
+    running = decided(pooled(told.rigid, inside))[inside]
+    return {
+        "windows": decided(told.rigid)[inside],
+        "rigid": told.rigid[inside],
+        "grasp": int(running[-1]),
+        "delay": _delay(told.time[inside] - contact, running == subject.label),
+        "force": float(force.max()),
+        "peak": told.peak_force,
+        "stiffness": told.stiffness,
+    }
+
+
+def _delay(since: np.ndarray, right: np.ndarray) -> float:
+    """Time from contact from which the decision is right and stays so [s]; infinite if never."""
+    if not right[-1]:
+        return float("inf")
+    wrong = np.flatnonzero(~right)
+    return float(since[0] if not wrong.size else since[wrong[-1] + 1])
+
+
+def _row(subject: Subject, grasps: list[dict[str, Any]]) -> dict[str, Any]:
+    windows = np.concatenate([each["windows"] for each in grasps])
+    whole = np.array([each["grasp"] for each in grasps])
+    shares = {word: float(np.mean(windows == k)) for k, word in enumerate(WORDS)}
+    stiffness = [each["stiffness"].value for each in grasps if each["stiffness"]]
+    delays = np.array([each["delay"] for each in grasps])
+    late = float(np.median(delays))
+    return {
+        "name": subject.name,
+        "class": CLASSES[subject.label],
+        "grasps": len(grasps),
+        "windows": int(windows.size),
+        "told": shares,
+        "f1_windows": f1(float(np.mean(windows == subject.label))),
+        "f1_grasps": f1(float(np.mean(whole == subject.label))),
+        "stable_after_s": late if np.isfinite(late) else None,
+        "stable_in_time": float(np.mean(delays <= STABLE)),
+        "stiffness_N_per_m": float(np.median(stiffness)) if stiffness else None,
+    }
+
+
+def _confusion(grasps: Sequence[tuple[Subject, dict[str, Any]]]) -> dict[str, dict[str, int]]:
+    """Windows by class, then by what was told."""
+    found = {}
+    for label, word in enumerate(CLASSES):
+        mine = [told["windows"] for subject, told in grasps if subject.label == label]
+        windows = np.concatenate(mine) if mine else np.array([], int)
+        found[word] = {told: int((windows == k).sum()) for k, told in enumerate(WORDS)}
+    return found
+
+
+def _reliability(grasps: Sequence[tuple[Subject, dict[str, Any]]]) -> dict[str, Any]:
+    """Told probability of rigid against its frequency, in tenths; expected calibration error."""
+    told = np.concatenate([each["rigid"] for _, each in grasps])
+    true = np.concatenate(
+        [np.full(each["rigid"].size, s.label == RIGID, float) for s, each in grasps]
+    )
+    tenth = np.minimum((10.0 * told).astype(int), 9)
+    rows = [
+        {
+            "told": float(told[tenth == k].mean()),
+            "rigid": float(true[tenth == k].mean()),
+            "windows": int((tenth == k).sum()),
+        }
+        for k in np.unique(tenth)
+    ]
+    error = sum(row["windows"] * abs(row["told"] - row["rigid"]) for row in rows) / told.size
+    brier = float(np.mean((told - true) ** 2))
+    return {"rows": rows, "calibration_error": float(error), "brier": brier}
+
+
+def _force(grasps: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Peak force against the recorded one: errors, and how often the interval held it."""
+    known = [(each["force"], each["peak"]) for each in grasps if each["peak"]]
+    if not known:
+        return {"grasps": 0}
+    errors = np.array([peak.value / true - 1.0 for true, peak in known])
+    inside = np.array([peak.low <= true <= peak.high for true, peak in known])
+    return {
+        "grasps": len(known),
+        "median_error_percent": float(100.0 * np.median(np.abs(errors))),
+        "bias_percent": float(100.0 * np.median(errors)),
+        "interval_holds": float(inside.mean()),
+    }
+
+
+def told_of(model: Model, recording: Recording) -> dict[str, Any]:
+    """What a model tells of one recording, as JSON has it."""
+    told = model.tell(recording)
+    return {
+        "decision": told.decision,
+        "rigid": told.probability,
+        "stiffness": plain(told.stiffness, "N/m"),
+        "peak_force": plain(told.peak_force, "N"),
+    }
+
+
+def write(out: str | Path, told: dict[str, Any]) -> None:
+    """Write evaluation.json to a folder, whole or not at all."""
+    with atomic_folder(out) as folder:
+        text = json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False)
+        (folder / "evaluation.json").write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,110 @@
+"""Bagged trees as plain arrays, and their prediction compiled."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hannes._jit import entry
+from hannes.errors import BadInput
+
+MOST_TREES = 10_000
+MOST_NODES = 20_000_000
+
+
+@entry
+def predict(starts, left, right, feature, threshold, value, rows, out):
+    """Fill `out` (m,) with the mean over trees of the value of the leaf that each row falls into.
+
+    Node k of the tree that starts at s goes on at s + left[k] where the row's feature is at most
+    the threshold, else at s + right[k]; a leaf has left[k] = -1. Rows (m, features) are float32.
+    """
+    trees = starts.size - 1
+    for row in range(rows.shape[0]):
+        total = 0.0
+        for tree in range(trees):
+            start = starts[tree]
+            node = start
+            while left[node] >= 0:
+                if rows[row, feature[node]] <= threshold[node]:
+                    node = start + left[node]
+                else:
+                    node = start + right[node]
+            total += value[node]
+        out[row] = total / trees
+
+
+@dataclass(frozen=True)
+class Forest:
+    """Trees one after another; `starts` (trees + 1,) says where each begins; see `predict`."""
+
+    starts: np.ndarray
+    left: np.ndarray
+    right: np.ndarray
+    feature: np.ndarray
+    threshold: np.ndarray
+    value: np.ndarray
+
+    def __call__(self, rows: np.ndarray) -> np.ndarray:
+        """Prediction for rows (m, features), shape (m,)."""
+        rows = np.ascontiguousarray(rows, np.float32)
+        out = np.empty(rows.shape[0])
+        predict(*(getattr(self, name) for name in FIELDS), rows, out)
+        return out
+
+    def check(self, features: int) -> "Forest":
+        """Return itself where every index stays inside and every path ends; BadInput otherwise."""
+        starts, nodes = self.starts, self.left.size
+        if not 1 <= starts.size - 1 <= MOST_TREES or not 1 <= nodes <= MOST_NODES:
+            raise BadInput(f"{starts.size - 1} trees of {nodes} nodes in all are out of range")
+        if any(getattr(self, name).shape != (nodes,) for name in NODES):
+            raise BadInput("arrays of nodes are of unequal length")
+        if starts[0] != 0 or starts[-1] != nodes or (np.diff(starts) < 1).any():
+            raise BadInput("the trees' starts do not go from 0 up to the number of nodes")
+        self._check_nodes(features)
+        return self
+
+    def _check_nodes(self, features: int) -> None:
+        sizes = np.diff(self.starts)
+        own = np.arange(self.left.size) - np.repeat(self.starts[:-1], sizes)
+        size, inner = np.repeat(sizes, sizes), self.left != -1
+        for side in (self.left[inner], self.right[inner]):  # children come after their parents
+            if ((side <= own[inner]) | (side >= size[inner])).any():
+                raise BadInput("a node leads out of its tree, or back")
+        if ((self.feature[inner] < 0) | (self.feature[inner] >= features)).any():
+            raise BadInput(f"a node asks for a feature that is not one of the {features}")
+        if not (np.isfinite(self.threshold).all() and np.isfinite(self.value).all()):
+            raise BadInput("a threshold or value is not finite")
+
+
+FIELDS: dict[str, np.dtype] = {
+    "starts": np.dtype("<i8"),
+    "left": np.dtype("<i4"),
+    "right": np.dtype("<i4"),
+    "feature": np.dtype("<i4"),
+    "threshold": np.dtype("<f8"),
+    "value": np.dtype("<f8"),
+}
+NODES = tuple(FIELDS)[1:]
+
+
+def of_sklearn(fitted: Any) -> Forest:
+    """The arrays of a fitted forest of scikit-learn: of a regressor, or of two classes 0 and 1."""
+    trees = [each.tree_ for each in fitted.estimators_]
+    sizes = [tree.node_count for tree in trees]
+    values = [_value(tree.value) for tree in trees]
+    joined = {
+        "starts": np.concatenate([[0], np.cumsum(sizes)]),
+        "left": np.concatenate([tree.children_left for tree in trees]),
+        "right": np.concatenate([tree.children_right for tree in trees]),
+        "feature": np.concatenate([np.maximum(tree.feature, 0) for tree in trees]),
+        "threshold": np.concatenate([tree.threshold for tree in trees]),
+        "value": np.concatenate(values),
+    }
+    return Forest(**{name: joined[name].astype(kind) for name, kind in FIELDS.items()})
+
+
+def _value(value: np.ndarray) -> np.ndarray:
+    """Share of class 1 in a leaf, or a regressor's mean."""
+    single = value[:, 0, :]
+    return single[:, 0] if single.shape[1] == 1 else single[:, 1] / single.sum(axis=1)

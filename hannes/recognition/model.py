@@ -1,0 +1,158 @@
+"""What was learnt from simulated grasps, of a recording: rigid or soft, how stiff, how hard."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hannes.recognition.cut import Cut
+from hannes.recognition.features import NAMES
+from hannes.recognition.forest import Forest
+from hannes.recording import Recording
+
+SINCE, RISE = NAMES.index("since"), NAMES.index("rise")
+HELD = 0.06  # A above the free current, while an object is held
+SURE = 0.55  # probability from which a class is told; below it, a coin would do: "don't know"
+EXTREME = 4.0  # log odds of one window count for no more
+SOFT, RIGID, UNKNOWN = 0, 1, 2
+WORDS = ("soft", "rigid", "don't know")
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What a forest says against what it was worth on grasps it had not seen: x rising, y."""
+
+    x: np.ndarray
+    y: np.ndarray
+
+    def __call__(self, told: np.ndarray) -> np.ndarray:
+        """Interpolate between the points; beyond them stay at the last."""
+        return np.interp(told, self.x, self.y)
+
+
+@dataclass(frozen=True)
+class Band:
+    """95 % interval about an estimate: log offsets below and above it, by log estimate."""
+
+    x: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    def __call__(self, estimate: float) -> tuple[float, float]:
+        """Ends of the interval about an estimate (> 0), in its unit."""
+        at = np.log(estimate)
+        ends = np.interp(at, self.x, self.low), np.interp(at, self.x, self.high)
+        return float(np.exp(at + ends[0])), float(np.exp(at + ends[1]))
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value with the ends of its 95 % interval, in SI."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a recording tells: at the end of each window, and of the grasp as a whole.
+
+    `time` [s] as in the recording; `rigid`: probability in each window; `running`: the same for
+    all of the grasp so far; `force` [N] in each window, 0 where nothing is held; `touched`: which
+    windows come after a touch, `held`: while the object is held.
+    """
+
+    time: np.ndarray
+    rigid: np.ndarray
+    running: np.ndarray
+    force: np.ndarray
+    touched: np.ndarray
+    held: np.ndarray
+    probability: float
+    stiffness: Estimate | None
+    peak_force: Estimate | None
+
+    @property
+    def decision(self) -> str:
+        """Of the grasp as a whole: soft, rigid or don't know."""
+        return WORDS[int(decided(np.array([self.probability]))[0])]
+
+
+@dataclass(frozen=True)
+class Model:
+    """Forests for rigid (probability), stiffness (log N/m) and force (log N), and their worth."""
+
+    cut: Cut
+    border: float
+    rigid: Forest
+    stiffness: Forest
+    force: Forest
+    calibration: Calibration
+    stiffness_band: Band
+    force_band: Band
+    trained: str = ""
+
+    def windows(self, rows: np.ndarray) -> np.ndarray:
+        """Probability of rigid for rows of features (m, features), shape (m,)."""
+        return self.calibration(self.rigid(rows))
+
+    def tell(self, recording: Recording) -> Told:
+        """Say what a recording of a grasp tells; BadInput where a channel is missing."""
+        samples = self.cut.samples(recording)
+        rows = self.cut.features(samples[np.newaxis])[0]
+        time = recording.time[0] + self.cut.times(samples.shape[0])
+        touched = rows[:, SINCE] > 0.0
+        held = touched & (rows[:, RISE] > HELD)
+        rigid = self.windows(rows)
+        running = pooled(rigid, touched)
+        force = np.where(held, np.exp(self.force(rows)), 0.0)
+        last = int(np.flatnonzero(held)[-1]) if held.any() else -1
+        return Told(
+            time, rigid, running, force, touched, held,
+            float(running[last]) if held.any() else 0.5,
+            self._stiffness(rows, held), self._peak(force),
+        )  # fmt: skip
+
+    def _stiffness(self, rows: np.ndarray, held: np.ndarray) -> Estimate | None:
+        if not held.any():
+            return None
+        return estimated(grasp_stiffness(self.stiffness(rows), held), self.stiffness_band)
+
+    def _peak(self, force: np.ndarray) -> Estimate | None:
+        return estimated(float(force.max()), self.force_band) if force.any() else None
+
+
+def grasp_stiffness(told: np.ndarray, held: np.ndarray) -> float:
+    """One stiffness [N/m] from the logarithms that windows tell: the median of the later half."""
+    some = told[held]
+    return float(np.exp(np.median(some[some.size // 2 :])))
+
+
+def estimated(value: float, band: Band) -> Estimate:
+    """An estimate in its interval."""
+    return Estimate(value, *band(value))
+
+
+def pooled(rigid: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Probability of all windows `used` so far, by the mean of their log odds; 0.5 before."""
+    odds = np.where(used, np.clip(log_odds(rigid), -EXTREME, EXTREME), 0.0)
+    mean = np.cumsum(odds, axis=-1) / np.maximum(np.cumsum(used, axis=-1), 1)
+    return 1.0 / (1.0 + np.exp(-mean))
+
+
+def log_odds(probability: np.ndarray) -> np.ndarray:
+    """log p / (1 - p), finite also at 0 and 1."""
+    inside = np.clip(probability, 1e-6, 1.0 - 1e-6)
+    return np.log(inside) - np.log1p(-inside)
+
+
+def decided(probability: np.ndarray) -> np.ndarray:
+    """SOFT, RIGID or UNKNOWN for each probability of rigid."""
+    sure = np.maximum(probability, 1.0 - probability) >= SURE
+    return np.where(sure, np.where(probability >= 0.5, RIGID, SOFT), UNKNOWN)
+
+
+def plain(estimate: Estimate | None, unit: str) -> dict[str, Any] | None:
+    """As JSON has it."""
+    return None if estimate is None else {**vars(estimate), "unit": unit}

@@ -1,0 +1,134 @@
+"""A model as a file: plain HDF5 arrays. Nothing in it is ever executed; all of it is checked.
+
+attributes    schema, trained (text), window [s], hop [s], sampling [Hz], border [N/m], features
+/rigid, /stiffness, /force    the arrays of a forest (forest.py)
+/calibration (2, n), /stiffness_band (3, n), /force_band (3, n)
+"""
+
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hannes import files
+from hannes.errors import BadInput
+from hannes.recognition.cut import Cut
+from hannes.recognition.features import NAMES
+from hannes.recognition.forest import FIELDS, MOST_NODES, Forest
+from hannes.recognition.model import Band, Calibration, Model
+from hannes.recording_hdf5 import OWN_FILTERS, set_attribute, text_attribute
+
+SCHEMA = "hannes-recogniser-1"
+FORESTS = ("rigid", "stiffness", "force")
+CURVES = {"calibration": 2, "stiffness_band": 3, "force_band": 3}
+NUMBERS = ("window", "hop", "sampling", "border")
+MOST_POINTS = 100_000
+
+
+def write(path: str | Path, model: Model) -> None:
+    """Write a model, whole or not at all; the same model gives the same bytes."""
+    import h5py
+
+    memory = io.BytesIO()
+    with h5py.File(memory, "w", libver=("v108", "v110")) as file:
+        texts = {"schema": SCHEMA, "trained": model.trained, "features": json.dumps(NAMES)}
+        for key, text in texts.items():
+            set_attribute(file, key, text)
+        for key in NUMBERS:
+            file.attrs[key] = float(getattr(model if key == "border" else model.cut, key))
+        for name in FORESTS:
+            for field, kind in FIELDS.items():
+                array = getattr(getattr(model, name), field).astype(kind)
+                place = f"{name}/{field}"
+                file.create_dataset(place, data=array, compression="gzip", track_times=False)
+        for name in CURVES:
+            points = np.stack(list(vars(getattr(model, name)).values()))
+            file.create_dataset(name, data=points, dtype="<f8", track_times=False)
+    files.write_bytes(path, memory.getvalue())
+
+
+def read(path: str | Path) -> Model:
+    """Read a model; BadInput in one line where the file is damaged, foreign or out of bounds."""
+    import h5py
+
+    if not Path(path).is_file():
+        raise BadInput(f"{path}: expected a model, there is no such file")
+    try:
+        with h5py.File(path, "r") as file:
+            return _model(file)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from None
+    except Exception as error:  # a damaged file raises nearly anything from inside the library
+        reason = " ".join(str(error).split())[:100]
+        raise BadInput(
+            f"{path}: cannot be read as a model, it is damaged or of another kind ({reason})"
+        ) from None
+
+
+def _model(file: Any) -> Model:
+    if (schema := text_attribute(file, "schema")) != SCHEMA:
+        raise BadInput(f"its schema is {schema!r:.60}, expected {SCHEMA!r}")
+    if json.loads(text_attribute(file, "features")) != list(NAMES):
+        raise BadInput("it was trained on other features than this version makes; train it anew")
+    window, hop, sampling, border = (_number(file, key) for key in NUMBERS)
+    forests = {name: _forest(file, name).check(len(NAMES)) for name in FORESTS}
+    curves = {name: _curve(file, name, rows) for name, rows in CURVES.items()}
+    if (forests["rigid"].value < 0.0).any() or (forests["rigid"].value > 1.0).any():
+        raise BadInput("a probability is not between 0 and 1")
+    return Model(
+        Cut(window, hop, sampling),
+        border,
+        **forests,
+        calibration=Calibration(*curves["calibration"]),
+        stiffness_band=Band(*curves["stiffness_band"]),
+        force_band=Band(*curves["force_band"]),
+        trained=text_attribute(file, "trained"),
+    )
+
+
+def _number(file: Any, key: str) -> float:
+    attribute = file.attrs.get_id(key)
+    if attribute.dtype.kind != "f" or attribute.shape != ():
+        raise BadInput(f"attribute {key} is not a number")
+    value = float(file.attrs[key])
+    if not (np.isfinite(value) and 0.0 < value <= 1e7):
+        raise BadInput(f"attribute {key} = {value:g} is out of range")
+    return value
+
+
+def _forest(file: Any, name: str) -> Forest:
+    return Forest(
+        **{
+            field: _array(file, f"{name}/{field}", kind, MOST_NODES + 1)
+            for field, kind in FIELDS.items()
+        }
+    )
+
+
+def _curve(file: Any, name: str, rows: int) -> np.ndarray:
+    points = _array(file, name, np.dtype("<f8"), rows * MOST_POINTS, ndim=2)
+    if points.shape[0] != rows or points.shape[1] < 1 or not np.isfinite(points).all():
+        raise BadInput(f"{name}: expected {rows} rows of finite numbers")
+    if (np.diff(points[0]) < 0.0).any() or np.abs(points).max() > 100.0:
+        raise BadInput(f"{name}: its first row must rise, within 100")
+    return points
+
+
+def _array(file: Any, place: str, kind: np.dtype, most: int, ndim: int = 1) -> np.ndarray:
+    """An array, after its type and size were judged."""
+    import h5py
+
+    dataset = file.get(place)
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype != kind or dataset.ndim != ndim:
+        raise BadInput(f"{place}: expected an array of {kind} with {ndim} axis")
+    if dataset.size > most:
+        raise BadInput(f"{place}: {dataset.size} values are more than {most}")
+    made = dataset.id.get_create_plist()
+    filters = {made.get_filter(k)[0] for k in range(made.get_nfilters())}
+    if dataset.is_virtual or dataset.external or not filters <= OWN_FILTERS:
+        raise BadInput(f"{place}: expected plain or gzip storage inside this file")
+    if dataset.chunks and np.prod(dataset.chunks) > 2 * most:
+        raise BadInput(f"{place}: chunks of {dataset.chunks} are too large")
+    return dataset[()]

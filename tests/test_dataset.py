@@ -1,0 +1,296 @@
+"""Data sets: each grasp hangs on its seed alone, nothing is lost, the bytes are always the same."""
+
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+from hannes.cli import main
+from hannes.dataset.draw import draw
+from hannes.dataset.make import Parts, make
+from hannes.dataset.part import Part, count, made, recorded
+from hannes.dataset.read import read
+from hannes.dataset.spec import load_spec, read_spec
+from hannes.errors import BadInput
+
+REFERENCE = """
+duration = "0.15 s"
+[reference]
+kind = "ramp"
+points = [["0 s", "0 rad"], ["0.1 s", "3 rad"]]
+"""
+TEXT = (
+    """
+title = "small"
+seed = 3
+channels = ["position", "current", "reference"]
+"""
+    + REFERENCE
+    + """
+[values]
+"motor.dry_friction" = { spread = "0.05" }
+"mcp.spring_*" = { spread = "0.02" }
+"noise.current" = "10 mA"
+"resolution.position" = "1.5 mrad"
+[[grasps]]
+name = "empty hand"
+shape = "none"
+draws = 30
+[grasps.values]
+"command.speed" = ["0.9", "1.1"]
+[[grasps]]
+name = "cylinders"
+shape = "cylinder"
+role = "test"
+draws = 250
+[grasps.values]
+"object.radius" = { uniform = ["15 mm", "40 mm"] }
+"object.stiffness" = { log_uniform = ["300 N/m", "60 kN/m"] }
+"object.y" = { uniform = ["-60 mm", "-35 mm"] }
+"""
+)
+
+
+@pytest.fixture(scope="module")
+def spec():
+    """Three hundred and ten grasps in four parts."""
+    return read_spec(TEXT)
+
+
+@pytest.fixture(scope="module")
+def whole(spec, tmp_path_factory):
+    """The data set of an uninterrupted run by one process."""
+    path = tmp_path_factory.mktemp("whole") / "set.h5"
+    told = make(spec, path, workers=1, progress=False)
+    assert told == {
+        "out": str(path), "grasps": 310, "parts": 4, "parts_simulated": 4, "failed": 0
+    }  # fmt: skip
+    assert [each.name for each in path.parent.iterdir()] == ["set.h5"]
+    return path
+
+
+def test_the_bytes_are_the_same_for_any_number_of_workers(spec, whole, tmp_path):
+    make(spec, tmp_path / "again.h5", workers=2, progress=False)
+    assert (tmp_path / "again.h5").read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.parametrize("number", [0, 31, 309])
+def test_each_grasp_is_reproducible_alone(spec, whole, number):
+    alone = recorded(read_spec(spec.text), number)
+    with h5py.File(whole) as file:
+        for name in spec.channels:
+            assert np.array_equal(file["channels"][name][number], alone[name].astype("f4"))
+
+
+def test_it_reads_with_h5py_alone_and_says_what_is_what(whole):
+    with h5py.File(whole) as file:
+        current, table = file["channels/current"], file["grasps"]
+        units = dict(zip(table.dtype.names, table.attrs["units"].astype(str), strict=True))
+        assert current.shape == (310, 151) and current.attrs["unit"] == b"A"
+        assert current.chunks == (100, 151) and current.compression == "gzip"
+        assert current.dims[1][0][-1] == 0.15
+        assert units["object.stiffness"] == "N/m" and units["contact"] == "s"
+        assert read_spec(file.attrs["specification"].decode()).count == 310
+        assert file.attrs["seed"] == 3
+
+
+def test_levels_are_crossed_and_draws_stand_clear_of_the_hand(spec, whole):
+    found = read(whole)
+    assert np.array_equal(np.unique(found.table["command.speed"][:60]), [0.9, 1.1])
+    assert found.role("test").sum() == 250 and not found.role("test")[:60].any()
+    wide = found.table["object.radius"][60:]
+    assert wide.min() < 0.018 and 0.03 < wide.max() < 0.04
+    assert np.ptp(found.table["motor.dry_friction"]) > 0.0
+    assert draw(spec, 200).values["object.radius"] == found.table["object.radius"][200]
+
+
+def test_damaged_parts_are_found_and_redone(spec, whole, tmp_path):
+    path = tmp_path / "set.h5"
+    data = bytearray(whole.read_bytes())
+    with h5py.File(whole) as file:
+        chunk = file["channels/current"].id.get_chunk_info(1)
+    data[chunk.byte_offset + chunk.size // 2] ^= 1
+    path.write_bytes(data)
+    assert make(spec, path, workers=1, progress=False)["parts_simulated"] == 1
+    assert path.read_bytes() == whole.read_bytes()
+    path.write_bytes(whole.read_bytes()[: chunk.byte_offset])  # beyond repair
+    assert make(spec, path, workers=1, progress=False)["parts_simulated"] == 4
+    assert path.read_bytes() == whole.read_bytes()
+    assert make(spec, path, workers=1, progress=False)["parts_simulated"] == 0
+
+
+def test_a_damaged_part_of_an_unfinished_run_is_redone(spec, whole, tmp_path):
+    parts = Parts(tmp_path / "set.h5", spec)
+    for k in range(3):
+        parts.write(k, made(spec, k).packed())
+    data = bytearray(parts.path(1).read_bytes())
+    data[len(data) // 2] ^= 16
+    parts.path(1).write_bytes(data)
+    parts.path(2).write_bytes(b"")
+    assert make(spec, tmp_path / "set.h5", workers=1, progress=False)["parts_simulated"] == 3
+    assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.parametrize("place", range(0, 100, 9))
+def test_no_damage_of_a_part_goes_unseen(spec, place):
+    data = bytearray(_PART.setdefault(0, made(spec, 0).packed()))
+    data[len(data) * place // 100] ^= 4
+    part = Part.unpacked(bytes(data))
+    assert part is None or part.digest == Part.unpacked(_PART[0]).digest  # a name's or a date's bit
+
+
+_PART: dict[int, bytes] = {}
+
+
+def test_a_killed_run_goes_on_where_it_was(spec, whole, tmp_path):
+    (tmp_path / "set.toml").write_text(TEXT)
+    command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
+    rng = np.random.default_rng(5)
+    for _ in range(3):
+        run = subprocess.Popen([*command, "--workers", "1"], cwd=tmp_path)
+        time.sleep(rng.uniform(0.5, 2.0))
+        run.send_signal(signal.SIGKILL)
+        run.wait()
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
+    assert not list(tmp_path.glob(".parts*"))
+
+
+def test_a_full_disk_is_told_and_the_run_goes_on_after(whole, tmp_path):
+    (tmp_path / "set.toml").write_text(TEXT)
+    command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
+
+    def limited():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))  # bytes of a file: a part's
+
+    ended = subprocess.run(
+        [*command, "--workers", "1"], cwd=tmp_path, capture_output=True, text=True,
+        preexec_fn=limited,
+    )  # fmt: skip
+    assert ended.returncode == 2 and ended.stderr.count("\n") == 1
+    assert "run the same again" in ended.stderr and "Traceback" not in ended.stderr
+    assert not (tmp_path / "set.h5").exists() and list(tmp_path.glob(".parts*/*.part"))
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
+
+
+@pytest.fixture
+def cluster():
+    """A Dask scheduler and two workers, processes of their own over TCP."""
+    start = [sys.executable, "-c", "from distributed.cli.dask_scheduler import main; main()"]
+    common = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--dashboard-address", ":0"]
+    scheduler = subprocess.Popen([*start, *common], stderr=subprocess.PIPE, text=True)
+    address = next(x.split()[-1] for x in scheduler.stderr if "Scheduler at:" in x)
+    start = [sys.executable, "-c", "from distributed.cli.dask_worker import main; main()"]
+    how = ["--nworkers", "1", "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+    workers = [
+        subprocess.Popen([*start, address, *how], stderr=subprocess.DEVNULL) for _ in range(2)
+    ]
+    yield address, workers
+    for each in (*workers, scheduler):
+        each.kill()
+        each.wait()
+    scheduler.stderr.close()
+
+
+@pytest.mark.slow
+def test_a_cluster_gives_the_same_bytes_and_survives_a_killed_worker(cluster, whole, tmp_path):
+    address, workers = cluster
+    (tmp_path / "set.toml").write_text(TEXT)
+    command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
+    run = subprocess.Popen([*command, "--backend", "dask", "--scheduler", address], cwd=tmp_path)
+    while not list(tmp_path.glob(".parts*/*.part")) and run.poll() is None:
+        time.sleep(0.02)
+    workers[0].kill()
+    assert run.wait(timeout=120) == 0
+    assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
+
+
+def test_no_scheduler_is_told(spec, tmp_path):
+    with pytest.raises(BadInput, match="no Dask scheduler answers"):
+        make(spec, tmp_path / "set.h5", backend="dask", scheduler="tcp://127.0.0.1:1")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('"command.speed"', '"command.sped"', 'command.sped.*did you mean "command.speed"'),
+        ("draws = 250", "draws = 0", "draws must be a whole number from 1"),
+        ('["300 N/m", "60 kN/m"]', '["60 kN/m", "300 N/m"]', "a lower, then a higher value"),
+        ('"60 kN/m"', '"60 kN"', "expected a value in N/m"),
+        ('"40 mm"', '"400 mm"', "above its upper bound"),
+        ('["-60 mm", "-35 mm"]', '["-12 mm", "-10 mm"]', "grasp 60 .*intersects the open hand"),
+        ("log_uniform", "gaussian", 'unknown key "grasps.1..values.object.stiffness.gaussian"'),
+        ('"mcp.spring_*"', '"mcp.sprung_*"', "stands for no parameter"),
+        ('name = "cylinders"', 'name = "empty hand"', "two groups of one name"),
+        ('"current", ', '"amps", ', 'has "amps"'),
+        ("spread = ", "spraed = ", "did you mean"),
+        ('shape = "cylinder"', 'shape = "cube"', "expected one of"),
+    ],
+)
+def test_a_bad_specification_is_told_in_one_line(tmp_path, capsys, old, new, told):
+    (tmp_path / "bad.toml").write_text(TEXT.replace(old, new, 1))
+    assert old in TEXT
+    arguments = ["dataset", str(tmp_path / "bad.toml"), "--out", str(tmp_path / "bad.h5")]
+    assert main([*arguments, "--workers", "1"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.search(told, line), line
+
+
+def test_what_is_no_data_set_is_not_overwritten(spec, tmp_path):
+    (tmp_path / "notes.h5").write_text("my notes")
+    with pytest.raises(BadInput, match="holds something else"):
+        make(spec, tmp_path / "notes.h5")
+    with pytest.raises(BadInput, match=r"named \.h5"):
+        make(spec, tmp_path / "set.csv")
+
+
+def test_the_shipped_ones_are_whole():
+    design, large = load_spec("eighteen"), load_spec("large")
+    roles = [group.role for group in design.groups]
+    assert design.count == 18 and roles.count("train") == 16 and roles.count("test") == 2
+    assert {draw(design, k).group.shape for k in range(18)} == {"cylinder", "prism", "sphere"}
+    assert large.count == 10_000 and count(large) == 100
+    with pytest.raises(BadInput, match='did you mean "large"'):
+        load_spec("larger")
+
+
+def test_a_damaged_or_foreign_file_is_told(whole, tmp_path):
+    path = tmp_path / "bad.h5"
+    data = whole.read_bytes()
+    path.write_bytes(data[: len(data) // 3])
+    with pytest.raises(BadInput, match="damaged or of another kind"):
+        read(path)
+    path.write_bytes(data)
+    with h5py.File(path, "r+") as file:
+        file["channels/current"][7, 3] = np.nan
+    found = read(path)
+    with pytest.raises(BadInput, match="no number"):
+        list(found.blocks(np.arange(20), ("current",)))
+    with pytest.raises(BadInput, match='channel "force" is missing'):
+        list(found.blocks(np.arange(20), ("force",)))
+    with h5py.File(path, "r+") as file:
+        file.attrs["schema"] = np.bytes_(b"other-1")
+    with pytest.raises(BadInput, match="schema is 'other-1'"):
+        read(path)
+
+
+def test_fuzzed_files_are_read_or_refused(whole, tmp_path):
+    data, rng = whole.read_bytes(), np.random.default_rng(1)
+    path = tmp_path / "fuzzed.h5"
+    for _ in range(60):
+        changed = bytearray(data)
+        for place in rng.integers(0, 6000, 8):
+            changed[place] = rng.integers(0, 256)
+        path.write_bytes(changed)
+        try:
+            found = read(path)
+            list(found.blocks(np.arange(min(50, found.table.size)), ("current",)))
+        except BadInput:
+            pass

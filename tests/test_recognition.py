@@ -1,0 +1,318 @@
+"""Recognition: causal features, trees as plain arrays that equal scikit-learn's, checked files."""
+
+import json
+import re
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from sklearn.ensemble import RandomForestClassifier, RandomForestRegressor
+from sklearn.model_selection import GridSearchCV
+from sklearn.pipeline import Pipeline
+
+from hannes.cli import main
+from hannes.dataset.make import make
+from hannes.dataset.read import read
+from hannes.dataset.spec import read_spec
+from hannes.errors import BadInput
+from hannes.recognition import model_file
+from hannes.recognition.cut import Cut
+from hannes.recognition.estimators import BaggedTrees, WindowFeatures
+from hannes.recognition.evaluate import f1
+from hannes.recognition.features import CHANNELS, NAMES
+from hannes.recognition.forest import of_sklearn
+from hannes.recognition.model import SURE, decided, pooled
+from hannes.recognition.train import train
+from hannes.recording import Recording
+
+TEXT = """
+title = "some grasps"
+seed = 7
+duration = "1.15 s"
+[reference]
+kind = "ramp"
+points = [["0 s", "0 rad"], ["0.637 s", "9.84 rad"], ["1.022 s", "0 rad"]]
+[values]
+"motor.dry_friction" = { spread = "0.05" }
+"noise.current" = "10 mA"
+"object.stiffness" = ["800 N/m", "2 kN/m", "15 kN/m", "38.3 kN/m"]
+[[grasps]]
+name = "cylinders"
+shape = "cylinder"
+draws = 20
+[grasps.values]
+"object.radius" = { uniform = ["18 mm", "30 mm"] }
+[[grasps]]
+name = "held back"
+shape = "cylinder"
+role = "test"
+draws = 5
+[grasps.values]
+"object.radius" = { uniform = ["18 mm", "30 mm"] }
+"""
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    """A data set of a hundred grasps."""
+    path = tmp_path_factory.mktemp("data") / "set.h5"
+    make(read_spec(TEXT), path, workers=1, progress=False)
+    return path
+
+
+@pytest.fixture(scope="module")
+def trained(data):
+    """A small model, and what training told of it."""
+    return train(data, trees=12, seed=1, jobs=1)
+
+
+@pytest.fixture(scope="module")
+def arrays(data):
+    """Grasps as arrays (n, samples, 3), their classes, and a recording of one."""
+    found = read(data)
+    (block,) = found.blocks(np.arange(100), (*CHANNELS, "force"))
+    return block, found.rigid.astype(int), found.time
+
+
+def recording(arrays, k, **changed):
+    """Grasp k as a recording."""
+    block, _, times = arrays
+    named = dict(zip((*CHANNELS, "force"), block[k].astype(float).T, strict=True))
+    units = {"time": "s", "current": "A", "position": "rad", "reference": "rad", "force": "N"}
+    return Recording({"time": times, **named, **changed}, units)
+
+
+def test_features_do_not_know_what_comes_after(arrays):
+    cut, block = Cut(), arrays[0][..., :3]
+    whole = cut.features(block[:8])
+    for seen in (150, 420, 777):
+        part = cut.features(block[:8, :seen])
+        assert np.array_equal(part, whole[:, : part.shape[1]])
+    changed = block[:8].copy()
+    changed[:, 600:] += 1.0
+    before = cut.ends(block.shape[1]) <= 600
+    assert np.array_equal(cut.features(changed)[:, before], whole[:, before])
+
+
+def test_features_are_what_their_names_say():
+    time = np.arange(1000) / 1000.0
+    position = 10.0 * time
+    touch = position[400]
+    current = np.where(position < touch, 0.3, 0.3 + 0.5 * (position - touch))
+    rows = Cut().features(np.stack([current, position, 1.2 * position], axis=1)[np.newaxis])[0]
+    row = dict(zip(NAMES, rows[-1], strict=True))
+    assert row["speed"] == pytest.approx(10.0) and row["reference_speed"] == pytest.approx(12.0)
+    assert row["free_current"] == pytest.approx(0.3, abs=1e-6)
+    assert row["tangent"] == pytest.approx(0.5, rel=1e-3) == row["steepest"]
+    assert row["touch_position"] == pytest.approx(touch, abs=0.15)
+    assert row["rise_at_3"] == pytest.approx(0.5 * 1.0, abs=0.08)
+    assert row["since"] == pytest.approx(0.6, abs=0.02)
+    assert np.isfinite(rows).all()
+
+
+def test_a_recording_of_another_sampling_is_understood(arrays, trained):
+    model, _ = trained
+    fine = recording(arrays, 70)
+    coarse = Recording({n: x[::2] for n, x in fine.channels.items()}, fine.units)
+    late = Recording({**fine.channels, "time": fine.time + 5.0}, fine.units)
+    assert model.tell(coarse).decision == model.tell(fine).decision == "rigid"
+    assert np.allclose(model.tell(late).time, model.tell(fine).time + 5.0)
+    assert np.array_equal(model.tell(late).rigid, model.tell(fine).rigid)
+
+
+def test_compiled_trees_equal_those_of_scikit_learn():
+    rng = np.random.default_rng(0)
+    rows = rng.standard_normal((3000, 6)).astype(np.float32)
+    classes = (rows[:, 0] + rows[:, 1] * rows[:, 2] > 0.0).astype(int)
+    bag = RandomForestClassifier(40, random_state=1).fit(rows[:2000], classes[:2000])
+    told = of_sklearn(bag).check(6)(rows)
+    assert np.allclose(told, bag.predict_proba(rows)[:, 1], rtol=0.0, atol=1e-12)
+    assert np.array_equal(told > 0.5, bag.predict_proba(rows)[:, 1] > 0.5)
+    line = RandomForestRegressor(20, random_state=1).fit(rows[:2000], rows[:2000, 3])
+    assert np.allclose(of_sklearn(line)(rows), line.predict(rows), rtol=0.0, atol=1e-12)
+
+
+def test_one_decision_takes_well_under_a_millisecond(arrays, trained):
+    model, _ = trained
+    rows = model.cut.features(arrays[0][:1, :, :3])[0]
+    model.windows(rows[:1])
+    spent = []
+    for row in np.tile(rows, (5, 1)):
+        start = time.perf_counter()
+        model.windows(row[np.newaxis])
+        spent.append(time.perf_counter() - start)
+    assert np.median(spent) < 0.5e-3
+
+
+def test_pipelines_and_grid_search_work(arrays):
+    block, rigid, _ = arrays
+    pipeline = Pipeline([("features", WindowFeatures()), ("trees", BaggedTrees(5, jobs=1))])
+    grid = {"features__window": [0.03, 0.05], "trees__leaf": [5, 20]}
+    search = GridSearchCV(pipeline, grid, cv=3).fit(block[..., :3], rigid)
+    assert search.best_score_ > 0.9
+    recordings = [recording(arrays, k) for k in (0, 79)]
+    assert list(search.best_estimator_.predict(recordings)) == [0, 1]
+    names = pipeline.named_steps["features"].get_feature_names_out()
+    assert list(names) == list(NAMES)
+
+
+def test_a_grasp_of_the_hand_is_told(arrays, trained):
+    model, told = trained
+    assert told["grasps"] + told["kept"] == 80 and told["test_scores"]["grasps"] == 20
+    assert told["test_scores"]["grasps_right"] >= 0.95
+    assert told["test_scores"]["peak_force_error_percent"] < 15.0
+    soft, rigid = model.tell(recording(arrays, 2)), model.tell(recording(arrays, 70))
+    assert (soft.decision, rigid.decision) == ("soft", "rigid")
+    assert soft.stiffness.value < 3000.0 < rigid.stiffness.value
+    assert soft.peak_force.low <= soft.peak_force.value <= soft.peak_force.high
+    assert (soft.running[~np.cumsum(soft.touched, dtype=bool)] == 0.5).all()
+
+
+def test_an_empty_hand_is_no_grasp(trained):
+    model, _ = trained
+    times = np.arange(500) / 1000.0
+    still = {name: np.zeros(500) for name in CHANNELS}
+    units = {"time": "s", "current": "A", "position": "rad", "reference": "rad"}
+    told = model.tell(Recording({"time": times, **still}, units))
+    assert told.decision == "don't know" and told.stiffness is None and told.peak_force is None
+
+
+def test_the_same_seed_trains_the_same_bytes(data, trained, tmp_path):
+    model, _ = trained
+    again, _ = train(data, trees=12, seed=1, jobs=2)
+    for name, each in (("a.h5", model), ("b.h5", again)):
+        model_file.write(tmp_path / name, each)
+    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
+    back = model_file.read(tmp_path / "a.h5")
+    rows = np.random.default_rng(0).standard_normal((50, len(NAMES)))
+    assert np.array_equal(back.windows(rows), model.windows(rows))
+
+
+@pytest.fixture
+def file(trained, tmp_path):
+    """A model's file."""
+    model_file.write(tmp_path / "model.h5", trained[0])
+    return tmp_path / "model.h5"
+
+
+def spoilt(path, place, change):
+    """Put another array in place of one of the file's."""
+    with h5py.File(path, "r+") as opened:
+        values = opened[place][()]
+        del opened[place]
+        opened[place] = change(values)
+
+
+def out_of_range(values):
+    values = values.copy()
+    values[0] = 10_000_000
+    return values
+
+
+def back_to_the_root(values):
+    values = values.copy()
+    values[values > 0] = 0
+    return values
+
+
+@pytest.mark.parametrize(
+    ("place", "change", "told"),
+    [
+        ("rigid/left", out_of_range, "leads out of its tree"),
+        ("rigid/right", back_to_the_root, "leads out of its tree, or back"),
+        ("rigid/feature", out_of_range, "asks for a feature"),
+        ("rigid/value", lambda v: v + 2.0, "a probability is not between"),
+        ("rigid/value", lambda v: v * np.nan, "not finite"),
+        ("force/threshold", lambda v: v[:-1], "unequal length"),
+        ("force/starts", lambda v: v[::-1].copy(), "starts do not go"),
+        ("force/starts", lambda v: v.astype("f8"), "expected an array of int64"),
+        ("stiffness/left", lambda v: v[:, np.newaxis], "with 1 axis"),
+        ("calibration", lambda v: v[:, ::-1].copy(), "first row must rise"),
+        ("force_band", lambda v: v * np.inf, "finite numbers"),
+    ],
+)
+def test_a_model_out_of_bounds_is_refused(file, place, change, told):
+    spoilt(file, place, change)
+    with pytest.raises(BadInput, match=told):
+        model_file.read(file)
+
+
+def test_a_model_that_claims_a_huge_size_is_refused(file):
+    with h5py.File(file, "r+") as opened:
+        del opened["rigid/left"]
+        opened.create_dataset("rigid/left", (10**12,), "<i4", chunks=(1000,))
+    with pytest.raises(BadInput, match="are more than"):
+        model_file.read(file)
+
+
+def test_fuzzed_models_are_read_or_refused(file, arrays):
+    data, rng = file.read_bytes(), np.random.default_rng(2)
+    rows = Cut().features(arrays[0][:1, :, :3])[0]
+    for _ in range(80):
+        changed = bytearray(data)
+        for place in rng.integers(0, len(data), 6):
+            changed[place] = rng.integers(0, 256)
+        file.write_bytes(changed)
+        try:
+            model_file.read(file).windows(rows)
+        except BadInput as error:
+            assert "\n" not in str(error)
+
+
+def test_decisions_at_the_border_are_not_made_up():
+    assert list(decided(np.array([0.1, 0.5, SURE - 1e-9, SURE, 0.9]))) == [0, 2, 2, 1, 1]
+    told = pooled(np.array([0.5, 0.9, 0.9, 0.1]), np.array([False, True, True, True]))
+    assert told[0] == 0.5 and told[1] == pytest.approx(0.9) and told[3] < told[2]
+
+
+def test_the_papers_formula_for_an_object_of_one_class():
+    right, wrong = 67, 33
+    pr, re_ = right / (right + wrong), right / (right + 0)
+    assert f1(right / (right + wrong)) == pytest.approx(2.0 * pr * re_ / (pr + re_))
+
+
+def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", str(data), "--out", "model.h5", "--trees", "8", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["kept"] == 16
+    for k in (2, 3, 70, 71):
+        recording(arrays, k).write(tmp_path / f"{'soft' if k < 40 else 'hard'}-{k}.h5")
+    Path("evaluation.toml").write_text(
+        'title = "two"\n[[object]]\nname = "a"\nclass = "soft"\nfile = "soft-*.h5"\n'
+        '[[object]]\nname = "b"\nclass = "rigid"\nfile = "hard-*.h5"\n'
+    )
+    assert main(["evaluate", "model.h5", "evaluation.toml", "--out", "scores", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told == json.loads(Path("scores/evaluation.json").read_text())
+    assert told["f1_grasps"] == 1.0 and told["f1_windows"] > 0.9
+    assert main(["evaluate", "model.h5", "soft-2.h5"]) == 0
+    assert re.match(r"soft .*\n  stiffness .* N/m .*\n  peak grip", capsys.readouterr().out)
+
+
+def test_bad_recordings_are_told_in_one_line(file, arrays, tmp_path, capsys):
+    whole = recording(arrays, 2)
+    parts = {n: x for n, x in whole.channels.items() if n != "position"}
+    units = {n: whole.units[n] for n in parts}
+    Recording(parts, units).write(tmp_path / "part.h5")
+    assert main(["evaluate", str(file), str(tmp_path / "part.h5")]) == 2
+    assert 'no channel "position"' in capsys.readouterr().err
+    (tmp_path / "nan.csv").write_text("time_s,current_A\n0,1\n0.1,nan\n")
+    assert main(["evaluate", str(file), str(tmp_path / "nan.csv")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert main(["evaluate", str(tmp_path / "part.h5"), str(tmp_path / "part.h5")]) == 2
+    assert "schema" in capsys.readouterr().err
+    assert main(["train", str(tmp_path / "part.h5")]) == 2
+    assert "schema" in capsys.readouterr().err
+    with pytest.raises(BadInput, match="no numbers"):
+        Cut().features(np.full((1, 300, 3), np.nan))
+    with pytest.raises(BadInput, match="at least 4 samples"):
+        replace(Cut(), window=1e-3)
+
+
+def test_training_never_reads_the_ten_objects():
+    package = Path(__file__).parents[1] / "hannes"
+    texts = [each.read_text(encoding="utf-8") for each in package.rglob("*.py")]
+    assert not any("ten_objects" in text or "benchmarks" in text for text in texts)
