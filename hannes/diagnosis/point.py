@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hannes.diagnosis.groups import Group
+from hannes.diagnosis.groups import Channels, Group
 from hannes.diagnosis.model import NOWHERE, SHIFT, Model
 from hannes.diagnosis.noise import JERK, Noise
 from hannes.errors import ComputationFailed
@@ -184,7 +184,7 @@ def first(model: Model, noise_floor: dict[str, float], seed: int) -> Point:
     return Point(ground, x, known, vectors, slopes, missed(ground, vectors), columns)
 
 
-def _restless(model: Model, group: Group, slopes: np.ndarray, channels: dict) -> np.ndarray:
+def _restless(model: Model, group: Group, slopes: np.ndarray, channels: Channels) -> np.ndarray:
     """How a group's runs differ, one standard deviation a row, shape (k, n)."""
     settings = model.space.settings
     sizes = _run_sizes(model, group)

@@ -44,6 +44,8 @@ def screened(point: Point, effects: Sequence[str], sizes: Sequence[float] = SMAL
         if _allowed(point, name, size)
     ]
     guesses: dict[str, Guess] = {}
+    if not trials:
+        return []
     for (name, shape, size), rows in zip(trials, _columns(point, trials), strict=True):
         found = _guess(point, name, shape, rows, size)
         if name not in guesses or found.gain > guesses[name].gain:

@@ -24,6 +24,7 @@ class Settings:
 
 def read_settings(table: Table, plant: Plant) -> Settings:
     """Return what a campaign says; BadInput for an unknown key, a wrong unit, a senseless size."""
+    table = Table(table.content, table.where, KEYS, table.prefix)
     return Settings(
         _share(table, "scatter", Settings.scatter),
         _share(table, "run_scatter", Settings.run_scatter),
