@@ -1,4 +1,7 @@
-"""Through scipy's solve_ivp, from kink to kink: by the method of hannes/rodas or scipy's own."""
+"""Through scipy's solve_ivp, from kink to kink: by scipy's own methods, or by Rodas as one more.
+
+`simulate` takes it for scipy's methods; Rodas gives the same bits here as in its compiled call.
+"""
 
 import math
 import time
@@ -107,7 +110,8 @@ class Initial:
             if "infs or NaNs" not in str(error):
                 raise
             return self._fail(Outcome.NOT_FINITE, str(error))  # scipy will not factor such
-        self.cost += Cost(part.nfev, part.njev, self._parts(), time.perf_counter() - clock)
+        seconds = time.perf_counter() - clock
+        self.cost += Cost(int(part.nfev), int(part.njev), self._parts(), seconds)
         rows = np.asarray(part.y).T.reshape(-1, self.state.size)  # a bare list when empty
         if not np.isfinite(rows.sum()):
             sound = np.isfinite(rows).all(axis=1)

@@ -54,7 +54,7 @@ def callbacks(fast: ModuleType) -> dict[str, Any]:
         y, dy, p = part(user, STATE), part(user, RATE), part(user, VALUES)
         reference, hold = part(user, REFERENCE).reshape((2, KNOTS)), part(user, HELD)
         target = position_reference(t, y, dy, p, y, reference, dy)
-        position, current = sense(t, y, dy, p, y, dy)
+        position, current = sense(t, y, dy, p, y, hold, dy)
         return pids(t, y, dy, p, y, hold, target, position, current, dy) * p[SUPPLY]
 
     @numba.cfunc(GENERIC)
