@@ -196,6 +196,20 @@ def test_effects_that_do_the_same_make_a_class():
     assert alike["turbulence"] == ["twin"] and alike["twin"] == ["turbulence"]
 
 
+def test_what_looks_alike_is_told_and_shown(tmp_path):
+    known = {each.name: each for each in (HARDENING, TURBULENCE, TWIN)}
+    result = diagnose(
+        campaign(5, ((TURBULENCE, 2.0),), known), out=tmp_path / "out", progress=False
+    )
+    told = result.verdict.confusability
+    cosine = dict(zip(told["effects"], told["cosines"], strict=True))
+    place = {name: k for k, name in enumerate(told["effects"])}
+    assert cosine["twin"][place["turbulence"]] == pytest.approx(1.0, abs=2e-3)
+    assert cosine["twin"][place["hardening"]] < 0.95
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "What looks alike" in page and "<script" not in page
+
+
 def test_show_recordings_change_nothing_but_the_gaps():
     whole = campaign(1, ((HARDENING, 900.0),))
     spoilt = tuple(

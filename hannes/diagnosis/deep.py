@@ -11,7 +11,7 @@ from hannes.campaign import Campaign, Entry
 from hannes.diagnosis.choice import Choice, chosen
 from hannes.diagnosis.fit import deviations
 from hannes.diagnosis.investigation import LIMIT, Found, investigate
-from hannes.diagnosis.screen import amplitude_names, projected
+from hannes.diagnosis.screen import amplitude_names, likeness, projected
 from hannes.diagnosis.settings import read_settings
 from hannes.diagnosis.shown import STAGES, left, simulated, traced
 from hannes.effect import Effect
@@ -21,6 +21,7 @@ from hannes.plant import Plant
 from hannes.verdict import Verdict
 
 ALPHA = 0.02  # of hands with nothing missing that LIMIT was chosen to name something on, at most
+COMPARED = 8  # effects of which the confusability is told
 POWER_80 = 0.842  # standard deviations above a limit that are seen four times in five
 WIDER = 1.3  # times the linear standard deviation: what it covers of hands with nothing missing
 Told = Callable[[str], None]
@@ -116,6 +117,7 @@ class _Closing:
             floor_from=self.how,
             cut=self.note,
             smallest_detectable=self.detectable(),
+            confusability=self.confusability(),
         )
         traces = tuple(
             traced(piece, each, list(self.floors))
@@ -193,6 +195,15 @@ class _Closing:
                 sizes[name.rpartition(".")[2]] = _size(size, each.low, each.high, self.unit(name))
             found[self.names[guess.effect]] = sizes
         return found
+
+    def confusability(self) -> dict[str, Any]:
+        """Cosines between the marks of the effects that come nearest, and of those named."""
+        rows = [each["effect"] for each in self.candidates()]
+        known = {self.names[guess.effect]: guess.columns for guess in self.found.guesses}
+        names = [name for name in rows if name in known][:COMPARED]
+        base = self.found.base
+        cosines = [[round(likeness(base, known[a], known[b]), 3) for b in names] for a in names]
+        return {"effects": names, "cosines": cosines}
 
     def unit(self, name: str) -> str:
         return self.model.whole.parameters.declared[name].unit
