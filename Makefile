@@ -22,7 +22,12 @@ run: env  ## the paper's experiments and a first diagnosis: pages in results/
 	$(bin)/hannes diagnose results/closures/campaign.toml --out results/hidden-slack
 	$(bin)/python -m benchmarks.truth.closures --out results/taut-closures --slack none --runs 6 --seed 1
 	$(bin)/hannes diagnose results/taut-closures/campaign.toml --out results/no-slack
-	$(bin)/hannes reproduce --out results/reproduce --slack results/hidden-slack --taut results/no-slack
+	$(bin)/python -m benchmarks.truth.objects --out results/ten-objects --grasps 10 --seed 1
+	$(bin)/hannes dataset large --out results/large.h5
+	$(bin)/hannes train results/large.h5 --out results/large-model.h5
+	$(bin)/hannes evaluate results/large-model.h5 results/ten-objects/evaluation.toml --out results/rigid-or-soft
+	$(bin)/hannes reproduce --out results/reproduce --slack results/hidden-slack --taut results/no-slack \
+	    --recognition results/rigid-or-soft
 
 test: lint  ## format, lint, types, direction of imports, tests
 	$(bin)/python -m pytest

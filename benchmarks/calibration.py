@@ -2,9 +2,11 @@
 
 Campaigns are made by the independent truth (benchmarks/truth), which sees sampled firmware, sensor
 noise and resolution, and a hand that differs from itself in every run; nine parameters lie 20 %
-(one standard deviation) off what the analyst believes. In the study `doubted` all else is 2 % off
-as well, and the analyst says so (doubt = "2 %"). Some four hours on one core, which --resume
-spreads over as many calls as it takes; --quick takes minutes.
+(one standard deviation) off what the analyst believes. Of a value that is to be right to 2 % (half
+of the time) the analyst asks for an interval of 6 %. In the study `doubted` all else is 2 % off as
+well, and the analyst says so (doubt = "2 %"). Nothing was tuned on these seeds: development had
+others, all below 10,000 but those named at FIRST. Some two hours on one core, which
+--resume spreads over as many calls as it takes; --quick takes minutes.
 """
 
 import argparse
@@ -16,7 +18,7 @@ from typing import Any
 
 from benchmarks import study
 from benchmarks.calibrating import real_axis, speed, summary
-from benchmarks.calibrating.cases import NINE, ONE_RUN, QUICK, RICH_PROTOCOL, case
+from benchmarks.calibrating.cases import NINE, ONE_RUN, QUICK, case
 from benchmarks.calibrating.outcome import outcome
 from benchmarks.harness import Row, aligned, must_show, table
 
@@ -29,22 +31,28 @@ HIDDEN = (
 )
 # Cases of each study: whole, quick.
 COUNTS = {
-    "recovery": (24, 1),
-    "doubted": (24, 1),
-    "coverage": (240, 2),
-    "one run": (60, 3),
-    "wrong model": (24, 3),
+    "recovery": (6, 1),
+    "doubted": (6, 1),
+    "coverage": (200, 2),
+    "one-run": (40, 3),
+    "wrong-model": (6, 3),
 }
+# First seed of each; those of a first coverage study, 30,000 to 30,082, showed a fault and count as
+# development now.
+FIRST = {"recovery": 10_000, "doubted": 20_000, "one-run": 40_000, "wrong-model": 50_000,
+         "coverage": 60_000}  # fmt: skip
+STUDIES = (*COUNTS, "EMPS", "time")
+RIGHT = 0.06  # half-width of a 95 % interval whose middle half lies within 2 %
 CASES = Path("results/benchmarks/calibration.jsonl")
 
 
 def measured(kind: str, seed: int) -> dict[str, Any]:
     """One case of a study."""
     if kind == "recovery":
-        return outcome(case(seed, protocol=RICH_PROTOCOL, starts=4), seed)
+        return outcome(case(seed, starts=4, limit=RIGHT), seed)
     if kind == "doubted":
-        return outcome(case(seed, protocol=RICH_PROTOCOL, starts=4, rest=0.02), seed)
-    if kind == "one run":
+        return outcome(case(seed, starts=4, rest=0.02, limit=RIGHT), seed)
+    if kind == "one-run":
         return outcome(case(seed, ONE, ONE_RUN), seed)
     if kind == "coverage":
         return outcome(case(seed, TEN, QUICK), seed)
@@ -55,8 +63,8 @@ def measured(kind: str, seed: int) -> dict[str, Any]:
 def asked_for(quick: bool) -> list[study.Case]:
     """Cases of all studies, the short studies first; no two studies share a seed."""
     cases = []
-    for number, (kind, counts) in enumerate(COUNTS.items()):
-        cases += [(kind, 10_000 * (number + 1) + k) for k in range(counts[quick])]
+    for kind, counts in COUNTS.items():
+        cases += [(kind, FIRST[kind] + k) for k in range(counts[quick])]
     return cases
 
 
@@ -72,7 +80,7 @@ def figures(done: Sequence[dict[str, Any]]) -> tuple[list[Row], list[Row]]:
         elif kind == "coverage":
             parts.append(summary.coverage(some))
         else:
-            parts.append((summary.one_run if kind == "one run" else summary.wrong_model)(some))
+            parts.append((summary.one_run if kind == "one-run" else summary.wrong_model)(some))
     return [row for rows, _ in parts for row in rows], [row for _, rows in parts for row in rows]
 
 
@@ -92,7 +100,8 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true", help="few cases, for a first look")
     parser.add_argument("--resume", action="store_true", help="keep the cases already measured")
-    parser.add_argument("--only", choices=[*COUNTS, "EMPS", "time"], help="one study alone")
+    parser.add_argument("--only", nargs="+", choices=STUDIES, default=STUDIES, metavar="STUDY",
+                        help=f"some studies alone, of {', '.join(STUDIES)}")  # fmt: skip
     parser.add_argument("--cases", type=Path, default=CASES, metavar="FILE",
                         help=f"a line for each case ({CASES})")  # fmt: skip
     parser.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
@@ -102,11 +111,11 @@ def _arguments() -> argparse.Namespace:
 def main() -> None:
     """Measure, print tables, write JSON where asked."""
     asked = _arguments()
-    cases = [each for each in asked_for(asked.quick) if asked.only in (None, each[0])]
+    cases = [each for each in asked_for(asked.quick) if each[0] in asked.only]
     done = study.run(asked.cases, cases, measured, asked.resume)
     rows, bounds = figures(done)
     for kind, more in (("EMPS", real_axis.figures), ("time", lambda: timed(asked.quick))):
-        if asked.only in (None, kind):
+        if kind in asked.only:
             found = more()
             rows, bounds = [*rows, *found[0]], [*bounds, *found[1]]
     stream = sys.stderr if asked.json == "-" else sys.stdout

@@ -135,8 +135,7 @@ class Compiled:
         def first_step(*given: Any) -> None:
             fast.steps_on(*given[:-1], *nowhere, given[-1])
 
-        data = fast.space(np.zeros(size), p, reference, hold)
-        return Problem(fast.steps_on, first_step, fast.look_up, data)
+        return Problem(fast.steps_on, first_step, fast.look_up, (p, reference, hold))
 
     def is_warm(self, entry: str = "rates") -> bool:
         """Tell whether machine code of a former run can be used for an entry point."""

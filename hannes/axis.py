@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from hannes import axis_equations
+from hannes import axis_equations, slow_friction
 from hannes.assemble import Equations, assemble
 from hannes.axis_expected import EXPECTED
 from hannes.control import cascade
@@ -125,6 +125,7 @@ class Axis:
         "motor.viscous_friction": 50.0,
         "axis.offset": 5.0,
     }
+    catalogue: Mapping[str, Effect] = {slow_friction.EFFECT.name: slow_friction.EFFECT}
     block = 1.0  # s, over which what remains is taken as independent
 
     def __init__(self, effects: tuple[Effect, ...] = ()) -> None:

@@ -22,12 +22,10 @@ from hannes.calibration.remains import remains
 from hannes.calibration.result import Fit
 from hannes.calibration.search import Progress, Search
 from hannes.calibration.state import State
-from hannes.calibration.view import View
+from hannes.calibration.view import STRETCHES, View
 from hannes.campaign import Campaign, read_campaign
 from hannes.errors import BadInput
 from hannes.plant_file import plant_toml
-
-STRETCHES = 2  # of the plant's block, that a recording must have for each parameter
 
 
 class Calibration(Fit):
@@ -118,13 +116,13 @@ def _require_enough(plan: Plan, views: list[View]) -> None:
     if not any(view.measured.size for view in views):
         raise BadInput("no recording has a channel or a feature that [calibrate] asks for")
     starts = 1 if plan.start_time else 0
-    bears = sum(max(0, len(set(view.block.tolist())) // STRETCHES - starts) for view in views)
+    bears = sum(max(0, view.bears - starts) for view in views)
     if plan.named and len(plan.names) > bears:
         block = views[0].stretch
         raise BadInput(
             f"{len(plan.names)} parameters are more than {len(views)} recordings of this length "
-            f"bear ({bears}: {STRETCHES} stretches of {block:g} s for each, one for every start); "
-            "record more runs, or name fewer parameters"
+            f"bear ({bears}: {STRETCHES} stretches of {block:g} s or a feature for each, one for "
+            "every start); record more runs, or name fewer parameters"
         )
 
 

@@ -1,5 +1,6 @@
 """Reads a campaign: which recordings, of which plant, under which conditions, in which role."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,16 +12,17 @@ from hannes.axis_record import load as load_mat
 from hannes.catalogue import effect, effects
 from hannes.effect import Effect
 from hannes.errors import BadInput, nearest
-from hannes.plant import Plant, find_plant, require_usable
+from hannes.plant import Plant, find_plant, own_catalogue, require_usable
 from hannes.plant_file import base_name, with_plant_file
 from hannes.recording import Recording
 from hannes.table import Table, read_text
 
 KEYS = ("title", "plant", "base", "out", "effects", "recording", "calibrate", "diagnose")
-RECORDING_KEYS = ("file", "experiment", "condition", "role")
+RECORDING_KEYS = ("file", "runs", "experiment", "condition", "role")
 ROLES = ("fit", "select", "show")
 MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/measured.py
 SIMULATED = "simulated:"  # file = "simulated:mine.toml": see hannes/virtual.py
+_SLICE = re.compile(r"(\d*):(\d*)(?::(\d*))?")
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
         shipped,
         with_roles(entries, seed),
         Path(root.text("out", f"results/{path.stem}")),  # in the current folder
-        _effects(root, folder),
+        _effects(root, folder, plant),
         root.text("title", path.stem),
         base_name(name),
         root.table("calibrate"),
@@ -131,14 +133,14 @@ def _existing(table: Table, key: str, path: Path) -> Path:
     table.refuse(key, f"= {path}: there is no such file{near}")
 
 
-def _effects(root: Table, folder: Path) -> dict[str, Effect]:
+def _effects(root: Table, folder: Path, plant: Plant) -> dict[str, Effect]:
     own = {}
     for name in root.texts("effects"):
         try:
             own[_rooted(name, folder)] = effect(name, folder)
         except BadInput as error:
             root.refuse("effects", f"cannot be used: {error}")
-    return {**effects(), **own}
+    return {**effects(), **own_catalogue(plant), **own}
 
 
 def _rooted(name: str, folder: Path) -> str:
@@ -154,32 +156,53 @@ def _entries(row: Table, folder: Path, plant: Plant) -> list[Entry]:
     condition = row.text("condition", experiment)
     planned = _experiment_text(row, experiment, folder) if experiment else None
     made = []
-    for path, recording in _recordings(row, name, folder):
+    for path, run, recording in _recordings(row, name, folder, plant):
         if planned is not None:
             recording = replace(recording, experiment=planned)
         _check(recording, plant, path)
-        made.append(Entry(path.name, recording, condition or path.name, role))
+        made.append(Entry(run, recording, condition or path.name, role))
     return made
 
 
-def _recordings(row: Table, name: str, folder: Path) -> list[tuple[Path, Recording]]:
-    """Recordings under the names of their files: read, or simulated here."""
+def _recordings(
+    row: Table, name: str, folder: Path, plant: Plant
+) -> list[tuple[Path, str, Recording]]:
+    """Files, names of runs, recordings: read, or simulated here."""
     if not name.startswith(SIMULATED):
-        return [(path, read_recording(path)) for path in _paths(row, name, folder)]
+        wanted, paths = _wanted(row), _paths(row, name, folder)
+        found = [(path, list(read_runs(path, plant).items())[wanted]) for path in paths]
+        if not any(runs for _, runs in found):
+            row.refuse("runs", f'= "{row.text("runs", ":")}": selects no run of these files')
+        return [(path, run, recording) for path, runs in found for run, recording in runs]
     from hannes.virtual import virtual_recordings
 
     experiment = name.removeprefix(SIMULATED)
     place = folder / experiment if experiment.endswith(".toml") else experiment
     try:
-        return [(Path(file), each) for file, each in virtual_recordings(place).items()]
+        return [(Path(file), file, each) for file, each in virtual_recordings(place).items()]
     except BadInput as error:
         row.refuse("file", f"cannot be simulated: {error}")
 
 
+def _wanted(row: Table) -> slice:
+    """Which runs of each file: `runs = "1::5"` is every fifth from the second, as Python slices."""
+    text = row.text("runs", ":")
+    found = _SLICE.fullmatch(text)
+    if not found or found[3] == "0":
+        row.refuse("runs", f'= "{text}": expected start:stop:step, counted from 0, such as "1::5"')
+    return slice(*(int(part) if part else None for part in found.groups()))
+
+
+def read_runs(path: Path, plant: Plant) -> dict[str, Recording]:
+    """Recordings of one file by name; most files hold one, a plant's own logger may put more."""
+    read = getattr(plant, "read", None)
+    return read(path) if read is not None else {path.name: read_recording(path)}
+
+
 def _paths(row: Table, name: str, folder: Path) -> list[Path]:
     if name.startswith(MEASURED):
-        group, _, file = name.removeprefix(MEASURED).partition("/")
-        return [_existing(row, "file", measured.folder(group) / file)]
+        group, _, name = name.removeprefix(MEASURED).partition("/")
+        folder = measured.folder(group)
     if not any(sign in name for sign in "*?["):
         return [_existing(row, "file", folder / name)]
     root = Path(name).anchor

@@ -19,17 +19,32 @@ _OWN = "hannes_own_"  # starts the module name of a user's file
 @functools.cache
 def effects() -> dict[str, Effect]:
     """All effects that ship with hannes, by name, in alphabetical order."""
+    return _found("EFFECT")
+
+
+@functools.cache
+def laws() -> dict[str, Effect]:
+    """Laws that take the place of one of the base model: used by name, never a diagnosis' guess."""
+    return _found("LAW")
+
+
+def named() -> dict[str, Effect]:
+    """All that a file may name without a path: effects and laws."""
+    return effects() | laws()
+
+
+def _found(attribute: str) -> dict[str, Effect]:
     found = {}
     for package in (dynamics, contact, control):
         for module in pkgutil.iter_modules(package.__path__):
             loaded = importlib.import_module(f"{package.__name__}.{module.name}")
-            if (effect := getattr(loaded, "EFFECT", None)) is not None:
+            if (effect := getattr(loaded, attribute, None)) is not None:
                 found[effect.name] = effect
     return dict(sorted(found.items()))
 
 
 def effect(name: str, folder: Path | None = None) -> Effect:
-    """Return a catalogue effect, or the user's own from `path/to/file.py:EFFECT`.
+    """Return a catalogue effect or law, or the user's own from `path/to/file.py:EFFECT`.
 
     Relative paths start at `folder` (the file that names the effect). Raises BadInput when the
     name is unknown or the file does not hold an Effect.
@@ -37,9 +52,9 @@ def effect(name: str, folder: Path | None = None) -> Effect:
     if ".py:" in name:
         path, _, attribute = name.rpartition(":")
         return _own_effect((folder or Path.cwd()) / path, attribute)
-    if name not in effects():
-        raise BadInput(f'unknown effect "{name}"{nearest(name, effects())}')
-    return effects()[name]
+    if name not in named():
+        raise BadInput(f'unknown effect "{name}"{nearest(name, named())}')
+    return named()[name]
 
 
 def own_effects() -> dict[str, Effect]:

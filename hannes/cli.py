@@ -134,6 +134,7 @@ def _parser() -> _Parser:
 
     effects = _command(commands, "effects", _effects, "list the effects, or tell all about one")
     effects.add_argument("effect", nargs="?", help="a name, or file.py:EFFECT of your own")
+    effects.add_argument("--plant", metavar="PLANT", help="those that this plant alone has")
 
     hand = _command(commands, "hand", _hand, "show a hand: parts, equations, effects, values")
     hand.add_argument(
@@ -149,6 +150,9 @@ def _parser() -> _Parser:
     )
     reproduce.add_argument(
         "--taut", metavar="FOLDER", help="results of a diagnosis of the same closures without it"
+    )
+    reproduce.add_argument(
+        "--recognition", metavar="FOLDER", help="results of an evaluation of the ten objects"
     )
 
     calibrate = _command(commands, "calibrate", _calibrate, "fit parameters, with intervals")
@@ -221,12 +225,17 @@ def _experiments(chosen: argparse.Namespace) -> None:
 
 
 def _effects(chosen: argparse.Namespace) -> None:
-    from hannes import catalogue
+    from pathlib import Path
 
+    from hannes import catalogue
+    from hannes.plant import find_plant, own_catalogue
+
+    found = find_plant(chosen.plant, Path.cwd()) if chosen.plant else None
+    known = catalogue.effects() if found is None else own_catalogue(found)
     if chosen.effect:
-        print(catalogue.effect(chosen.effect))
+        print(known.get(chosen.effect) or catalogue.effect(chosen.effect))
         return
-    for each in catalogue.effects().values():
+    for each in known.values():
         told = textwrap.fill(each.meaning, 78, initial_indent="  ", subsequent_indent="  ")
         print(f"{each.name}\n{told}\n  {each.equation}\n  source: {each.source}")
 
@@ -249,7 +258,8 @@ def _reproduce(chosen: argparse.Namespace) -> None:
     from hannes.reproduce import reproduce
 
     out = chosen.out or "results/reproduce"
-    found = reproduce(out, slack=chosen.slack, taut=chosen.taut)
+    given = {"slack": chosen.slack, "taut": chosen.taut, "recognition": chosen.recognition}
+    found = reproduce(out, **given)
     if chosen.json:
         _print_json(found)
         return

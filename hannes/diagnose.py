@@ -16,17 +16,19 @@ from hannes import decision, files
 from hannes import pieces as cutting
 from hannes.campaign import Campaign, read_campaign
 from hannes.catalogue import effects
+from hannes.cautions import cautions
 from hannes.diagnosis.deep import deep, possible
 from hannes.effect import Effect
 from hannes.gap import Traces, gaps, inflated, times_floor, traces, undone, where
 from hannes.pieces import Piece, floors
 from hannes.plant import Plant
-from hannes.plant_file import plant_toml
+from hannes.plant_file import base_name, plant_toml
 from hannes.refit import Fitted, Misfit, Progress, fit
 from hannes.trial import ALPHA, Trial, judge, ranked, smallest_detectable, with_likeness
 from hannes.verdict import Verdict
 
-# Of the catalogue: a refit for each is minutes for all, and more of them look alike.
+# Of the catalogue, on the hand: a refit for each is minutes for all, and more of them look alike.
+HAND = base_name("hand")
 TRIED = ("direction_friction", "gear_load", "leader_slack")
 
 
@@ -66,10 +68,12 @@ def diagnose(
     """Diagnose a campaign, or the TOML file of one; writes to `out` where given.
 
     `progress`: a bar on standard error, by default where that is a terminal. Raises BadInput for
-    what cannot be used, ComputationFailed where a simulation fails.
+    what cannot be used, which is also what the data check calls a fault; ComputationFailed where a
+    simulation fails.
     """
     if not isinstance(campaign, Campaign):
         campaign = read_campaign(campaign, seed)
+    told = cautions(campaign)
     with _bar(progress) as tell:
         if possible(campaign.plant) and not decision.lacking(
             campaign, cutting.cut(campaign)[0], ()
@@ -77,6 +81,7 @@ def diagnose(
             result = _deep(campaign, seed, tell)
         else:
             result = _Work(campaign, seed, tell).result()
+    result = replace(result, verdict=replace(result.verdict, cautions=told))
     if out is not None:
         result.write(out)
     return result
@@ -157,8 +162,10 @@ class _Work:
         return ranked(with_likeness(made))
 
     def candidates(self) -> list[tuple[str, Effect]]:
-        """The user's own effects, and those of the catalogue that are tried."""
+        """The user's own effects, the plant's own, and those of the catalogue that are tried."""
         named = self.campaign.effects.items()
+        if self.campaign.base != HAND:
+            return list(named)
         return [(name, each) for name, each in named if name in TRIED or name not in effects()]
 
     def choice(self, trials: Sequence[Trial], base: Fitted) -> tuple[Trial | None, decision.Said]:

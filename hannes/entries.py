@@ -61,16 +61,12 @@ def tick(t, y, p, reference, hold):
     sample(t, y, np.zeros(STATES), p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
 
 
-def space(y, p, reference, hold):
-    """What a solver hands to the two below; see rodas/solver.py."""
-    return workspace(y, p, reference, hold)
-
-
-def steps_on(data, y, rtol, atol, clock, counts, ends, pieces, work):
+def steps_on(given, y, rtol, atol, clock, counts, ends, pieces, work):
     """Take steps, or choose the first one where there is no room for any; see rodas/step.py.
 
-    One entry point for both: each would hold all equations.
+    One entry point for both: each would hold all equations. given: parameters, reference, hold.
     """
+    data = workspace(y, given[0], given[1], given[2])
     if pieces.shape[0] > 0:
         return advance(data, y, rtol, atol, clock, counts, ends, pieces, work)
     first_step(data, y, rtol, atol, clock, counts, work)

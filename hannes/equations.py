@@ -422,6 +422,8 @@ def press(t, y, dy, p, c, out):
     for phalanx in range(p.link_length.size):
         c.normal_force[phalanx] = max(0.0, c.normal_force[phalanx])
         touching += c.normal_force[phalanx] > 0.0
+        c.held_drag[phalanx] = 0.0
+    # effects: held_drag
     if touching > 0:
         push(p, c, out)
     tell(t, y, dy, p, c, touching, out)
@@ -442,6 +444,7 @@ def push(p, c, out):
     for phalanx in range(p.link_length.size):
         normal = c.normal_force[phalanx]
         drag = tangential_law(normal, c.slip_speed[phalanx], p.object_friction, p.object_slip_speed)
+        drag += c.held_drag[phalanx]
         c.drag[phalanx] = drag
         c.torque_mcp[phalanx] = normal * c.normal_arm_mcp[phalanx] - drag * c.slip_arm_mcp[phalanx]
         c.torque_pip[phalanx] = normal * c.normal_arm_pip[phalanx] - drag * c.slip_arm_pip[phalanx]

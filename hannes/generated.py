@@ -17,7 +17,7 @@ from hannes._jit import cache_folder, entry, folded, inner, plain, routine
 from hannes.files import write_text
 
 # Functions that Python calls, and long ones that compiled code calls from several places.
-OPEN = "rates|jacobian|differences|tick|space|steps_on|look_up|grasps|observe"
+OPEN = "rates|jacobian|differences|tick|steps_on|look_up|grasps|observe"
 CLOSED = (
     "equations|linearise|decompose|resolve|"
     "motor_stages|wire_stages|joints|contact|press|inertia|factor_rest|"

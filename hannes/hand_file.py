@@ -96,13 +96,18 @@ def _expected(base: str, bases: Mapping[str, Any]) -> str:
 def changed(model: M, table: Table, folder: Path | None) -> M:
     """Return `model` with the `effects` and `[parameters]` of a table."""
     for name in table.texts("effects"):
-        model = model.with_effects(_effect(name, table, folder))
+        model = model.with_effects(_effect(name, table, folder, own_effects(model)))
     return model.with_values(values(table.table("parameters"), model))
 
 
-def _effect(name: str, table: Table, folder: Path | None) -> Effect:
+def own_effects(model: Model) -> Mapping[str, Effect]:
+    """Effects that only this kind of plant has: its `catalogue`, see hannes/plant.py."""
+    return getattr(model, "catalogue", {})
+
+
+def _effect(name: str, table: Table, folder: Path | None, known: Mapping[str, Effect]) -> Effect:
     try:
-        return catalogue.effect(name, folder)
+        return known[name] if name in known else catalogue.effect(name, folder)
     except BadInput as error:
         table.refuse("effects", f"cannot be used: {error}")
 
@@ -129,7 +134,7 @@ def declared(name: str, model: Model, table: Table) -> Parameter:
     prefix = name.partition(".")[0]
     if name == "controller.sampled":
         table.refuse(name, 'is not set here: write controller = "sampled" in the experiment')
-    if name not in model.parameters.declared and prefix in catalogue.effects():
+    if name not in model.parameters.declared and prefix in catalogue.named():
         if prefix not in {each.name for each in model.effects}:
             table.refuse(name, f'belongs to an effect that is not on: add effects = ["{prefix}"]')
     try:
@@ -170,11 +175,11 @@ def texts(model: Model, numbers: Mapping[str, float]) -> dict[str, str]:
 
 def effect_names(model: Model) -> list[str]:
     """Names under which a model's effects are found again: catalogue, or `file.py:EFFECT`."""
-    return [_effect_name(each) for each in model.effects]
+    return [_effect_name(each, own_effects(model)) for each in model.effects]
 
 
-def _effect_name(effect: Effect) -> str:
-    if catalogue.effects().get(effect.name) == effect:
+def _effect_name(effect: Effect, known: Mapping[str, Effect]) -> str:
+    if (known.get(effect.name) or catalogue.named().get(effect.name)) == effect:
         return effect.name
     for place, own in catalogue.own_effects().items():
         if own == effect:

@@ -140,17 +140,30 @@ class HandPlant:
     ) -> dict[str, np.ndarray]:
         """Run the recording's experiment under its reference; channels at the recorded times.
 
-        The controller is the experiment's, the continuous one where the recording has none.
+        The controller is the experiment's, the continuous one where the recording has none. An
+        object's x and y are counted from the given ones where an experiment has a place of its own.
         Raises ComputationFailed where the solver gives up.
         """
-        return self._run(parameters, recording, posed(recording))
+        return self._run(parameters, recording, self._put(posed(recording), parameters))
 
     def smooth(
         self, parameters: Mapping[str, float], recording: Recording
     ) -> dict[str, np.ndarray]:
         """As `simulate`, but always with the continuous controller: quick, and it has slopes."""
         asked = replace(posed(recording), controller="continuous")
-        return self._run(parameters, recording, asked)
+        return self._run(parameters, recording, self._put(asked, parameters))
+
+    def _put(self, experiment: Experiment, parameters: Mapping[str, float]) -> Experiment:
+        """The experiment, its own object put as far elsewhere as `parameters` put the hand's."""
+        own = experiment.object.values if experiment.object else {}
+        moved = {
+            name: own[name] + parameters[name] - self.parameters[name]
+            for name in MOVED
+            if name in own and name in parameters
+        }
+        if not moved or experiment.object is None:
+            return experiment
+        return replace(experiment, object=replace(experiment.object, values={**own, **moved}))
 
     def _run(
         self, parameters: Mapping[str, float], recording: Recording, experiment: Experiment

@@ -20,7 +20,7 @@ METHODS = ("Rodas", "LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
 IMPLICIT = ("LSODA", "BDF", "Radau")
 HOLD = 10  # numbers that firmware holds, see `sample` in equations.py
 AGE = 9  # place among them of the age of its readings
-RUN = 256  # steps that Rodas takes between two returns to scipy
+RUN = 120  # steps that Rodas takes between two returns to scipy: their output stays in the cache
 _ready: set[tuple[Compiled, str]] = set()  # whose machine code this process has at hand
 
 
@@ -149,7 +149,7 @@ class Initial:
 
     def _store(self, rows: np.ndarray) -> None:
         self.rows.append(rows)
-        self.holds.append(np.tile(self.hold, (rows.shape[0], 1)))
+        self.holds.append(np.broadcast_to(self.hold.copy(), (rows.shape[0], HOLD)))
         self.filled += rows.shape[0]
 
     def _rates(self, knots: np.ndarray) -> Callable[[float, np.ndarray], np.ndarray]:

@@ -6,7 +6,8 @@ its SHA-256; it then stays in the user's cache folder.
 """
 
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from hannes.errors import BadInput, MissingRecording, nearest
@@ -16,13 +17,17 @@ SECONDS_TO_ANSWER = 5.0  # a server that is silent this long counts as absent
 
 @dataclass(frozen=True)
 class Source:
-    """A public set of recordings: who made it, where it lies, which bytes it must have."""
+    """A public set of recordings: who made it, where it lies, which bytes it must have.
+
+    `moved`: file -> subfolder of `path` in which it lies there.
+    """
 
     cite: str
     repository: str
     commit: str
     path: str
-    sha256: dict[str, str]
+    sha256: Mapping[str, str]
+    moved: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def url(self) -> str:
@@ -33,6 +38,12 @@ class Source:
     def page(self) -> str:
         """Address for people: the folder at the fixed commit."""
         return f"https://github.com/{self.repository}/tree/{self.commit}/{self.path}"
+
+
+def _sums(name: str) -> dict[str, str]:
+    """SHA-256 by file, as `sha256sum` writes them."""
+    lines = (Path(__file__).parent / f"{name}.sha256").read_text(encoding="utf-8").splitlines()
+    return {file: digest for digest, _, file in (line.partition("  ") for line in lines)}
 
 
 SOURCES = {
@@ -49,6 +60,20 @@ SOURCES = {
             "DATA_EMPS_PULSES.mat": (
                 "0eab75bb1f6b16228ee78791343a88bf9bfd9a51036ac9807d7b5fc11c0e1704"
             ),
+        },
+    ),
+    "rh56_finger": Source(
+        cite=(
+            "Correll Lab, University of Colorado Boulder: rh56_controller, recordings of an "
+            "Inspire RH56DFX hand's middle finger, 2026"
+        ),
+        repository="correlllab/rh56_controller",
+        commit="e4ef2568c9106bd220526053732ae4aae90c3dfd",
+        path="experiment_data/hybrid",
+        sha256=_sums("rh56_finger"),
+        moved={
+            "middlefinger_speed250_force250_20trials_20260303-173935.csv": "data/",
+            "middlefinger_speed750_force1000_20trials_20260303-171447.csv": "data/",
         },
     ),
 }
@@ -72,7 +97,12 @@ def _given(name: str, source: Source) -> Path | None:
     if not root:
         return None
     here = Path(root).expanduser().absolute() / name
-    return here if all((here / file).is_file() for file in source.sha256) else None
+    return here if all(_there(here / file) for file in source.sha256) else None
+
+
+def _there(file: Path) -> bool:
+    """Whether a file is given, as it is or packed."""
+    return file.is_file() or file.with_name(f"{file.name}.gz").is_file()
 
 
 def _fetched(name: str, source: Source, url: str) -> Path:
@@ -80,7 +110,8 @@ def _fetched(name: str, source: Source, url: str) -> Path:
 
     pooch.get_logger().setLevel("WARNING")
     cache = pooch.os_cache("hannes") / name
-    store = pooch.create(cache, url, registry=source.sha256)
+    elsewhere = {file: f"{url}{place}{file}" for file, place in source.moved.items()}
+    store = pooch.create(cache, url, registry=dict(source.sha256), urls=elsewhere)
     download = pooch.HTTPDownloader(timeout=SECONDS_TO_ANSWER)
     try:
         for file in source.sha256:
@@ -93,8 +124,9 @@ def _fetched(name: str, source: Source, url: str) -> Path:
 def _how_to_get(name: str, source: Source, url: str, error: Exception) -> str:
     root = os.environ.get("HANNES_MEASURED")
     given = f"HANNES_MEASURED={root} lacks them" if root else "HANNES_MEASURED is not set"
+    files = ",".join([*source.sha256][:2] + ["..."] * (len(source.sha256) > 2))
     return (
-        f"the recordings {name}/{{{','.join(source.sha256)}}} are missing: {given}, and fetching "
+        f"the recordings {name}/{{{files}}} are missing: {given}, and fetching "
         f"them from {url} failed ({_reason(error)}); download them from {source.page} into a "
         f"folder {name} and set HANNES_MEASURED to the folder above it"
     )

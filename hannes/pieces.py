@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.campaign import Campaign, Entry
+from hannes.findings.subject import quantum
+from hannes.period import period
 from hannes.plant import Plant
 from hannes.recording import Recording
 
@@ -36,11 +38,20 @@ def cut(campaign: Campaign) -> tuple[list[Piece], str]:
     long = [piece for piece in pieces if piece.role == "fit" and _blocks(piece, plant)]
     if campaign.of("select") or not long:
         return pieces, ""
-    made = [half for piece in pieces for half in (_halves(piece) if piece in long else [piece])]
-    return made, (
+    runs = {id(piece): _runs(piece, plant) for piece in long}
+    made = [
+        half
+        for piece in pieces
+        for half in (_halves(piece, runs[id(piece)]) if piece in long else [piece])
+    ]
+    note = (
         "no recording was left to choose by, so the second half of each fitted recording "
         "chooses, and only the first half is fitted until the choice is made"
     )
+    counts = [each.size for each in runs.values() if each.size]
+    if counts:
+        note += f"; its command repeats, so that it was cut between two of {counts[0]} runs"
+    return made, note
 
 
 def _blocks(piece: Piece, plant: Plant) -> bool:
@@ -48,11 +59,21 @@ def _blocks(piece: Piece, plant: Plant) -> bool:
     return bool(time.size and time[-1] - time[0] >= FEWEST_BLOCKS * plant.block)
 
 
-def _halves(piece: Piece) -> list[Piece]:
+def _runs(piece: Piece, plant: Plant) -> np.ndarray:
+    """Times at which whole runs of a repeated command begin; none where it never repeats."""
+    samples, time = period(plant, piece.recording), piece.recording.time
+    return time[: time.size // samples * samples : samples] if samples else np.zeros(0)
+
+
+def _halves(piece: Piece, runs: np.ndarray) -> list[Piece]:
+    """Both halves of a recording, cut where a run begins where there are runs."""
     time = piece.recording.time
     counted = time[piece.mask]
     middle = 0.5 * (counted[0] + counted[-1])
-    early = piece.mask & (time <= middle)
+    inside = runs[(runs > counted[0]) & (runs < counted[-1])]
+    if inside.size:
+        middle = inside[np.argmin(np.abs(inside - middle))]
+    early = piece.mask & (time < middle)
     return [Piece(piece.entry, "fit", early), Piece(piece.entry, "select", piece.mask & ~early)]
 
 
@@ -69,15 +90,17 @@ def judged_channels(plant: Plant, pieces: Sequence[Piece]) -> list[str]:
 def floors(plant: Plant, pieces: Sequence[Piece]) -> tuple[dict[str, float], str]:
     """Floor of each channel [its unit] and how it was had.
 
-    From repeats: RMS over time of the standard deviation between runs under the same command.
-    Without repeats: white noise estimated from second differences, which is a lower bound.
+    From repeats: RMS over time of the standard deviation between runs under the same command, in
+    several recordings or in one whose command repeats. Without repeats: white noise estimated
+    from second differences and the step of quantisation, which is a lower bound.
     """
     found, methods = {}, []
     for name in judged_channels(plant, pieces):
         variances = [v for group in _repeats(plant, pieces, name) for v in group]
-        if variances:
-            found[name] = float(np.sqrt(np.mean(variances)))
-            methods.append("repeats")
+        again = [] if variances else _runs_within(plant, pieces, name)
+        if variances or again:
+            found[name] = float(np.sqrt(np.mean(variances or np.concatenate(again))))
+            methods.append("repeats" if variances else "runs")
         else:
             noises = [_white_noise(p.recording[name]) for p in pieces if name in p.recording]
             found[name] = float(np.median(noises))
@@ -85,6 +108,8 @@ def floors(plant: Plant, pieces: Sequence[Piece]) -> tuple[dict[str, float], str
         level = max(np.abs(p.recording[name]).max() for p in pieces if name in p.recording)
         found[name] = max(found[name], 1e-6 * level, 1e-15)
     how = "the spread between repeats under the same command"
+    if "runs" in methods:
+        how = "the spread between the runs of one recording whose command repeats"
     if "roughness" in methods:
         how = (
             "sample-to-sample roughness, because there are no repeats: sensor noise only, "
@@ -107,6 +132,22 @@ def _repeats(plant: Plant, pieces: Sequence[Piece], name: str) -> list[np.ndarra
     ]
 
 
+def _runs_within(plant: Plant, pieces: Sequence[Piece], name: str) -> list[np.ndarray]:
+    """Variance between the runs of one recording over time, one array for each such recording.
+
+    From when the plant has forgotten how it was started.
+    """
+    found = []
+    for recording in {id(p.recording): p.recording for p in pieces}.values():
+        samples = period(plant, recording) if name in recording else 0
+        settled = recording[name][recording.time >= recording.time[0] + plant.block]
+        if samples and settled.size >= 2 * samples:
+            whole = settled[: settled.size // samples * samples]
+            found.append(np.var(whole.reshape(-1, samples), axis=0, ddof=1))
+    return found
+
+
 def _white_noise(values: np.ndarray) -> float:
-    rough = np.abs(np.diff(values, 2))
-    return float(1.4826 * np.median(rough) / np.sqrt(6.0))
+    """Standard deviation of what changes from sample to sample, rounding included."""
+    rough = 1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0)
+    return max(float(rough), quantum(values) / np.sqrt(12.0))

@@ -39,6 +39,11 @@ class Plant(Protocol):
     restless:   parameter -> how far runs of one machine differ in it (one standard deviation, SI);
                 calibrate takes what that explains for no misfit
     start_time: how far runs start off their clock [s], one standard deviation; 0 without it
+    robust:     channel -> difference [its unit] beyond which diagnose lets a sample pull no harder
+                (soft L1): for recordings with outliers
+    catalogue:  name -> effect of this plant alone, tried besides the catalogue of all
+    read(path):                    recordings of one file by name: of a logger of its own, or of
+                                   one that puts several runs into a file
     check(recording):              raises BadInput for what `simulate` could not start from
     smooth(parameters, recording): as `simulate`, quicker and without the grain of firmware, to
                                    take slopes from
@@ -90,7 +95,11 @@ class Plant(Protocol):
         ...
 
 
-PLANTS = {"hand": "hannes.hand_plant:HandPlant", "axis": "hannes.axis:Axis"}
+PLANTS = {
+    "hand": "hannes.hand_plant:HandPlant",
+    "axis": "hannes.axis:Axis",
+    "finger": "hannes.finger.plant:Finger",
+}
 
 
 def find_plant(name: str, folder: Path | None = None) -> Plant:
@@ -159,6 +168,16 @@ def _lacks(plant: object) -> list[str]:
 def expectations(plant: Plant) -> Mapping[str, Expected]:
     """What a plant expects of its channels; a plant may leave out the attribute `expected`."""
     return getattr(plant, "expected", {})
+
+
+def own_catalogue(plant: object) -> Mapping[str, Effect]:
+    """Effects that only this plant has; a plant may leave out the attribute `catalogue`."""
+    return getattr(plant, "catalogue", {})
+
+
+def robust(plant: Plant, channel: str) -> float:
+    """Difference beyond which a sample pulls no harder; infinite where the plant says nothing."""
+    return float(getattr(plant, "robust", {}).get(channel, np.inf))
 
 
 def require_usable(plant: Plant, recording: Recording) -> None:

@@ -1,7 +1,9 @@
 """Fits a plant's parameters to pieces of recordings: least squares with the given values as prior.
 
-Differences are taken on the scale of each parameter's uncertainty, never of its value: the
-simulation comes from an adaptive solver and is only smooth down to its tolerance.
+Differences are taken on the scale of each parameter's uncertainty, never of its value, first in
+coarse steps, then in finer ones. Coarse: a simulation from an adaptive solver is only smooth down
+to its tolerance, and small ripples must not stop the search. Fine: a contact that comes and goes
+bends what coarse steps take for a line.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -10,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.pieces import Piece
-from hannes.plant import Plant, free_amplitudes
+from hannes.plant import Plant, free_amplitudes, robust
 
-STEP = 0.1  # of one standard deviation (of 1/20 of an effect's range)
-MOST_ROUNDS = 8
+STEPS = (0.1, 0.01, 0.001)  # of one standard deviation (of 1/20 of an effect's range)
+STARTS = (-4.0, -1.0, 1.0, 4.0)  # of 1/20 of an effect's range, from where it vanishes
+MOST_ROUNDS = 12  # with each of them
 PER_BLOCK = 4  # independent moments in one block of the plant
 
 Progress = Callable[[str], None]
@@ -71,7 +74,10 @@ class Misfit:
         for piece, channels in zip(self.pieces, raw, strict=True):
             interval = float(np.median(np.diff(piece.recording.time)))
             together = max(1.0, self.plant.block / PER_BLOCK / interval)
-            parts += [v / (self.floors[n] * np.sqrt(together)) for n, v in channels.items()]
+            parts += [
+                softened(v, robust(self.plant, n)) / (self.floors[n] * np.sqrt(together))
+                for n, v in channels.items()
+            ]
         return np.concatenate(parts)
 
     def clusters(self) -> np.ndarray:
@@ -85,6 +91,17 @@ class Misfit:
             ids = np.array([numbers.setdefault((key, int(b)), len(numbers)) for b in blocks])
             parts += [ids for name in self.floors if name in piece.recording]
         return np.concatenate(parts)
+
+
+def softened(difference: np.ndarray, size: float) -> np.ndarray:
+    """Differences whose squares are the soft L1 loss: as they are well within `size`.
+
+    Far beyond it a square grows only as the difference does (Triggs et al. 2000, section 4.3).
+    """
+    if not np.isfinite(size):
+        return difference
+    loss = 2.0 * size**2 * (np.sqrt(1.0 + (difference / size) ** 2) - 1.0)
+    return np.copysign(np.sqrt(loss), difference)
 
 
 def fit(
@@ -102,7 +119,8 @@ def fit(
     scales = _scales(plant)
     names, scale = tuple(scales), np.array(list(scales.values()))
     given = np.array([plant.parameters[name] for name in names])
-    begin = np.array([(start or {}).get(name, plant.parameters[name]) for name in names])
+    known = start or {}
+    begin = np.array([known.get(name, plant.parameters[name]) for name in names])
     bounds = np.array([plant.parameters.declared[name].bounds for name in names], float).T
     low, high = (bounds - given) / scale + [[-1e-9], [1e-9]]
     prior = np.array([1.0 if name in plant.free else 0.1 for name in names])
@@ -113,24 +131,49 @@ def fit(
     def data(x: np.ndarray) -> np.ndarray:
         return misfit.weigh(misfit.raw(plant, values(x)))
 
-    def columns(x: np.ndarray) -> np.ndarray:
+    def columns(x: np.ndarray, step: float) -> np.ndarray:
         tell(", ".join(each.name for each in plant.effects) or "base")
-        return differences(data, x, low, high)
+        return differences(data, x, low, high, step)
 
-    found = least_squares(
-        lambda x: np.concatenate((data(x), prior * x)),
-        np.clip((begin - given) / scale, low + 1e-6, high - 1e-6),
-        jac=lambda x: np.vstack((columns(x), np.diag(prior))),
-        bounds=(low, high),
-        ftol=1e-4,
-        xtol=1e-4,
-        max_nfev=MOST_ROUNDS,
-    )
+    unknown = [k for k, name in enumerate(names) if name not in plant.free and name not in known]
+    x = _begun(data, (begin - given) / scale, unknown, low, high)
+    for step in STEPS:
+        found = least_squares(
+            lambda x: np.concatenate((data(x), prior * x)),
+            np.clip(x, low + 1e-6, high - 1e-6),
+            jac=lambda x, step=step: np.vstack((columns(x, step), np.diag(prior))),
+            bounds=(low, high),
+            ftol=1e-4,
+            xtol=1e-4,
+            max_nfev=MOST_ROUNDS,
+        )
+        x = found.x
     rows = found.jac[: -len(names)]
     covariance = _covariance(rows, found.fun[: -len(names)], misfit.clusters(), prior)
     return Fitted(
         plant, names, values(found.x), scale, covariance * np.outer(scale, scale), rows, prior
     )
+
+
+def _begun(
+    data: Callable[[np.ndarray], np.ndarray],
+    x: np.ndarray,
+    unknown: Sequence[int],
+    low: np.ndarray,
+    high: np.ndarray,
+) -> np.ndarray:
+    """Start each unknown where the misfit is least of a few sizes, one parameter after the other.
+
+    An effect may be flat at `off`: a lag far below the sampling interval changes nothing at all.
+    """
+    best, left = x, np.sum(data(x) ** 2) if unknown else 0.0
+    for place in unknown:
+        for size in x[place] + np.array(STARTS):
+            moved = best.copy()
+            moved[place] = np.clip(size, low[place], high[place])
+            if (found := np.sum(data(moved) ** 2)) < left:
+                best, left = moved, found
+    return best
 
 
 def _scales(plant: Plant) -> dict[str, float]:
@@ -141,12 +184,16 @@ def _scales(plant: Plant) -> dict[str, float]:
 
 
 def differences(
-    data: Callable[[np.ndarray], np.ndarray], x: np.ndarray, low: np.ndarray, high: np.ndarray
+    data: Callable[[np.ndarray], np.ndarray],
+    x: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    size: float,
 ) -> np.ndarray:
-    """Forward differences by STEP, backward at the upper bound; shape (samples, parameters)."""
+    """Forward differences by `size`, backward at the upper bound; shape (samples, parameters)."""
     base, columns = data(x), []
     for place in range(x.size):
-        step = STEP if x[place] + STEP <= high[place] else -STEP
+        step = size if x[place] + size <= high[place] else -size
         moved = x.copy()
         moved[place] = max(x[place] + step, low[place])
         columns.append((data(moved) - base) / step)

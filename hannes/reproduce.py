@@ -12,6 +12,7 @@ from hannes.diagnose import Diagnosis, diagnose
 from hannes.errors import BadInput, HannesError, MissingRecording
 from hannes.files import atomic_folder
 from hannes.gap import Traces
+from hannes.report import recognition as table_3
 from hannes.report.checks import Row, row
 from hannes.report.findings import Finding, finding
 from hannes.report.reproduce import write_page
@@ -29,21 +30,26 @@ def reproduce(
     *,
     slack: str | Path | None = None,
     taut: str | Path | None = None,
+    recognition: str | Path | None = None,
     progress: bool | None = None,
 ) -> dict[str, Any]:
     """Write the page to `out`, with the diagnosis of the real axis under `out`/emps.
 
     `slack` and `taut` are results folders of diagnoses of closures with hidden slack and of the
-    same closures without it. Returns `rows`, `must_show` and `out`. Raises BadInput where a
-    folder cannot be used, ComputationFailed where a simulation fails; a recording that is
-    missing is named on the page instead.
+    same closures without it, `recognition` one of `hannes evaluate`. Returns `rows`, `must_show`
+    and `out`. Raises BadInput where a folder cannot be used, ComputationFailed where a simulation
+    fails; a recording that is missing is named on the page instead.
     """
     hidden, rows = _hidden(slack, taut, Path(out))
+    told = table_3.read(recognition) if recognition is not None else None
     with atomic_folder(out) as folder:
         emps, more = _emps(folder / "emps", progress)
-        found = {"emps": emps, "slack": hidden}
-        told = write_page(folder, progress, diagnoses=found, more=[*more, *rows])
-    return {**told, "out": str(out)}
+        found: dict[str, Any] = {"emps": emps, "slack": hidden}
+        if told is not None:
+            found["recognition"] = table_3.found(told)
+            rows += table_3.checks(told)
+        page = write_page(folder, progress, diagnoses=found, more=[*more, *rows])
+    return {**page, "out": str(out)}
 
 
 def _emps(folder: Path, progress: bool | None) -> tuple[Finding | HannesError, list[Row]]:

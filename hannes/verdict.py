@@ -26,6 +26,7 @@ class Verdict:
     gap: channel -> unit, as_given, before (base refitted), after, floor: RMS on `gap_on`, the
     show recordings where there are any; and all three in percent of the recorded channel's RMS.
     parameters: full name -> value, unit, low, high (95 %), off (where its effect vanishes).
+    cautions: what the data check says of the recordings.
     confusability: `effects` and their `cosines`, row by row: how alike the marks of two effects
     are in these recordings beyond what the machine's own parameters can do; 1 is the same.
     """
@@ -44,6 +45,7 @@ class Verdict:
     gap_on: str = ""
     floor_from: str = ""
     cut: str = ""
+    cautions: list[str] = field(default_factory=list)
     next_run: dict[str, Any] | None = None
     smallest_detectable: dict[str, Any] | None = None
     confusability: dict[str, Any] | None = None
@@ -59,16 +61,19 @@ class Verdict:
         return SENTENCES[self.verdict](self)
 
     def summary(self) -> str:
-        """Some five lines for a terminal."""
-        lines = [self.sentence, self.reason]
+        """Some lines for a terminal."""
+        lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
         if self.gap:
             lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
         for name, gap in self.gap.items():
             shown = " -> ".join(f"{gap[key]:.3g}" for key in ("as_given", "before", "after"))
+            unit = "" if gap["unit"] == "1" else f" {gap['unit']}"
             lines.append(
-                f"  {name}: {shown} {gap['unit']} (as given -> base refitted -> result; "
+                f"  {name}: {shown}{unit} (as given -> base refitted -> result; "
                 f"floor {gap['floor']:.2g})"
             )
+        if self.gap and self.floor_from:
+            lines.append(f"floor: {self.floor_from}")
         return "\n".join(lines)
 
 

@@ -114,3 +114,15 @@ def test_published_parameters_on_emps(name, bound):
     part = axis.judged_part(record)
     miss = record["drive"] - axis.simulate({}, record)["drive"]
     assert 100 * np.linalg.norm(miss[part]) / np.linalg.norm(record["drive"][part]) < bound
+
+
+def test_slow_friction_is_gone_at_speed_and_there_at_a_crawl():
+    slow = Axis.catalogue["slow_friction"]
+    axis, values = Axis().with_effects(slow), {"slow_friction.force": -6.0}
+    t = np.arange(1001) / 1000.0
+    units = {"time": "s", "reference": "m", "position": "m"}
+    for speed, share in ((0.1, 0.0), (0.01, np.exp(-0.25))):
+        record = Recording({"time": t, "reference": speed * t, "position": speed * t}, units)
+        drives = [axis.simulate(given, record)["drive"][-200:] for given in (values, {})]
+        force = (drives[0] - drives[1]) * axis.parameters["axis.force_gain"]
+        assert force == pytest.approx(-6.0 * share, abs=0.05)

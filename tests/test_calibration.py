@@ -1,6 +1,7 @@
 """Calibration on a machine of a few lines: values, intervals, labels, what remains, bad input."""
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import oven
@@ -8,7 +9,10 @@ import pytest
 
 from hannes.calibrate import calibrate
 from hannes.calibration import least, search
+from hannes.calibration.features import measure
+from hannes.campaign import Campaign, Entry
 from hannes.errors import BadInput, ComputationFailed
+from hannes.recording import Recording
 
 TRUE = {"oven.gain": 2.5, "oven.time": 0.62, "oven.offset": 0.3}
 THREE = list(TRUE)
@@ -120,14 +124,58 @@ def test_one_run_alone_is_cut_into_stretches_and_says_so():
     assert by_name(found)["oven.gain"].value == pytest.approx(2.5, rel=0.1)
 
 
-def test_features_alone_do_and_a_scan_finds_the_way():
-    from hannes.calibration.features import measure
+class Door(oven.Oven):
+    """An oven's door: it closes to a known law, and one run is slower than the next."""
 
+    channels: ClassVar = {"time": "s", "power": "V", "position": "rad"}
+    judged = ("position",)
+
+    def simulate(self, parameters, recording):
+        """Closed form."""
+        p = self.parameters.with_values(parameters)
+        shut = 1.0 - np.exp(-recording.time / p["oven.time"])
+        return {"position": p["oven.gain"] * shut}
+
+
+def doors(time, runs=8, noise=0.002, **asked):
+    """A campaign of doors, of which only `oven.time` differs from what is given."""
+    rng, entries = np.random.default_rng(1), []
+    blank = oven.run(rng, {}).between(0.0, 2.0)
+    for k in range(runs):
+        own = {"oven.time": time * (1.0 + 0.01 * rng.standard_normal())}
+        seen = Door().simulate(own, blank)["position"]
+        channels = {"time": blank.time, "power": blank["power"]}
+        channels["position"] = seen + noise * rng.standard_normal(seen.size)
+        entries.append(Entry(f"run {k}", Recording(channels, Door.channels), "shut", "fit"))
+    table = oven.Table(asked, "oven.toml", ())
+    return Campaign(Door(), Door(), tuple(entries), None, {}, "door", calibrate=table)
+
+
+def test_features_alone_do_and_a_scan_finds_the_way():
+    asked = {"parameters": ["oven.time"], "channels": [], "features": ["closing time"]}
+    found = calibrate(doors(0.62, scan=32, **asked), progress=False)
+    (answer,) = found.answers
+    assert answer.value == pytest.approx(0.62, rel=0.02)
+    assert answer.low < 0.62 < answer.high and answer.identified
+    assert found.found.plan.scan == 32 and found.fitted_gap == {}
+
+
+def test_features_without_sense_are_left_out():
     time = np.arange(0.0, 1.0, 1e-3)
     closing = measure(("closing time",), time, {"position": np.clip(10.0 * time, 0.0, 8.0)})
     assert closing[0] == pytest.approx(0.72, abs=1e-9)
     touching = {"position": time, "force": 5.0 * time}
     assert np.isnan(measure(("closing time", "void current"), time, touching)).all()
+
+
+def test_a_lopsided_interval_is_had_by_profile():
+    """Far from shut after two seconds, the door shows its speed: the inverse of what is asked."""
+    spread = {"oven.time": "200 %"}
+    asked = {"parameters": ["oven.time"], "spread": spread, "starts": 1}
+    (answer,) = calibrate(doors(2.5, noise=2.0, **asked), progress=False).answers
+    assert answer.skewed
+    assert answer.high - answer.value > 1.2 * (answer.value - answer.low) > 0.0
+    assert answer.low < 2.5 < answer.high
 
 
 def test_the_number_of_workers_changes_no_digit():

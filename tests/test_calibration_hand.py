@@ -5,11 +5,15 @@ import signal
 import sys
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
 
-from hannes import measured
+from hannes import hand_plant, measured
 from hannes.calibrate import calibrate
-from hannes.campaign import read_campaign
+from hannes.calibration.model import Model
+from hannes.calibration.state import JERK
+from hannes.calibration.view import View
+from hannes.campaign import Entry, read_campaign
 from hannes.cli import main
 from hannes.errors import MissingRecording
 from hannes.hand import Hand
@@ -118,3 +122,28 @@ def test_a_campaign_of_another_plant_is_refused(tmp_path):
 
     with pytest.raises(BadInput, match="a recording of the plant"):
         read_campaign(campaign)
+
+
+# Relative steps as a fit takes them, half of what it ends up not knowing.
+STEPS = {
+    "motor.torque_constant": 1e-3,
+    "mcp.coulomb_friction": 2e-2,
+    "object.stiffness": 5e-3,
+    "object.friction": 5e-3,
+}
+
+
+@pytest.mark.slow
+def test_slopes_by_the_steps_of_a_fit_are_free_of_the_solvers_grain(monkeypatch):
+    """Against the same differences of runs that are converged, each bin weighed as in a fit."""
+    run = next(iter(virtual_recordings(shipped_runs("dynamometer-runs")).values()))
+    plant = hand_plant.HandPlant()
+    view = View(Entry("run", run, "", "fit"), plant, ("current", "force"), ())
+    model, steps = Model(plant, [view]), {n: plant.parameters[n] * s for n, s in STEPS.items()}
+    used = model.bundle({}, steps)
+    monkeypatch.setattr(hand_plant, "TOLERANCE", 1e-9)
+    exact = model.bundle({}, steps)
+    noise = np.hypot(0.01 * np.array([3.0, 200.0])[view.part], JERK * view.jerks(exact.base[0]))
+    for name in STEPS:
+        a, b = (model.slopes(each, name, np.zeros(1))[0] / noise for each in (used, exact))
+        assert np.linalg.norm(a - b) < 0.02 * np.linalg.norm(b), name

@@ -12,9 +12,13 @@ from hannes.axis_record import load as load_emps
 from hannes.check import check
 from hannes.cli import main
 from hannes.errors import MissingRecording
+from hannes.experiment import Experiment, Reference
 from hannes.findings.finding import KINDS
+from hannes.hand import Hand
 from hannes.hand_plant import HandPlant
+from hannes.observe import observe
 from hannes.recording import Recording
+from hannes.simulate import simulate
 
 CLOSURES = {
     "truth": clean.truth_closure,
@@ -74,6 +78,16 @@ def test_the_real_axis_raises_no_alarm(file):
         pytest.skip(f"needs the EMPS recordings: {missing}")
     assert alarms(recording, Axis()) == []
     assert alarms(clean.swing(), Axis()) == []
+
+
+def test_slow_closures_of_a_rough_hand_raise_no_alarm():
+    """Friction holds slow motion back by an angle, so by a third of a second where it is slow."""
+    motion = Reference(np.array([[0.0, 4.247, 6.813], [0.0, 9.84, 0.0]]))
+    hand = Hand().with_values({"motor.dry_friction": 6.5e-3})
+    run = observe(hand, simulate(hand, Experiment("slow", 6.94, motion)))
+    behind = run["reference"] - run["position"]
+    assert behind[2000] > 0.2 * 9.84 / 4.247  # 0.2 s, all that a hand is granted where it is quick
+    assert alarms(run, HandPlant()) == []
 
 
 def test_real_finger_trials_have_gaps_and_no_fault(finger_trials):

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -100,6 +101,14 @@ def test_it_reads_with_h5py_alone_and_says_what_is_what(whole):
         assert file.attrs["seed"] == 3
 
 
+def test_the_five_lines_of_the_readme_read_it(whole, capsys):
+    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```py\n(.*?)```", text, flags=re.DOTALL)
+    assert len(block.split("\n\n")) == 2 and len(block.replace("\n\n", "\n").splitlines()) == 5
+    exec(compile(block.replace("results/large.h5", str(whole)), "README.md", "exec"), {})
+    assert "'object.stiffness': b'N/m', " in capsys.readouterr().out
+
+
 def test_levels_are_crossed_and_draws_stand_clear_of_the_hand(spec, whole):
     found = read(whole)
     assert np.array_equal(np.unique(found.table["command.speed"][:60]), [0.9, 1.1])
@@ -160,6 +169,21 @@ def test_a_killed_run_goes_on_where_it_was(spec, whole, tmp_path):
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
     assert not list(tmp_path.glob(".parts*"))
+
+
+def test_an_interrupted_run_says_so_and_leaves_nobody_at_work(whole, tmp_path):
+    (tmp_path / "set.toml").write_text(TEXT.replace("draws = 250", "draws = 2500"))
+    command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
+    run = subprocess.Popen(
+        command, cwd=tmp_path, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+    while not list(tmp_path.glob(".parts*/*.part")) and run.poll() is None:
+        time.sleep(0.02)
+    run.send_signal(signal.SIGINT)
+    _, told = run.communicate(timeout=60)
+    assert run.returncode == 130 and "goes on where it was" in told
+    assert "Traceback" not in told
 
 
 def test_a_full_disk_is_told_and_the_run_goes_on_after(whole, tmp_path):
@@ -294,3 +318,14 @@ def test_fuzzed_files_are_read_or_refused(whole, tmp_path):
             list(found.blocks(np.arange(min(50, found.table.size)), ("current",)))
         except BadInput:
             pass
+
+
+def test_a_table_that_claims_a_huge_size_is_refused(whole, tmp_path):
+    path = tmp_path / "huge.h5"
+    path.write_bytes(whole.read_bytes())
+    with h5py.File(path, "r+") as file:
+        kind = file["grasps"].dtype
+        del file["grasps"]
+        file.create_dataset("grasps", (10**11,), kind, chunks=(100,))
+    with pytest.raises(BadInput, match="claims far more rows"):
+        read(path)

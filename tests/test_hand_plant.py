@@ -11,6 +11,7 @@ from hannes.hand import Hand
 from hannes.hand_plant import HandPlant, posed
 from hannes.observe import observe
 from hannes.simulate import simulate
+from hannes.spec import load_experiment
 
 DURATION = 0.12  # s, until the reference has wound the wire
 
@@ -47,3 +48,18 @@ def test_a_recording_without_reference_and_experiment_is_refused():
     bare = replace(recording, channels=channels, units={"time": "s", "current": "A"}, experiment="")
     with pytest.raises(BadInput, match="neither a channel reference_rad nor an experiment"):
         posed(bare)
+
+
+def test_what_puts_the_object_elsewhere_puts_that_of_an_experiment_elsewhere_too():
+    """Else a campaign's scatter of places would not reach an object that has a place of its own."""
+    plant, moved = HandPlant(), {"object.x": HandPlant().parameters["object.x"] + 1e-3}
+    (ball,) = load_experiment("soft-ball")
+    run = observe(Hand(), simulate(Hand(), ball.experiment))
+    assert "object.x" in ball.experiment.object.values
+    values = dict(ball.experiment.object.values)
+    values["object.x"] += 1e-3
+    there = replace(ball.experiment, object=replace(ball.experiment.object, values=values))
+    seen, before = plant.simulate(moved, run), plant.simulate({}, run)
+    wanted = observe(Hand(), simulate(Hand(), there, rtol=1e-5))
+    assert np.abs(seen["current"] - wanted["current"]).max() < 1e-2
+    assert np.abs(seen["current"] - before["current"]).max() > 3e-2

@@ -1,6 +1,8 @@
 """Recordings of other laboratories: given by the user, fetched and checked, or plainly missing."""
 
+import gzip
 import hashlib
+import os
 import threading
 from dataclasses import replace
 from functools import partial
@@ -12,6 +14,7 @@ import pytest
 from hannes import measured
 from hannes.errors import BadInput, MissingRecording
 
+GIVEN = os.environ.get("HANNES_MEASURED")
 CONTENT = {"one.mat": b"first recording", "two.mat": b"second recording"}
 
 
@@ -129,12 +132,50 @@ def test_given_folder_that_lacks_a_file_falls_back_to_fetching(tmp_path, monkeyp
         measured.folder("demo", "http://127.0.0.1:1/")
 
 
+def test_given_files_may_be_packed(tmp_path, monkeypatch):
+    write(tmp_path / "mine/demo")
+    for name in CONTENT:
+        (tmp_path / f"mine/demo/{name}").rename(tmp_path / f"mine/demo/{name}.gz")
+    monkeypatch.setenv("HANNES_MEASURED", str(tmp_path / "mine"))
+    assert measured.folder("demo", "http://127.0.0.1:1/") == tmp_path / "mine/demo"
+
+
+def test_a_file_that_was_moved_is_fetched_from_where_it_is(server, served, monkeypatch):
+    (served / "more").mkdir()
+    (served / "two.mat").rename(served / "more/two.mat")
+    moved = replace(measured.SOURCES["demo"], moved={"two.mat": "more/"})
+    monkeypatch.setitem(measured.SOURCES, "demo", moved)
+    assert contents(measured.folder("demo", server.url)) == CONTENT
+    assert sorted(server.asked) == ["/more/two.mat", "/one.mat"]
+
+
+def test_many_missing_files_are_still_one_line(monkeypatch):
+    with pytest.raises(MissingRecording) as caught:
+        measured.folder("rh56_finger", "http://127.0.0.1:1/")
+    text = str(caught.value)
+    assert len(text) < 700 and "..." in text and measured.SOURCES["rh56_finger"].commit in text
+
+
 def test_unknown_set_shows_the_nearest():
     with pytest.raises(BadInput, match='did you mean "emps"'):
         measured.folder("emsp")
 
 
 def test_sources_are_pinned():
-    source = measured.SOURCES["emps"]
-    assert len(source.commit) == 40 and source.commit in source.url and source.commit in source.page
-    assert all(len(digest) == 64 for digest in source.sha256.values())
+    for name in ("emps", "rh56_finger"):
+        source = measured.SOURCES[name]
+        assert len(source.commit) == 40
+        assert source.commit in source.url and source.commit in source.page
+        assert all(len(digest) == 64 for digest in source.sha256.values())
+        assert set(source.moved) <= set(source.sha256)
+
+
+def test_given_recordings_of_the_finger_are_those_that_were_published(monkeypatch):
+    root = Path(GIVEN or "nowhere")
+    if not (root / "rh56_finger").is_dir():
+        pytest.skip("needs HANNES_MEASURED with the recordings rh56_finger")
+    for name, digest in measured.SOURCES["rh56_finger"].sha256.items():
+        packed = root / "rh56_finger" / f"{name}.gz"
+        data = gzip.decompress(packed.read_bytes()) if packed.exists() else None
+        data = data or (root / "rh56_finger" / name).read_bytes()
+        assert hashlib.sha256(data).hexdigest() == digest

@@ -58,3 +58,22 @@ def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys)
     assert all(row["holds"] for row in told["must_show"])
     text = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
     assert "DATA_EMPS.mat" in text and "HANNES_MEASURED" in text
+
+
+def test_table_3_stands_beside_the_papers(tmp_path):
+    from hannes.errors import BadInput
+    from hannes.report import recognition
+
+    names = ("Sponge", "Hand dynamometer")
+    share = {"f1_windows": 0.96, "f1_grasps": 1.0, "stable_in_time": 0.9}
+    objects = [{"name": n, "class": "soft", **share, "stiffness_N_per_m": 900.0} for n in names]
+    told = {"objects": objects, **share, "f1_worst": 0.8}
+    (tmp_path / "evaluation.json").write_text(json.dumps(told))
+    read = recognition.read(tmp_path)
+    assert [row["holds"] for row in recognition.checks(read)] == [True, True, False]
+    (table,) = recognition.found(read).tables
+    assert table.rows[0][:4] == ("Sponge", "soft", "99.0", "96.0")
+    assert table.rows[-1][:4] == ("Average", "", "91.1", "96.0")
+    (tmp_path / "evaluation.json").write_text("{}")
+    with pytest.raises(BadInput, match="not written by `hannes evaluate`"):
+        recognition.read(tmp_path)

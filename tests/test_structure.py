@@ -155,12 +155,14 @@ def states(compiled):
 @functools.cache
 def solved(compiled):
     """Compiled: fill columns with df/dy and drift with df/dt; solve with shift - df/dy for b."""
-    names = ("slope", "linearise", "gather", "decompose", "resolve")
-    slope, linearise, gather, decompose, resolve = (getattr(compiled.fast, n) for n in names)
+    names = ("workspace", "slope", "linearise", "gather", "decompose", "resolve")
+    workspace, slope, linearise, gather, decompose, resolve = (
+        getattr(compiled.fast, name) for name in names
+    )
 
     @kernel
-    def both(t, y, data, shift, columns, drift, b):
-        rates = np.zeros(y.size)
+    def both(t, y, p, reference, hold, shift, columns, drift, b):
+        data, rates = workspace(y, p, reference, hold), np.zeros(y.size)
         slope(t, y, rates, data)
         linearise(t, y, rates, drift, data)
         gather(data, columns)
@@ -175,12 +177,11 @@ def compared(hand, shape, shifts):
     compiled, p = hand.compiled(), hand.vector(shape)
     n, rng = compiled.states.size, np.random.default_rng(8)
     for time, state in states(compiled):
-        data = compiled.problem(p, KNOTS, HELD).data
         columns, drift = np.zeros((n, n)), np.zeros(n)
         for shift in shifts:
             b = rng.normal(size=n) * (np.abs(state) + 1e-3)
             mine = b.copy()
-            solved(compiled)(time, state, data, shift, columns, drift, mine)
+            solved(compiled)(time, state, p, KNOTS, HELD, shift, columns, drift, mine)
             numpys = np.linalg.solve(shift * np.eye(n) - columns, b)
             assert np.abs(mine - numpys).max() < 1e-9 * np.abs(numpys).max()
         theirs = compiled.fast.differences(time, state, p, KNOTS, HELD)

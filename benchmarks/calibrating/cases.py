@@ -93,11 +93,12 @@ def case(
     hidden: Mapping[str, float] | None = None,
     starts: int = 1,
     rest: float = 0.0,
+    limit: float = 0.1,
 ) -> Case:
     """A campaign under `protocol`, with the shipped hand as the analyst's belief.
 
     `rest` is how far (relative, one standard deviation) all else of the hand lies off, which the
-    analyst then says.
+    analyst then says; `limit` the relative half-width up to which a value is of use to him.
     """
     values = scattered(seed)
     made = truth.make(protocol, seed, hidden, truth.Spread(hand=rest), hand_text(values))
@@ -105,7 +106,7 @@ def case(
         Entry(name, recording, made.conditions[name], "fit")
         for name, recording in made.recordings.items()
     )
-    asked = {"parameters": list(parameters), "starts": starts}
+    asked = {"parameters": list(parameters), "starts": starts, "limit": f"{100.0 * limit:g} %"}
     asked |= {"doubt": f"{100.0 * rest:g} %"} if rest else {}
     plant = HandPlant()
     table = Table(asked, "calibrate", ())

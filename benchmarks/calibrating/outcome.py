@@ -7,8 +7,8 @@ from benchmarks.calibrating.cases import Case
 from hannes.calibrate import calibrate
 
 
-def outcome(case: Case, seed: int, workers: int = 1) -> dict[str, Any]:
-    """Calibrate a case and compare with the truth; `workers` threads."""
+def outcome(case: Case, seed: int, workers: int | None = None) -> dict[str, Any]:
+    """Calibrate a case and compare with the truth; `workers` threads (default: all cores)."""
     begun, spent = time.perf_counter(), time.process_time()
     found = calibrate(case.campaign, seed=seed, workers=workers, progress=False)
     parameters = {}

@@ -37,8 +37,9 @@ def _of(cases: Cases, name: str) -> list[dict[str, Any]]:
 def recovery(cases: Cases, kind: str) -> tuple[list[Row], list[Row]]:
     """Rows and figures of cases with the nine parameters 20 % off."""
     rows = [_recovered(name, _of(cases, name), kind) for name in NINE]
-    good = [row for row in rows if row["labelled"] <= 0.5 and row["median_error"] <= ERROR]
-    worst = max((row["median_error"] for row in rows if row["labelled"] < 1.0), default=0.0)
+    found = [row for row in rows if "median_error" in row]
+    good = [row for row in found if row["labelled"] <= 0.5 and row["median_error"] <= ERROR]
+    worst = max((row["median_error"] for row in found), default=0.0)
     agree = share([all(case["starts"]) for case in cases])
     return rows, [
         must_show(f"{kind}: parameters recovered to 2 %, of nine", len(good), 6, len(good) >= 6),
@@ -49,13 +50,14 @@ def recovery(cases: Cases, kind: str) -> tuple[list[Row], list[Row]]:
 
 def _recovered(name: str, found: Sequence[dict[str, Any]], kind: str) -> Row:
     errors = np.abs([each["error"] for each in found if each["label"] == "identified"])
-    spread = interval(errors.tolist()) if errors.size else {"low": np.nan, "high": np.nan}
+    spread = interval(errors.tolist()) if errors.size else {}
+    median = {"median_error": float(np.median(errors))} if errors.size else {}
     return {
         "study": kind,
         "parameter": name,
         "cases": len(found),
         "labelled": float(np.mean([each["label"] != "identified" for each in found])),
-        "median_error": float(np.median(errors)) if errors.size else 0.0,
+        **median,
         **{f"error_{key}": value for key, value in spread.items()},
         "covered": share([each["covers"] for each in found])["value"],
     }

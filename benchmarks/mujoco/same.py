@@ -130,7 +130,7 @@ def callbacks(fast: ModuleType) -> dict[str, Any]:
         y, dy, p, c = part(user, STATE), part(user, RATE), part(user, VALUES), part(user, CHANNEL)
         reference, hold = part(user, REFERENCE).reshape((2, KNOTS)), part(user, HELD)
         target = position_reference(t, y, dy, p, c, reference, dy)
-        position, current = sense(t, y, dy, p, c, dy)
+        position, current = sense(t, y, dy, p, c, hold, dy)
         duty = control(t, y, dy, p, c, hold, target, position, current, dy)
         torque_constant = drive(t, y, dy, p, c, duty, dy)
         kinematics(y, p, c)

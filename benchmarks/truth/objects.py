@@ -65,14 +65,22 @@ def _thing(table: Mapping[str, Any]) -> Thing:
     return Thing(table["name"], table["class"], {"shape": table["shape"], **values})
 
 
-def grasp(thing: Thing, seed: Sequence[int]) -> Recording:
-    """One grasp of an object by a hand of its own; the same for the same seed."""
+def grasp(
+    thing: Thing,
+    seed: Sequence[int],
+    hand: Mapping[str, Any] | None = None,
+    hidden: Mapping[str, float] | None = None,
+) -> Recording:
+    """One grasp of an object by `hand`, else by a hand of its own; the same for the same seed.
+
+    `hidden`: sizes of effects by full name, else slack and gear loss at random.
+    """
     rng = np.random.default_rng(seed)
     for _ in range(MOST_DRAWS):
-        hand = scatter(nominal(), rng, HAND)
-        if not fit(hand):
+        mine = hand or scatter(nominal(), rng, HAND)
+        if not fit(mine):
             continue
-        ran = _run(thing, hand, rng)
+        ran = _run(thing, mine, hidden, rng)
         if ran["force_N"][:50].max() == 0.0:  # not pressed before the hand moves
             condition = Condition(thing.name, PAPER, 1, None, sensor=True)
             return bench.logged(ran, condition, POOR, bench_hand(), rng)
@@ -84,14 +92,19 @@ def bench_hand() -> str:
     return 'base = "hannes"\n'
 
 
-def _run(thing: Thing, hand: Mapping[str, Any], rng: np.random.Generator) -> dict[str, np.ndarray]:
+def _run(
+    thing: Thing,
+    hand: Mapping[str, Any],
+    hidden: Mapping[str, float] | None,
+    rng: np.random.Generator,
+) -> dict[str, np.ndarray]:
     place = np.array(CENTRE[thing.values["shape"]]) + SEAT * normal(rng, 2)
     own = {**thing.values, "position": (*place, 0.0)}
     before = {**posed(hand, own), "controller.current_step": bench.CURRENT_STEP}
     values, shift = run_scatter(before, rng, RUN, TIMING)
     condition = Condition(thing.name, PAPER, 1)
     ticks = round(condition.duration * 1000) + 1
-    hidden = {
+    drawn = {
         "leader_slack.length": rng.uniform(*SLACK),
         "gear_load.coefficient": rng.uniform(*GEAR),
     }
@@ -100,7 +113,7 @@ def _run(thing: Thing, hand: Mapping[str, Any], rng: np.random.Generator) -> dic
         PAPER,
         object={"shape": thing.values["shape"]},
         duration=condition.duration,
-        effects=hidden,
+        effects=drawn if hidden is None else hidden,
         current_noise=bench.CURRENT * rng.standard_normal(ticks),
         shift=shift,
     )[0]

@@ -40,8 +40,9 @@ class _Profile:
     def reach(self, place: int, side: float) -> float:
         """Half-width on one side (-1 below, 1 above), scaled."""
         expected = float(self.spread.reach[place])
-        variance = float(self.spread.covariance[place, place])
-        if place in self.found.on_bound or not 0.0 < expected < 1.0:
+        variance, scales = float(self.spread.covariance[place, place]), self.found.scales
+        value = abs(float(self.found.x[place] + scales.given[place] / scales.scale[place]))
+        if place in self.found.on_bound or not 0.0 < expected < max(1.0, value):
             return expected
         aim = 0.5 * expected**2 / variance
         led = cost(self.loss, self.problem.residual(self._led(place, side * expected)))

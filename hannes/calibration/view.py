@@ -12,6 +12,7 @@ from hannes.campaign import Entry
 from hannes.plant import Plant
 
 BIN = 0.01  # s
+STRETCHES = 2  # of the plant's block, that a recording must have for each parameter
 PER_BLOCK = 20  # bins, at least, in the time over which the plant's misfit hangs together
 
 
@@ -60,6 +61,12 @@ class View:
     def bins(self) -> int:
         """Number of bins of each channel."""
         return self._count.size
+
+    @property
+    def bears(self) -> int:
+        """How many unknowns this run can tell, at most."""
+        traced = self.block[: self.block.size - len(self.features)]
+        return len(set(traced.tolist())) // STRETCHES + len(self.features)
 
     def part_of(self, name: str) -> np.ndarray:
         """The recorded bins of a channel, or the value of a feature; empty where it has none."""

@@ -15,7 +15,7 @@ from hannes.dataset import file
 from hannes.dataset.draw import draw
 from hannes.dataset.part import SIZE, Part, count, simulated
 from hannes.dataset.spec import Spec
-from hannes.errors import BadInput, ComputationFailed
+from hannes.errors import BadInput, ComputationFailed, Interrupted
 from hannes.files import write_bytes
 
 BACKENDS = ("local", "dask")
@@ -157,6 +157,8 @@ def _simulate(
                     parts.write(k, data)
                     del left[k]
                     bar.update(SIZE)
+            except KeyboardInterrupt:
+                raise Interrupted("interrupted; the same command goes on where it was") from None
             except Exception as error:
                 if not _died(error) or turn == TRIES - 1:
                     raise _explained(error, len(left)) from error
@@ -215,8 +217,13 @@ def _how(backend: str, scheduler: str, workers: int | None) -> Any:
 @contextmanager
 def _local(workers: int | None) -> Iterator[Any]:
     from joblib import Parallel
+    from joblib.externals.loky import get_reusable_executor
 
-    yield Parallel(n_jobs=workers or -1, batch_size=1, return_as="generator_unordered")
+    try:
+        yield Parallel(n_jobs=workers or -1, batch_size=1, return_as="generator_unordered")
+    except BaseException:  # an interrupt too: nobody waits for what is still under way
+        get_reusable_executor().shutdown(kill_workers=True)
+        raise
 
 
 @contextmanager

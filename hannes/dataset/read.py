@@ -15,6 +15,7 @@ from hannes.errors import BadInput
 from hannes.recording_hdf5 import OWN_FILTERS, text_attribute
 
 MOST_FIELDS = 2000
+DENSEST = 1100  # times that deflate can shrink anything
 BLOCK = 500  # grasps in memory at a time
 NEEDED = ("role", "completed", "contact", "release", "peak_force", "object.stiffness")
 
@@ -137,5 +138,5 @@ def _plain(dataset: Any) -> None:
     filters = {made.get_filter(k)[0] for k in range(made.get_nfilters())}
     if dataset.is_virtual or dataset.external or not filters <= OWN_FILTERS:
         raise BadInput(f"{dataset.name}: expected plain or gzip storage inside this file")
-    if dataset.size * dataset.dtype.itemsize > 64 * max(dataset.id.get_storage_size(), 1) * 1000:
+    if dataset.size * dataset.dtype.itemsize > DENSEST * max(dataset.id.get_storage_size(), 1):
         raise BadInput(f"{dataset.name}: claims far more rows than the file holds")

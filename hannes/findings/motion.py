@@ -103,8 +103,10 @@ def _gain(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Findi
 
 
 def pace(times: FloatArray, values: FloatArray) -> float:
-    """How long the fastest part of a command would take through its whole range [s]."""
-    return float(np.ptp(values) / max(np.abs(speeds(times, values)).max(), 1e-300))
+    """How long a command would take through its whole range, at its mean speed in motion [s]."""
+    travel = np.abs(np.diff(values))
+    moving = float(np.sum(np.diff(times)[travel > 0.0]))
+    return moving * float(np.ptp(values) / max(travel.sum(), 1e-300))
 
 
 def timed(subject: Subject, name: str, command: str, across: float, lag: Lag) -> Iterator[Finding]:

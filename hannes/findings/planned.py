@@ -28,7 +28,7 @@ class Plan:
 
     @property
     def pace(self) -> float:
-        """How long its fastest part would take through its whole range [s]."""
+        """How long it takes through its whole range, see motion.pace [s]."""
         return pace(self.times, self.values)
 
 

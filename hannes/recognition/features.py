@@ -48,6 +48,8 @@ STEP = 0.06  # A of rise that tell a touch
 BACK = 0.02  # A of rise from which the travel counts
 STARTING = 0.06  # s after the first motion in which the current only accelerates the hand
 MOVED = 0.05  # rad
+# Places of what is known since the touch.
+START, FREE, FREE_SPEED, PEAK, FARTHEST, WORK, STEEPEST, LAST = range(8)
 
 
 @kernel
@@ -68,6 +70,70 @@ def _tangent(slope, speed):
     return slope / math.copysign(max(abs(speed), 0.3), speed)
 
 
+@kernel
+def _rest(level, first, end):
+    """Least of the smoothed current from sample `first` to `end`, which counts as free."""
+    least = level[first]
+    for k in range(first, end):
+        least = min(least, level[k])
+    return least
+
+
+@kernel
+def _begin(known, current, position, touch, size, dt):
+    """Note what was at the touch: position, free current, free speed."""
+    known[START], known[LAST], known[FREE] = position[touch], position[touch], current
+    if touch >= size:
+        known[FREE_SPEED] = _line(position, touch, size, dt)[1]
+
+
+@kernel
+def _go_on(known, passed, current, position):
+    """Take in one sample after the touch."""
+    rise, travel = current - known[FREE], position - known[START]
+    known[WORK] += rise * (position - known[LAST])
+    known[LAST] = position
+    known[PEAK], known[FARTHEST] = max(known[PEAK], rise), max(known[FARTHEST], travel)
+    for k in range(passed.size):
+        if passed[k] < 0.0 and travel >= LEVELS[k]:
+            passed[k] = max(rise, 0.0)
+
+
+@kernel
+def _of_window(current, position, reference, end, size, dt, out):
+    """Features of the window alone, and zeros for those of the grasp."""
+    out[:] = 0.0
+    out[0], out[1] = _line(current, end, size, dt)
+    place, out[2] = _line(position, end, size, dt)
+    asked, out[3] = _line(reference, end, size, dt)
+    out[4] = asked - place
+    out[5] = _line(current, end - size, size, dt)[0]
+    out[6] = _line(position, end - size, size, dt)[1]
+
+
+@kernel
+def _of_grasp(known, passed, position, since, whole, out):
+    """Features of what came since the touch; `whole`: the window lies after it."""
+    current, slope, speed = out[0], out[1], out[2]
+    peak, farthest = known[PEAK], known[FARTHEST]
+    rise, travel, secant = (
+        current - known[FREE],
+        position - known[START],
+        peak / max(farthest, 0.05),
+    )
+    tangent = _tangent(slope, speed)
+    if speed > 0.3 and whole:
+        known[STEEPEST] = max(known[STEEPEST], tangent)
+    out[7], out[8], out[9], out[10], out[11] = known[FREE], known[FREE_SPEED], since, rise, travel
+    out[12], out[13] = rise / max(travel, 0.05), tangent
+    out[14] = speed / max(known[FREE_SPEED], 1.0)
+    out[15], out[16], out[17], out[18] = peak, farthest, secant, known[WORK]
+    out[19] = known[WORK] / max(farthest, 0.1) ** 2
+    out[20], out[21], out[22] = peak - rise, known[START], known[STEEPEST]
+    for k in range(passed.size):
+        out[23 + k] = passed[k] if passed[k] >= 0.0 else LEVELS[k] * secant
+
+
 @entry
 def fill(current, position, reference, dt, size, ends, rows):
     """Fill `rows` (m, NAMES) with the features at the samples before each of `ends` (ascending).
@@ -76,69 +142,30 @@ def fill(current, position, reference, dt, size, ends, rows):
     as they are.
     """
     smooth, memory, starting = max(1, round(SMOOTH / dt)), round(MEMORY / dt), round(STARTING / dt)
-    count = current.size
-    level = np.zeros(count)  # current, smoothed over what was just seen
-    begun, touch, start, free, free_speed = -1, -1, 0.0, 0.0, 0.0
-    peak, farthest, work, steepest, last = 0.0, 0.0, 0.0, 0.0, 0.0
-    passed = np.full(len(LEVELS), -1.0)
-    running, row, least = 0.0, 0, 0.0
-    for n in range(count):
-        running += current[n]
-        if n >= smooth:
-            running -= current[n - smooth]
-        level[n] = running / min(n + 1, smooth)
+    level = np.zeros(current.size)  # current, smoothed over what was just seen
+    known, passed = np.zeros(8), np.full(len(LEVELS), -1.0)
+    running, row, begun, touch = 0.0, 0, -1, -1
+    for n in range(current.size):
+        running += current[n] - (current[n - smooth] if n >= smooth else 0.0)
+        level[n] = least = running / min(n + 1, smooth)
         if begun < 0 and abs(position[n] - position[0]) > MOVED:
-            begun = n
-        if touch < 0:
-            least = level[n]
-        if touch < 0 and begun >= 0 and n > begun + starting:
-            first = max(begun + starting, n - memory)
-            least = level[first]
-            for k in range(first, n):
-                least = min(least, level[k])
+            begun = n + starting
+        if touch < 0 and 0 <= begun < n:
+            first = max(begun, n - memory)
+            least = _rest(level, first, n)
             if level[n] > least + STEP:
                 touch = n
                 while touch > first and level[touch] > least + BACK:
                     touch -= 1
-                start, free = position[touch], least
-                if touch >= size:
-                    free_speed = _line(position, touch, size, dt)[1]
-                last = start
+                _begin(known, least, position, touch, size, dt)
         if touch >= 0:
-            rise, travel = level[n] - free, position[n] - start
-            work += rise * (position[n] - last)
-            last = position[n]
-            peak, farthest = max(peak, rise), max(farthest, travel)
-            for k in range(len(LEVELS)):
-                if passed[k] < 0.0 and travel >= LEVELS[k]:
-                    passed[k] = max(rise, 0.0)
+            _go_on(known, passed, level[n], position[n])
         while row < ends.size and ends[row] == n + 1:
             if n + 1 >= 2 * size:
                 out = rows[row]
-                mean, slope = _line(current, n + 1, size, dt)
-                place, speed = _line(position, n + 1, size, dt)
-                asked, reference_speed = _line(reference, n + 1, size, dt)
-                out[0], out[1], out[2], out[3], out[4] = mean, slope, speed, reference_speed, 0.0
-                out[4] = asked - place
-                out[5] = _line(current, n + 1 - size, size, dt)[0]
-                out[6] = _line(position, n + 1 - size, size, dt)[1]
-                for k in range(7, len(NAMES)):
-                    out[k] = 0.0
-                out[7], out[8], out[10], out[21] = least, speed, level[n] - least, position[n]
+                _of_window(current, position, reference, n + 1, size, dt, out)
+                out[7], out[8], out[10], out[21] = least, out[2], level[n] - least, position[n]
                 if touch >= 0:
-                    rise, travel = mean - free, position[n] - start
-                    if speed > 0.3 and n + 1 - touch >= size:
-                        steepest = max(steepest, _tangent(slope, speed))
-                    secant = peak / max(farthest, 0.05)
-                    out[7], out[8], out[9] = free, free_speed, (n - touch) * dt
-                    out[10], out[11] = rise, travel
-                    out[12] = rise / max(travel, 0.05)
-                    out[13] = _tangent(slope, speed)
-                    out[14] = speed / max(free_speed, 1.0)
-                    out[15], out[16], out[17], out[18] = peak, farthest, secant, work
-                    out[19] = work / max(farthest, 0.1) ** 2
-                    out[20], out[21], out[22] = peak - rise, start, steepest
-                    for k in range(len(LEVELS)):
-                        promised = LEVELS[k] * secant
-                        out[23 + k] = passed[k] if passed[k] >= 0.0 else promised
+                    whole = n + 1 - touch >= size
+                    _of_grasp(known, passed, position[n], (n - touch) * dt, whole, out)
             row += 1

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from hannes.diagnose import Diagnosis
 
 STAGES = ("as_given", "before", "after")
+MANY = 24  # recordings, beyond which a list of them tells nobody anything
 
 
 def page(diagnosis: "Diagnosis") -> str:
@@ -36,7 +37,8 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
     rows = []
     for name, gap in diagnosis.verdict.gap.items():
         sizes = [f"{number(gap[key])} ({number(gap[f'{key}_percent'])} %)" for key in STAGES]
-        rows.append((f"{name} [{gap['unit']}]", *sizes, number(gap["floor"], 2)))
+        told = name if gap["unit"] == "1" else f"{name} [{gap['unit']}]"
+        rows.append((told, *sizes, number(gap["floor"], 2)))
     columns = ("RMS gap", "As given", "Before: base refitted", "After", "Floor")
     note = (
         f"On {diagnosis.verdict.gap_on}. In brackets: relative to the recorded signal, "
@@ -66,7 +68,10 @@ def _sizes(diagnosis: "Diagnosis") -> Table:
 def _tried(diagnosis: "Diagnosis") -> Table:
     gains = {row["effect"]: row for row in diagnosis.verdict.candidates}
     rows = []
+    unfit = [each["effect"] for each in diagnosis.verdict.tried if not each["applicable"]]
     for attempt in diagnosis.verdict.tried:
+        if attempt["effect"] in unfit:
+            continue
         row = gains.get(attempt["effect"])
         share = f"{decimals(round(100.0 * row['gain_select']), 0)} %" if row else "–"
         sigma = number(row["evidence"], 2) if row else "–"
@@ -80,6 +85,8 @@ def _tried(diagnosis: "Diagnosis") -> Table:
         f"Each at a false-alarm level of {diagnosis.verdict.alpha:g}. Smallest size seen: with "
         "80 % power, were the fit linear; “none” where it lies beyond the physical bounds."
     )
+    if unfit:
+        note += f" Not tried: {', '.join(unfit)}; verdict.json tells why."
     return Table("tried", "What was tried", columns, tuple(rows), note)
 
 
@@ -110,5 +117,12 @@ def _alike(diagnosis: "Diagnosis") -> Table:
 
 def _recordings(diagnosis: "Diagnosis") -> Table:
     roles = diagnosis.verdict.recordings
-    rows = tuple((role, ", ".join(names) or "none") for role, names in roles.items())
+    rows = tuple((role, _listed(names)) for role, names in roles.items())
     return Table("recordings", "Recordings by role", ("Role", "Recordings"), rows)
+
+
+def _listed(names: list[str]) -> str:
+    """All names, or the first and last of many."""
+    if len(names) <= MANY:
+        return ", ".join(names) or "none"
+    return f"{len(names)}: {', '.join(names[:2])}, … {names[-1]}; all in verdict.json"

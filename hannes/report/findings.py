@@ -60,11 +60,18 @@ ABOUT = {
         "Free closures written by a second, independent implementation of the hand, in which the "
         "leader wire was left slack without telling the diagnosis. No real hand is in them.",
     ),
+    "recognition": (
+        "Rigid or soft",
+        "A classifier trained on simulated grasps alone, on recordings of ten virtual objects that "
+        "the second implementation of the hand grasped: other hands, a slack leader and a gear "
+        "that rubs under load, none of which the classifier was told.",
+    ),
 }
+RUN = {"recognition": "not scored in this run; `make run` records the objects and scores them"}
 
 
 def findings(given: Mapping[str, Any] | None) -> list[Finding]:
-    """Return both findings in order; `given` maps their names to a Finding, a verdict, or a reason.
+    """Return all findings in order; `given` maps their names to a Finding, a verdict, or a reason.
 
     A reason is an error such as MissingRecording, or a text.
     """
@@ -87,5 +94,5 @@ def _finding(name: str, given: Any) -> Finding:
         return finding(name, given)
     if isinstance(given, HannesError | str):
         return Finding(name, title, about, missing=str(given))
-    command = f"hannes diagnose {name}.toml"
-    return Finding(name, title, about, missing=f"not diagnosed in this run; run: {command}")
+    command = RUN.get(name, f"not diagnosed in this run; run: hannes diagnose {name}.toml")
+    return Finding(name, title, about, missing=command)

@@ -1,0 +1,91 @@
+"""What a diagnosis says of its recordings before it names anything."""
+
+import functools
+
+import numpy as np
+import pytest
+
+from hannes.axis import Axis
+from hannes.campaign import read_campaign
+from hannes.cautions import cautions
+from hannes.diagnose import diagnose
+from hannes.errors import BadInput
+from hannes.period import period
+from hannes.pieces import cut, floors
+from hannes.recording import Recording
+
+UNITS = {"time": "s", "reference": "m", "position": "m", "drive": "V"}
+
+
+@functools.cache
+def swing(seed, mass=96.0, seconds=4.0, noise=0.01):
+    """An axis that swings once a second."""
+    t = np.arange(round(seconds * 1000) + 1) / 1000.0
+    reference = 0.05 * (1.0 - np.cos(2.0 * np.pi * t))
+    bare = {"time": t, "reference": reference, "position": reference}
+    run = Axis().simulate({"axis.mass": mass}, Recording(bare, {n: UNITS[n] for n in bare}))
+    drive = run["drive"] + noise * np.random.default_rng(seed).standard_normal(t.size)
+    return Recording({**bare, "position": run["position"], "drive": drive}, UNITS, plant="axis")
+
+
+def campaign(folder, recordings, roles=None):
+    rows = []
+    for number, recording in enumerate(recordings):
+        recording.write(folder / f"{number}.h5")
+        role = f'role = "{roles[number]}"\n' if roles else ""
+        rows.append(f'[[recording]]\nfile = "{number}.h5"\ncondition = "swings"\n{role}')
+    (folder / "campaign.toml").write_text('plant = "axis"\n' + "".join(rows), encoding="utf-8")
+    return folder / "campaign.toml"
+
+
+def test_a_channel_off_by_a_factor_is_said_before_any_effect_is_named(tmp_path):
+    runs = [swing(seed) for seed in range(4)]
+    runs[2] = runs[2].with_channels({"drive": 1000.0 * runs[2]["drive"]}, {})
+    with pytest.raises(BadInput, match=r"2\.h5: .*mV taken for V") as caught:
+        diagnose(campaign(tmp_path, runs), out=tmp_path / "out")
+    assert "\n" not in str(caught.value) and not (tmp_path / "out").exists()
+
+
+def test_recordings_of_two_machines_are_told(tmp_path):
+    runs = [swing(seed, 96.0 if seed < 3 else 99.0, noise=0.002) for seed in range(6)]
+    (told,) = cautions(read_campaign(campaign(tmp_path, runs)))
+    assert "two machines" in told and "0.h5, 1.h5, 2.h5 and 3.h5, 4.h5, 5.h5" in told
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.3])
+def test_recordings_of_one_machine_that_scatters_are_not_taken_for_two(tmp_path, spread):
+    masses = 96.0 + spread * np.random.default_rng(1).standard_normal(6)
+    runs = [swing(seed, mass, noise=0.002) for seed, mass in enumerate(masses)]
+    assert cautions(read_campaign(campaign(tmp_path, runs))) == []
+
+
+def test_a_command_that_repeats_gives_the_floor_and_the_cut(tmp_path):
+    long = swing(0, seconds=20.0)
+    assert period(Axis(), long) == 1000
+    found = read_campaign(campaign(tmp_path, [long, swing(1, seconds=20.0)], ["fit", "show"]))
+    pieces, note = cut(found)
+    assert "between two of 20 runs" in note
+    assert [piece.role for piece in pieces] == ["fit", "select", "show"]
+    assert pieces[1].recording.time[pieces[1].mask][0] == pytest.approx(10.0, abs=1e-9)
+    known = [piece for piece in pieces if piece.role != "show"]
+    floor, how = floors(Axis(), known)
+    assert floor["drive"] == pytest.approx(0.01, rel=0.1) and "whose command repeats" in how
+
+
+@pytest.mark.parametrize("rate", [0.37, 0.003])
+def test_a_command_that_never_comes_back_has_no_period(rate):
+    long = swing(0, seconds=20.0)
+    t = long.time
+    changed = long["reference"] * (1.0 + rate * np.sin(0.41 * t))
+    assert period(Axis(), long.with_channels({"reference": changed}, {})) == 0
+
+
+def test_another_input_that_does_not_repeat_spoils_the_period():
+    long = swing(0, seconds=20.0)
+    pulses = np.where(np.abs(long.time - 7.3) < 0.1, 5.0, 0.0)
+    assert period(Axis(), long.with_channels({"pulses": pulses}, {"pulses": "V"})) == 0
+
+
+def test_one_recording_alone_says_what_is_lacking(tmp_path):
+    verdict = diagnose(campaign(tmp_path, [swing(0)], ["fit"])).verdict
+    assert verdict.verdict == "undecided" and "record at least two more runs" in verdict.reason
