@@ -1,8 +1,9 @@
 """Find where simulation and recordings disagree, and which effect the model is missing.
 
-Order of work: roles first; floor; base refitted; each effect refitted on the same pieces; the
-choice made on pieces that no fit has seen; then all but the show recordings refitted once more,
-and the show recordings opened.
+A plant that says what of it is uncertain is diagnosed as hannes/diagnosis tells. Others take a
+lighter way, in this order: roles first; floor; base refitted; each effect refitted on the same
+pieces; the choice made on pieces that no fit has seen; then all but the show recordings refitted
+once more, and the show recordings opened.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,7 +28,7 @@ from hannes.refit import Fitted, Misfit, Progress, fit
 from hannes.trial import ALPHA, Trial, judge, ranked, smallest_detectable, with_likeness
 from hannes.verdict import Verdict
 
-# Of the catalogue, on the hand: a refit for each is minutes for all, and more of them look alike.
+# Of the catalogue, on a hand with too few recordings for a claim: what to show beside "undecided".
 HAND = base_name("hand")
 TRIED = ("direction_friction", "gear_load", "leader_slack")
 
