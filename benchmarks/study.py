@@ -1,7 +1,9 @@
 """Long studies: one line of JSON for each case, so that what was done is never done twice."""
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -11,19 +13,43 @@ Case = tuple[str, int]  # kind and seed
 
 
 def run(
-    file: Path, cases: Sequence[Case], measure: Callable[[str, int], dict[str, Any]], resume: bool
+    file: Path,
+    cases: Sequence[Case],
+    measure: Callable[[str, int], dict[str, Any]],
+    resume: bool,
+    workers: int = 1,
 ) -> list[dict[str, Any]]:
-    """Results of all cases in their order; lines already in `file` are kept where `resume`."""
+    """Results of all cases in their order; lines already in `file` are kept where `resume`.
+
+    workers: processes; `measure` is then a function of a module.
+    """
     file.parent.mkdir(parents=True, exist_ok=True)
     if not resume:
         file.unlink(missing_ok=True)
     done = {(row["kind"], row["seed"]): row for row in read(file)}
-    for kind, seed in tqdm([case for case in cases if case not in done], "cases"):
-        row = {"kind": kind, "seed": seed, **measure(kind, seed)}
+    left = [case for case in cases if case not in done]
+    for (kind, seed), found in tqdm(_measured(left, measure, workers), "cases", len(left)):
+        row = {"kind": kind, "seed": seed, **found}
         with file.open("a", encoding="utf-8") as stream:
             stream.write(json.dumps(row) + "\n")
         done[(kind, seed)] = row
     return [done[case] for case in cases]
+
+
+def _measured(
+    cases: Sequence[Case], measure: Callable[[str, int], dict[str, Any]], workers: int
+) -> Iterator[tuple[Case, dict[str, Any]]]:
+    """Cases with what was measured of them, as they end."""
+    if workers == 1:
+        yield from ((case, measure(*case)) for case in cases)
+        return
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        running = {pool.submit(measure, *case): case for case in cases}
+        try:
+            for future in as_completed(running):
+                yield running[future], future.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 def read(file: Path) -> Iterable[dict[str, Any]]:

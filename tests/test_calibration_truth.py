@@ -30,8 +30,8 @@ def test_nine_parameters_a_fifth_off_come_back_or_are_labelled():
     assert len(errors) >= 6 and max(errors.values()) < 0.02
     given = [abs(each.given / made.true[each.name] - 1.0) for each in found.answers]
     assert max(given) > 0.2
-    covered = [each.low <= made.true[each.name] <= each.high for each in found.answers]
-    assert sum(covered) >= 8
+    for each in found.answers:  # one campaign cannot show a share; none is twice its interval off
+        assert abs(each.value - made.true[each.name]) < each.high - each.low, each.name
     assert found.remains.repeats is False and found.findings == ()
 
 

@@ -2,6 +2,7 @@
 
 import json
 import time
+import tomllib
 
 import numpy as np
 import pytest
@@ -49,6 +50,19 @@ def test_only_the_sealed_answer_tells_what_is_hidden(tmp_path, experiment):
     taut = written(tmp_path / "taut")
     assert taut["campaign.toml"] == files["campaign.toml"]
     assert json.loads(taut["sealed/answer.json"])["hand"] == sealed["hand"]
+
+
+def test_a_campaign_tells_how_far_its_hand_may_be_off(tmp_path):
+    spread = Spread(0.02, "normal", 0.005, 0.2e-3)
+    for told, first in ((None, "2 %"), (spread.times(0.5), "1 %"), (spread.times(2.0), "4 %")):
+        made = make(QUICK, 1, told=told)
+        made.write(tmp_path)
+        table = tomllib.loads((tmp_path / "campaign.toml").read_text())["diagnose"]
+        assert table["scatter"] == first
+        assert table.keys() == {"scatter", "run_scatter", "start_time"}
+        assert made.answer["spread"] == vars(spread)
+    assert table == {"scatter": "4 %", "run_scatter": "1 %", "start_time": "0.4 ms"}
+    read_campaign(tmp_path / "campaign.toml")
 
 
 def test_answers_hold_the_hand_and_every_run_by_the_librarys_names():

@@ -13,7 +13,7 @@ import argparse
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -50,15 +50,36 @@ class Spread:
     run: float = 0.005
     timing: float = 0.2e-3
 
+    @property
+    def lines(self) -> list[str]:
+        """As a campaign says it; of what does not scatter it says nothing."""
+        told = {
+            "scatter": (100.0 * self.hand, "%"),
+            "run_scatter": (100.0 * self.run, "%"),
+            "start_time": (1e3 * self.timing, "ms"),
+        }
+        lines = [f'{key} = "{size:g} {unit}"' for key, (size, unit) in told.items() if size > 0.0]
+        return ["", "[diagnose]", *lines] if lines else []
+
+    def times(self, factor: float) -> "Spread":
+        """All of it so many times as wide."""
+        return replace(
+            self, hand=factor * self.hand, run=factor * self.run, timing=factor * self.timing
+        )
+
 
 @dataclass(frozen=True)
 class Made:
-    """Recordings by name of file, their conditions, the hand as it is believed, and the answer."""
+    """Recordings by name of file, their conditions, the hand as it is believed, and the answer.
+
+    told: how far the analyst is told that nominal values may be off.
+    """
 
     recordings: dict[str, Recording] = field(repr=False)
     conditions: dict[str, str]
     hand: str
     answer: dict[str, Any] = field(repr=False)
+    told: Spread = Spread()
 
     def write(self, out: Path, experiment: str = "") -> None:
         """Write recordings, hand.toml, campaign.toml and sealed/answer.json to a folder.
@@ -76,6 +97,7 @@ class Made:
 
     def _campaign(self, suffix: str, experiment: str) -> str:
         lines = ['plant = "hand"', 'base = "hand.toml"', 'out = "diagnosis"']
+        lines += self.told.lines
         for name, condition in self.conditions.items():
             lines += ["", "[[recording]]", f'file = "{name}{suffix}"', f'condition = "{condition}"']
             lines += [f'experiment = "{experiment}"'] if experiment else []
@@ -89,11 +111,13 @@ def make(
     spread: Spread | None = None,
     hand: str = SHIPPED,
     progress: bool = False,
+    told: Spread | None = None,
 ) -> Made:
     """Make a campaign in memory: some 1.5 s for a rich one.
 
     hidden: sizes by full name (SI), such as {"leader_slack.length": 3e-3}; see `effects`.
-    hand: TOML of the nominal hand, which is all that the analyst is told.
+    hand: TOML of the nominal hand; that, and how far it may be off (`told`; by default the real
+    spread), is all that the analyst is told.
     Raises BadInput for what cannot be made, ComputationFailed where a run does not end or no hand
     near the nominal one grasps.
     """
@@ -108,7 +132,7 @@ def make(
         raise BadInput(str(error)) from None
     values, refused = _hand(nominal, seed, spread)
     objects = {c.name: _object(values, c, seed, spread) for c in plan.conditions}
-    made = Made({}, {}, hand, _answer(seed, spread, hidden or {}, values, refused))
+    made = Made({}, {}, hand, _answer(seed, spread, hidden or {}, values, refused), told or spread)
     crept = 0.0
     for k, condition in enumerate(tqdm(plan.runs, "runs", disable=not progress)):
         name = f"{k + 1:02d}_{condition.stem}"

@@ -1,0 +1,118 @@
+"""Naming of effects that the independent truth hid: right, class, wrong, silent, unknown.
+
+Hands, effects and firmware are made by the second implementation (benchmarks/truth): all nominal
+values scatter by 2 %, runs by 0.5 % and 0.2 ms. Sizes lie between half and five times u, the
+smallest that an oracle detects (80 % power, 5 % false alarm), frozen in
+benchmarks/oracle/smallest_detectable.toml. Poor protocol: six void and six dynamometer runs at the
+paper's command; rich: sixteen runs with duty and bus voltage. An answer lies out of reach until the
+verdict is on disk. Seeds of the set "development" are those that the method was developed on; the
+figures quoted are those of the set "quoted". An abstention counts as a case like any other, and as
+0 % of the gap closed. Where the poor protocol leaves a class or an unknown, one more run is made:
+the one that the verdict suggests, and beside it one drawn from the rich protocol's.
+
+The whole study takes hours, which --resume spreads over as many calls as it takes; --quick takes
+some minutes. Times are those of a machine that does nothing else: --workers 1.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from benchmarks import study
+from benchmarks.harness import Row, aligned, table
+from benchmarks.naming_study import frozen, summary
+from benchmarks.naming_study.draw import MENU, PLANS, Drawn, any_run, drawn, with_run
+from benchmarks.naming_study.plan import NAMED, SETS, cases
+from benchmarks.naming_study.score import marks, single
+from benchmarks.naming_study.work import worked
+
+FOLDER = Path("results/benchmarks")
+FOLLOWED = "single, poor"  # the kind whose open cases get one more run
+
+
+def measured(name: str, seed: int) -> dict[str, Any]:
+    """One case: drawn, made, diagnosed, scored."""
+    kind = NAMED[name]
+    case = drawn(kind.what, kind.protocol, seed)
+    said = {
+        "what": kind.what,
+        "protocol": kind.protocol,
+        "told": kind.told,
+        "effects": case.effects,
+        "hidden": case.hidden,
+        "times": case.least_times,
+    }
+    found = worked(case, PLANS[kind.protocol], seed, kind.told)
+    if "not_made" in found:
+        return {**said, **found}
+    time = {key: found[key] for key in ("seconds", "processor_seconds")}
+    scored = marks(kind.what, found, case.effects)
+    after = one_more(case, seed, found["verdict"]) if name == FOLLOWED else {}
+    return {**said, **scored, **time, "after": after}
+
+
+def one_more(case: Drawn, seed: int, verdict: dict[str, Any]) -> dict[str, str]:
+    """How it ends after the suggested run, and after any run, where the verdict left it open."""
+    if verdict["verdict"] not in ("one_of", "unknown") or not verdict.get("next_run"):
+        return {}
+    runs = {"suggested": verdict["next_run"]["experiment"], "any": any_run(seed)}
+    ends = {}
+    for told, run in runs.items():
+        if run not in MENU:
+            ends[told] = f"the bench has no run called {run}"
+            continue
+        found = worked(case, with_run(PLANS["poor"], run), seed)
+        ends[told] = found.get("not_made") or single(found["verdict"], case.effects[0])
+    return ends
+
+
+def kept(chosen: str, quick: bool) -> Path:
+    """The file with a line for each case: one for each set, and for each frozen file of sizes."""
+    return FOLDER / f"naming-{chosen}{'-quick' if quick else ''}-{frozen.digest()}.jsonl"
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.naming",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help="few cases, for a first look")
+    parser.add_argument("--resume", action="store_true", help="keep the cases already measured")
+    parser.add_argument("--set", choices=SETS, default="development", dest="chosen",
+                        help="of seeds (development)")  # fmt: skip
+    parser.add_argument("--only", choices=NAMED, metavar="KIND",
+                        help=f"one kind alone: {'; '.join(NAMED)}")  # fmt: skip
+    parser.add_argument("--workers", type=int, default=1, help="processes (1)")
+    parser.add_argument("--cases", type=Path, metavar="FILE", help="a line for each case")
+    parser.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
+    return parser.parse_args()
+
+
+def printed(rows: list[Row], bounds: list[Row], confusion: list[Row]) -> str:
+    """All tables."""
+    return "\n\n".join(table(aligned(each)) for each in (rows, confusion, bounds))
+
+
+def main() -> None:
+    """Measure, print tables, write JSON where asked."""
+    asked = _arguments()
+    wanted = [c for c in cases(asked.chosen, asked.quick) if asked.only in (None, c[0])]
+    file = asked.cases or kept(asked.chosen, asked.quick)
+    done = study.run(file, wanted, measured, asked.resume, asked.workers)
+    rows, bounds = summary.figures(done)
+    confusion = summary.confusion(done)
+    stream = sys.stderr if asked.json == "-" else sys.stdout
+    print(printed(rows, bounds, summary.confusion_rows(confusion)), file=stream)
+    found = {"set": asked.chosen, "rows": rows, "must_show": bounds, "confusion": confusion}
+    text = json.dumps(found, indent=1)
+    if asked.json == "-":
+        print(text)
+    elif asked.json:
+        Path(asked.json).write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

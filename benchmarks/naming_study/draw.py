@@ -1,0 +1,121 @@
+"""What is hidden in a case, drawn by its seed alone.
+
+Sizes lie log-uniform between half and five times the smallest detectable one (u), never beyond the
+physical range. A size that no oracle detects within that range is drawn near its end, and counts as
+nothing nameable. What tells where or how fast an effect acts is drawn over its range.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.naming_study.frozen import smallest
+from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
+from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
+from benchmarks.truth.size import Size
+
+PLANS: dict[str, Protocol] = {
+    **PROTOCOLS,
+    "poor, duty": replace(PROTOCOLS["poor"], channels=(*POOR, "duty_1")),
+    "closures": closures(6),
+}
+# What may be recorded in addition to the poor protocol, once: all else that the rich one has.
+MENU = {
+    each.name: replace(each, repeats=1)
+    for each in PROTOCOLS["rich"].conditions
+    if (each.points, each.thing) not in [(c.points, c.thing) for c in PROTOCOLS["poor"].conditions]
+}
+LEAST, MOST = 0.5, 5.0  # times u
+PAIRED = 2.0  # times u, of each of a pair, at least
+SLACK = (1e-3, 6e-3)  # m, in free closures like the paper's figure 7
+WHOLE = ("cycles", "joint", "finger")  # parameters that are counts
+STREAM = 41  # of random numbers
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """hidden: SI sizes by full name, shapes included; times: each amplitude's size over its u.
+
+    A u beyond the physical range gives None, as do free closures, for which no oracle was asked.
+    """
+
+    hidden: dict[str, float]
+    times: dict[str, float | None]
+
+    @property
+    def least_times(self) -> float | None:
+        """Size over u of the hardest to see; None where nothing is nameable."""
+        times = list(self.times.values())
+        return min(times) if times and None not in times else None
+
+    @property
+    def effects(self) -> list[str]:
+        """Names of what is hidden."""
+        return [name.partition(".")[0] for name in self.times]
+
+
+def drawn(what: str, protocol: str, seed: int) -> Drawn:
+    """what: "single", "pair", "outside", "closures" or "empty".
+
+    Seeds that follow each other take the parameters in turn, so that each is hidden as often.
+    """
+    rng = np.random.default_rng([seed, STREAM])
+    if what == "empty":
+        return Drawn({}, {})
+    if what == "closures":
+        return Drawn({"leader_slack.length": _log(rng, *SLACK)}, {"leader_slack.length": None})
+    names = amplitudes(OUTSIDE if what == "outside" else CATALOGUE)
+    first = names[seed % len(names)]
+    if what != "pair":
+        return _hidden([first], protocol, LEAST, rng)
+    u = smallest(protocol)
+    seen = [name for name in names if u[name] is not None]
+    first = seen[seed % len(seen)]
+    others = [name for name in seen if name.partition(".")[0] != first.partition(".")[0]]
+    return _hidden([first, str(rng.choice(others))], protocol, PAIRED, rng)
+
+
+def with_run(plan: Protocol, name: str) -> Protocol:
+    """A protocol and one more run of the menu: all runs before it stay what they are."""
+    return replace(plan, conditions=(*plan.conditions, MENU[name]))
+
+
+def any_run(seed: int) -> str:
+    """A run of the menu, by chance."""
+    return str(np.random.default_rng([seed, STREAM, 1]).choice(sorted(MENU)))
+
+
+def amplitudes(effects: tuple) -> list[str]:
+    """Full names of all that tells how much of an effect there is."""
+    known = {effect.__name__.rpartition(".")[2] for effect in effects}
+    return [n for n, size in SIZES.items() if size.amplitude and n.partition(".")[0] in known]
+
+
+def _hidden(names: list[str], protocol: str, least: float, rng: np.random.Generator) -> Drawn:
+    hidden: dict[str, float] = {}
+    times: dict[str, float | None] = {}
+    for name in names:
+        u, size = smallest(protocol)[name], SIZES[name]
+        low, high = (0.3 * size.high, size.high) if u is None else (least * u, MOST * u)
+        amount = _log(rng, min(low, size.high), min(high, size.high))
+        times[name] = None if u is None else amount / u
+        hidden[name] = amount * (rng.choice([-1.0, 1.0]) if size.low < 0.0 else 1.0)
+        hidden |= _shapes(name.partition(".")[0], rng)
+    return Drawn(hidden, times)
+
+
+def _shapes(effect: str, rng: np.random.Generator) -> dict[str, float]:
+    names = [n for n, s in SIZES.items() if n.partition(".")[0] == effect and not s.amplitude]
+    return {name: _shape(name.partition(".")[2], SIZES[name], rng) for name in names}
+
+
+def _shape(name: str, size: Size, rng: np.random.Generator) -> float:
+    if name in WHOLE:
+        return float(rng.integers(round(size.low), round(size.high) + 1))
+    if size.low > 0.0:
+        return _log(rng, size.low, size.high)
+    return float(rng.uniform(size.low, size.high))
+
+
+def _log(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(low * (high / low) ** rng.uniform())

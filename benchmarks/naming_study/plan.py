@@ -1,0 +1,67 @@
+"""Which cases the study has, and their seeds.
+
+Seeds of cases that a method was developed on and of cases that are quoted differ: SETS. Cases told
+a wrong scatter are those of the first kinds again, by their seeds.
+"""
+
+from dataclasses import dataclass
+
+from benchmarks.study import Case
+
+SETS = {"development": 10_000_000, "quoted": 20_000_000}  # first seeds
+APART = 10_000  # seeds between kinds
+
+
+@dataclass(frozen=True)
+class Kind:
+    """So many cases: what is hidden, under which protocol, and how wrong the scatter is told.
+
+    told: times as wide as it is. counts: whole, quick.
+    """
+
+    what: str
+    protocol: str
+    counts: tuple[int, int]
+    told: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """As tables show it."""
+        scatter = "" if self.told == 1.0 else f", scatter told x{self.told:g}"
+        return f"{self.what}, {self.protocol}{scatter}"
+
+
+KINDS = (
+    Kind("closures", "closures", (12, 1)),
+    Kind("single", "poor", (100, 1)),
+    Kind("single", "poor, duty", (100, 0)),
+    Kind("single", "rich", (150, 1)),
+    Kind("empty", "poor", (100, 1)),
+    Kind("empty", "rich", (100, 0)),
+    Kind("outside", "poor", (25, 1)),
+    Kind("outside", "rich", (50, 0)),
+    Kind("pair", "poor", (20, 0)),
+    Kind("pair", "rich", (40, 1)),
+    Kind("single", "rich", (50, 0), told=0.5),
+    Kind("single", "rich", (50, 0), told=2.0),
+    Kind("empty", "rich", (50, 0), told=0.5),
+    Kind("empty", "rich", (50, 0), told=2.0),
+)
+NAMED = {kind.name: kind for kind in KINDS}
+# The poor protocol's cases are the same with and without duty.
+_ORIGINS = list(dict.fromkeys((k.what, k.protocol.partition(",")[0]) for k in KINDS))
+
+
+def cases(chosen: str, quick: bool) -> list[Case]:
+    """Name of kind and seed of every case of a set."""
+    return [
+        (kind.name, first_seed(kind, chosen) + k)
+        for kind in KINDS
+        for k in range(kind.counts[quick])
+    ]
+
+
+def first_seed(kind: Kind, chosen: str) -> int:
+    """Of a kind's cases in a set."""
+    origin = (kind.what, kind.protocol.partition(",")[0])
+    return SETS[chosen] + APART * _ORIGINS.index(origin)

@@ -1,0 +1,10 @@
+"""The smallest size of each hidden effect that any analyst could hope to detect.
+
+An oracle knows what the analyst does not: which effect is hidden, with which sign, how it shows,
+and how hands and runs scatter. Whatever it cannot see at 80 % power and 5 % false alarm, nobody
+needs to name.
+"""
+
+from pathlib import Path
+
+FROZEN = Path(__file__).parent / "smallest_detectable.toml"

@@ -1,0 +1,98 @@
+"""Write the smallest detectable size of every hidden effect, in both protocols, to a TOML file.
+
+python -m benchmarks.oracle --resume
+
+Some twenty minutes on one core; --resume keeps what an interrupted call has simulated, as long as
+the truth is the same.
+"""
+
+import argparse
+import shutil
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+from tqdm import tqdm
+
+from benchmarks import truth
+from benchmarks.oracle import FROZEN
+from benchmarks.oracle import bench as simulated
+from benchmarks.oracle.bench import Bench
+from benchmarks.oracle.discriminant import FALSE_ALARM, POWER, Discriminant
+from benchmarks.oracle.likeness import expected
+from benchmarks.oracle.search import smallest
+from benchmarks.oracle.store import Store, digest
+from benchmarks.truth.campaign import Spread
+from benchmarks.truth.effects import SIZES
+from benchmarks.truth.protocol import PROTOCOLS
+from hannes.files import write_text
+
+KEPT = Path("results/benchmarks/oracle")
+EMPTIES, HANDS = 200, 3
+BEYOND = "beyond the physical range"
+
+
+def discriminant(bench: Bench, empties: int) -> Discriminant:
+    """The oracle of a protocol, from its empty campaigns."""
+    made = [bench.empty(k) for k in tqdm(range(empties), f"{bench.name}: empty campaigns")]
+    return Discriminant(np.array(made), expected(bench, Spread()))
+
+
+def entry(bench: Bench, test: Discriminant, name: str, hands: int, begin: float | None) -> dict:
+    """One effect of one protocol, as the file has it."""
+    found, size = smallest(name, bench, test, hands, begin), SIZES[name]
+    told = {"u": found.u, **(found.found if len(found.found) > 1 else {})}
+    return {
+        **{key: BEYOND if u is None else float(f"{u:.3g}") for key, u in told.items()},
+        "unit": size.unit,
+        "low": size.low,
+        "high": size.high,
+    }
+
+
+def searched(bench: Bench, asked: argparse.Namespace, before: dict[str, dict]) -> dict[str, dict]:
+    """All effects of a protocol; the search begins where another protocol (`before`) ended."""
+    test = discriminant(bench, asked.empties)
+    found = {}
+    for name in tqdm([name for name, size in SIZES.items() if size.amplitude], bench.name):
+        begin = before.get(name, {}).get("u", BEYOND)
+        found[name] = entry(bench, test, name, asked.hands, None if begin == BEYOND else begin)
+    return found
+
+
+def head(asked: argparse.Namespace) -> dict:
+    """What the file says of how it was made."""
+    return {
+        "made_by": f"python -m benchmarks.oracle --empties {asked.empties} --hands {asked.hands}",
+        "power": POWER,
+        "false_alarm": FALSE_ALARM,
+        "spread": vars(Spread()),
+        "first_seed_of_empty_campaigns": simulated.EMPTY,
+        "first_seed_of_hands_with_effects": simulated.HANDS,
+    }
+
+
+def main() -> None:
+    """Simulate, search, write."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.oracle",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--resume", action="store_true", help="keep what is simulated already")
+    parser.add_argument("--empties", type=int, default=EMPTIES, help="empty campaigns")
+    parser.add_argument("--hands", type=int, default=HANDS, help="hands with each effect")
+    parser.add_argument("--out", type=Path, default=FROZEN)
+    asked = parser.parse_args()
+    store = Store(KEPT / digest(Path(truth.__file__).parent))
+    if not asked.resume:
+        shutil.rmtree(store.folder, ignore_errors=True)
+    found: dict[str, dict] = {}
+    for protocol in PROTOCOLS:
+        before = next(iter(found.values()), {})
+        found[protocol] = searched(Bench(protocol, store), asked, before)
+        write_text(asked.out, tomli_w.dumps(head(asked) | found))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,317 @@
+"""The naming study: what it draws, that answers stay sealed, how it scores, that it resumes."""
+
+import json
+
+import numpy as np
+import pytest
+
+from benchmarks import naming, study
+from benchmarks.naming_study import draw, frozen, plan, score, summary, work
+from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
+from benchmarks.truth.protocol import RICH, Condition, Protocol
+from benchmarks.truth.record import checked
+
+BLINK = Protocol((Condition("void", ((0.0, 0.0), (0.1, 1.5)), 2),), RICH)
+GAP = {"current": {"unit": "A", "as_given": 0.2, "before": 0.1, "after": 0.02, "floor": 0.01}}
+SLACK = {"leader_slack.length": {"value": 3.1e-3, "unit": "m", "low": 2.9e-3, "high": 3.3e-3}}
+CANDIDATES = [
+    {"effect": "leader_slack", "evidence": 9.0, "gain_select": 0.9, "confusable_with": []},
+    {"effect": "capstan", "evidence": 1.0, "gain_select": 0.2, "confusable_with": []},
+]
+
+
+def said(verdict, *effects, parameters=SLACK):
+    return {
+        "verdict": verdict,
+        "effects": list(effects),
+        "gap": GAP,
+        "parameters": parameters,
+        "candidates": CANDIDATES,
+        "next_run": None,
+    }
+
+
+@pytest.mark.parametrize("protocol", ["poor", "rich"])
+def test_every_amplitude_has_a_frozen_size_in_its_physical_range(protocol):
+    known = frozen.smallest(protocol)
+    assert set(known) == {name for name, size in SIZES.items() if size.amplitude}
+    for name, u in known.items():
+        assert u is None or 0.0 < u <= SIZES[name].high, name
+    assert sum(u is not None for u in known.values()) > 20
+
+
+@pytest.mark.parametrize("what", ["single", "pair", "outside", "closures", "empty"])
+def test_what_is_hidden_follows_from_the_seed_alone(what):
+    for seed in range(60):
+        case = draw.drawn(what, "poor", seed)
+        assert case == draw.drawn(what, "poor", seed) == draw.drawn(what, "poor, duty", seed)
+        assert len(case.effects) == {"pair": 2, "empty": 0}.get(what, 1)
+        assert len(set(case.effects)) == len(case.effects)
+        checked(case.hidden)
+        for name, size in case.hidden.items():
+            assert abs(size) <= max(SIZES[name].high, -SIZES[name].low), name
+        if case.least_times is not None:
+            assert (draw.PAIRED if what == "pair" else draw.LEAST) <= case.least_times <= draw.MOST
+    assert draw.drawn("single", "poor", 1) != draw.drawn("single", "poor", 2)
+
+
+def test_all_effects_are_hidden_with_both_signs_and_over_their_shapes():
+    for what, effects in (("single", CATALOGUE), ("outside", OUTSIDE)):
+        names = draw.amplitudes(effects)
+        drawn = [draw.drawn(what, "poor", seed) for seed in range(20 * len(names))]
+        assert {name for case in drawn for name in case.times} == set(names)
+        for name in names:
+            sizes = [case.hidden[name] for case in drawn if name in case.times]
+            assert {np.sign(x) for x in sizes} == ({-1.0, 1.0} if SIZES[name].low < 0 else {1.0})
+    joints = {
+        case.hidden["friction_step.joint"] for case in drawn if "friction_step.joint" in case.hidden
+    }
+    assert joints <= set(range(10)) and len(joints) > 5
+
+
+def test_seeds_of_development_and_of_quoted_figures_never_meet():
+    seeds = {name: {seed for _, seed in plan.cases(name, False)} for name in plan.SETS}
+    assert not seeds["development"] & seeds["quoted"]
+    for chosen in plan.SETS:
+        cases = plan.cases(chosen, False)
+        assert len(cases) == len(set(cases))
+        assert set(plan.cases(chosen, True)) <= set(cases)
+    kinds = plan.NAMED
+    again, first = kinds["single, rich, scatter told x0.5"], kinds["single, rich"]
+    assert plan.first_seed(again, "quoted") == plan.first_seed(first, "quoted")
+    assert plan.first_seed(kinds["empty, rich"], "quoted") != plan.first_seed(first, "quoted")
+
+
+def test_a_study_has_the_cases_that_must_be_shown():
+    count = {what: 0 for what in ("single", "empty", "outside", "pair")}
+    for kind in plan.KINDS:
+        if kind.told == 1.0 and kind.what in count:
+            count[kind.what] += kind.counts[0]
+    assert count["single"] >= 100 and count["empty"] >= 200
+
+
+@pytest.mark.parametrize(
+    ("verdict", "outcome"),
+    [
+        (said("named", "leader_slack"), "right"),
+        (said("named_with_remainder", "leader_slack"), "right"),
+        (said("one_of", "capstan", "leader_slack"), "class"),
+        (said("one_of", "capstan", "gear_load"), "wrong"),
+        (said("named", "capstan"), "wrong"),
+        (said("named", "leader_slack", "capstan"), "wrong"),
+        (said("unknown"), "unknown"),
+        (said("no_gap"), "silent"),
+        (said("recalibrated"), "silent"),
+        (said("undecided"), "silent"),
+        ({"verdict": "failed", "effects": []}, "silent"),
+    ],
+)
+def test_a_single_effect_is_right_in_a_class_wrong_unknown_or_silent(verdict, outcome):
+    assert score.single(verdict, "leader_slack") == outcome
+
+
+def test_nothing_hidden_a_stranger_and_two_effects_are_scored():
+    assert [score.empty(said(v, *e)) for v, e in (
+        ("named", ["capstan"]), ("one_of", ["capstan", "gear_load"]), ("unknown", []),
+        ("recalibrated", []),
+    )] == ["named", "named", "unknown", "silent"]  # fmt: skip
+    assert [score.outside(said(v)) for v in (
+        "unknown", "named_with_remainder", "named", "one_of", "no_gap"
+    )] == ["unknown", "remainder", "wrong", "wrong", "silent"]  # fmt: skip
+    two = ["leader_slack", "capstan"]
+    assert [score.pair(said(v, *e), two) for v, e in (
+        ("named", two[::-1]), ("named_with_remainder", two[:1]), ("named", two[:1]),
+        ("one_of", ["capstan", "gear_load"]), ("named", ["leader_slack", "gear_load"]),
+        ("unknown", []), ("no_gap", []),
+    )] == ["both", "one", "part", "part", "wrong", "unknown", "silent"]  # fmt: skip
+
+
+def test_marks_hold_closing_placebo_error_and_coverage():
+    case = {"verdict": said("named", "leader_slack"), "answer": {"leader_slack": {"length": 3e-3}}}
+    found = score.marks("single", case, ["leader_slack"])
+    assert found["closed"] == pytest.approx((0.1**2 - 0.02**2) / (0.1**2 - 0.01**2))
+    assert found["placebo"] == 0.2
+    told = found["parameters"]["leader_slack.length"]
+    assert told["error"] == pytest.approx(0.1 / 3.0) and told["covers"]
+    silent = {**case, "verdict": said("recalibrated", parameters={})}
+    found = score.marks("single", silent, ["leader_slack"])
+    assert found["closed"] == 0.0 and found["parameters"] == {}
+    wrong = score.marks("single", {**case, "verdict": said("named", "capstan")}, ["leader_slack"])
+    assert wrong["outcome"] == "wrong" and wrong["closed"] == 0.0
+
+
+def line(kind, seed, outcome, times=3.0, **more):
+    effects = {"single": ["leader_slack"], "pair": ["leader_slack", "capstan"]}
+    return {
+        "kind": kind.name, "seed": seed, "what": kind.what, "protocol": kind.protocol,
+        "told": kind.told, "effects": effects.get(kind.what, []), "hidden": {}, "times": times,
+        "outcome": outcome, "verdict": "named", "named": ["leader_slack"], "closed": 0.9,
+        "placebo": 0.1, "parameters": {}, "next_run": None, "after": {}, "seconds": 2.0, **more,
+    }  # fmt: skip
+
+
+def shown(done):
+    _, bounds = summary.figures(done)
+    return {row["name"]: row for row in bounds}
+
+
+def test_abstentions_stay_in_every_denominator():
+    rich = plan.NAMED["single, rich"]
+    done = [line(rich, k, "right") for k in range(8)] + [line(rich, 8, "silent", closed=0.0)]
+    done += [line(rich, 9, "wrong", closed=0.0), line(rich, 10, "right", times=1.0)]
+    done += [line(rich, 11, "silent", times=None)]
+    found = shown(done)
+    right = found["single effect at 2 u or more, rich: right or class"]
+    assert right["value"] == 0.8 and right["cases"] == 10 and not right["holds"]
+    assert right["low"] < 0.8 < right["high"]
+    assert found["single effect at 2 u or more, rich: wrong"]["value"] == 0.1
+    assert found["share of the reducible gap closed"]["cases"] == 11
+    assert found["nothing nameable hidden: wrong"]["value"] == 0.0
+
+
+def test_false_alarms_outsiders_and_pairs_have_their_bounds():
+    kinds = plan.NAMED
+    done = [line(kinds["empty, rich"], k, "named" if k < 3 else "silent", None) for k in range(100)]
+    done += [line(kinds["outside, rich"], k, "unknown") for k in range(9)]
+    done += [line(kinds["outside, rich"], 9, "wrong")]
+    done += [line(kinds["outside, rich"], 10, "silent", times=0.6)]
+    done += [line(kinds["pair, rich"], k, "both" if k < 3 else "one") for k in range(7)]
+    done += [line(kinds["pair, rich"], 7 + k, "wrong") for k in range(3)]
+    found = shown(done)
+    assert found["nothing hidden: named"]["value"] == 0.03
+    assert not found["nothing hidden: named"]["holds"]
+    assert found["nothing hidden: unknown"]["holds"]
+    assert found["outside the catalogue: unknown or remainder"]["value"] == 0.9
+    assert found["two effects: both, or one and a remainder"]["value"] == 0.7
+    assert found["two effects: both, of these"]["value"] == pytest.approx(3 / 7)
+
+
+def test_wrong_names_where_scatter_is_told_wrong_stand_beside_the_same_cases():
+    kinds = plan.NAMED
+    right, half = kinds["empty, rich"], kinds["empty, rich, scatter told x0.5"]
+    done = [line(right, k, "named" if k in (0, 7) else "silent", None) for k in range(10)]
+    done += [line(half, k, "named" if k < 3 else "silent", None) for k in range(5)]
+    row = shown(done)["wrong names, scatter told x0.5"]
+    assert row["value"] == 0.6 and row["bound"] == 0.4 and not row["holds"]
+
+
+def test_intervals_of_parameters_are_counted():
+    kind = plan.NAMED["single, poor"]
+    told = [{"leader_slack.length": {"error": 0.01 * k, "covers": k != 3}} for k in range(20)]
+    found = shown([line(kind, k, "right", parameters=each) for k, each in enumerate(told)])
+    assert found["coverage of 95 % intervals"]["value"] == 0.95
+    assert found["coverage of 95 % intervals"]["holds"]
+    assert found["error of the effect's parameter"]["value"] == pytest.approx(0.095)
+    assert not found["error of the effect's parameter"]["holds"]
+
+
+def test_confusion_counts_answers_by_what_is_hidden():
+    kind = plan.NAMED["single, poor"]
+    done = [line(kind, 1, "right"), line(kind, 2, "wrong", named=["capstan"])]
+    done += [line(kind, 3, "class", named=["leader_slack", "capstan"])]
+    done += [line(kind, 4, "unknown", named=[], verdict="unknown")]
+    done += [{"kind": kind.name, "seed": 5, "what": "single", "not_made": "no step converges"}]
+    table = summary.confusion(done)
+    assert table == {
+        "leader_slack": {"leader_slack": 1, "capstan": 1, "capstan | leader_slack": 1, "unknown": 1}
+    }
+    (row,) = summary.confusion_rows(table)
+    assert row["cases"] == 4 and "capstan 1" in row["answered"]
+    rows, bounds = summary.figures(done)
+    assert rows[0]["cases"] == 4 and rows[0]["not made"] == 1
+    json.dumps([rows, bounds], allow_nan=False)
+
+
+def test_the_answer_is_out_of_reach_until_the_verdict_is_on_disk():
+    seen = {}
+
+    def diagnose(campaign, out):
+        files = sorted(p.relative_to(campaign.parent) for p in campaign.parent.rglob("*"))
+        seen["files"] = [path.as_posix() for path in files]
+        seen["told"] = campaign.read_text(encoding="utf-8")
+        out.mkdir()
+        (out / "verdict.json").write_text(json.dumps(said("named", "leader_slack")))
+
+    case = draw.Drawn({"leader_slack.length": 3e-3}, {"leader_slack.length": 2.0})
+    found = work.worked(case, BLINK, 5, told=2.0, diagnose=diagnose)
+    assert seen["files"] == ["01_void.h5", "02_void.h5", "campaign.toml", "hand.toml"]
+    assert 'scatter = "4 %"' in seen["told"] and 'run_scatter = "1 %"' in seen["told"]
+    assert found["answer"] == {"leader_slack": {"length": 3e-3}}
+    assert score.marks("single", found, case.effects)["outcome"] == "right"
+
+
+@pytest.mark.slow
+def test_verdicts_are_the_same_bytes_where_the_answer_is_absent(tmp_path):
+    import shutil
+
+    from benchmarks.truth.campaign import make
+    from benchmarks.truth.protocol import closures
+    from hannes.diagnose import diagnose
+
+    make(closures(3), 3, {"leader_slack.length": 3e-3}).write(tmp_path / "with")
+    shutil.copytree(tmp_path / "with", tmp_path / "without")
+    shutil.rmtree(tmp_path / "without" / "sealed")
+    verdicts = []
+    for name in ("with", "without"):
+        diagnose(tmp_path / name / "campaign.toml", out=tmp_path / name / "out", progress=False)
+        verdicts.append((tmp_path / name / "out" / "verdict.json").read_bytes())
+    assert verdicts[0] == verdicts[1]
+
+
+def made_up(kind, seed):
+    return {"double": 2 * seed}
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_study_goes_on_where_it_was_killed(tmp_path, workers):
+    file, cases = tmp_path / "cases.jsonl", [("a", 1), ("a", 2), ("b", 1)]
+    study.run(file, cases[:2], made_up, resume=False)
+    with file.open("a") as stream:
+        stream.write('{"kind": "b", "se')  # killed while it wrote
+    kept = file.read_text().splitlines()[0].replace('"double": 2', '"double": 99')
+    file.write_text("\n".join([kept, *file.read_text().splitlines()[1:]]))
+    found = study.run(file, cases, made_up, resume=True, workers=workers)
+    assert [row["double"] for row in found] == [99, 4, 2]
+    assert [row["double"] for row in study.run(file, cases, made_up, resume=False)] == [2, 4, 2]
+
+
+def test_a_case_of_the_study_is_one_line_of_json(monkeypatch):
+    monkeypatch.setitem(draw.PLANS, "poor", BLINK)
+
+    def diagnose(campaign, out):
+        out.mkdir()
+        (out / "verdict.json").write_text(json.dumps(said("unknown", parameters={})))
+
+    monkeypatch.setattr(work, "diagnosed", diagnose)
+    found = naming.measured("empty, poor", 5)
+    assert found["outcome"] == "unknown" and found["effects"] == [] and found["times"] is None
+    json.dumps(found, allow_nan=False)
+
+
+def test_one_more_run_is_recorded_where_a_case_is_left_open(monkeypatch):
+    plans = []
+
+    def worked(case, plan, seed):
+        plans.append(plan)
+        return {"verdict": said("named", "leader_slack" if len(plans) == 1 else "capstan")}
+
+    monkeypatch.setattr(naming, "worked", worked)
+    case = draw.Drawn({"leader_slack.length": 3e-3}, {"leader_slack.length": 2.0})
+    next_run = {"experiment": "soft ball", "separates": [], "why": ""}
+    opened = {**said("unknown"), "next_run": next_run}
+    assert naming.one_more(case, 7, opened) == {"suggested": "right", "any": "wrong"}
+    poor = draw.PLANS["poor"].runs
+    assert all(plan.runs[:-1] == poor and len(plan.runs) == 13 for plan in plans)
+    assert plans[0].runs[-1].name == "soft ball" and plans[1].runs[-1].name == draw.any_run(7)
+    assert naming.one_more(case, 7, said("unknown")) == {}
+    assert naming.one_more(case, 7, {**said("named", "capstan"), "next_run": next_run}) == {}
+
+
+def test_the_next_run_is_worth_what_it_resolves_beyond_any_run():
+    kind = plan.NAMED["single, poor"]
+    ends = [{"suggested": "right", "any": "unknown"}] * 3 + [{"suggested": "right", "any": "right"}]
+    done = [line(kind, k, "unknown", verdict="unknown", after=end) for k, end in enumerate(ends)]
+    row = shown(done)["resolved by the suggested run rather than any [points]"]
+    assert row["value"] == 75.0 and row["holds"]
+    rows, _ = summary.figures([line(kind, 1, "unknown", verdict="unknown")])
+    assert rows[-1]["next run told"] == 0
