@@ -40,7 +40,8 @@ class Campaign:
     """A plant at its given values, recordings with roles, and the effects that may be named.
 
     `effects` maps the name by which an effect can be found again to the effect; `base` is what a
-    hand.toml of this plant starts from; `calibrate` is the table of that name, yet to be read.
+    hand.toml of this plant starts from; `calibrate` and `diagnose` are the tables of these names,
+    yet to be read.
     """
 
     plant: Plant
@@ -51,6 +52,7 @@ class Campaign:
     title: str = ""
     base: str = "hannes"
     calibrate: Table = field(default_factory=lambda: Table({}, "campaign", ()))
+    diagnose: Table = field(default_factory=lambda: Table({}, "campaign", ()))
 
     def of(self, *roles: str) -> tuple[Entry, ...]:
         """Entries in any of these roles."""
@@ -103,6 +105,7 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
         root.text("title", path.stem),
         base_name(name),
         root.table("calibrate"),
+        root.table("diagnose"),
     )
 
 

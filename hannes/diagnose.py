@@ -1,8 +1,9 @@
 """Find where simulation and recordings disagree, and which effect the model is missing.
 
-Order of work: roles first; floor; base refitted; each effect refitted on the same pieces; the
-choice made on pieces that no fit has seen; then all but the show recordings refitted once more,
-and the show recordings opened.
+A plant that says what of it is uncertain is diagnosed as hannes/diagnosis tells. Others take a
+lighter way, in this order: roles first; floor; base refitted; each effect refitted on the same
+pieces; the choice made on pieces that no fit has seen; then all but the show recordings refitted
+once more, and the show recordings opened.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,6 +18,7 @@ from hannes import pieces as cutting
 from hannes.campaign import Campaign, read_campaign
 from hannes.catalogue import effects
 from hannes.cautions import cautions
+from hannes.diagnosis.deep import deep, possible
 from hannes.effect import Effect
 from hannes.gap import Traces, gaps, inflated, times_floor, traces, undone, where
 from hannes.pieces import Piece, floors
@@ -26,7 +28,7 @@ from hannes.refit import Fitted, Misfit, Progress, fit
 from hannes.trial import ALPHA, Trial, judge, ranked, smallest_detectable, with_likeness
 from hannes.verdict import Verdict
 
-# Of the catalogue, on the hand: a refit for each is minutes for all, and more of them look alike.
+# Of the catalogue, on a hand with too few recordings for a claim: what to show beside "undecided".
 HAND = base_name("hand")
 TRIED = ("direction_friction", "gear_load", "leader_slack")
 
@@ -74,11 +76,21 @@ def diagnose(
         campaign = read_campaign(campaign, seed)
     told = cautions(campaign)
     with _bar(progress) as tell:
-        result = _Work(campaign, seed, tell).result()
+        if possible(campaign.plant) and not decision.lacking(
+            campaign, cutting.cut(campaign)[0], ()
+        ):
+            result = _deep(campaign, seed, tell)
+        else:
+            result = _Work(campaign, seed, tell).result()
     result = replace(result, verdict=replace(result.verdict, cautions=told))
     if out is not None:
         result.write(out)
     return result
+
+
+def _deep(campaign: Campaign, seed: int, tell: Progress) -> Diagnosis:
+    found = deep(campaign, seed, tell)
+    return Diagnosis(campaign, found.verdict, found.plant, found.traces, found.floors, ())
 
 
 @contextmanager

@@ -35,12 +35,22 @@ def gaps(misfit: Misfit, before: Fitted, after: Fitted) -> dict[str, dict[str, A
         "before": misfit.raw(before.plant, before.values),
         "after": misfit.raw(after.plant, after.values),
     }
-    sizes = {key: pooled(raw, misfit.floors) for key, raw in stages.items()}
+    return tabled(stages, misfit.pieces, misfit.plant.channels, misfit.floors)
+
+
+def tabled(
+    stages: Mapping[str, Raw],
+    pieces: Sequence[Piece],
+    units: Mapping[str, str],
+    floors: Mapping[str, float],
+) -> dict[str, dict[str, Any]]:
+    """The same from what each stage leaves of every piece."""
+    sizes = {key: pooled(raw, floors) for key, raw in stages.items()}
     return {
-        name: {"unit": misfit.plant.channels[name]}
+        name: {"unit": units[name]}
         | {key: sizes[key][name] for key in stages}
-        | {"floor": misfit.floors[name]}
-        | {f"{key}_percent": relative(raw, misfit.pieces, name) for key, raw in stages.items()}
+        | {"floor": floors[name]}
+        | {f"{key}_percent": relative(raw, pieces, name) for key, raw in stages.items()}
         for name in sizes["before"]
     }
 
@@ -56,16 +66,23 @@ def undone(gap: Mapping[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
 def where(misfit: Misfit, fitted: Fitted) -> list[dict[str, Any]]:
     """Channel and phase of what a fit leaves, worst first."""
     raw = misfit.raw(fitted.plant, fitted.values)
+    return placed(misfit.plant, misfit.pieces, raw, misfit.floors)
+
+
+def placed(
+    plant: Plant, pieces: Sequence[Piece], raw: Raw, floors: Mapping[str, float]
+) -> list[dict[str, Any]]:
+    """Channel and phase of simulated minus recorded, worst first."""
     places: dict[tuple[str, str], list[tuple[np.ndarray, np.ndarray, str]]] = {}
-    for piece, channels in zip(misfit.pieces, raw, strict=True):
+    for piece, channels in zip(pieces, raw, strict=True):
         time = piece.recording.time[piece.mask]
-        for phase, mask in misfit.plant.phases(piece.recording).items():
+        for phase, mask in plant.phases(piece.recording).items():
             inside = mask[piece.mask]
             for name, values in channels.items():
                 if inside.any():
                     found = (values[inside], time[inside], piece.entry.name)
                     places.setdefault((name, phase), []).append(found)
-    rows = [_place(*key, parts, misfit.floors) for key, parts in places.items()]
+    rows = [_place(*key, parts, floors) for key, parts in places.items()]
     return sorted(rows, key=lambda row: -row["times_floor"])[:WORST]
 
 

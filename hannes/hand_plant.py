@@ -1,12 +1,12 @@
 """The hand as a plant: driven by a recorded reference, with the object of its experiment."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
-from hannes import channels
+from hannes import channels, hand_runs
 from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.experiment import Experiment, Reference
@@ -80,7 +80,7 @@ class HandPlant:
         "sensor": "N",
     }
     required: tuple[str, ...] = ()
-    judged = ("current", "position", "duty", "force", "sensor")
+    judged = ("current", "position", "duty", "supply", "force", "sensor")
     block = 0.2
     expected = EXPECTED
     start_time = 0.01  # s, standard deviation of when a run starts after its clock says so
@@ -175,6 +175,24 @@ class HandPlant:
             return {name: np.interp(recording.time, run.time, run[name]) for name in judged}
         since = recording.time - recording.time[0]
         return {name: np.interp(since, run.time, run[name]) for name in judged}
+
+    def many(
+        self,
+        columns: Mapping[str, np.ndarray],
+        recording: Recording,
+        channels: Sequence[str],
+        exact: bool,
+    ) -> list[dict[str, np.ndarray] | None]:
+        """Many runs at once, see hannes/hand_runs.py; None for one that breaks down."""
+        return hand_runs.many(self.hand, posed(recording), recording, columns, channels, exact)
+
+    def nominal(self, recording: Recording) -> dict[str, float]:
+        """What every parameter is given for a recording's run."""
+        return hand_runs.nominal(self.hand, posed(recording))
+
+    def own(self, recording: Recording) -> tuple[str, tuple[str, ...]]:
+        """The object of a recording's run, and the parameters that are its own."""
+        return hand_runs.own(posed(recording))
 
     def same_run(self, recording: Recording) -> bytes:
         """Equal where reference, times and experiment are."""

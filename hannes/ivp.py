@@ -1,7 +1,4 @@
-"""Through scipy's solve_ivp, from kink to kink: by scipy's own methods, or by Rodas as one more.
-
-`simulate` takes it for scipy's methods; Rodas gives the same bits here as in its compiled call.
-"""
+"""Through scipy's solve_ivp, from kink to kink: by the method of hannes/rodas or scipy's own."""
 
 import math
 import time

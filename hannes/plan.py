@@ -18,8 +18,6 @@ from hannes.layout import Layout
 from hannes.rodas.step import NOT_FINITE, TOO_MANY
 from hannes.trajectory import Cost, Outcome
 
-_ready: set[Compiled] = set()  # whose machine code this process has at hand
-
 
 @dataclass(frozen=True)
 class Ran:
@@ -88,10 +86,8 @@ class Plan:
     def make_ready(self) -> "Plan":
         """Compile, where that is still to be done, and say so; the clock is not to count it."""
         say_when_compiling(self.compiled, "grasps")
-        if self.compiled not in _ready:
-            parameters, states = self.compiled.parameters.size, self.compiled.states.size
-            self.run(np.zeros((0, parameters)), np.zeros((0, states)))
-            _ready.add(self.compiled)
+        parameters, states = self.compiled.parameters.size, self.compiled.states.size
+        self.run(np.zeros((0, parameters)), np.zeros((0, states)))
         return self
 
     def periods(self, vectors: np.ndarray) -> np.ndarray:

@@ -39,6 +39,12 @@ class Plant(Protocol):
     restless:   parameter -> how far runs of one machine differ in it (one standard deviation, SI);
                 calibrate takes what that explains for no misfit
     start_time: how far runs start off their clock [s], one standard deviation; 0 without it
+    uncertain:  parameter -> size [SI] of which a share is never known; with it diagnose holds all
+                of them uncertain and takes its deep way, see hannes/diagnosis
+    many(columns, recording, channels, exact): as `simulate` for rows of parameters, quick
+                (`exact`: grain of firmware and all); None for a row that breaks down
+    nominal(recording):            what every parameter is given for a run
+    own(recording):                the thing handled in a run, and the parameters of that alone
     robust:     channel -> difference [its unit] beyond which diagnose lets a sample pull no harder
                 (soft L1): for recordings with outliers
     catalogue:  name -> effect of this plant alone, tried besides the catalogue of all

@@ -1,4 +1,4 @@
-"""Run an experiment: by hannes/rodas in one compiled call, or through scipy's solve_ivp."""
+"""Run an experiment: scipy's solve_ivp by the method of hannes/rodas, or by one of its own."""
 
 import numpy as np
 
@@ -32,14 +32,14 @@ def simulate(
     posed = hand.with_values(experiment.overrides())
     compiled = posed.compiled(effects)
     p, rest = posed.vector(experiment.shape, effects), posed.rest(compiled)
-    if method == "Rodas":
-        return _grasp(Plan.of(compiled, experiment, rtol), experiment, p, rest)
-    say_when_compiling(compiled, "rates")
+    if method == "Rodas" and experiment.controller == "sampled":
+        return _firmware(Plan.of(compiled, experiment, rtol), experiment, p, rest)
+    say_when_compiling(compiled, "steps_on" if method == "Rodas" else "rates")
     return Initial(compiled, p, rest, experiment, method, rtol).run()
 
 
-def _grasp(plan: Plan, experiment: Experiment, p: np.ndarray, rest: np.ndarray) -> Trajectory:
-    """A batch of one."""
+def _firmware(plan: Plan, experiment: Experiment, p: np.ndarray, rest: np.ndarray) -> Trajectory:
+    """Tick after tick in one compiled call: scipy would be set up anew for every millisecond."""
     ran = plan.make_ready().run(p[np.newaxis], rest[np.newaxis])
     counts, reached = ran.counts[0], ran.counts[0, 5]
     return Trajectory(

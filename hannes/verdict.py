@@ -1,7 +1,7 @@
 """The verdict of a diagnosis: what verdict.json holds, and the sentence a person reads first."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -27,6 +27,8 @@ class Verdict:
     show recordings where there are any; and all three in percent of the recorded channel's RMS.
     parameters: full name -> value, unit, low, high (95 %), off (where its effect vanishes).
     cautions: what the data check says of the recordings.
+    confusability: `effects` and their `cosines`, row by row: how alike the marks of two effects
+    are in these recordings beyond what the machine's own parameters can do; 1 is the same.
     """
 
     verdict: str
@@ -46,6 +48,7 @@ class Verdict:
     cautions: list[str] = field(default_factory=list)
     next_run: dict[str, Any] | None = None
     smallest_detectable: dict[str, Any] | None = None
+    confusability: dict[str, Any] | None = None
     versions: dict[str, str] = field(default_factory=versions)
 
     def json(self) -> str:
@@ -105,16 +108,23 @@ def untold(parameters: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 
 def _named(result: Verdict, rest: str = "") -> str:
-    """The effect with what carries its gain first; then what is not told from none."""
+    """The effects with what carries their gain first; then what is not told from none."""
     vague = untold(result.parameters)
     clear = [name for name in result.parameters if name not in vague] or vague
-    start = spoken(result.effects[0]).capitalize()
-    told = ", ".join([start, *(_told(name, result) for name in clear)])
+    named = " and ".join(_sized_effect(name, clear, result) for name in result.effects)
+    verb = "explains" if len(result.effects) == 1 else "explain"
     share = 100.0 * explained(result.gap)
-    line = f"{told}, explains {share:.0f} % of the reducible gap{rest}."
+    line = f"{named[:1].upper()}{named[1:]}, {verb} {share:.0f} % of the reducible gap{rest}."
     if not vague:
         return line
     return f"{line} Not told from none: {', '.join(_told(name, result) for name in vague)}."
+
+
+def _sized_effect(effect: str, clear: Sequence[str], result: Verdict) -> str:
+    """`leader slack, length 3.1 mm (2.9 to 3.3)`; a single effect owns all parameters."""
+    alone = len(result.effects) == 1
+    own = [name for name in clear if alone or name.partition(".")[0] == effect.rpartition(":")[2]]
+    return ", ".join([spoken(effect), *(_told(name, result) for name in own)])
 
 
 def _told(name: str, result: Verdict) -> str:

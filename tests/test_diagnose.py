@@ -149,6 +149,14 @@ def test_the_sentence_of_each_verdict():
         "Direction friction, dry 0.2 (0.1 to 0.3), viscous 0.2 (0.1 to 0.3), "
         "explains 100 % of the reducible gap."
     )
+    sizes = {
+        f"{name}.size": {"value": 2.0, "unit": "1", "low": 1.9, "high": 2.1, "off": 0.0}
+        for name in ("gear_load", "leader_slack")
+    }
+    both = verdict("named", effects=["gear_load", "leader_slack"], parameters=sizes).sentence
+    assert both.startswith(
+        "Gear load, size 2 (1.9 to 2.1) and leader slack, size 2 (1.9 to 2.1), ex"
+    )
     assert "nothing is missing" in verdict("recalibrated", effects=[]).sentence
     classed = verdict("one_of", effects=["leader_slack", "mine.py:gear_load"]).sentence
     assert classed.startswith("One effect is missing, leader slack or gear load")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from runs import GRASP, WAYS, broken, grasp, reference, run, worst
 
-from hannes import ivp, plan
+from hannes import ivp
 from hannes._jit import plain
 from hannes.anatomy import FINGERS
 from hannes.batch import simulate_many
@@ -125,23 +125,9 @@ def test_an_effect_compiled_in_at_off_changes_no_bit():
 # --- cost -------------------------------------------------------------------------------------
 
 
-def through_scipy(experiment, rtol=1e-4):
-    """By Rodas as a method of scipy's solve_ivp."""
-    posed = Hand().with_values(experiment.overrides())
-    given = posed.compiled(), posed.vector(experiment.shape), posed.rest(posed.compiled())
-    return ivp.Initial(*given, experiment, "Rodas", rtol).run()
-
-
-def test_rodas_through_scipy_is_the_same_run():
-    mine, theirs = run(), through_scipy(grasp()).require()
-    assert np.array_equal(mine.time, theirs.time)
-    assert np.array_equal(mine.states, theirs.states)
-    assert replace(mine.cost, seconds=0.0) == replace(theirs.cost, seconds=0.0)
-
-
 def test_steps_without_end_are_told(monkeypatch):
     monkeypatch.setattr("hannes.ivp.MOST", 20)
-    found = through_scipy(grasp(), rtol=1e-6)
+    found = simulate(Hand(), grasp(), rtol=1e-6)
     assert found.outcome is Outcome.SOLVER_GAVE_UP and "More steps" in found.message
     assert 0 < found.time.size < grasp().times.size
 
@@ -156,19 +142,6 @@ def test_seconds_leave_out_what_is_done_once(monkeypatch):
 
     monkeypatch.setattr(ivp, "_ready", set())
     monkeypatch.setattr(ivp.Initial, "_solve", slow_at_first)
-    assert through_scipy(grasp()).cost.seconds < 0.3 and not first
-
-
-def test_nor_do_they_count_the_compiled_call_being_made(monkeypatch):
-    ran, first = plan.Plan.run, [0.3]
-
-    def slow_at_first(self, *given):
-        clock = time.perf_counter()
-        time.sleep(first.pop() if first else 0.0)
-        return replace(ran(self, *given), seconds=time.perf_counter() - clock)
-
-    monkeypatch.setattr(plan, "_ready", set())
-    monkeypatch.setattr(plan.Plan, "run", slow_at_first)
     assert simulate(Hand(), grasp()).cost.seconds < 0.3 and not first
 
 

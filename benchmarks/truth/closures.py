@@ -8,9 +8,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.truth.bench import experiment_text
 from benchmarks.truth.campaign import Spread, hidden_from, make
 from benchmarks.truth.protocol import closures
 from hannes.errors import HannesError
+from hannes.files import write_text
+
+EXPERIMENT = "closure.toml"  # beside the recordings: CSV does not carry what was done
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -25,8 +29,10 @@ def main(words: Sequence[str] | None = None) -> int:
     asked = parser.parse_args(words)
     slack = [] if asked.slack == "none" else [f"leader_slack.length={asked.slack}"]
     try:
-        made = make(closures(asked.runs), asked.seed, hidden_from(slack), Spread(run=0.01))
-        made.write(asked.out, experiment="void-closure")
+        protocol = closures(asked.runs)
+        made = make(protocol, asked.seed, hidden_from(slack), Spread(run=0.01))
+        write_text(asked.out / EXPERIMENT, experiment_text(protocol.conditions[0]))
+        made.write(asked.out, experiment=EXPERIMENT)
     except HannesError as error:
         print(error, file=sys.stderr)
         return error.exit_status

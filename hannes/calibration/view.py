@@ -24,7 +24,12 @@ class View:
     """
 
     def __init__(
-        self, entry: Entry, plant: Plant, channels: tuple[str, ...], features: tuple[str, ...]
+        self,
+        entry: Entry,
+        plant: Plant,
+        channels: tuple[str, ...],
+        features: tuple[str, ...],
+        width: float | None = None,
     ) -> None:
         self.entry, self.recording = entry, entry.recording
         self.names = (*channels, *features)
@@ -33,7 +38,7 @@ class View:
         self.features = self._sensible(features)
         self.stretch = plant.block
         mask = plant.judged_part(self.recording)
-        width = min(BIN, plant.block / PER_BLOCK)
+        width = width or min(BIN, plant.block / PER_BLOCK)
         bins = (self.since[mask] / width + 1e-9).astype(int)
         kept, self._bin = np.unique(bins, return_inverse=True)
         self._mask, self._count = mask, np.bincount(self._bin)

@@ -6,7 +6,7 @@ from hannes.report.figure_diagnosis import figures
 from hannes.report.formats import decimals, number
 from hannes.report.page import render
 from hannes.report.tables import Table
-from hannes.verdict import untold
+from hannes.verdict import spoken, untold
 
 if TYPE_CHECKING:
     from hannes.diagnose import Diagnosis
@@ -27,6 +27,7 @@ def page(diagnosis: "Diagnosis") -> str:
             "gaps": _gaps(diagnosis),
             "sizes": _sizes(diagnosis),
             "tried": _tried(diagnosis),
+            "alike": _alike(diagnosis),
             "recordings": _recordings(diagnosis),
         },
     )
@@ -98,6 +99,20 @@ def _least(diagnosis: "Diagnosis", effect: str) -> str:
         for name, each in found.items()
     ]  # fmt: skip
     return ", ".join(shown) or "–"
+
+
+def _alike(diagnosis: "Diagnosis") -> Table:
+    told = diagnosis.verdict.confusability or {"effects": [], "cosines": []}
+    names = [spoken(name) for name in told["effects"]]
+    rows = tuple(
+        (name, *(decimals(cosine, 2) for cosine in cosines))
+        for name, cosines in zip(names, told["cosines"], strict=True)
+    )
+    note = (
+        "Cosine between the marks that two effects leave in these recordings, beyond what the "
+        "machine's own parameters can do: 0 is nothing in common, 1 the same."
+    )
+    return Table("alike", "What looks alike", ("", *names), rows, note)
 
 
 def _recordings(diagnosis: "Diagnosis") -> Table:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 MEASURED: dict[str, Any] = {"color": style.BLACK, "linewidth": 2.4, "alpha": 0.35}
 GIVEN: dict[str, Any] = {"color": style.GREY, "linestyle": (0, (1, 1.2)), "linewidth": 1.2}
+RANKED = 12  # effects that are drawn, the best
 POINTS = 900  # of a drawn line; between them its extremes are kept
 
 
@@ -126,7 +127,7 @@ def _where(diagnosis: "Diagnosis") -> Drawn:
 
 
 def _ranking(diagnosis: "Diagnosis") -> Drawn:
-    rows = diagnosis.verdict.candidates[::-1]
+    rows = diagnosis.verdict.candidates[:RANKED][::-1]
     names = [row["effect"].rpartition(":")[2] for row in rows]
     gains = [100.0 * row["gain_select"] for row in rows]
     chosen = diagnosis.verdict.effects
@@ -151,5 +152,5 @@ def _ranking(diagnosis: "Diagnosis") -> Drawn:
     alt = "; ".join(
         f"{n} {decimals(round(g), 0)} %" for n, g in zip(names[::-1], gains[::-1], strict=True)
     )
-    caption = "On recordings that chose and were not fitted. Blue: what the verdict names."
+    caption = "Blue: what the verdict names."
     return drawn("diagnosis-ranking", "What each effect would explain", caption, alt, draw)

@@ -1,0 +1,103 @@
+"""From what was found to a verdict: a name, a class, a remainder, or nothing that can be named."""
+
+from dataclasses import dataclass
+
+from hannes.diagnosis.heldout import held_out
+from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial
+from hannes.diagnosis.point import Point
+
+RIVAL = 14.0  # a rival within so much of the best gain is not told from it
+CLOSE = 0.04  # of the best gain: so near a rival may come by what no model has right
+MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
+FIT = 1.15  # times the bins: a base as given that leaves no more agrees
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The verdict's kind, the effects named, why, and the point that the result stands for."""
+
+    kind: str
+    effects: tuple[str, ...]
+    reason: str
+    point: Point
+
+
+def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
+    """The verdict. `seen`, `unseen`: how many runs of each group were fitted, to choose by."""
+    best = found.trials[0] if found.trials else None
+    if best is None or best.gain < LIMIT:
+        return _nothing(found, best)
+    trial = found.pair or best
+    gain = held_out(found.base, trial.point, seen, unseen) / found.unit
+    told = f"{_names(trial)} lowers the misfit by {trial.gain:.0f} (limit {LIMIT:.0f})"
+    if gain <= 0.0:
+        reason = f"{told}, but not that of recordings that were not fitted ({gain:.0f})"
+        return Choice("unknown", (), reason, found.base)
+    told += f", that of recordings not fitted by {gain:.0f}"
+    left = _left(found, trial)
+    if not left:
+        return _clean(found, trial, told)
+    return _unclean(found, trial, f"{told}; {left}")
+
+
+def _nothing(found: Found, best: Trial | None) -> Choice:
+    gain = 0.0 if best is None else best.gain
+    least = f"no effect lowers the misfit by the {LIMIT:.0f} that a name needs (best {gain:.0f})"
+    per_bin = found.base.misfit / found.bins
+    if per_bin > CLEAN:
+        reason = f"the refitted base leaves {per_bin:.2f} per bin (1 expected), and {least}"
+        return Choice("unknown", (), reason, found.base)
+    if found.given.misfit <= FIT * found.bins:
+        return Choice("no_gap", (), f"as given it leaves what is expected, and {least}", found.base)
+    reason = f"refitted, the base leaves {per_bin:.2f} per bin (1 expected), and {least}"
+    return Choice("recalibrated", (), reason, found.base)
+
+
+def _left(found: Found, trial: Trial) -> str:
+    """What speaks for something more, or an empty string."""
+    per_bin = trial.point.misfit / found.bins
+    if per_bin > CLEAN:
+        return f"{per_bin:.2f} per bin are left (1 expected)"
+    rest, needed = found.rest, max(LIMIT, SHARE * trial.gain)
+    if rest is not None and rest.gain / found.unit > needed:
+        more = rest.effect.replace("_", " ")
+        return f"{rest.gain / found.unit:.0f} more would go with {more}, so something else is there"
+    return ""
+
+
+def _clean(found: Found, trial: Trial, told: str) -> Choice:
+    if len(trial.effects) > 1:
+        return Choice("named", trial.effects, told, trial.point)
+    rivals = rivals_of(found, trial)
+    if not rivals:
+        return Choice("named", trial.effects, told, trial.point)
+    names = (*trial.effects, *(each.effects[0] for each in rivals))
+    nearest = f"{_names(rivals[0])} comes as near as {rivals[0].gain:.0f}"
+    return Choice("one_of", names, f"{told}; {nearest}", trial.point)
+
+
+def _unclean(found: Found, trial: Trial, told: str) -> Choice:
+    explained = trial.gain * found.unit / max(found.base.misfit - found.bins, 1.0)
+    first = found.trials[0]
+    if len(trial.effects) > 1:
+        alone = first.gain / trial.gain
+        if alone < MOST:
+            return Choice("unknown", (), f"{told}; more than two effects are missing", found.base)
+        trial = first
+    if explained < MOST or (len(rivals_of(found, first)) > 0):
+        return Choice("unknown", (), told, found.base)
+    return Choice("named_with_remainder", trial.effects, told, trial.point)
+
+
+def rivals_of(found: Found, best: Trial) -> list[Trial]:
+    """Effects that these recordings do not tell from the best one."""
+    within = max(RIVAL, CLOSE * best.gain)
+    return [
+        each
+        for each in found.trials
+        if each.effects != best.effects[:1] and best.gain - each.gain < within
+    ]
+
+
+def _names(trial: Trial) -> str:
+    return " with ".join(name.rpartition(":")[2].replace("_", " ") for name in trial.effects)

@@ -1,0 +1,250 @@
+"""The deep diagnosis of a campaign: from its recordings to the verdict and what draws it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hannes import pieces as cutting
+from hannes.campaign import Campaign, Entry
+from hannes.diagnosis.choice import Choice, chosen
+from hannes.diagnosis.fit import deviations
+from hannes.diagnosis.investigation import LIMIT, Found, investigate
+from hannes.diagnosis.screen import amplitude_names, likeness, projected
+from hannes.diagnosis.settings import read_settings
+from hannes.diagnosis.shown import STAGES, left, simulated, traced
+from hannes.effect import Effect
+from hannes.gap import Traces, placed, tabled
+from hannes.pieces import floors
+from hannes.plant import Plant
+from hannes.verdict import Verdict
+
+ALPHA = 0.02  # of hands with nothing missing that LIMIT was chosen to name something on, at most
+COMPARED = 8  # effects of which the confusability is told
+POWER_80 = 0.842  # standard deviations above a limit that are seen four times in five
+WIDER = 1.3  # times the linear standard deviation: what it covers of hands with nothing missing
+Told = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Result:
+    """The verdict, the plant with what was found, traces of the recordings shown, floors."""
+
+    verdict: Verdict
+    plant: Plant
+    traces: tuple[Traces, ...]
+    floors: dict[str, float]
+
+
+def possible(plant: Plant) -> bool:
+    """Tell whether a plant says all that a deep diagnosis asks: what of it is uncertain."""
+    return bool(getattr(plant, "uncertain", {}))
+
+
+def deep(campaign: Campaign, seed: int, told: Told) -> Result:
+    """Diagnose a campaign that lacks no role. Raises BadInput and ComputationFailed."""
+    settings = read_settings(campaign.diagnose, campaign.plant)
+    known = campaign.of("fit", "select")
+    tried = candidates(campaign)
+    usable = [each for each, why in tried.values() if not why]
+    found = investigate(campaign.plant, known, usable, settings, seed, told)
+    choice = chosen(found, *(_masks(found, role) for role in ("fit", "select")))
+    told("the recordings to show")
+    return _Closing(campaign, found, choice, seed).result(tried)
+
+
+def candidates(campaign: Campaign) -> dict[str, tuple[Effect, str]]:
+    """Name by which each effect can be found again -> effect, why it cannot be tried or ''."""
+    present = {each.name for each in campaign.plant.effects}
+    return {
+        name: (
+            effect,
+            "already in the model" if effect.name in present else _unfit(campaign.plant, effect),
+        )
+        for name, effect in campaign.effects.items()
+    }
+
+
+def _unfit(plant: Plant, effect: Effect) -> str:
+    why = plant.accepts(effect)
+    return f"not applicable: {why}" if why else ""
+
+
+def _masks(found: Found, role: str) -> list[int]:
+    """Bit mask of the runs of each group that have a role."""
+    return [
+        sum(1 << k for k, entry in enumerate(group.entries) if entry.role == role)
+        for group in found.base.ground.model.groups
+    ]
+
+
+class _Closing:
+    """Opens the show recordings and puts everything together."""
+
+    def __init__(self, campaign: Campaign, found: Found, choice: Choice, seed: int) -> None:
+        self.campaign, self.found, self.choice, self.seed = campaign, found, choice, seed
+        pieces, self.note = cutting.cut(campaign)
+        self.known, self.shown = (cutting.of(pieces, *r) for r in (("fit", "select"), ("show",)))
+        self.floors, self.how = floors(campaign.plant, self.known)
+        self.model = found.base.ground.model
+        self.names = {each.name: name for name, each in campaign.effects.items()}
+
+    def result(self, tried: dict[str, tuple[Effect, str]]) -> Result:
+        choice, plant = self.choice, self.campaign.plant
+        places = np.array([each.x for each in (self.found.given, self.found.base, choice.point)])
+        runs = simulated(self.model, _entries(self.shown), places)
+        stages = {key: [each[k] for each in runs] for k, key in enumerate(STAGES)}
+        raws = {key: left(self.shown, each, list(self.floors)) for key, each in stages.items()}
+        base = simulated(self.model, _entries(self.known), places[1:2])
+        kept = left(self.known, [each[0] for each in base], list(self.floors))
+        verdict = Verdict(
+            verdict=choice.kind,
+            effects=[self.names[name] for name in choice.effects],
+            parameters=self.parameters(),
+            gap=tabled(raws, self.shown, plant.channels, self.floors),
+            where=placed(plant, self.known, kept, self.floors),
+            candidates=self.candidates(),
+            reason=choice.reason,
+            tried=self.tried(tried),
+            alpha=ALPHA,
+            recordings={
+                role: [entry.name for entry in self.campaign.of(role)]
+                for role in ("fit", "select", "show")
+            },
+            seed=self.seed,
+            gap_on="the recordings in role show, which were never fitted",
+            floor_from=self.how,
+            cut=self.note,
+            smallest_detectable=self.detectable(),
+            confusability=self.confusability(),
+        )
+        traces = tuple(
+            traced(piece, each, list(self.floors))
+            for piece, each in zip(self.shown, runs, strict=True)
+        )
+        return Result(verdict, self.refitted(), traces, self.floors)
+
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Value and 95 % interval of each parameter of the effects named, within its bounds."""
+        choice, found = self.choice, {}
+        if not choice.effects:
+            return {}
+        point, space = choice.point, self.model.space
+        spread = dict(zip(point.active.tolist(), deviations(point).tolist(), strict=True))
+        first = [name for name in choice.effects if space.of(name)[0] in point.active]
+        for place in space.of(*first):
+            each = space.directions[place]
+            value = float(each.value(point.x[place]))
+            reach = 1.96 * WIDER * self.found.unit**0.5 * spread[int(place)] * each.scale
+            low, high = max(each.low, value - reach), min(each.high, value + reach)
+            declared = self.model.whole.parameters.declared[each.name]
+            found[each.name] = {"value": value, "unit": declared.unit, "low": low, "high": high}
+            found[each.name]["off"] = declared.off
+        return found
+
+    def candidates(self) -> list[dict[str, Any]]:
+        """Every effect that was looked at, best first; gains of those refitted are exact."""
+        exact = {trial.effects[0]: trial for trial in self.found.trials}
+        rows = []
+        for guess in self.found.guesses:
+            trial = exact.get(guess.effect)
+            gain = trial.gain if trial else guess.gain / self.found.unit
+            rows.append(
+                {
+                    "effect": self.names[guess.effect],
+                    "evidence": float(np.sqrt(max(0.0, gain))),
+                    "gain_select": self.share(gain),
+                    "refitted": trial is not None,
+                    "confusable_with": [self.names[name] for name in trial.alike] if trial else [],
+                }
+            )
+        return sorted(rows, key=lambda row: -row["evidence"])
+
+    def share(self, gain: float) -> float:
+        """Gain as a share of all that was found to go, or that lies above what is expected."""
+        trials = [*self.found.trials, *([self.found.pair] if self.found.pair else [])]
+        most = max([trial.gain for trial in trials], default=0.0)
+        above = (self.found.base.misfit - self.found.bins) / self.found.unit
+        return float(gain / max(most, above, LIMIT))
+
+    def tried(self, tried: dict[str, tuple[Effect, str]]) -> list[dict[str, Any]]:
+        gains = {each["effect"]: each for each in self.candidates()}
+        named = {self.names[name] for name in self.choice.effects}
+        rows = []
+        for name, (_, why) in tried.items():
+            row = gains.get(name)
+            said = why or ("" if row is None else _said(row, name in named))
+            rows.append(
+                {"effect": name, "applicable": not why, "accepted": name in named, "why": said}
+            )
+        order = list(gains)
+        return sorted(rows, key=lambda r: order.index(r["effect"]) if r["effect"] in gains else 99)
+
+    def detectable(self) -> dict[str, dict[str, dict[str, Any]]]:
+        """Size of each amplitude that would be named four times in five, all else refitted."""
+        base, space, found = self.found.base, self.model.space, {}
+        for guess in self.found.guesses:
+            effect = space.effects[guess.effect]
+            _, curvature = projected(base, guess.columns)
+            sizes = {}
+            for number, name in enumerate(amplitude_names(effect)):
+                each = space.directions[space.place(name)]
+                least = 1.0 / np.sqrt(max(float(curvature[number, number]), 1e-30))
+                size = (np.sqrt(LIMIT) + POWER_80) * least * each.scale * np.sqrt(self.found.unit)
+                sizes[name.rpartition(".")[2]] = _size(size, each.low, each.high, self.unit(name))
+            found[self.names[guess.effect]] = sizes
+        return found
+
+    def confusability(self) -> dict[str, Any]:
+        """Cosines between the marks of the effects that come nearest, and of those named."""
+        rows = [each["effect"] for each in self.candidates()]
+        known = {self.names[guess.effect]: guess.columns for guess in self.found.guesses}
+        names = [name for name in rows if name in known][:COMPARED]
+        base = self.found.base
+        cosines = [[round(likeness(base, known[a], known[b]), 3) for b in names] for a in names]
+        return {"effects": names, "cosines": cosines}
+
+    def unit(self, name: str) -> str:
+        return self.model.whole.parameters.declared[name].unit
+
+    def refitted(self) -> Plant:
+        """The plant as it came, refitted, or refitted with the effects that were found."""
+        plant, choice = self.campaign.plant, self.choice
+        if choice.kind == "no_gap":
+            return plant
+        space = self.model.space
+        present = [e for n, e in space.effects.items() if space.of(n)[0] in choice.point.active]
+        named = present if choice.effects else []
+        values = space.values(choice.point.x, self.owner())
+        grown = plant.with_effects(*named)
+        return grown.with_values({n: v for n, v in values.items() if n in grown.parameters})
+
+    def owner(self) -> str:
+        """Whose own parameters a hand.toml takes: those of the thing that the hand has itself."""
+        for group in self.model.groups:
+            same = all(group.nominal[n] == self.campaign.plant.parameters[n] for n in group.own)
+            if group.own and same:
+                return group.owner
+        return ""
+
+
+def _entries(pieces: list[cutting.Piece]) -> list[Entry]:
+    return [piece.entry for piece in pieces]
+
+
+def _said(row: dict[str, Any], named: bool) -> str:
+    if named:
+        return "accepted"
+    gain = row["evidence"] ** 2
+    if gain < LIMIT:
+        return f"lowers the misfit by {gain:.0f}; a name needs {LIMIT:.0f}"
+    return f"lowers the misfit by {gain:.0f}, less than what is named"
+
+
+def _size(size: float, low: float, high: float, unit: str) -> dict[str, Any]:
+    largest = max(abs(low), abs(high))
+    if size <= largest:
+        return {"value": float(size), "unit": unit}
+    reason = f"even the largest size inside its bounds, {largest:g}, would be missed"
+    return {"value": None, "unit": unit, "reason": reason}

@@ -1,0 +1,197 @@
+"""From recordings to what is missing: the base refitted, a short list refitted, a second effect."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from hannes.campaign import Entry
+from hannes.diagnosis.fit import fitted
+from hannes.diagnosis.groups import grouped
+from hannes.diagnosis.model import Model
+from hannes.diagnosis.noise import rough_levels
+from hannes.diagnosis.point import Point, first, missed
+from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
+from hannes.diagnosis.settings import Settings
+from hannes.diagnosis.space import Space
+from hannes.effect import Effect
+from hannes.plant import Plant
+
+SHORT = 5  # effects of each screening that are refitted
+FINAL = 3  # of these, refitted with all slopes anew,
+NEAR = 0.5  # where they gain this share of the most, and of what a name needs
+FAINT = 8.0  # a guess that gains less is not refitted
+BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
+LIMIT = 36.0  # gain of an effect that is named: some 3 times the most that empty hands mostly give
+PRICE = 16.0  # of each further parameter of an effect: the more shapes, the more it fits by chance
+SHARE = 0.02  # of the first effect's gain that a second one needs
+CLEAN = 1.3  # times the bins: what a whole model leaves at most
+
+Told = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Effects refitted together.
+
+    gain: how much of the base's misfit they take away, less the price of their parameters
+    alike: effects whose marks these recordings hardly tell from the first one's
+    """
+
+    effects: tuple[str, ...]
+    point: Point = field(repr=False)
+    gain: float
+    alike: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Found:
+    """Everything that came of an investigation.
+
+    given: with everything as given; base: the base refitted; trials: single effects, best first;
+    guesses: of the whole catalogue, linear, at the base; pair: two effects, where one leaves
+    more; rest: the best guess of what is left after the last of them
+    unit: by how much misfits are divided: the noise is never less than what the best model leaves
+    """
+
+    given: Point
+    base: Point
+    guesses: list[Guess]
+    trials: list[Trial]
+    pair: Trial | None
+    rest: Guess | None
+    unit: float
+
+    @property
+    def bins(self) -> int:
+        """How many numbers are compared."""
+        return self.base.miss.size
+
+
+def investigate(
+    plant: Plant,
+    entries: Sequence[Entry],
+    effects: Sequence[Effect],
+    settings: Settings,
+    seed: int,
+    told: Told = lambda text: None,
+) -> Found:
+    """Search what is missing. Raises ComputationFailed where the base cannot be simulated."""
+    groups = grouped(plant, entries)
+    space = Space(plant, groups, settings, effects)
+    told("the machine as given")
+    given = first(Model(plant, groups, space, effects), rough_levels(groups), seed)
+    told("the base")
+    base = fitted(given, 2)
+    given, base = regrained(given, base, seed)
+    base = fitted(base, 3, anew=1)
+    names = list(space.effects)
+    told("a look at every effect")
+    guesses = screened(base, names)
+    bent = base.misfit > BENT * base.miss.size
+    starts = [(base, guess) for guess in guesses[:SHORT] if guess.gain > FAINT]
+    if bent:
+        large = screened(given, names, ALL_SIZES)[:SHORT]
+        starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
+        starts += [(given, guess) for guess in large]
+    trials = _refitted(base, starts, told)
+    unit = max(1.0, min([base.misfit, *(t.point.misfit for t in trials)]) / base.miss.size)
+    trials = sorted(
+        (replace(each, gain=priced(base, each.point, unit)) for each in trials),
+        key=lambda each: -each.gain,
+    )
+    found = Found(given, base, guesses, _with_likeness(base, guesses, trials), None, None, unit)
+    return _second(found, told) if trials and trials[0].gain > LIMIT else found
+
+
+def regrained(given: Point, base: Point, seed: int) -> tuple[Point, Point]:
+    """Both points with the grain of the firmware as it is where the base fits."""
+    grain, _ = base.ground.model.grain(base.x, False, seed)
+    ground = replace(base.ground, grain=grain)
+    return tuple(  # type: ignore[return-value]
+        replace(each, ground=ground, miss=missed(ground, each.vectors)) for each in (given, base)
+    )
+
+
+def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) -> list[Trial]:
+    """Best fit with each effect from every start; the best few with all slopes had anew."""
+    best: dict[str, Point] = {}
+    for start, guess in starts:
+        told(guess.effect.replace("_", " "))
+        point = joined(start, guess)
+        if point is None:
+            continue
+        point = fitted(point, 5)
+        if guess.effect not in best or point.misfit < best[guess.effect].misfit:
+            best[guess.effect] = point
+    gains = {name: base.misfit - point.misfit for name, point in best.items()}
+    enough = NEAR * max([LIMIT, *gains.values()])
+    for name in sorted(gains, key=lambda each: -gains[each])[:FINAL]:
+        if gains[name] > enough:
+            told(f"{name.replace('_', ' ')}, once more")
+            best[name] = fitted(best[name], 3, anew=1)
+    return [Trial((name,), point, base.misfit - point.misfit) for name, point in best.items()]
+
+
+def priced(base: Point, point: Point, unit: float) -> float:
+    """Misfit that a point has less than the base, less the price of its further parameters."""
+    further = point.active.size - base.active.size - 1
+    return (base.misfit - point.misfit) / unit - PRICE * further
+
+
+def joined(start: Point, guess: Guess) -> Point | None:
+    """The start with an effect at its guess, its directions active; None where that breaks down."""
+    active = np.union1d(start.active, guess.places)
+    x = start.x.copy()
+    x[guess.places] = guess.x
+    return start.with_active(active).moved(x, np.sort(guess.places))
+
+
+def _second(found: Found, told: Told) -> Found:
+    """Look for more than the best effect explains: a second effect, and what is left after it."""
+    best = found.trials[0]
+    needed = max(LIMIT, SHARE * best.gain)
+    told("what is left")
+    guesses = _others(best.point, best.effects)
+    if not guesses or guesses[0].gain < needed * found.unit:
+        return replace(found, rest=guesses[0] if guesses else None)
+    pairs = []
+    for guess in guesses[:2]:
+        told(f"{best.effects[0]} and {guess.effect}".replace("_", " "))
+        point = joined(best.point, guess)
+        if point is not None:
+            point = fitted(point, 4, anew=1)
+            gain = priced(found.base, point, found.unit)
+            pairs.append(Trial((*best.effects, guess.effect), point, gain))
+    pairs.sort(key=lambda each: -each.gain)
+    if not pairs or pairs[0].gain - best.gain < needed:
+        return replace(found, rest=guesses[0])
+    told("what is left after both")
+    after = _others(pairs[0].point, pairs[0].effects)
+    return replace(found, pair=pairs[0], rest=after[0] if after else None)
+
+
+def _others(point: Point, present: tuple[str, ...]) -> list[Guess]:
+    """Guesses for all other effects, the price of their parameters off their gain."""
+    names = [name for name in point.ground.model.space.effects if name not in present]
+    found = [replace(g, gain=g.gain - PRICE * len(g.places)) for g in screened(point, names)]
+    return sorted(found, key=lambda each: -each.gain)
+
+
+ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
+
+
+def _with_likeness(base: Point, guesses: Sequence[Guess], trials: list[Trial]) -> list[Trial]:
+    columns = {guess.effect: guess.columns for guess in guesses}
+    return [
+        replace(
+            each,
+            alike=tuple(
+                name
+                for name in columns
+                if name != each.effects[0]
+                and likeness(base, columns[each.effects[0]], columns[name]) > ALIKE
+            ),
+        )
+        for each in trials
+    ]

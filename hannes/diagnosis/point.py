@@ -1,0 +1,220 @@
+"""The misfit made linear about one place of the space."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from hannes.diagnosis.groups import Channels, Group
+from hannes.diagnosis.model import NOWHERE, SHIFT, Model
+from hannes.diagnosis.noise import JERK, Noise
+from hannes.errors import ComputationFailed
+
+STEP = 0.5  # standard deviations of what is uncertain, to difference by
+MOST_SHARE = 0.5  # of a value: what changes by more from run to run is a size of its own
+FINE = 0.3  # steps of an effect's parameter, to difference by
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What all points of one diagnosis share.
+
+    noise: covariance of a run of each group; grain: what firmware adds, shape (n,) each, with the
+    variance that repeats share; restless: what runs differ in, shape (k, n) each
+    """
+
+    model: Model
+    noise: Noise
+    grain: list[np.ndarray]
+    unsure: list[np.ndarray]
+    restless: list[np.ndarray]
+    jerks: list[np.ndarray]
+    covariances: list[np.ndarray]
+
+    @cached_property
+    def roots(self) -> list[np.ndarray]:
+        """Cholesky factors of the covariance of each group's mean, shape (n, n)."""
+        return [np.linalg.cholesky(each) for each in self.covariances]
+
+    def white(self, number: int, rows: np.ndarray) -> np.ndarray:
+        """Rows (..., n) of a group in standard deviations, what hangs together counted once."""
+        from scipy.linalg import solve_triangular
+
+        return solve_triangular(self.roots[number], rows.T, lower=True, check_finite=False).T
+
+    def together(self, rows: Sequence[np.ndarray]) -> np.ndarray:
+        """Rows of all groups, whitened, shape (..., N)."""
+        return np.concatenate([self.white(k, each) for k, each in enumerate(rows)], axis=-1)
+
+
+@dataclass(frozen=True)
+class Point:
+    """A place x, shape (size,), of which the directions in `active` may move.
+
+    vectors: simulated bin means of each group; slopes: their change by x, shape (active, n) each
+    miss: whitened measured minus simulated, (N,); columns: whitened slopes, (active, N)
+    """
+
+    ground: Ground
+    x: np.ndarray
+    active: np.ndarray
+    vectors: list[np.ndarray] = field(repr=False)
+    slopes: list[np.ndarray] = field(repr=False)
+    miss: np.ndarray = field(repr=False)
+    columns: np.ndarray = field(repr=False)
+
+    @cached_property
+    def misfit(self) -> float:
+        """Squared distance of the recordings and of what is uncertain, in standard deviations."""
+        return float(self.miss @ self.miss + np.sum((self.ground.model.space.prior * self.x) ** 2))
+
+    @property
+    def prior(self) -> np.ndarray:
+        """Roots of the weights of the active directions."""
+        return self.ground.model.space.prior[self.active]
+
+    @cached_property
+    def curvature(self) -> np.ndarray:
+        """Half the second derivative of the misfit by the active directions."""
+        return self.columns @ self.columns.T + np.diag(self.prior**2)
+
+    @cached_property
+    def pull(self) -> np.ndarray:
+        """Minus half the gradient of the misfit."""
+        return self.columns @ self.miss - self.prior**2 * self.x[self.active]
+
+    def moved(self, x: np.ndarray, fresh: np.ndarray) -> "Point | None":
+        """The point at another x, slopes along `fresh` anew and the others as they were.
+
+        None where the machine cannot be simulated there.
+        """
+        ground = self.ground
+        vectors, made = differenced(ground.model, x, fresh, bool(self._effects))
+        if not all(np.isfinite(each).all() for each in vectors):
+            return None
+        places = np.searchsorted(self.active, fresh)
+        slopes = [each.copy() for each in self.slopes]
+        columns = self.columns.copy()
+        for old, new in zip(slopes, made, strict=True):
+            old[places] = new
+        if fresh.size:
+            columns[places] = ground.together(made)
+        return Point(ground, x, self.active, vectors, slopes, missed(ground, vectors), columns)
+
+    @property
+    def _effects(self) -> int:
+        return self.active.size - self.ground.model.space.uncertain.size
+
+    def corrected(self, before: "Point") -> "Point":
+        """The point with its slopes mended by what the step from `before` really did (Broyden)."""
+        step = (self.x - before.x)[self.active]
+        if (length := float(step @ step)) < 1e-8:
+            return self
+        wrong = (before.miss - self.miss) - step @ (0.5 * (self.columns + before.columns))
+        return replace(self, columns=self.columns + np.outer(step, wrong) / length)
+
+    def with_active(self, active: np.ndarray) -> "Point":
+        """The same place with other directions active: slopes along new ones are had anew."""
+        ground, known = self.ground, np.isin(active, self.active)
+        places = np.searchsorted(self.active, active[known])
+        slopes = [np.zeros((active.size, each.shape[1])) for each in self.slopes]
+        columns = np.zeros((active.size, self.columns.shape[1]))
+        for new, old in zip(slopes, self.slopes, strict=True):
+            new[known] = old[places]
+        columns[known] = self.columns[places]
+        return Point(ground, self.x, active, self.vectors, slopes, self.miss, columns)
+
+
+def missed(ground: Ground, vectors: Sequence[np.ndarray]) -> np.ndarray:
+    """Whitened measured minus simulated of all groups, shape (N,)."""
+    groups = zip(ground.model.groups, vectors, ground.grain, strict=True)
+    return ground.together([group.mean - made - grain for group, made, grain in groups])
+
+
+def differenced(
+    model: Model, x: np.ndarray, along: np.ndarray, effects: bool
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Vectors of all groups at x, and their change along some directions, (directions, n)."""
+    vectors, slopes = [], []
+    for group in model.groups:
+        acting = model.space.acting(group)[along]
+        steps = _steps(model, x, along[acting])
+        rows = np.vstack([x, x + steps])
+        made = model.vectors(group, rows, effects)
+        found = np.zeros((along.size, group.part.size))
+        sizes = steps[np.arange(len(steps)), along[acting]]
+        found[acting] = np.nan_to_num((made[1:] - made[0]) / sizes[:, np.newaxis])
+        vectors.append(made[0])
+        slopes.append(found)
+    return vectors, slopes
+
+
+def _steps(model: Model, x: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """One row for each direction: towards its given value, and never out of bounds."""
+    space, steps = model.space, np.zeros((along.size, x.size))
+    for row, place in zip(steps, along, strict=True):
+        size = FINE if space.directions[place].effect else STEP
+        row[place] = size if x[place] <= 0.0 else -size
+        if not space.low[place] <= x[place] + row[place] <= space.high[place]:
+            row[place] = -row[place]
+    return steps
+
+
+def first(model: Model, noise_floor: dict[str, float], seed: int) -> Point:
+    """The point where everything is as given and no effect is there."""
+    x, known = np.zeros(model.space.size), model.space.uncertain
+    vectors, slopes = differenced(model, x, known, False)
+    if not all(np.isfinite(each).all() for each in vectors):
+        raise ComputationFailed(NOWHERE)
+    grain, unsure = model.grain(x, False, seed)
+    channels = [model.simulated(group, x[np.newaxis], False)[0] or {} for group in model.groups]
+    jerks = [group.jerk(each) for group, each in zip(model.groups, channels, strict=True)]
+    restless = [
+        _restless(model, *each) for each in zip(model.groups, slopes, channels, strict=True)
+    ]
+    noise = Noise(model.groups, jerks, restless, noise_floor)
+    covariances = [
+        (noise.covariance(group) + np.diag((JERK * jerk) ** 2) + rows.T @ rows) / group.count
+        + np.diag(shared)
+        for group, jerk, rows, shared in zip(model.groups, jerks, restless, unsure, strict=True)
+    ]
+    ground = Ground(model, noise, grain, unsure, restless, jerks, covariances)
+    columns = ground.together(slopes)
+    return Point(ground, x, known, vectors, slopes, missed(ground, vectors), columns)
+
+
+def _restless(model: Model, group: Group, slopes: np.ndarray, channels: Channels) -> np.ndarray:
+    """How a group's runs differ, one standard deviation a row, shape (k, n)."""
+    settings = model.space.settings
+    sizes = _run_sizes(model, group)
+    found = []
+    for place in model.space.uncertain:
+        each = model.space.directions[place]
+        if model.space.acting(group)[place] and sizes.get(each.name):
+            found.append(slopes[place] * sizes.pop(each.name) / each.scale)
+    found += [_own_step(model, group, name, size) for name, size in sizes.items() if size]
+    late, early = (group.vector(channels, side * SHIFT) for side in (0.5, -0.5))
+    found.append((late - early) * settings.start_time / SHIFT)
+    return np.array(found)
+
+
+def _own_step(model: Model, group: Group, name: str, size: float) -> np.ndarray:
+    """What a parameter that is certain for the machine, but not from run to run, does."""
+    many, value = getattr(model.small, "many", None), group.nominal[name]
+    if many is None or name not in model.small.parameters:
+        return np.zeros(group.part.size)
+    ends = many({name: np.array([value, value - size])}, group.recording, group.names, False)
+    if any(each is None for each in ends):
+        return np.zeros(group.part.size)
+    return group.vector(ends[0]) - group.vector(ends[1])
+
+
+def _run_sizes(model: Model, group: Group) -> dict[str, float]:
+    """What changes from run to run in a group, one standard deviation [SI] by full name."""
+    sizes = dict(getattr(model.small, "restless", {}))
+    shares = [s / abs(group.nominal[n]) for n, s in sizes.items() if group.nominal.get(n)]
+    largest = max((share for share in shares if share < MOST_SHARE), default=1.0)
+    factor = model.space.settings.run_scatter / largest
+    others = {name for each in model.groups for name in each.own} - set(group.own)
+    return {name: size * factor for name, size in sizes.items() if name not in others}

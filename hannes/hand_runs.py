@@ -1,0 +1,67 @@
+"""Many simulations of one recording's run at once: what makes a deep diagnosis of a hand quick."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hannes.batch import simulate_many
+from hannes.effect import Effect
+from hannes.experiment import Experiment
+from hannes.hand import Hand
+from hannes.recording import Recording
+from hannes.trajectory import Outcome
+
+TOLERANCE = 1e-4  # bin means are right to some 1e-5 of their peaks
+Channels = dict[str, np.ndarray]
+
+
+def nominal(hand: Hand, experiment: Experiment) -> dict[str, float]:
+    """Every parameter as it is given for a run: the experiment's own values stand over the hand's.
+
+    In SI units, by full name.
+    """
+    return {**hand.parameters, **experiment.overrides()}
+
+
+def own(experiment: Experiment) -> tuple[str, tuple[str, ...]]:
+    """The object of a run and the parameters that are its own, not those of the hand's object."""
+    thing = experiment.object
+    if thing is None:
+        return "nothing", ()
+    given = [name for name in thing.values if name.startswith("object.")]
+    if len(given) < len(_FEATURES):
+        return "the hand's object", _FEATURES
+    values = ", ".join(f"{name}={thing.values[name]!r}" for name in sorted(given))
+    return f"{thing.shape} {values}", _FEATURES
+
+
+_FEATURES = ("object.stiffness", "object.damping", "object.friction", "object.x", "object.y")
+
+
+def many(
+    hand: Hand,
+    experiment: Experiment,
+    recording: Recording,
+    columns: Mapping[str, np.ndarray],
+    channels: Sequence[str],
+    exact: bool,
+) -> list[Channels | None]:
+    """Channels at the recorded times for each row of `columns`, None where a run breaks down.
+
+    `exact` runs the experiment's own controller, else the continuous one. All effects of the hand
+    are in the model, whatever their sizes.
+    """
+    asked = experiment if exact else replace(experiment, controller="continuous")
+    effects: tuple[Effect, ...] = hand.effects
+    since = recording.time - recording.time[0]
+    if "reference" not in recording:
+        since = recording.time
+    return [
+        {name: np.interp(since, run.time, run[name]) for name in channels}
+        if run.outcome is Outcome.COMPLETED
+        else None
+        for run in simulate_many(
+            hand, asked, columns, channels=tuple(channels), rtol=TOLERANCE, effects=effects
+        )
+    ]
