@@ -274,6 +274,7 @@ def test_limited_keeps_to_its_limit_and_leaves_the_inside_alone(x, limit):
 
 # --- distance to sections ---------------------------------------------------------------------
 
+STEP = 1e-7  # m, to difference by
 CORES = [(0.0, 0.0), (0.02, 0.01), (0.03, 0.0)]
 
 
@@ -291,11 +292,18 @@ def test_signed_distance_against_brute_force(core):
     for point in np.random.default_rng(4).uniform(-0.06, 0.06, (200, 2)):
         found, *gradient = section.signed_distance(*point, *core)
         size = np.linalg.norm(border - point, axis=1).min()
-        inside = (np.abs(point) < core).all()
-        assert found == pytest.approx(-size if inside else size, abs=1e-6)
-        assert np.hypot(*gradient) == pytest.approx(1.0, rel=1e-12)
-        ahead = section.signed_distance(*(point + 1e-7 * np.array(gradient)), *core)[0]
-        assert (ahead - found) / 1e-7 == pytest.approx(1.0, abs=1e-4)
+        if (np.abs(point) < core).all():
+            depths = np.array(core) - np.abs(point)
+            assert found == pytest.approx(-(np.sum(depths**-8.0) ** -0.125), rel=1e-9)
+            assert 2.0**-0.125 * size - 1e-6 <= -found <= size + 1e-6
+        else:
+            assert found == pytest.approx(size, abs=1e-6)
+            assert np.hypot(*gradient) == pytest.approx(1.0, rel=1e-12)
+        for axis, slope in zip(np.eye(2), gradient, strict=True):
+            ends = [
+                section.signed_distance(*(point + side * axis), *core)[0] for side in (-STEP, STEP)
+            ]
+            assert (ends[1] - ends[0]) / (2.0 * STEP) == pytest.approx(slope, abs=1e-4)
 
 
 def links(core, count=200):
