@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from hannes import channels, hand_runs
+from hannes import channels, hand_proposals, hand_runs
 from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.experiment import Experiment, Reference
@@ -193,6 +193,10 @@ class HandPlant:
     def own(self, recording: Recording) -> tuple[str, tuple[str, ...]]:
         """The object of a recording's run, and the parameters that are its own."""
         return hand_runs.own(posed(recording))
+
+    def proposals(self, recorded: Mapping[str, Recording]) -> dict[str, Recording]:
+        """Runs that may be worth recording beside those of each condition that there are."""
+        return hand_proposals.proposals(recorded)
 
     def same_run(self, recording: Recording) -> bytes:
         """Equal where reference, times and experiment are."""

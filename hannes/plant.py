@@ -44,6 +44,7 @@ class Plant(Protocol):
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, quick
                 (`exact`: grain of firmware and all); None for a row that breaks down
     nominal(recording):            what every parameter is given for a run
+    proposals(recorded):           runs worth recording, by name, beside those of each condition
     own(recording):                the thing handled in a run, and the parameters of that alone
     robust:     channel -> difference [its unit] beyond which diagnose lets a sample pull no harder
                 (soft L1): for recordings with outliers

@@ -29,8 +29,17 @@ UNITS = {"time": "s", "drive": "N", "position": "m", "speed": "m/s"}
 ROLES = ("fit", "fit", "select", "show")
 
 
+RATTLE = "rattled"  # a run that tells turbulence from what only rubs harder at a crawl
+
+
 class Sled(PlainPlant):
-    """A driven mass on a spring with drag."""
+    """A driven mass on a spring with drag; hard driven or hardly at all."""
+
+    def proposals(self, recorded):
+        assert set(recorded) == {"slow", "fast"}
+        bare = {n: np.zeros(TIMES.size) for n in UNITS} | {"time": TIMES}
+        drives = {"idle": 0.01 * np.sin(4.0 * TIMES), RATTLE: 60.0 * np.sin(9.0 * TIMES)}
+        return {name: Recording(bare | {"drive": drive}, UNITS) for name, drive in drives.items()}
 
     name = "sled"
     channels = UNITS
@@ -71,6 +80,12 @@ def hardening(size, position):
 def turbulence(size, speed):
     """Quadratic drag [N]."""
     return -size * speed * abs(speed)
+
+
+@kernel
+def nearly_turbulence(size, speed):
+    """Quadratic drag until it is fast [N]."""
+    return -size * speed * min(abs(speed), 2.0)
 
 
 @kernel
@@ -194,6 +209,19 @@ def test_effects_that_do_the_same_make_a_class():
     assert verdict.verdict == "one_of" and sorted(verdict.effects) == ["turbulence", "twin"]
     alike = {row["effect"]: row["confusable_with"] for row in verdict.candidates}
     assert alike["turbulence"] == ["twin"] and alike["twin"] == ["turbulence"]
+
+
+def test_the_next_run_is_the_one_that_tells_two_explanations_apart():
+    nearly = effect("nearly", nearly_turbulence, 30.0, "N s^2/m^2")
+    verdict = found(5, ((TURBULENCE, 2.0),), {"nearly": nearly, "turbulence": TURBULENCE})
+    assert verdict.verdict == "one_of"
+    assert verdict.next_run["experiment"] == RATTLE
+    assert sorted(verdict.next_run["separates"]) == ["nearly", "turbulence"]
+    assert "standard deviations" in verdict.next_run["why"]
+
+
+def test_no_next_run_where_one_effect_is_named():
+    assert found(1, ((HARDENING, 900.0),)).next_run is None
 
 
 def test_what_looks_alike_is_told_and_shown(tmp_path):

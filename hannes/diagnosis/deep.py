@@ -11,6 +11,7 @@ from hannes.campaign import Campaign, Entry
 from hannes.diagnosis.choice import Choice, chosen
 from hannes.diagnosis.fit import deviations
 from hannes.diagnosis.investigation import LIMIT, Found, investigate
+from hannes.diagnosis.next_run import next_run
 from hannes.diagnosis.screen import amplitude_names, likeness, projected
 from hannes.diagnosis.settings import read_settings
 from hannes.diagnosis.shown import STAGES, left, simulated, traced
@@ -116,6 +117,7 @@ class _Closing:
             gap_on="the recordings in role show, which were never fitted",
             floor_from=self.how,
             cut=self.note,
+            next_run=self.next_run(),
             smallest_detectable=self.detectable(),
             confusability=self.confusability(),
         )
@@ -207,6 +209,15 @@ class _Closing:
 
     def unit(self, name: str) -> str:
         return self.model.whole.parameters.declared[name].unit
+
+    def next_run(self) -> dict[str, Any] | None:
+        """The run worth recording where the verdict names no single effect but some gain."""
+        kind, trials = self.choice.kind, self.found.trials
+        if kind not in ("one_of", "unknown") or not trials:
+            return None
+        known = _entries(self.known)
+        run = next_run(self.campaign.plant, self.found, known, len(self.choice.effects))
+        return run and {**run, "separates": [self.names[name] for name in run["separates"]]}
 
     def refitted(self) -> Plant:
         """The plant as it came, refitted, or refitted with the effects that were found."""

@@ -171,7 +171,7 @@ def first(model: Model, noise_floor: dict[str, float], seed: int) -> Point:
     channels = [model.simulated(group, x[np.newaxis], False)[0] or {} for group in model.groups]
     jerks = [group.jerk(each) for group, each in zip(model.groups, channels, strict=True)]
     restless = [
-        _restless(model, *each) for each in zip(model.groups, slopes, channels, strict=True)
+        run_to_run(model, *each) for each in zip(model.groups, slopes, channels, strict=True)
     ]
     noise = Noise(model.groups, jerks, restless, noise_floor)
     covariances = [
@@ -184,7 +184,7 @@ def first(model: Model, noise_floor: dict[str, float], seed: int) -> Point:
     return Point(ground, x, known, vectors, slopes, missed(ground, vectors), columns)
 
 
-def _restless(model: Model, group: Group, slopes: np.ndarray, channels: Channels) -> np.ndarray:
+def run_to_run(model: Model, group: Group, slopes: np.ndarray, channels: Channels) -> np.ndarray:
     """How a group's runs differ, one standard deviation a row, shape (k, n)."""
     settings = model.space.settings
     sizes = _run_sizes(model, group)

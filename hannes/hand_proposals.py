@@ -1,0 +1,64 @@
+"""Runs of a hand that may be worth recording: those there are, slower, shorter, another object."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hannes.experiment_file import experiment_text
+from hannes.recording import Recording
+
+# Name of what is changed -> share of the speed, share of the amplitude.
+CHANGES = {
+    "half speed": (0.5, 1.0),
+    "0.25 speed": (0.25, 1.0),
+    "0.15 speed": (0.15, 1.0),
+    "0.85 amplitude": (1.0, 0.85),
+}
+BALL = "soft ball"
+RATE = 1000.0  # Hz, of what would be recorded
+
+
+def proposals(recorded: Mapping[str, Recording]) -> dict[str, Recording]:
+    """Name of a run -> a recording of it that has times and a reference; channels are zero.
+
+    `recorded`: a recording of each condition there is.
+    """
+    found = {}
+    for name, recording in _plain(recorded).items():
+        if "reference" in recording:
+            for change, shares in CHANGES.items():
+                found[f"{name}, {change}"] = _changed(recording, *shares)
+            found[BALL] = _other(recording, experiment_text(BALL.replace(" ", "-")))
+    return {name: each for name, each in found.items() if name not in recorded}
+
+
+def _plain(recorded: Mapping[str, Recording]) -> dict[str, Recording]:
+    """One recording for each object: of those that handle the same, the shortest."""
+    found: dict[str, tuple[str, Recording]] = {}
+    for condition, recording in recorded.items():
+        thing = recording.experiment.partition("[object]")[2]
+        length = np.ptp(recording.time)
+        if thing not in found or length < np.ptp(found[thing][1].time):
+            found[thing] = condition.partition(",")[0], recording
+    return dict(found.values())
+
+
+def _changed(recording: Recording, speed: float, amplitude: float) -> Recording:
+    since = recording.time - recording.time[0]
+    stretch = amplitude / speed
+    time = np.arange(round(since[-1] * stretch * RATE) + 1) / RATE
+    reference = amplitude * np.interp(time / stretch, since, recording["reference"])
+    return _blank(recording, time, reference, recording.experiment)
+
+
+def _other(recording: Recording, experiment: str) -> Recording:
+    since = recording.time - recording.time[0]
+    return _blank(recording, since, recording["reference"], experiment)
+
+
+def _blank(
+    recording: Recording, time: np.ndarray, reference: np.ndarray, experiment: str
+) -> Recording:
+    channels = {name: np.zeros(time.size) for name in recording.names}
+    channels |= {"time": time, "reference": reference}
+    return Recording(channels, recording.units, plant="hand", experiment=experiment)
