@@ -29,8 +29,8 @@ run: env  ## the paper's experiments and a first diagnosis: pages in results/
 	$(bin)/hannes reproduce --out results/reproduce --slack results/hidden-slack --taut results/no-slack \
 	    --recognition results/rigid-or-soft
 
-test: lint  ## format, lint, types, direction of imports, tests
-	$(bin)/python -m pytest
+test: lint  ## format, lint, types, direction of imports, tests on all cores
+	$(bin)/python -m pytest -n auto --dist loadfile
 
 lint: env  ## all of `make test` but the tests
 	$(bin)/ruff format --check

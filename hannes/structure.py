@@ -232,7 +232,8 @@ def _join(
     ]
     found.broken = found.broken or next((f"{effect.name} {why}" for why in whys if why), "")
     found.plain_fingers &= part != "fingers"
-    found.plain_core &= part == "fingers" or _is_plain(term, stage, reads, bool(arrays))
+    plain = part == "fingers" or _is_plain(term, stage, reads, bool(arrays))
+    found.plain_core &= plain and "t" not in arguments  # core_slopes.py takes no stage's time
     turned = "torque_constant" in term.writes  # what the winding's stage hands to the gear's
     found.timed |= (part != "motor" or turned) and "t" in arguments
     if turned and set(arguments) & set(_OF_DRIVE):
