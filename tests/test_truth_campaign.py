@@ -220,8 +220,10 @@ def test_bad_input_is_one_line_and_status_2(words, tmp_path, capsys, monkeypatch
 def test_closures_are_a_campaign_in_csv(tmp_path, capsys):
     assert closures_module.main(["--out", str(tmp_path), "--slack", "3 mm", "--runs", "1"]) == 0
     files = set(written(tmp_path))
-    assert files == {"01_void.csv", "hand.toml", "campaign.toml", "sealed/answer.json"}
+    told = {"hand.toml", "campaign.toml", "closure.toml", "sealed/answer.json"}
+    assert files == {"01_void.csv"} | told
     (entry,) = read_campaign(tmp_path / "campaign.toml").entries
+    assert 'controller = "sampled"' in entry.recording.experiment
     assert entry.recording.names == ("reference", "position", "current", "duty", "supply")
     assert closures_module.main(["--out", str(tmp_path), "--slack", "3 kg"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
