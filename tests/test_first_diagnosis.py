@@ -33,6 +33,7 @@ def test_hidden_slack_is_named_with_its_length(tmp_path, capsys):
     assert told == json.loads((tmp_path / "out" / "verdict.json").read_text(encoding="utf-8"))
     assert set(told) >= FIELDS
     assert (told["verdict"], told["effects"]) == ("named", ["leader_slack"])
+    assert min(row["gain_select"] for row in told["candidates"]) >= 0.0
     length = told["parameters"]["leader_slack.length"]
     assert (
         length["value"] == pytest.approx(3e-3, rel=0.05) and length["low"] < 3e-3 < length["high"]

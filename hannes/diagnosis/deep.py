@@ -168,7 +168,7 @@ class _Closing:
         trials = [*self.found.trials, *([self.found.pair] if self.found.pair else [])]
         most = max([trial.gain for trial in trials], default=0.0)
         above = (self.found.base.misfit - self.found.bins) / self.found.unit
-        return float(gain / max(most, above, LIMIT))
+        return max(0.0, float(gain / max(most, above, LIMIT)))
 
     def tried(self, tried: dict[str, tuple[Effect, str]]) -> list[dict[str, Any]]:
         gains = {each["effect"]: each for each in self.candidates()}

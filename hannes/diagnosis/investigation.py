@@ -130,7 +130,12 @@ def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) ->
         if gains[name] > enough:
             told(f"{name.replace('_', ' ')}, once more")
             best[name] = fitted(best[name], 3, anew=1)
-    return [Trial((name,), point, base.misfit - point.misfit) for name, point in best.items()]
+    # Where a search ended above the base it did not get there: the base is that effect at off.
+    return [
+        Trial((name,), p, base.misfit - p.misfit)
+        for name, p in best.items()
+        if p.misfit < base.misfit
+    ]
 
 
 def priced(base: Point, point: Point, unit: float) -> float:
