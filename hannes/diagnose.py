@@ -19,6 +19,7 @@ from hannes.campaign import Campaign, read_campaign
 from hannes.catalogue import effects
 from hannes.cautions import cautions
 from hannes.diagnosis.deep import deep, possible
+from hannes.diagnosis.settings import Settings, read_settings
 from hannes.effect import Effect
 from hannes.gap import Traces, gaps, inflated, times_floor, traces, undone, where
 from hannes.pieces import Piece, floors
@@ -74,12 +75,13 @@ def diagnose(
     """
     if not isinstance(campaign, Campaign):
         campaign = read_campaign(campaign, seed)
+    settings = read_settings(campaign.diagnose, campaign.plant)
     told = cautions(campaign)
     with _bar(progress) as tell:
         if possible(campaign.plant) and not decision.lacking(
             campaign, cutting.cut(campaign)[0], ()
         ):
-            result = _deep(campaign, seed, tell)
+            result = _deep(campaign, settings, seed, tell)
         else:
             result = _Work(campaign, seed, tell).result()
     result = replace(result, verdict=replace(result.verdict, cautions=told))
@@ -88,8 +90,8 @@ def diagnose(
     return result
 
 
-def _deep(campaign: Campaign, seed: int, tell: Progress) -> Diagnosis:
-    found = deep(campaign, seed, tell)
+def _deep(campaign: Campaign, settings: Settings, seed: int, tell: Progress) -> Diagnosis:
+    found = deep(campaign, settings, seed, tell)
     return Diagnosis(campaign, found.verdict, found.plant, found.traces, found.floors, ())
 
 

@@ -2,11 +2,13 @@
 
 import functools
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from hannes._jit import kernel
+from hannes.axis import Axis
 from hannes.campaign import Campaign, Entry
 from hannes.catalogue import effects
 from hannes.diagnose import diagnose
@@ -50,11 +52,11 @@ class Sled(PlainPlant):
         Parameter("sled.drag", 2.0, "N s/m", (0.0, 20.0), "against the rail"),
         Parameter("spring.stiffness", 40.0, "N/m", (1.0, 400.0), "pulls it back"),
     )
-    free = {"sled.mass": 0.03, "sled.drag": 0.06, "spring.stiffness": 1.2}  # noqa: RUF012
-    uncertain = {"sled.mass": 1.0, "sled.drag": 2.0, "spring.stiffness": 40.0}  # noqa: RUF012
-    restless = {"sled.drag": 0.02}  # noqa: RUF012
+    free: ClassVar = {"sled.mass": 0.03, "sled.drag": 0.06, "spring.stiffness": 1.2}
+    uncertain: ClassVar = {"sled.mass": 1.0, "sled.drag": 2.0, "spring.stiffness": 40.0}
+    restless: ClassVar = {"sled.drag": 0.02}
     block = 0.2
-    open = {"force": ("speed", "position", "time")}  # noqa: RUF012
+    open: ClassVar = {"force": ("speed", "position", "time")}
 
     def simulate(self, parameters, recording):
         p = self.parameters.with_values(parameters)
@@ -353,6 +355,11 @@ def test_shapes_lie_inside_the_bounds():
                 )
                 assert low <= value <= high
         assert shapes(each)
+
+
+def test_a_plant_with_nothing_uncertain_is_not_told_how_much_of_it():
+    with pytest.raises(BadInput, match="does not say what is uncertain"):
+        read_settings(Table({"scatter": "2 %"}, "campaign.toml", (), "diagnose."), Axis())
 
 
 @pytest.mark.parametrize(

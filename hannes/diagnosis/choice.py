@@ -23,7 +23,7 @@ class Choice:
 
 
 def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
-    """The verdict. `seen`, `unseen`: how many runs of each group were fitted, to choose by."""
+    """The verdict. `seen`, `unseen`: bit masks of each group's runs to fit and to choose by."""
     best = found.trials[0] if found.trials else None
     if best is None or best.gain < LIMIT:
         return _nothing(found, best)
@@ -31,9 +31,9 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
     gain = held_out(found.base, trial.point, seen, unseen) / found.unit
     told = f"{_names(trial)} lowers the misfit by {trial.gain:.0f} (limit {LIMIT:.0f})"
     if gain <= 0.0:
-        reason = f"{told}, but not that of recordings that were not fitted ({gain:.0f})"
+        reason = f"{told}, but to first order not that of recordings held out ({gain:.0f})"
         return Choice("unknown", (), reason, found.base)
-    told += f", that of recordings not fitted by {gain:.0f}"
+    told += f", to first order that of recordings held out by {gain:.0f}"
     left = _left(found, trial)
     if not left:
         return _clean(found, trial, told)
@@ -84,7 +84,7 @@ def _unclean(found: Found, trial: Trial, told: str) -> Choice:
         if alone < MOST:
             return Choice("unknown", (), f"{told}; more than two effects are missing", found.base)
         trial = first
-    if explained < MOST or (len(rivals_of(found, first)) > 0):
+    if explained < MOST or rivals_of(found, first):
         return Choice("unknown", (), told, found.base)
     return Choice("named_with_remainder", trial.effects, told, trial.point)
 

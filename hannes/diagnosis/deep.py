@@ -13,7 +13,7 @@ from hannes.diagnosis.fit import deviations
 from hannes.diagnosis.investigation import LIMIT, Found, investigate
 from hannes.diagnosis.next_run import next_run
 from hannes.diagnosis.screen import amplitude_names, likeness, projected
-from hannes.diagnosis.settings import read_settings
+from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.shown import STAGES, left, simulated, traced
 from hannes.effect import Effect
 from hannes.gap import Traces, placed, tabled
@@ -21,10 +21,10 @@ from hannes.pieces import floors
 from hannes.plant import Plant
 from hannes.verdict import Verdict
 
-ALPHA = 0.02  # of hands with nothing missing that LIMIT was chosen to name something on, at most
+ALPHA = 0.02  # of empty hands on which LIMIT aims to name something, at most
 COMPARED = 8  # effects of which the confusability is told
 POWER_80 = 0.842  # standard deviations above a limit that are seen four times in five
-WIDER = 1.3  # times the linear standard deviation: what it covers of hands with nothing missing
+WIDER = 1.3  # times the linear standard deviation: how far estimates on empty hands spread
 Told = Callable[[str], None]
 
 
@@ -43,9 +43,8 @@ def possible(plant: Plant) -> bool:
     return bool(getattr(plant, "uncertain", {}))
 
 
-def deep(campaign: Campaign, seed: int, told: Told) -> Result:
-    """Diagnose a campaign that lacks no role. Raises BadInput and ComputationFailed."""
-    settings = read_settings(campaign.diagnose, campaign.plant)
+def deep(campaign: Campaign, settings: Settings, seed: int, told: Told) -> Result:
+    """Diagnose a campaign that lacks no role. ComputationFailed where its base cannot be run."""
     known = campaign.of("fit", "select")
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]

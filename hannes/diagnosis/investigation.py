@@ -10,7 +10,7 @@ from hannes.diagnosis.fit import fitted
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.noise import rough_levels
-from hannes.diagnosis.point import Point, first, missed
+from hannes.diagnosis.point import Ground, Point, first, missed
 from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
@@ -22,9 +22,10 @@ FINAL = 3  # of these, refitted with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
 FAINT = 8.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
-LIMIT = 36.0  # gain of an effect that is named: some 3 times the most that empty hands mostly give
+LIMIT = 36.0  # gain of an effect that is named: 31 empty hands of development gave 28 at most
 PRICE = 16.0  # of each further parameter of an effect: the more shapes, the more it fits by chance
 SHARE = 0.02  # of the first effect's gain that a second one needs
+ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 CLEAN = 1.3  # times the bins: what a whole model leaves at most
 
 Told = Callable[[str], None]
@@ -108,9 +109,11 @@ def regrained(given: Point, base: Point, seed: int) -> tuple[Point, Point]:
     """Both points with the grain of the firmware as it is where the base fits."""
     grain, _ = base.ground.model.grain(base.x, False, seed)
     ground = replace(base.ground, grain=grain)
-    return tuple(  # type: ignore[return-value]
-        replace(each, ground=ground, miss=missed(ground, each.vectors)) for each in (given, base)
-    )
+    return _on(ground, given), _on(ground, base)
+
+
+def _on(ground: Ground, point: Point) -> Point:
+    return replace(point, ground=ground, miss=missed(ground, point.vectors))
 
 
 def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) -> list[Trial]:
@@ -181,9 +184,6 @@ def _others(point: Point, present: tuple[str, ...]) -> list[Guess]:
     names = [name for name in point.ground.model.space.effects if name not in present]
     found = [replace(g, gain=g.gain - PRICE * len(g.places)) for g in screened(point, names)]
     return sorted(found, key=lambda each: -each.gain)
-
-
-ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 
 
 def _with_likeness(base: Point, guesses: Sequence[Guess], trials: list[Trial]) -> list[Trial]:

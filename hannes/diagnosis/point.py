@@ -20,16 +20,13 @@ FINE = 0.3  # steps of an effect's parameter, to difference by
 class Ground:
     """What all points of one diagnosis share.
 
-    noise: covariance of a run of each group; grain: what firmware adds, shape (n,) each, with the
-    variance that repeats share; restless: what runs differ in, shape (k, n) each
+    noise: of a run of each group; grain: what firmware adds, shape (n,) each
+    covariances: of the mean of each group's runs, all that is not known of them in it, (n, n) each
     """
 
     model: Model
     noise: Noise
     grain: list[np.ndarray]
-    unsure: list[np.ndarray]
-    restless: list[np.ndarray]
-    jerks: list[np.ndarray]
     covariances: list[np.ndarray]
 
     @cached_property
@@ -90,7 +87,7 @@ class Point:
         None where the machine cannot be simulated there.
         """
         ground = self.ground
-        vectors, made = differenced(ground.model, x, fresh, bool(self._effects))
+        vectors, made = differenced(ground.model, x, fresh, self._has_effects)
         if not all(np.isfinite(each).all() for each in vectors):
             return None
         places = np.searchsorted(self.active, fresh)
@@ -103,8 +100,8 @@ class Point:
         return Point(ground, x, self.active, vectors, slopes, missed(ground, vectors), columns)
 
     @property
-    def _effects(self) -> int:
-        return self.active.size - self.ground.model.space.uncertain.size
+    def _has_effects(self) -> bool:
+        return self.active.size > self.ground.model.space.uncertain.size
 
     def corrected(self, before: "Point") -> "Point":
         """The point with its slopes mended by what the step from `before` really did (Broyden)."""
@@ -115,7 +112,7 @@ class Point:
         return replace(self, columns=self.columns + np.outer(step, wrong) / length)
 
     def with_active(self, active: np.ndarray) -> "Point":
-        """The same place with other directions active: slopes along new ones are had anew."""
+        """The same place with other directions active: slopes along new ones are zero until had."""
         ground, known = self.ground, np.isin(active, self.active)
         places = np.searchsorted(self.active, active[known])
         slopes = [np.zeros((active.size, each.shape[1])) for each in self.slopes]
@@ -179,7 +176,7 @@ def first(model: Model, noise_floor: dict[str, float], seed: int) -> Point:
         + np.diag(shared)
         for group, jerk, rows, shared in zip(model.groups, jerks, restless, unsure, strict=True)
     ]
-    ground = Ground(model, noise, grain, unsure, restless, jerks, covariances)
+    ground = Ground(model, noise, grain, covariances)
     columns = ground.together(slopes)
     return Point(ground, x, known, vectors, slopes, missed(ground, vectors), columns)
 

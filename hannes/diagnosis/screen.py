@@ -103,12 +103,17 @@ def amplitude_names(effect: Effect) -> list[str]:
 def _at(
     model: Model, x: np.ndarray, shape: dict[str, float], place: int, size: float
 ) -> np.ndarray:
+    moved = _shaped(model, x, shape)
+    moved[place] += size
+    return moved
+
+
+def _shaped(model: Model, x: np.ndarray, shape: dict[str, float]) -> np.ndarray:
+    """A copy of x where an effect's shape has these values [SI]."""
     moved = x.copy()
     for name, value in shape.items():
         where = model.space.place(name)
-        each = model.space.directions[where]
-        moved[where] = (value - each.centre) / each.scale
-    moved[place] += size
+        moved[where] = model.space.directions[where].x(value)
     return moved
 
 
@@ -129,11 +134,7 @@ def _guess(
     if ratio > HOLDS or (ratio < 1.0 / HOLDS and abs(size) > SMALL[0]):
         gain *= 0.5  # a guess by a secant of another size
     own = model.space.of(name)
-    x = np.zeros(model.space.size)
-    for full, value in shape.items():
-        where = model.space.place(full)
-        each = model.space.directions[where]
-        x[where] = (value - each.centre) / each.scale
+    x = _shaped(model, np.zeros(model.space.size), shape)
     x[places] = found
     return Guess(name, gain, own, x[own], rows)
 

@@ -25,6 +25,9 @@ class Settings:
 def read_settings(table: Table, plant: Plant) -> Settings:
     """Return what a campaign says; BadInput for an unknown key, a wrong unit, a senseless size."""
     table = Table(table.content, table.where, KEYS, table.prefix)
+    if table.content and not getattr(plant, "uncertain", {}):
+        why = f"cannot be used: the plant {plant.name} does not say what is uncertain in it"
+        table.refuse(next(iter(table.content)), why)
     return Settings(
         _share(table, "scatter", Settings.scatter),
         _share(table, "run_scatter", Settings.run_scatter),

@@ -1,6 +1,6 @@
 """Everything a simulation may be moved along: what is uncertain, and how large each effect is."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -35,6 +35,10 @@ class Direction:
     def value(self, x: np.ndarray | float) -> np.ndarray:
         """Parameter [SI] at x."""
         return np.clip(self.centre + self.scale * np.asarray(x), self.low, self.high)
+
+    def x(self, value: float) -> float:
+        """Where a parameter has a value [SI]."""
+        return (value - self.centre) / self.scale
 
 
 class Space:
@@ -101,7 +105,7 @@ class Space:
 
 def _uncertain(plant: Plant, groups: Sequence[Group], settings: Settings) -> list[Direction]:
     """One direction for each uncertain parameter of the machine, and of each thing it handles."""
-    sizes = plant.uncertain  # type: ignore[attr-defined]  # optional part of the protocol
+    sizes: Mapping[str, float] = getattr(plant, "uncertain", {})
     owners = {group.owner: group for group in groups}
     apart = {name for group in groups for name in group.own}
     found = [
