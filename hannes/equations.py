@@ -14,6 +14,7 @@ from hannes.control.drive import drive_voltage
 from hannes.control.encoder import quantised
 from hannes.control.pid import integral_rate, pid, saturated
 from hannes.control.reference import interpolate
+from hannes.control.sensor_noise import gaussian
 from hannes.dynamics.carts import cart_rate
 from hannes.dynamics.finger import gravity_torque, kinetic_energy, solve_inertia
 from hannes.dynamics.friction import dry, stribeck
@@ -65,6 +66,9 @@ def sense(t, y, dy, p, c, hold, out):
     # effects: delayed_position, delayed_current
     measured_position, measured_current = delayed_position, delayed_current
     # effects: measured_position, measured_current
+    if p.controller_current_noise > 0.0 and p.controller_sampled > 0.5:
+        seed, tick = int(p.controller_noise_seed), int(round(t / p.controller_period))
+        measured_current += p.controller_current_noise * gaussian(seed, tick)
     out.position = measured_position
     out.current = measured_current
     return measured_position, measured_current
@@ -117,9 +121,9 @@ def sample(t, y, dy, p, c, reference, hold, out):
     hold[7], hold[8] = probe(t, y, dy, p, c, out)
     position, current = sense(t, y, dy, p, c, hold, out)
     angle = quantised(position, p.encoder_bits) * p.gear_ratio
+    period = p.controller_period
     if p.controller_current_step > 0.0:
         current = p.controller_current_step * round(current / p.controller_current_step)
-    period = p.controller_period
     hold[3] += p.controller_speed_weight * ((angle - hold[4]) / period - hold[3])
     rise = (current - hold[5]) / period
     error = target * p.gear_ratio - angle

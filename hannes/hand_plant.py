@@ -186,6 +186,10 @@ class HandPlant:
         """Many runs at once, see hannes/hand_runs.py; None for one that breaks down."""
         return hand_runs.many(self.hand, posed(recording), recording, columns, channels, exact)
 
+    def noisy(self, recording: Recording, count: int) -> dict[str, np.ndarray]:
+        """Columns for `many` by which the firmware reads noisy currents, see hannes/hand_runs.py."""
+        return hand_runs.noisy(recording, count)
+
     def nominal(self, recording: Recording) -> dict[str, float]:
         """What every parameter is given for a recording's run."""
         return hand_runs.nominal(self.hand, posed(recording))

@@ -71,3 +71,17 @@ def many(
             effects=effects,
         )
     ]
+
+
+def noisy(recording: Recording, count: int) -> dict[str, np.ndarray]:
+    """Columns that let the firmware of each of `count` runs read its current with other noise.
+
+    As much as the recorded current has from sample to sample.
+    """
+    if "current" not in recording:
+        return {}
+    rough = 1.4826 * float(np.median(np.abs(np.diff(recording["current"], 2)))) / np.sqrt(6.0)
+    return {
+        "controller.current_noise": np.full(count, rough),
+        "controller.noise_seed": np.arange(1.0, count + 1.0),
+    }

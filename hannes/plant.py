@@ -37,7 +37,8 @@ class Plant(Protocol):
 
     expected:   channel -> hannes.expected.Expected, which sharpens `hannes check`
     restless:   parameter -> how far runs of one machine differ in it (one standard deviation, SI);
-                calibrate takes what that explains for no misfit
+                calibrate takes what that explains for no misfit, and so does diagnose, where
+                they are those of a `run_scatter` of 1 %
     start_time: how far runs start off their clock [s], one standard deviation; 0 without it
     uncertain:  parameter -> size [SI] of which a share is never known; with it diagnose holds all
                 of them uncertain and takes its deep way, see hannes/diagnosis

@@ -26,6 +26,8 @@ PARAMETERS = (
         Parameter("period", 1e-3, "s", (1e-5, 0.1), "of the sampled controller"),
         Parameter("speed_weight", 0.4, "1", (0.001, 1), "of the sampled speed's one-pole filter"),
         Parameter("current_step", 0.0, "A", (0, 1), "resolution of the sampled current"),
+        Parameter("current_noise", 0.0, "A", (0, 1), "of every sample of it, standard deviation"),
+        Parameter("noise_seed", 0.0, "1", (0, 1e6), "whole number: which noise that is"),
     )
 )
 

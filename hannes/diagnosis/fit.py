@@ -1,11 +1,14 @@
 """Finds the least misfit over the active directions: Gauss and Newton, few simulations a step."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from hannes.diagnosis.point import Point
 
-SHORTER = 0.35  # of a step that led nowhere
-TRIES = 5
+KEPT = 0.3  # of what a whole step promises, that it must keep
+DAMPINGS = (0.0, 0.3, 3.0, 30.0, 300.0)  # of the steps that are tried together where it does not
+SHARES = (1.0, 0.35)  # of each
 SETTLED = 0.3  # of the misfit: a step that gains less is the last
 UNTOLD = 0.15  # of what is known already: a parameter of which recordings tell less stays
 LIGHT = 1e-6  # lest the curvature has no inverse
@@ -20,6 +23,16 @@ def fitted(point: Point, steps: int, anew: int = 0) -> Point:
     point = _walked(point, steps)
     for _ in range(anew):
         point = _walked(relinearised(point), steps)
+    return point
+
+
+def settled(point: Point, steps: int, rounds: int) -> Point:
+    """All slopes anew and some steps, until that gains no more; `rounds` times at most."""
+    for _ in range(rounds):
+        found = _walked(relinearised(point), steps)
+        gained, point = point.misfit - found.misfit, found
+        if gained < SETTLED:
+            break
     return point
 
 
@@ -42,31 +55,49 @@ def _walked(point: Point, steps: int) -> Point:
 
 
 def _stepped(point: Point) -> Point | None:
-    """A step that lowers the misfit, None where there is none."""
-    space = point.ground.model.space
-    fresh = point.active[point.active >= space.uncertain.size]
+    """A step that lowers the misfit: the whole one, or the best of many; None where there is none.
+
+    The whole one where it does about what it promised.
+    """
     step = newton_step(point)
-    for _ in range(TRIES):
-        x = point.x.copy()
-        x[point.active] = np.clip(
-            x[point.active] + step, space.low[point.active], space.high[point.active]
-        )
-        found = point.moved(x, fresh)
-        if found is not None and found.misfit < point.misfit:
-            return found
-        step = SHORTER * step
-    return None
+    place, misfit = _best(point, [step])
+    if misfit > point.misfit - KEPT * _promised(point, step):
+        steps = [share * newton_step(point, each) for each in DAMPINGS for share in SHARES]
+        place, misfit = min(((place, misfit), _best(point, steps)), key=lambda each: each[1])
+    if misfit >= point.misfit:
+        return None
+    return point.moved(place, point.active[point.active >= point.ground.model.space.uncertain.size])
 
 
-def newton_step(point: Point) -> np.ndarray:
-    """Step to the least misfit were it quadratic; directions at a bound stay there, (active,)."""
+def _best(point: Point, steps: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
+    """Where the best of these steps leads, within bounds, and the misfit there."""
+    space = point.ground.model.space
+    places = np.repeat(point.x[np.newaxis], len(steps), axis=0)
+    places[:, point.active] += steps
+    places = np.clip(places, space.low, space.high)
+    misfits = point.misfits(places)
+    best = int(np.argmin(misfits))
+    return places[best], float(misfits[best])
+
+
+def _promised(point: Point, step: np.ndarray) -> float:
+    """How much a step lowers the misfit where that is quadratic."""
+    return float(2.0 * step @ point.pull - step @ point.curvature @ step)
+
+
+def newton_step(point: Point, damping: float = 0.0) -> np.ndarray:
+    """Step to the least misfit were it quadratic; directions at a bound stay there, (active,).
+
+    damping: times what is known already, by which a step is held back (Levenberg 1944): where
+    fingers touch the misfit bends within a standard deviation.
+    """
     space, x = point.ground.model.space, point.x[point.active]
     low, high = space.low[point.active], space.high[point.active]
     step, free = np.zeros(x.size), np.ones(x.size, bool)
     held = (x <= low) & (point.pull < 0.0) | (x >= high) & (point.pull > 0.0)
     free &= ~held
-    curvature = point.curvature[np.ix_(free, free)]
-    step[free] = np.linalg.solve(curvature + LIGHT * np.eye(free.sum()), point.pull[free])
+    curvature = point.curvature + np.diag(damping * point.prior**2 + LIGHT)
+    step[free] = np.linalg.solve(curvature[np.ix_(free, free)], point.pull[free])
     return step
 
 

@@ -6,17 +6,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hannes.campaign import Entry
-from hannes.diagnosis.fit import fitted
+from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import Model
-from hannes.diagnosis.noise import rough_levels
-from hannes.diagnosis.point import Ground, Point, first, missed
+from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
 from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
 from hannes.effect import Effect
 from hannes.plant import Plant
 
+ROUGH, FINE = Care(10.0, 4), Care(2.0, 12)  # by the one a fit finds its way, by the other it ends
+ROUNDS = 3  # of slopes anew, at most, until the base has settled
 SHORT = 5  # effects of each screening that are refitted
 FINAL = 3  # of these, refitted with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
@@ -81,11 +82,12 @@ def investigate(
     groups = grouped(plant, entries)
     space = Space(plant, groups, settings, effects)
     told("the machine as given")
-    given = first(Model(plant, groups, space, effects), rough_levels(groups), seed)
+    given = first(Model(plant, groups, space, effects), ROUGH, seed)
     told("the base")
-    base = fitted(given, 2)
-    given, base = regrained(given, base, seed)
-    base = fitted(base, 3, anew=1)
+    base = fitted(given, 5, anew=1)
+    ground = surveyed(base.ground.model, base.x, base.slopes, FINE, seed)
+    given = grounded(given, ground)
+    base = settled(fitted(grounded(base, ground), 4), 3, ROUNDS)
     names = list(space.effects)
     told("a look at every effect")
     guesses = screened(base, names)
@@ -103,17 +105,6 @@ def investigate(
     )
     found = Found(given, base, guesses, _with_likeness(base, guesses, trials), None, None, unit)
     return _second(found, told) if trials and trials[0].gain > LIMIT else found
-
-
-def regrained(given: Point, base: Point, seed: int) -> tuple[Point, Point]:
-    """Both points with the grain of the firmware as it is where the base fits."""
-    grain, _ = base.ground.model.grain(base.x, False, seed)
-    ground = replace(base.ground, grain=grain)
-    return _on(ground, given), _on(ground, base)
-
-
-def _on(ground: Ground, point: Point) -> Point:
-    return replace(point, ground=ground, miss=missed(ground, point.vectors))
 
 
 def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) -> list[Trial]:

@@ -1,10 +1,11 @@
 """Simulations of every group at many places of the space at once, as vectors."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from hannes.diagnosis.groups import Channels, Group
+from hannes.diagnosis.groups import Channels, Group, roughness
 from hannes.diagnosis.space import Space
 from hannes.effect import Effect
 from hannes.errors import ComputationFailed
@@ -13,7 +14,20 @@ from hannes.plant import Plant
 NOWHERE = "the base cannot be simulated under a recording's reference; try a base nearer to it"
 SHIFT = 0.4e-3  # s, over which the effect of starting later is differenced
 AROUND = 0.1  # standard deviations over which the grain is averaged
-SAMPLES = 8  # simulations that the grain is averaged over
+
+
+@dataclass(frozen=True)
+class Grain:
+    """What firmware adds to a group's run.
+
+    mean: shape (n,), the part that a model can know; strays: shape (samples, n), what each run was
+    off that mean, as any run may be: friction holds on to it for as long as the machine turns one
+    way; rough: of each channel's samples, see `roughness`
+    """
+
+    mean: np.ndarray
+    strays: np.ndarray
+    rough: dict[str, float]
 
 
 class Model:
@@ -54,27 +68,36 @@ class Model:
                 row[:] = group.vector(channels)
         return found
 
-    def grain(self, x: np.ndarray, effects: bool, seed: int) -> tuple[list[np.ndarray], ...]:
-        """What the firmware's grain adds to each group near x, and how unsure that is.
+    def grain(self, x: np.ndarray, samples: int, seed: int) -> "list[Grain]":
+        """What the firmware's grain adds to each group near x, and how it differs from run to run.
 
-        Its rounding makes a pattern that the least change moves: what is left in the mean over
-        small changes is the part that a model can know, and the variance of that mean is noise
-        that all repeats share. Returns means and variances, shape (n,) each.
+        Its rounding makes a pattern that the least change moves, and its sensors' noise, where the
+        plant knows of it (`noisy`), moves the machine.
         """
-        rows = x + np.zeros((SAMPLES, x.size))
+        rows = x + np.zeros((samples, x.size))
         known = self.space.uncertain
-        drawn = np.random.default_rng([seed, 7]).standard_normal((SAMPLES, known.size))
+        drawn = np.random.default_rng([seed, 7]).standard_normal((samples, known.size))
         rows[:, known] += AROUND * drawn
-        means, variances = [], []
-        for group in self.groups:
-            pair = (self.vectors(group, rows, effects, exact) for exact in (True, False))
-            difference = np.subtract(*pair)
-            difference = difference[np.isfinite(difference).all(axis=1)]
-            if len(difference) < 2:
-                raise ComputationFailed(NOWHERE)
-            means.append(difference.mean(axis=0))
-            variances.append(difference.var(axis=0, ddof=1) / len(difference))
-        return means, variances
+        return [self._grain(group, rows) for group in self.groups]
+
+    def _grain(self, group: Group, rows: np.ndarray) -> "Grain":
+        runs = [each for each in self._firmware(group, rows) if each is not None]
+        smooth = self.vectors(group, rows, False)
+        if len(runs) < max(2, len(rows)) or not np.isfinite(smooth).all():
+            raise ComputationFailed(NOWHERE)
+        difference = np.array([group.vector(each) for each in runs]) - smooth
+        mean = difference.mean(axis=0)
+        rough = [{name: roughness(each[name]) for name in group.names} for each in runs]
+        usual = {name: float(np.median([each[name] for each in rough])) for name in group.names}
+        return Grain(mean, difference - mean, usual)
+
+    def _firmware(self, group: Group, rows: np.ndarray) -> list[Channels | None]:
+        """Channels by the firmware, which reads noisy sensors where the plant knows of them."""
+        noisy = getattr(self.small, "noisy", None)
+        if noisy is None:
+            return self.simulated(group, rows, False, exact=True)
+        columns = self.space.columns(group, rows, False) | noisy(group.recording, len(rows))
+        return list(self.small.many(columns, group.recording, group.names, True))  # type: ignore[attr-defined]
 
 
 def _alone(plant: Plant, values: dict[str, float], group: Group) -> Channels | None:

@@ -13,7 +13,6 @@ from hannes.campaign import Entry
 from hannes.diagnosis.groups import Group
 from hannes.diagnosis.investigation import Found, Trial
 from hannes.diagnosis.model import Model
-from hannes.diagnosis.noise import JERK
 from hannes.diagnosis.point import Point, differenced, run_to_run
 from hannes.plant import Plant
 from hannes.recording import Recording
@@ -60,6 +59,6 @@ def separation(base: Point, group: Group, one: Trial, other: Trial) -> float:
         return 0.0
     rows, jerk = run_to_run(model, group, slopes[0], channels), group.jerk(channels)
     open_left = np.linalg.solve(base.curvature[: known.size, : known.size], slopes[0])
-    doubt = base.ground.noise.covariance(group) + np.diag((JERK * jerk) ** 2) + rows.T @ rows
+    doubt = base.ground.noise.covariance(group) + np.diag((base.ground.noise.jerk * jerk) ** 2) + rows.T @ rows
     difference = ends[0] - ends[1]
     return float(np.sqrt(difference @ np.linalg.solve(doubt + slopes[0].T @ open_left, difference)))

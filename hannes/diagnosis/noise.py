@@ -1,7 +1,9 @@
-"""What repeats of one run differ in beyond what the machine does from run to run: its covariance.
+"""How noisy the bin means of a run are: sensors, and what noisy sensors make the machine do.
 
-A noisy sensor inside a control loop moves the machine, so that what is left hangs together over
-time and from channel to channel: counted as white, it would make every fit surer than it may be.
+A noisy sensor inside a control loop moves the machine, and friction holds on to where it came: what
+is left hangs together over time and from channel to channel, and is more where fingers touch.
+Counted as white, it would make every fit surer than it may be. Its shape comes from simulations
+of the firmware with noisy sensors, its size from them or from repeats, whichever is more.
 """
 
 from collections.abc import Sequence
@@ -9,78 +11,116 @@ from collections.abc import Sequence
 import numpy as np
 
 from hannes.calibration.whitening import Whitening
-from hannes.diagnosis.groups import Group
+from hannes.diagnosis.groups import Group, roughness
 
-REACH = 0.2  # s, over which noise hangs together
-LEAST = 0.2  # of the mean eigenvalue: a covariance from a few runs has none that is surely less
+REACH = 0.6  # s, over which noise hangs together
+LEAST = 0.1  # of the mean eigenvalue: a covariance from few runs has none that is surely less
+FAINT = 0.2  # of a channel's roughness, that is surely not simulated
+NEAR = 5  # bins on each side, over which simulations tell how noisy a bin is
 TYPICAL = 0.4549  # median of a squared standard normal number
 Levels = dict[str, float]  # channel -> standard deviation of a bin mean
 
 
 class Noise:
-    """Covariance of the bin means of a run of each group, without grain and jerk."""
+    """Covariance of the bin means of a run of each group, without what differs from run to run.
+
+    strays: what simulated runs of each group are off their mean, shape (simulations, n) each
+    roughs: roughness of each channel in these; white noise makes up for that of the recordings
+    jerk: how many times the stray inside a bin is noise there: what touches is known less well
+    """
 
     def __init__(
         self,
         groups: Sequence[Group],
+        strays: Sequence[np.ndarray],
+        roughs: Sequence[Levels],
         jerks: Sequence[np.ndarray],
         restless: Sequence[np.ndarray],
-        floor: Levels,
+        jerk: float,
     ) -> None:
-        self.groups, self.floor = groups, floor
-        self._rests = [_rests(*each, floor) for each in zip(groups, jerks, restless, strict=True)]
-        self.levels = self._levels()
-        self._lagged = self._correlations(jerks)
-
-    def _levels(self) -> Levels:
-        """Of every channel, from the median over bins: a few odd bins change little."""
-        squares: dict[str, list[float]] = {}
-        for group, rests in zip(self.groups, self._rests, strict=True):
-            for rest in rests:
-                for name in group.names:
-                    typical = float(np.median(rest[group.of(name)] ** 2)) / TYPICAL
-                    squares.setdefault(name, []).append(typical)
-        found = {name: float(np.sqrt(np.mean(each))) for name, each in squares.items()}
-        return {name: max(found.get(name, 0.0), least) for name, least in self.floor.items()}
-
-    def _deviations(self, group: Group) -> np.ndarray:
-        return np.repeat([self.levels[name] for name in group.names], group.bins)
-
-    def _correlations(self, jerks: Sequence[np.ndarray]) -> dict[float, dict[tuple, np.ndarray]]:
-        """Width of bin -> pair of channels -> covariance over lags, tapered."""
-        runs: dict[float, list[dict[str, np.ndarray]]] = {}
-        for group, rests, jerk in zip(self.groups, self._rests, jerks, strict=True):
-            level = self._deviations(group)
-            for rest in rests:
-                calm = rest * level / np.hypot(level, JERK * jerk)
-                parts = {name: calm[group.of(name)] for name in group.names}
-                runs.setdefault(group.width, []).append(parts)
-        return {width: _covariances(width, each) for width, each in runs.items()}
+        self.groups, self.jerk = groups, jerk
+        self._white = {
+            id(group): white_levels(group, each) for group, each in zip(groups, roughs, strict=True)
+        }
+        self._profiles = {
+            id(group): _profile(group, each) for group, each in zip(groups, strays, strict=True)
+        }
+        self._lagged = self._correlations(strays)
+        shaken = [jerk * each for each in jerks]
+        self.more = self._compared(shaken, restless)
 
     def covariance(self, group: Group) -> np.ndarray:
         """Shape (n, n), positive definite."""
-        level = self._deviations(group)
-        if not self._lagged:
-            return np.diag(level**2)
+        levels = self._white.get(id(group)) or self._usual
+        white = np.repeat([levels.get(name, 0.0) for name in group.names], group.bins)
+        more = np.repeat([self.more.get(name, 1.0) for name in group.names], group.bins)
+        return (np.diag(white**2) + self._moved(group)) * np.outer(more, more)
+
+    @property
+    def _usual(self) -> Levels:
+        """Of a run that was not simulated: the most that any has."""
+        names = {name for levels in self._white.values() for name in levels}
+        return {n: max(each.get(n, 0.0) for each in self._white.values()) for n in names}
+
+    def _moved(self, group: Group) -> np.ndarray:
+        """Covariance of what the sensors' noise makes the machine do."""
         width = min(self._lagged, key=lambda each: abs(each - group.width))
         pairs = self._lagged[width]
         rough = np.block([[_toeplitz(pairs, a, b, group.bins) for b in group.names]
                           for a in group.names])  # fmt: skip
-        level = np.sqrt(np.maximum(level**2, np.diag(rough)))
-        values, vectors = np.linalg.eigh(0.5 * (rough + rough.T) / np.outer(level, level))
-        sound = (vectors * np.maximum(values, LEAST)) @ vectors.T
-        return sound * np.outer(level, level)
+        values, vectors = np.linalg.eigh(0.5 * (rough + rough.T))
+        sound = (vectors * np.maximum(values, LEAST * values.mean())) @ vectors.T
+        return sound * np.outer(self._profile(group), self._profile(group))
+
+    def _profile(self, group: Group) -> np.ndarray:
+        """Standard deviation of each bin; of a run that was not simulated, those of another."""
+        known = self._profiles.get(id(group))
+        if known is not None:
+            return known
+        usual = {
+            name: float(np.sqrt(np.mean(np.square(self._profiles[id(each)][each.of(name)]))))
+            for each in self.groups
+            for name in each.names
+        }
+        return np.repeat([usual.get(name, 0.0) for name in group.names], group.bins)
+
+    def _correlations(self, strays: Sequence[np.ndarray]) -> dict[float, dict[tuple, np.ndarray]]:
+        """Width of bin -> pair of channels -> correlation over lags, tapered."""
+        runs: dict[float, list[dict[str, np.ndarray]]] = {}
+        for group, rows in zip(self.groups, strays, strict=True):
+            for row in rows / np.maximum(self._profile(group), 1e-30):
+                runs.setdefault(group.width, []).append({n: row[group.of(n)] for n in group.names})
+        return {width: _covariances(width, each) for width, each in runs.items()}
+
+    def _compared(self, shaken: Sequence[np.ndarray], restless: Sequence[np.ndarray]) -> Levels:
+        """How many times as far repeats are from each other, by channel; at least 1."""
+        squares: dict[str, list[float]] = {}
+        self.more: Levels = {}
+        for group, *each in zip(self.groups, shaken, restless, strict=True):
+            level = np.sqrt(np.diag(self.covariance(group)))
+            for rest in _rests(group, level, *each):
+                for name in group.names:
+                    ratio = (rest / level)[group.of(name)] ** 2
+                    squares.setdefault(name, []).append(float(np.median(ratio)) / TYPICAL)
+        return {name: max(1.0, float(np.sqrt(np.mean(each)))) for name, each in squares.items()}
 
 
-JERK = 10.0  # times the stray inside a bin is noise there: what touches is not known to the bin
+def _profile(group: Group, strays: np.ndarray) -> np.ndarray:
+    """Standard deviation of each bin among simulations, from it and the bins about it, (n,)."""
+    window = np.full(2 * NEAR + 1, 1.0 / (2 * NEAR + 1))
+    variance = strays.var(axis=0, ddof=1).reshape(len(group.names), group.bins)
+    padded = np.pad(variance, ((0, 0), (NEAR, NEAR)), "edge")
+    smooth = [np.convolve(row, window, "valid") for row in padded]
+    return np.sqrt(np.concatenate(smooth))
 
 
-def _rests(group: Group, jerk: np.ndarray, restless: np.ndarray, floor: Levels) -> list[np.ndarray]:
+def _rests(
+    group: Group, level: np.ndarray, shake: np.ndarray, restless: np.ndarray
+) -> list[np.ndarray]:
     """What each run differs in from the mean of its group, what runs do taken away."""
     if group.count < 2:
         return []
-    level = np.repeat([floor[name] for name in group.names], group.bins)
-    white = Whitening.of(np.hypot(level, JERK * jerk), restless)
+    white = Whitening.of(np.hypot(level, shake), restless)
     apart = (group.measured - group.mean) * np.sqrt(group.count / (group.count - 1.0))
     return [white.rest(each) for each in apart]
 
@@ -111,15 +151,13 @@ def _toeplitz(pairs: dict[tuple, np.ndarray], a: str, b: str, size: int) -> np.n
     return toeplitz(earlier, later)
 
 
-def rough_levels(groups: Sequence[Group]) -> Levels:
-    """Least noise of each channel's bin means: from how rough its samples are."""
-    found: dict[str, float] = {}
-    for group in groups:
-        for view in group.views:
-            for name in group.names:
-                samples = view.samples(name)
-                rough = 1.4826 * float(np.median(np.abs(np.diff(samples, 2)))) / np.sqrt(6.0)
-                level = rough / np.sqrt(samples.size / group.bins)
-                least = max(0.3 * level, 1e-6 * float(np.abs(samples).max()), 1e-12)
-                found[name] = max(found.get(name, 0.0), least)
+def white_levels(group: Group, simulated: Levels) -> Levels:
+    """Noise of each channel's bin means beyond the simulated one, were it white."""
+    found = {}
+    for name in group.names:
+        samples = [view.samples(name) for view in group.views]
+        recorded = float(np.median([roughness(each) for each in samples]))
+        more = np.sqrt(max(recorded**2 - simulated.get(name, 0.0) ** 2, (FAINT * recorded) ** 2))
+        level = float(more) / np.sqrt(samples[0].size / group.bins)
+        found[name] = max(level, 1e-6 * float(np.abs(samples[0]).max()), 1e-12)
     return found

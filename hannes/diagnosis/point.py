@@ -8,12 +8,20 @@ import numpy as np
 
 from hannes.diagnosis.groups import Channels, Group
 from hannes.diagnosis.model import NOWHERE, SHIFT, Model
-from hannes.diagnosis.noise import JERK, Noise
+from hannes.diagnosis.noise import Noise
+from hannes.diagnosis.settings import Settings
 from hannes.errors import ComputationFailed
 
 STEP = 0.5  # standard deviations of what is uncertain, to difference by
-MOST_SHARE = 0.5  # of a value: what changes by more from run to run is a size of its own
 FINE = 0.3  # steps of an effect's parameter, to difference by
+
+
+@dataclass(frozen=True)
+class Care:
+    """How well noise is to be known: see Noise for `jerk`; simulations that average the grain."""
+
+    jerk: float
+    samples: int
 
 
 @dataclass(frozen=True)
@@ -99,6 +107,17 @@ class Point:
             columns[places] = ground.together(made)
         return Point(ground, x, self.active, vectors, slopes, missed(ground, vectors), columns)
 
+    def misfits(self, places: np.ndarray) -> np.ndarray:
+        """Misfit at each of the places x, shape (m, size); infinite where nothing can be run."""
+        model, found = self.ground.model, np.full(len(places), np.inf)
+        made = [model.vectors(group, places, self._has_effects) for group in model.groups]
+        for k, x in enumerate(places):
+            vectors = [each[k] for each in made]
+            if all(np.isfinite(each).all() for each in vectors):
+                miss = missed(self.ground, vectors)
+                found[k] = miss @ miss + np.sum((model.space.prior * x) ** 2)
+        return found
+
     @property
     def _has_effects(self) -> bool:
         return self.active.size > self.ground.model.space.uncertain.size
@@ -158,27 +177,56 @@ def _steps(model: Model, x: np.ndarray, along: np.ndarray) -> np.ndarray:
     return steps
 
 
-def first(model: Model, noise_floor: dict[str, float], seed: int) -> Point:
+def first(model: Model, care: Care, seed: int) -> Point:
     """The point where everything is as given and no effect is there."""
     x, known = np.zeros(model.space.size), model.space.uncertain
     vectors, slopes = differenced(model, x, known, False)
     if not all(np.isfinite(each).all() for each in vectors):
         raise ComputationFailed(NOWHERE)
-    grain, unsure = model.grain(x, False, seed)
+    ground = surveyed(model, x, slopes, care, seed)
+    return _on(ground, x, known, vectors, slopes)
+
+
+def surveyed(
+    model: Model, x: np.ndarray, slopes: Sequence[np.ndarray], care: Care, seed: int
+) -> Ground:
+    """Noise, grain, and what runs differ in, as they are at x; slopes along what is uncertain."""
+    grains = model.grain(x, care.samples, seed)
     channels = [model.simulated(group, x[np.newaxis], False)[0] or {} for group in model.groups]
     jerks = [group.jerk(each) for group, each in zip(model.groups, channels, strict=True)]
     restless = [
         run_to_run(model, *each) for each in zip(model.groups, slopes, channels, strict=True)
     ]
-    noise = Noise(model.groups, jerks, restless, noise_floor)
+    noise = Noise(
+        model.groups,
+        [each.strays for each in grains],
+        [each.rough for each in grains],
+        jerks,
+        restless,
+        care.jerk,
+    )
     covariances = [
-        (noise.covariance(group) + np.diag((JERK * jerk) ** 2) + rows.T @ rows) / group.count
-        + np.diag(shared)
-        for group, jerk, rows, shared in zip(model.groups, jerks, restless, unsure, strict=True)
+        (noise.covariance(group) + np.diag((care.jerk * jerk) ** 2) + rows.T @ rows) / group.count
+        + np.diag(grain.strays.var(axis=0, ddof=1) / len(grain.strays))
+        for group, jerk, rows, grain in zip(model.groups, jerks, restless, grains, strict=True)
     ]
-    ground = Ground(model, noise, grain, covariances)
-    columns = ground.together(slopes)
-    return Point(ground, x, known, vectors, slopes, missed(ground, vectors), columns)
+    return Ground(model, noise, [each.mean for each in grains], covariances)
+
+
+def grounded(point: Point, ground: Ground) -> Point:
+    """The same place on another ground."""
+    return _on(ground, point.x, point.active, point.vectors, point.slopes)
+
+
+def _on(
+    ground: Ground,
+    x: np.ndarray,
+    active: np.ndarray,
+    vectors: list[np.ndarray],
+    slopes: list[np.ndarray],
+) -> Point:
+    miss, columns = missed(ground, vectors), ground.together(slopes)
+    return Point(ground, x, active, vectors, slopes, miss, columns)
 
 
 def run_to_run(model: Model, group: Group, slopes: np.ndarray, channels: Channels) -> np.ndarray:
@@ -210,8 +258,6 @@ def _own_step(model: Model, group: Group, name: str, size: float) -> np.ndarray:
 def _run_sizes(model: Model, group: Group) -> dict[str, float]:
     """What changes from run to run in a group, one standard deviation [SI] by full name."""
     sizes = dict(getattr(model.small, "restless", {}))
-    shares = [s / abs(group.nominal[n]) for n, s in sizes.items() if group.nominal.get(n)]
-    largest = max((share for share in shares if share < MOST_SHARE), default=1.0)
-    factor = model.space.settings.run_scatter / largest
+    factor = model.space.settings.run_scatter / Settings.run_scatter
     others = {name for each in model.groups for name in each.own} - set(group.own)
     return {name: size * factor for name, size in sizes.items() if name not in others}

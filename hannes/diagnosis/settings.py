@@ -13,7 +13,8 @@ class Settings:
     """Standard deviations of what is not known.
 
     scatter:     share by which any given value of the machine may be off
-    run_scatter: share by which what changes most from run to run does; the rest in proportion
+    run_scatter: share by which friction changes from run to run; what a plant says of its runs
+                 (`restless`) holds for 1 %, and is more or less in proportion
     start_time:  s, of the moment at which a run starts
     """
 
