@@ -37,8 +37,8 @@ COUNTS = {
     "one-run": (40, 3),
     "wrong-model": (6, 3),
 }
-# First seed of each. Two earlier coverage studies, 30,000 to 30,082 and 60,000 to 60,092 (before bus
-# voltages were compared), showed faults and count as development now.
+# First seed of each. Two earlier coverage studies (30,000 to 30,082; 60,000 to 60,092, before bus
+# voltages were compared) showed faults and count as development now.
 FIRST = {"recovery": 10_000, "doubted": 20_000, "one-run": 40_000, "wrong-model": 50_000,
          "coverage": 80_000}  # fmt: skip
 STUDIES = (*COUNTS, "EMPS", "time")
