@@ -61,6 +61,21 @@ def test_contact_from_the_motor_current_finds_the_dynamometer(tmp_path, capsys):
 
 
 @pytest.mark.slow
+def test_contact_from_the_papers_figures_alone_after_a_scan(tmp_path):
+    """Moment of contact, slope of the current and both peaks: rough to search, so points first."""
+    campaign = tmp_path / "campaign.toml"
+    runs = f'file = "simulated:{shipped_runs("dynamometer-runs")}"\ncondition = "dynamometer"'
+    asked = 'parameters = ["object.stiffness", "object.friction"]\nchannels = []\n'
+    asked += 'features = ["contact", "I_max", "I_sc", "F_max"]'
+    campaign.write_text(f"[[recording]]\n{runs}\n[calibrate]\n{asked}\n", encoding="utf-8")
+    found = calibrate(campaign, progress=False)
+    assert found.found.plan.scan == 64 and found.fitted_gap == {}
+    for each, true in zip(found.answers, (30000.0, 0.45), strict=True):
+        assert each.value == pytest.approx(true, rel=0.05) != each.given
+        assert each.low < true < each.high
+
+
+@pytest.mark.slow
 def test_closing_time_and_position_tell_none_of_the_papers_frictions():
     found = calibrate("closure-friction", progress=False)
     assert len(found.answers) == 9
