@@ -67,7 +67,7 @@ def sense(t, y, dy, p, c, hold, out):
     measured_position, measured_current = delayed_position, delayed_current
     # effects: measured_position, measured_current
     if p.controller_current_noise > 0.0 and p.controller_sampled > 0.5:
-        seed, tick = int(p.controller_noise_seed), int(round(t / p.controller_period))
+        seed, tick = int(p.controller_noise_seed), round(t / p.controller_period)
         measured_current += p.controller_current_noise * gaussian(seed, tick)
     out.position = measured_position
     out.current = measured_current

@@ -187,7 +187,7 @@ class HandPlant:
         return hand_runs.many(self.hand, posed(recording), recording, columns, channels, exact)
 
     def noisy(self, recording: Recording, count: int) -> dict[str, np.ndarray]:
-        """Columns for `many` by which the firmware reads noisy currents, see hannes/hand_runs.py."""
+        """Columns for `many` that let the firmware read noisy currents, see hannes/hand_runs.py."""
         return hand_runs.noisy(recording, count)
 
     def nominal(self, recording: Recording) -> dict[str, float]:

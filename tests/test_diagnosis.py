@@ -15,7 +15,7 @@ from hannes.diagnose import diagnose
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
 from hannes.diagnosis.investigation import LIMIT, investigate
-from hannes.diagnosis.noise import Noise, rough_levels
+from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.screen import likeness, projected, screened, shapes
 from hannes.diagnosis.settings import Settings, read_settings
@@ -330,7 +330,8 @@ def test_noise_that_hangs_together_is_found_and_is_a_covariance():
         smooth = np.apply_along_axis(np.convolve, 1, white, np.ones(10) / np.sqrt(10.0), "valid")
         group.measured = 1e-2 * smooth
     none = [np.zeros((1, group.part.size)) for group in groups]
-    noise = Noise(groups, [each[0] for each in none], none, dict.fromkeys(groups[0].names, 1e-4))
+    calm = [each[0] for each in none]
+    noise = Noise(groups, *of_repeats(groups, calm, none, 1.0), calm, none, 1.0)
     for group in groups:
         covariance = noise.covariance(group)
         assert np.linalg.eigvalsh(covariance).min() > 0.0
@@ -341,9 +342,9 @@ def test_noise_that_hangs_together_is_found_and_is_a_covariance():
 
 def test_noise_without_repeats_is_how_rough_samples_are():
     groups = grouped(Sled(), [recordings(1)[0], recordings(1)[4]])
-    levels = rough_levels(groups)
+    levels = white_levels(groups[0], {})
     per_bin = 2e-3 / np.sqrt(groups[0].recording.time.size / groups[0].bins)
-    assert levels["position"] == pytest.approx(0.3 * per_bin, rel=0.15)
+    assert levels["position"] == pytest.approx(per_bin, rel=0.15)
 
 
 def test_shapes_lie_inside_the_bounds():

@@ -6,7 +6,7 @@ from hannes.diagnosis.heldout import held_out
 from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial
 from hannes.diagnosis.point import Point
 
-RIVAL = 14.0  # a rival within so much of the best gain is not told from it
+RIVAL = 10.0  # a rival within so much of the best gain is not told from it
 CLOSE = 0.04  # of the best gain: so near a rival may come by what no model has right
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees

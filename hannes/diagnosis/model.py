@@ -89,7 +89,8 @@ class Model:
         mean = difference.mean(axis=0)
         rough = [{name: roughness(each[name]) for name in group.names} for each in runs]
         usual = {name: float(np.median([each[name] for each in rough])) for name in group.names}
-        return Grain(mean, difference - mean, usual)
+        strays = (difference - mean) * np.sqrt(len(runs) / (len(runs) - 1.0))
+        return Grain(mean, strays, usual)
 
     def _firmware(self, group: Group, rows: np.ndarray) -> list[Channels | None]:
         """Channels by the firmware, which reads noisy sensors where the plant knows of them."""

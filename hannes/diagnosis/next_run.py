@@ -59,6 +59,10 @@ def separation(base: Point, group: Group, one: Trial, other: Trial) -> float:
         return 0.0
     rows, jerk = run_to_run(model, group, slopes[0], channels), group.jerk(channels)
     open_left = np.linalg.solve(base.curvature[: known.size, : known.size], slopes[0])
-    doubt = base.ground.noise.covariance(group) + np.diag((base.ground.noise.jerk * jerk) ** 2) + rows.T @ rows
+    doubt = (
+        base.ground.noise.covariance(group)
+        + np.diag((base.ground.noise.jerk * jerk) ** 2)
+        + rows.T @ rows
+    )
     difference = ends[0] - ends[1]
     return float(np.sqrt(difference @ np.linalg.solve(doubt + slopes[0].T @ open_left, difference)))

@@ -24,7 +24,8 @@ Levels = dict[str, float]  # channel -> standard deviation of a bin mean
 class Noise:
     """Covariance of the bin means of a run of each group, without what differs from run to run.
 
-    strays: what simulated runs of each group are off their mean, shape (simulations, n) each
+    strays: what runs of each group are off their mean, shape (runs, n) each: simulated ones, or
+            repeats (`of_repeats`)
     roughs: roughness of each channel in these; white noise makes up for that of the recordings
     jerk: how many times the stray inside a bin is noise there: what touches is known less well
     """
@@ -43,18 +44,20 @@ class Noise:
             id(group): white_levels(group, each) for group, each in zip(groups, roughs, strict=True)
         }
         self._profiles = {
-            id(group): _profile(group, each) for group, each in zip(groups, strays, strict=True)
+            id(group): _profile(group, each)
+            for group, each in zip(groups, strays, strict=True)
+            if len(each)
         }
         self._lagged = self._correlations(strays)
-        shaken = [jerk * each for each in jerks]
-        self.more = self._compared(shaken, restless)
+        self.more: Levels = {}
+        self.more = self._compared([jerk * each for each in jerks], restless)
 
     def covariance(self, group: Group) -> np.ndarray:
         """Shape (n, n), positive definite."""
         levels = self._white.get(id(group)) or self._usual
         white = np.repeat([levels.get(name, 0.0) for name in group.names], group.bins)
         more = np.repeat([self.more.get(name, 1.0) for name in group.names], group.bins)
-        return (np.diag(white**2) + self._moved(group)) * np.outer(more, more)
+        return (np.diag(white**2) + self.moved(group)) * np.outer(more, more)
 
     @property
     def _usual(self) -> Levels:
@@ -62,8 +65,10 @@ class Noise:
         names = {name for levels in self._white.values() for name in levels}
         return {n: max(each.get(n, 0.0) for each in self._white.values()) for n in names}
 
-    def _moved(self, group: Group) -> np.ndarray:
+    def moved(self, group: Group) -> np.ndarray:
         """Covariance of what the sensors' noise makes the machine do."""
+        if not self._lagged:
+            return np.zeros((group.part.size, group.part.size))
         width = min(self._lagged, key=lambda each: abs(each - group.width))
         pairs = self._lagged[width]
         rough = np.block([[_toeplitz(pairs, a, b, group.bins) for b in group.names]
@@ -80,6 +85,7 @@ class Noise:
         usual = {
             name: float(np.sqrt(np.mean(np.square(self._profiles[id(each)][each.of(name)]))))
             for each in self.groups
+            if id(each) in self._profiles
             for name in each.names
         }
         return np.repeat([usual.get(name, 0.0) for name in group.names], group.bins)
@@ -95,7 +101,6 @@ class Noise:
     def _compared(self, shaken: Sequence[np.ndarray], restless: Sequence[np.ndarray]) -> Levels:
         """How many times as far repeats are from each other, by channel; at least 1."""
         squares: dict[str, list[float]] = {}
-        self.more: Levels = {}
         for group, *each in zip(self.groups, shaken, restless, strict=True):
             level = np.sqrt(np.diag(self.covariance(group)))
             for rest in _rests(group, level, *each):
@@ -106,12 +111,29 @@ class Noise:
 
 
 def _profile(group: Group, strays: np.ndarray) -> np.ndarray:
-    """Standard deviation of each bin among simulations, from it and the bins about it, (n,)."""
+    """Standard deviation of each bin among runs, from it and the bins about it, (n,)."""
     window = np.full(2 * NEAR + 1, 1.0 / (2 * NEAR + 1))
-    variance = strays.var(axis=0, ddof=1).reshape(len(group.names), group.bins)
+    variance = np.mean(np.square(strays), axis=0).reshape(len(group.names), group.bins)
     padded = np.pad(variance, ((0, 0), (NEAR, NEAR)), "edge")
     smooth = [np.convolve(row, window, "valid") for row in padded]
     return np.sqrt(np.concatenate(smooth))
+
+
+def of_repeats(
+    groups: Sequence[Group],
+    jerks: Sequence[np.ndarray],
+    restless: Sequence[np.ndarray],
+    jerk: float,
+) -> tuple[list[np.ndarray], list[Levels]]:
+    """`strays` and `roughs` for Noise, of a plant that cannot simulate noisy sensors."""
+    strays, roughs = [], []
+    for group, stray, rows in zip(groups, jerks, restless, strict=True):
+        levels = white_levels(group, {})
+        level = np.repeat([levels[name] for name in group.names], group.bins)
+        rests = _rests(group, level, jerk * stray, rows)
+        strays.append(np.array(rests).reshape(-1, group.part.size))
+        roughs.append(recorded_roughness(group) if rests else {})
+    return strays, roughs
 
 
 def _rests(
@@ -151,13 +173,18 @@ def _toeplitz(pairs: dict[tuple, np.ndarray], a: str, b: str, size: int) -> np.n
     return toeplitz(earlier, later)
 
 
-def white_levels(group: Group, simulated: Levels) -> Levels:
-    """Noise of each channel's bin means beyond the simulated one, were it white."""
+def white_levels(group: Group, known: Levels) -> Levels:
+    """Noise of each channel's bin means beyond one of a known roughness, were it white."""
     found = {}
-    for name in group.names:
-        samples = [view.samples(name) for view in group.views]
-        recorded = float(np.median([roughness(each) for each in samples]))
-        more = np.sqrt(max(recorded**2 - simulated.get(name, 0.0) ** 2, (FAINT * recorded) ** 2))
-        level = float(more) / np.sqrt(samples[0].size / group.bins)
-        found[name] = max(level, 1e-6 * float(np.abs(samples[0]).max()), 1e-12)
+    for name, rough in recorded_roughness(group).items():
+        samples = group.views[0].samples(name)
+        more = np.sqrt(max(rough**2 - known.get(name, 0.0) ** 2, (FAINT * rough) ** 2))
+        level = float(more) / np.sqrt(samples.size / group.bins)
+        found[name] = max(level, 1e-6 * float(np.abs(samples).max()), 1e-12)
     return found
+
+
+def recorded_roughness(group: Group) -> Levels:
+    """Roughness of each channel's samples, in the middle of its runs."""
+    runs = {name: [view.samples(name) for view in group.views] for name in group.names}
+    return {name: float(np.median([roughness(x) for x in each])) for name, each in runs.items()}

@@ -8,7 +8,7 @@ import numpy as np
 
 from hannes.diagnosis.groups import Channels, Group
 from hannes.diagnosis.model import NOWHERE, SHIFT, Model
-from hannes.diagnosis.noise import Noise
+from hannes.diagnosis.noise import Noise, of_repeats
 from hannes.diagnosis.settings import Settings
 from hannes.errors import ComputationFailed
 
@@ -197,19 +197,17 @@ def surveyed(
     restless = [
         run_to_run(model, *each) for each in zip(model.groups, slopes, channels, strict=True)
     ]
-    noise = Noise(
-        model.groups,
-        [each.strays for each in grains],
-        [each.rough for each in grains],
-        jerks,
-        restless,
-        care.jerk,
-    )
+    strays, roughs = [each.strays for each in grains], [each.rough for each in grains]
+    if not any(each.any() for each in strays):
+        strays, roughs = of_repeats(model.groups, jerks, restless, care.jerk)
+    noise = Noise(model.groups, strays, roughs, jerks, restless, care.jerk)
     covariances = [
         (noise.covariance(group) + np.diag((care.jerk * jerk) ** 2) + rows.T @ rows) / group.count
-        + np.diag(grain.strays.var(axis=0, ddof=1) / len(grain.strays))
-        for group, jerk, rows, grain in zip(model.groups, jerks, restless, grains, strict=True)
+        for group, jerk, rows in zip(model.groups, jerks, restless, strict=True)
     ]
+    for covariance, group, grain in zip(covariances, model.groups, grains, strict=True):
+        if grain.strays.any():  # the mean of so many simulations is not sure either
+            covariance += noise.moved(group) / len(grain.strays)
     return Ground(model, noise, [each.mean for each in grains], covariances)
 
 
