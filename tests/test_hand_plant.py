@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from runs import grasp
 
+from hannes.control.sensor_noise import gaussian
 from hannes.errors import BadInput
 from hannes.hand import Hand
 from hannes.hand_plant import HandPlant, posed
@@ -63,3 +64,33 @@ def test_what_puts_the_object_elsewhere_puts_that_of_an_experiment_elsewhere_too
     wanted = observe(Hand(), simulate(Hand(), there, rtol=1e-5))
     assert np.abs(seen["current"] - wanted["current"]).max() < 1e-2
     assert np.abs(seen["current"] - before["current"]).max() > 3e-2
+
+
+def test_noise_of_a_sensor_is_white_and_the_same_again():
+    drawn = np.array([[gaussian(seed, tick) for tick in range(3000)] for seed in range(4)])
+    assert np.abs(drawn.mean(axis=1)).max() < 4.0 / np.sqrt(3000)
+    assert drawn.std(axis=1) == pytest.approx(np.ones(4), abs=0.05)
+    assert np.mean(drawn**4) == pytest.approx(3.0, abs=0.2)
+    power = np.abs(np.fft.rfft(drawn)[:, 1:-1]) ** 2 / 3000
+    assert power.max() < np.log(4 * 1500) + 5.0  # the largest of exponential numbers
+    assert np.abs(np.corrcoef(drawn) - np.eye(4)).max() < 0.08
+    assert gaussian(3, 141) == gaussian(3, 141)
+
+
+def test_noisy_firmware_reads_noise_and_moves_the_hand():
+    recording, run = recorded("sampled")
+    noise = 10e-3 * np.random.default_rng(1).standard_normal(len(recording))
+    measured = replace(
+        recording, channels={**recording.channels, "current": run["current"] + noise}
+    )
+    plant = HandPlant()
+    columns = plant.noisy(measured, 30)
+    assert columns["controller.current_noise"] == pytest.approx(np.full(30, 10e-3), rel=0.15)
+    runs = plant.many(columns, measured, ("current", "position"), exact=True)
+    current, position = (np.array([each[n] for each in runs]) for n in ("current", "position"))
+    assert current.std(axis=0)[20:].mean() == pytest.approx(10e-3, rel=0.5)
+    assert 0.0 < position.std(axis=0)[-1] < 5e-3
+    again = plant.many(columns, measured, ("position",), exact=True)
+    assert all((a["position"] == b).all() for a, b in zip(again, position, strict=True))
+    quiet = plant.many(columns, measured, ("position",), exact=False)
+    assert np.ptp([each["position"][-1] for each in quiet]) == 0.0
