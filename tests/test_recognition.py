@@ -24,8 +24,8 @@ from hannes.recognition.estimators import BaggedTrees, WindowFeatures
 from hannes.recognition.evaluate import f1
 from hannes.recognition.features import CHANNELS, NAMES
 from hannes.recognition.forest import of_sklearn
-from hannes.recognition.model import SURE, decided, pooled
-from hannes.recognition.train import train
+from hannes.recognition.model import FADE, UNFELT, decided, running
+from hannes.recognition.train import _sure, train
 from hannes.recording import Recording
 
 TEXT = """
@@ -168,7 +168,7 @@ def test_a_grasp_of_the_hand_is_told(arrays, trained):
     assert (soft.decision, rigid.decision) == ("soft", "rigid")
     assert soft.stiffness.value < 3000.0 < rigid.stiffness.value
     assert soft.peak_force.low <= soft.peak_force.value <= soft.peak_force.high
-    assert (soft.running[~np.cumsum(soft.touched, dtype=bool)] == 0.5).all()
+    assert soft.running[soft.held][-1] == soft.probability
 
 
 def test_an_empty_hand_is_no_grasp(trained):
@@ -263,9 +263,31 @@ def test_fuzzed_models_are_read_or_refused(file, arrays):
 
 
 def test_decisions_at_the_border_are_not_made_up():
-    assert list(decided(np.array([0.1, 0.5, SURE - 1e-9, SURE, 0.9]))) == [0, 2, 2, 1, 1]
-    told = pooled(np.array([0.5, 0.9, 0.9, 0.1]), np.array([False, True, True, True]))
-    assert told[0] == 0.5 and told[1] == pytest.approx(0.9) and told[3] < told[2]
+    assert list(decided(np.array([0.1, 0.5, 0.54, 0.55, 0.9]), 0.55)) == [0, 2, 2, 1, 1]
+    assert list(decided(np.array([0.49, 0.5]), 0.5)) == [0, 1]
+
+
+def test_the_running_decision_fades_towards_what_was_last_seen():
+    rigid = np.array([[0.9] * 5 + [0.2] * 40])
+    told = running(rigid, rigid > 0.0, FADE / 3.0)[0]
+    assert (np.diff(told[:5]) > 0.0).all() and 0.5 < told[0] < told[4] < 0.9
+    assert told[5] > 0.5 > told[9] and told[-1] == pytest.approx(0.2, abs=1e-6)
+    odds = np.log(told / (1.0 - told))
+    assert odds[0] == pytest.approx(np.log(9.0) / 3.0)
+    assert running(np.array([0.7]), np.array([True]), 1.0) == pytest.approx(0.7)
+    unfelt = running(np.array([0.9, 0.9]), np.zeros(2, bool), 1.0)
+    assert np.log(unfelt / (1.0 - unfelt)) == pytest.approx(UNFELT)
+
+
+def test_a_class_is_told_from_where_it_beats_a_coin():
+    rng = np.random.default_rng(0)
+    true = np.repeat(rng.uniform(0.0, 1.0, 400), 10)
+    classes = (rng.random(4000) < true).astype(float)
+    owner = np.repeat(np.arange(400), 10)
+    good = _sure(true, classes, owner)
+    assert 0.5 <= good <= 0.56
+    coin = np.repeat(rng.integers(0, 2, 400), 10).astype(float)
+    assert _sure(rng.random(4000), coin, owner) >= 0.6
 
 
 def test_the_papers_formula_for_an_object_of_one_class():

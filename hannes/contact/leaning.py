@@ -52,8 +52,8 @@ def nearest_place(start_x, start_y, along_x, along_y, length, section):
     """Place along a link [m], distance of the section from it [m], outward normal there.
 
     The link starts at `start` from the section's centre and goes along the unit vector `along`.
-    Abreast of the section its normal is the link's own; beyond an end of the link it has turned
-    from there by the angle at which the end lies farthest outside the tangent.
+    Abreast of the section the normal is the link's own; where the section lies beyond an end, it
+    has turned from there until that end lies farthest outside the tangent.
     """
     side = 1.0 if along_x * start_y - along_y * start_x >= 0.0 else -1.0
     normal_x, normal_y = -side * along_y, side * along_x
@@ -62,10 +62,10 @@ def nearest_place(start_x, start_y, along_x, along_y, length, section):
     place = -side * slope - (start_x * along_x + start_y * along_y)
     if 0.0 <= place <= length:
         return place, start_x * normal_x + start_y * normal_y - height, normal_x, normal_y
-    place, away = (0.0, -1.0) if place < 0.0 else (length, 1.0)
+    place, ahead = (0.0, 1.0) if place < 0.0 else (length, -1.0)
     point_x, point_y = start_x + place * along_x, start_y + place * along_y
     low, high, angle = 0.0, 0.75 * math.pi, 0.25 * math.pi
-    turn = -away * side  # sense in which the normal turns outward
+    turn = -ahead * side  # sense in which the normal turns towards the rest of the link
     first_x, first_y = normal_x, normal_y
     for _ in range(MOST):
         cosine, sine = math.cos(angle), turn * math.sin(angle)

@@ -20,13 +20,15 @@ from hannes.recognition.model import (
     Model,
     decided,
     grasp_stiffness,
-    pooled,
+    running,
 )
 
 WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
 KEPT = 0.2  # share of the grasps that is not learnt from
 LEAST = 0.5  # N, of the force that is learnt
 BINS = 6  # of an interval's width along the estimate
+FOLDS = 5
+GRID, WIDTH = np.round(np.arange(0.5, 0.71, 0.01), 2), 0.02  # of confidence
 
 
 @dataclass(frozen=True)
@@ -127,6 +129,7 @@ def _fitted(
     return Model(
         cut,
         data.border,
+        0.5,
         rigid,
         regression(used, stiffness[used]),
         regression(pressed, np.log(known.force[pressed])),
@@ -142,23 +145,61 @@ def held(features: np.ndarray) -> np.ndarray:
     return (np.nan_to_num(features[..., SINCE]) > 0.0) & (features[..., RISE] > HELD)
 
 
+def last_held(features: np.ndarray) -> np.ndarray:
+    """Last window of each grasp in which its object is held, -1 where there is none."""
+    found = held(features)
+    last = found.shape[1] - 1 - np.argmax(found[:, ::-1], axis=1)
+    return np.where(found.any(axis=1), last, -1)
+
+
 def _calibrated(model: Model, known: Grasps) -> Model:
     """The model with its probabilities and intervals as they proved on grasps not learnt from."""
-    from sklearn.isotonic import IsotonicRegression
-
     used = known.scored
     raw = model.rigid(known.features[used])
     classes = np.repeat(known.rigid, used.sum(axis=1)).astype(float)
     if np.unique(classes).size == 2:
-        fitted = IsotonicRegression(y_min=0.005, y_max=0.995).fit(raw, classes)
-        points = Calibration(fitted.X_thresholds_.astype(float), fitted.y_thresholds_.astype(float))
-        model = replace(model, calibration=points)
+        points = _isotonic(raw, classes)
+        owner = np.repeat(np.arange(known.rigid.size), used.sum(axis=1))
+        model = replace(model, calibration=points, sure=_sure(raw, classes, owner))
     stiffness, peak = estimates(model, known)
     return replace(
         model,
         stiffness_band=_band(stiffness, known.stiffness),
         force_band=_band(peak, known.peak),
     )
+
+
+def _isotonic(raw: np.ndarray, classes: np.ndarray) -> Calibration:
+    from sklearn.isotonic import IsotonicRegression
+
+    fitted = IsotonicRegression(y_min=0.005, y_max=0.995).fit(raw, classes)
+    return Calibration(fitted.X_thresholds_.astype(float), fitted.y_thresholds_.astype(float))
+
+
+def _sure(raw: np.ndarray, classes: np.ndarray, owner: np.ndarray) -> float:
+    """Probability from which a decision beats a coin, by cross-validation over grasps.
+
+    raw: what the forest told of windows; owner: the grasp of each. It is the least confidence on
+    a grid at which the windows told about so are right more often than half, at 95 % confidence.
+    """
+    told = np.full(raw.size, 0.5)
+    for fold in range(FOLDS):
+        out = owner % FOLDS == fold
+        if np.unique(classes[~out]).size == 2 and out.any():
+            told[out] = _isotonic(raw[~out], classes[~out])(raw[out])
+    confidence, right = np.maximum(told, 1.0 - told), (told >= 0.5) == classes
+    for sure in GRID:
+        about = (confidence >= sure) & (confidence < sure + WIDTH)
+        if about.any() and _least_share(right[about], owner[about]) > 0.5:
+            return float(sure)
+    return float(GRID[-1])
+
+
+def _least_share(right: np.ndarray, owner: np.ndarray) -> float:
+    """Lower end of the one-sided 95 % interval of a share, windows of a grasp taken together."""
+    share = right.mean()
+    off = np.bincount(owner, right - share)
+    return float(share - 1.645 * np.sqrt((off**2).sum()) / right.size)
 
 
 def estimates(model: Model, known: Grasps) -> tuple[np.ndarray, np.ndarray]:
@@ -184,16 +225,20 @@ def _band(estimate: np.ndarray, true: np.ndarray) -> Band:
 
 def worth(model: Model, known: Grasps) -> dict[str, float]:
     """Shares of right decisions, and errors, on grasps that were not learnt from."""
-    rigid = np.full(known.scored.shape, 0.5)
-    rigid[known.scored] = model.windows(known.features[known.scored])
-    windows = decided(rigid) == known.rigid[:, np.newaxis]
-    grasp = decided(pooled(rigid, known.scored)[:, -1]) == known.rigid
+    there = ~np.isnan(known.features[..., 0])
+    rigid = np.full(there.shape, 0.5)
+    rigid[there] = model.windows(known.features[there])
+    windows = decided(rigid, model.sure) == known.rigid[:, np.newaxis]
+    last = last_held(known.features)
+    touched = np.nan_to_num(known.features[..., SINCE]) > 0.0
+    whole = running(rigid, touched, model.cut.hop)[np.arange(last.size), last]
+    grasp = decided(whole, model.sure) == known.rigid
     stiffness, peak = estimates(model, known)
     miss = np.abs(peak / known.peak - 1.0)
     return {
         "grasps": int(known.rigid.size),
         "windows_right": float(windows[known.scored].mean()),
-        "grasps_right": float(grasp[known.scored.any(axis=1)].mean()),
+        "grasps_right": float(grasp[last >= 0].mean()),
         "brier": float(np.mean((rigid - known.rigid[:, np.newaxis])[known.scored] ** 2)),
         "stiffness_factor": float(
             np.exp(np.nanmedian(np.abs(np.log(stiffness / known.stiffness))))
