@@ -90,7 +90,11 @@ def _leaning(p: dict[str, np.ndarray]) -> np.ndarray:
     v = p["frame_xy"] * normals[..., 0] + p["frame_yy"] * across
     half_x, half_y, round_off = (
         each[:, np.newaxis]
-        for each in (p["section_half_x"][f], p["section_half_y"][f], (p["reach"] - radius)[: f.size])
+        for each in (
+            p["section_half_x"][f],
+            p["section_half_y"][f],
+            (p["reach"] - radius)[: f.size],
+        )
     )
     tangent = half_x * np.hypot(u, ARCH) + half_y * np.hypot(v, ARCH) + round_off * np.hypot(u, v)
     return radius[: f.size] - (nearer - tangent).max(axis=1)

@@ -119,7 +119,7 @@ class Hand:
         return table
 
     def _sections(self, shape: str, turns: bool) -> list[float]:
-        """Values of the slots from `object_flat` to `reach`; `turns`: an effect turns the object."""
+        """Values of the slots from `object_flat` to `reach`; `turns`: an effect turns it."""
         values = self.parameters
         offsets = [values[f"{finger}.mount_z"] - values["object.z"] for finger in FINGERS]
         radius, half_x, half_y = (values[f"object.{n}"] for n in ("radius", "half_x", "half_y"))
@@ -129,7 +129,7 @@ class Hand:
         halves = [cut[column] for column in (0, 1) for cut in cuts]
         aside = [offset * math.tan(tilt) for tilt in pose[1:] for offset in offsets]
         flat = 1.0 if any(halves) else 0.0
-        if any(pose[1:]) or flat and (turns or pose[0]):
+        if any(pose[1:]) or (flat and (turns or pose[0])):
             flat = 2.0
         reach = [
             values[f"{finger}.radius"] + cut[2] if cut[2] > 0.0 else -1.0

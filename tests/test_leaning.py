@@ -1,4 +1,4 @@
-"""Tilted and turned objects: sections and distances against solid geometry, found by brute force."""
+"""Tilted and turned objects: sections and distances against solid geometry by brute force."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def outside(point, shape, pose):
 
 
 def border(angles, shape, pose, height):
-    """Points of the section's border in directions from the axis' place in the plane, shape (n, 2)."""
+    """Points of the section's border, in directions from the axis' place, shape (n, 2)."""
     centre = height * np.tan(pose[1:])
     rays = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     low, high = np.zeros(len(angles)), np.full(len(angles), 0.2)
@@ -116,9 +116,7 @@ def test_its_rate_of_depth_is_the_rate_of_its_depth(shape, tilt):
 PRISM = {"object.half_x": 0.02, "object.half_y": 0.018, "object.radius": 0.008}
 
 
-@pytest.mark.parametrize(
-    ("shape", "more", "off"), [("cylinder", {}, 1e-4), ("prism", PRISM, 0.02)]
-)
+@pytest.mark.parametrize(("shape", "more", "off"), [("cylinder", {}, 1e-4), ("prism", PRISM, 0.02)])
 def test_hardly_tilted_is_as_good_as_upright(shape, more, off):
     forces = []
     for tilt in (0.0, 1e-7):
@@ -143,7 +141,9 @@ def posed(**values):
 
 
 def test_tilted_objects_must_stand_clear_of_the_open_hand():
-    upright, known = (list(overlaps(Hand(), each).values()) for each in (posed(tilt_x=1e-9), posed()))
+    upright, known = (
+        list(overlaps(Hand(), each).values()) for each in (posed(tilt_x=1e-9), posed())
+    )
     assert upright == pytest.approx(known, abs=2e-7)
     with pytest.raises(BadInput, match="the object intersects the open hand"):
         require_clear(Hand(), posed(tilt_y=0.7), "x.toml")
@@ -172,7 +172,7 @@ def test_files_tell_turn_and_tilt():
     assert {n: np.rad2deg(found[n]) for n in expected} == pytest.approx(expected)
     with pytest.raises(BadInput, match="tilt must be a list of 2 values"):
         read(TEXT + OBJECT.replace('["15 deg", "-5 deg"]', '["15 deg"]'), "x.toml")
-    with pytest.raises(BadInput, match="tilt_x = 1.39.* above its upper bound 1"):
+    with pytest.raises(BadInput, match=r"tilt_x = 1.39.* above its upper bound 1"):
         read(TEXT + OBJECT.replace('"15 deg"', '"80 deg"'), "x.toml")
 
 

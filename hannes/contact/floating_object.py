@@ -108,7 +108,7 @@ LAW = Effect(
     source="Newton and Euler for a plane body; the contacts are the paper's eq. 3",
     parameters=(
         Parameter("free", 0.0, "1", (0.0, 1.0), "1 where it floats, 0 fixed to the bench", off=0.0),
-        Parameter("mass", 0.15, "kg", (1e-3, 5.0), "of the object"),
+        Parameter("mass", 0.15, "kg", (1e-3, 1e3), "of the object"),
         Parameter("gyration", 0.02, "m", (1e-3, 0.2), "radius of gyration about z"),
         Parameter("palm", -0.012, "m", (-0.3, 0.3), "x of the palm's surface, in the hand frame"),
     ),
@@ -119,9 +119,7 @@ LAW = Effect(
             states=("shift_x", "shift_y", "turned"),
         ),
         Term(fleeing, writes=("penetration_rate", "slip_speed")),
-        Term(
-            driven, writes=("palm_force", "object_power"), states=("speed_x", "speed_y", "spin")
-        ),
+        Term(driven, writes=("palm_force", "object_power"), states=("speed_x", "speed_y", "spin")),
     ),
     states=(
         Slot("shift_x", "m", "towards the fingertips", tolerance=1e-6),

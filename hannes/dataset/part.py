@@ -145,9 +145,7 @@ def _row(spec: Spec, drawn: Drawn, grasp: Grasp) -> tuple[Any, ...]:
     return (*own, complete, *ends, peak, *(drawn.values[name] for name in spec.columns))
 
 
-def touching(
-    time: np.ndarray, force: np.ndarray, share: float = SHARE
-) -> tuple[float, float]:
+def touching(time: np.ndarray, force: np.ndarray, share: float = SHARE) -> tuple[float, float]:
     """Contact and release [s]: first and last sample above 1 N and a share of the peak force.
 
     Below 5 % of it, fingers that touched wait for the others to close. NaN where nothing is

@@ -9,7 +9,7 @@ the running one, as a hand would have it that does not know when it touched.
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -91,6 +91,18 @@ def evaluate(model: Model, subjects: Sequence[Subject]) -> dict[str, Any]:
         "reliability": _reliability(grasps),
         "force": _force(every),
     }
+
+
+def learning_curve(
+    models: Iterable[tuple[int, Model]], subjects: Sequence[Subject]
+) -> list[dict[str, Any]]:
+    """Scores of models, each with the number of grasps that it learnt from."""
+    keys = ("f1_windows", "f1_grasps", "f1_worst", "stable_in_time")
+    rows = []
+    for count, model in models:
+        told = evaluate(model, subjects)
+        rows.append({"grasps": count, **{key: told[key] for key in keys}})
+    return rows
 
 
 def _grasp(model: Model, subject: Subject, recording: Recording) -> dict[str, Any]:

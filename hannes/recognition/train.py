@@ -1,5 +1,6 @@
 """`hannes train`: learn from a data set's grasps; some of them are kept to say what it is worth."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ from hannes.recognition.model import (
 WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
 KEPT = 0.2  # share of the grasps that is not learnt from
 LEAST = 0.5  # N, of the force that is learnt
+FEWEST = 30  # grasps of a learning curve
 BINS = 6  # of an interval's width along the estimate
 FOLDS = 5
 GRID, WIDTH = np.round(np.arange(0.5, 0.71, 0.01), 2), 0.02  # of confidence
@@ -90,19 +92,46 @@ def train(
     """
     data, cut = read(path), cut or Cut()
     known = grasps(data, data.role("train"), cut)
-    rng = np.random.default_rng(seed)
-    kept = rng.permutation(known.rigid.size) < max(1, round(KEPT * known.rigid.size))
-    if known.rigid.size < 50:  # a design by hand: nothing to spare
-        kept[:] = False
+    kept = _kept(known, seed)
     learnt = np.flatnonzero(~kept)[:most]
-    model = _fitted(known.some(learnt), cut, data, trees, seed, jobs)
-    model = _calibrated(model, known.some(kept) if kept.any() else known)
+    model = _learnt(known, kept, learnt, data, cut, trees, seed, jobs)
     told = {"title": data.title, "grasps": int(learnt.size), "kept": int(kept.sum())}
     if kept.any():
         told["kept_scores"] = worth(model, known.some(kept))
     if data.role("test").any():
         told["test_scores"] = worth(model, grasps(data, data.role("test"), cut))
     return model, told
+
+
+def curve(
+    path: str | Path, *, trees: int = 40, seed: int = 0, jobs: int | None = -1
+) -> Iterator[tuple[int, Model]]:
+    """Models that learnt from ever more grasps, and from how many: a learning curve.
+
+    From all that `train` learns from down to a quarter, a quarter of that, and so on to some 30;
+    calibrated on the same grasps that are kept.
+    """
+    data, cut = read(path), Cut()
+    known = grasps(data, data.role("train"), cut)
+    kept = _kept(known, seed)
+    order = np.flatnonzero(~kept)
+    steps = 1 + max(0, int(np.log(order.size / FEWEST) / np.log(4.0)))
+    for count in [round(order.size / 4.0**k) for k in range(steps)][::-1]:
+        yield count, _learnt(known, kept, order[:count], data, cut, trees, seed, jobs)
+
+
+def _kept(known: Grasps, seed: int) -> np.ndarray:
+    """Which grasps are not learnt from; none of a design by hand, which has none to spare."""
+    size, rng = known.rigid.size, np.random.default_rng(seed)
+    return (rng.permutation(size) < round(KEPT * size)) & (size >= 50)
+
+
+def _learnt(
+    known: Grasps, kept: np.ndarray, learnt: np.ndarray, data: DataSet, cut: Cut,
+    trees: int, seed: int, jobs: int | None,
+) -> Model:  # fmt: skip
+    model = _fitted(known.some(learnt), cut, data, trees, seed, jobs)
+    return _calibrated(model, known.some(kept) if kept.any() else known)
 
 
 def _fitted(
