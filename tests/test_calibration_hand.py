@@ -4,15 +4,16 @@ import json
 import signal
 import sys
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from hannes import hand_plant, measured
+from hannes import hand_plant, hand_runs, measured
 from hannes.calibrate import calibrate
 from hannes.calibration.model import Model
 from hannes.calibration.state import JERK
-from hannes.calibration.view import View
+from hannes.calibration.view import BIN, View
 from hannes.campaign import Entry, read_campaign
 from hannes.cli import main
 from hannes.errors import MissingRecording
@@ -147,3 +148,32 @@ def test_slopes_by_the_steps_of_a_fit_are_free_of_the_solvers_grain(monkeypatch)
     for name in STEPS:
         a, b = (model.slopes(each, name, np.zeros(1))[0] / noise for each in (used, exact))
         assert np.linalg.norm(a - b) < 0.02 * np.linalg.norm(b), name
+
+
+def test_a_bin_of_one_last_sample_does_not_count():
+    """Its mean is as noisy as that sample: counted like the rest, it would outweigh them."""
+    run = next(iter(virtual_recordings(shipped_runs("dynamometer-runs")).values()))
+    plant = hand_plant.HandPlant()
+    view = View(Entry("run", run, "", "fit"), plant, ("current",), ())
+    samples = round(BIN / float(np.median(np.diff(run.time))))
+    whole, over = divmod(len(run), samples)
+    assert over == 1
+    assert view.bins == whole
+
+
+def test_quick_runs_of_firmware_are_as_good_as_those_of_a_plant(monkeypatch):
+    """Small changes of friction average the firmware's rounding out of both."""
+    run = next(iter(virtual_recordings(shipped_runs("dynamometer-runs")).values()))
+    asked = replace(hand_plant.posed(run), controller="sampled")
+    shipped = hand_plant.HandPlant().hand
+    shares = 1.0 + 1e-3 * np.random.default_rng(1).standard_normal(40)
+    columns = {"motor.dry_friction": shipped.parameters["motor.dry_friction"] * shares}
+
+    def mean_force() -> np.ndarray:
+        made = hand_runs.many(shipped, asked, run, columns, ("force",), exact=True)
+        return np.mean([each["force"] for each in made], axis=0)
+
+    used = mean_force()
+    monkeypatch.setattr(hand_runs, "TICKED", 1e-7)
+    exact = mean_force()
+    assert np.sqrt(np.mean((used - exact) ** 2)) < 1.2e-4 * exact.max()

@@ -13,6 +13,7 @@ from hannes.plant import Plant
 
 BIN = 0.01  # s
 STRETCHES = 2  # of the plant's block, that a recording must have for each parameter
+FEW = 0.5  # of the usual number of samples in a bin: one with fewer does not count
 PER_BLOCK = 20  # bins, at least, in the time over which the plant's misfit hangs together
 
 
@@ -39,8 +40,9 @@ class View:
         self.stretch = plant.block
         mask = plant.judged_part(self.recording)
         width = width or min(BIN, plant.block / PER_BLOCK)
-        bins = (self.since[mask] / width + 1e-9).astype(int)
-        kept, self._bin = np.unique(bins, return_inverse=True)
+        bins = (self.since / width + 1e-9).astype(int)
+        mask = _whole(mask, bins)
+        kept, self._bin = np.unique(bins[mask], return_inverse=True)
         self._mask, self._count = mask, np.bincount(self._bin)
         self.part = self._parts(kept.size)
         stretch = (kept * width / plant.block).astype(int)
@@ -112,3 +114,9 @@ class View:
             for name in wanted
             if name != "time"
         }
+
+
+def _whole(mask: np.ndarray, bins: np.ndarray) -> np.ndarray:
+    """The mask without bins of few samples: their means are noisier than those of the others."""
+    counts = np.bincount(bins[mask], minlength=int(bins[-1]) + 1)
+    return mask & (counts >= FEW * np.median(counts[counts > 0]))[bins]
