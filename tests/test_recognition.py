@@ -21,7 +21,7 @@ from hannes.errors import BadInput
 from hannes.recognition import model_file
 from hannes.recognition.cut import Cut
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
-from hannes.recognition.evaluate import f1
+from hannes.recognition.evaluate import delay, f1
 from hannes.recognition.features import CHANNELS, NAMES
 from hannes.recognition.forest import of_sklearn
 from hannes.recognition.model import FADE, UNFELT, decided, running
@@ -279,6 +279,18 @@ def test_the_running_decision_fades_towards_what_was_last_seen():
     assert np.log(unfelt / (1.0 - unfelt)) == pytest.approx(UNFELT)
 
 
+def test_a_decision_counts_from_where_it_stays_right():
+    times = np.arange(10) / 10.0
+
+    def late(right, contact=0.2, release=0.8):
+        return delay(times, np.array([c == "+" for c in right]), contact, release)
+
+    assert late("--++++++++") == pytest.approx(0.0)  # what comes before contact does not count
+    assert late("++-+-++++-") == pytest.approx(0.3)
+    assert late("+++++++-++") == pytest.approx(0.6)
+    assert late("++++++++-+") == late("++++++++++", 0.52, 0.55) == float("inf")
+
+
 def test_a_class_is_told_from_where_it_beats_a_coin():
     rng = np.random.default_rng(0)
     true = np.repeat(rng.uniform(0.0, 1.0, 400), 10)
@@ -286,7 +298,7 @@ def test_a_class_is_told_from_where_it_beats_a_coin():
     owner = np.repeat(np.arange(400), 10)
     good = _sure(true, classes, owner)
     assert 0.5 <= good <= 0.56
-    coin = np.repeat(rng.integers(0, 2, 400), 10).astype(float)
+    coin = np.repeat(np.arange(400) % 2, 10).astype(float)
     assert _sure(rng.random(4000), coin, owner) >= 0.6
 
 
@@ -306,10 +318,13 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
         'title = "two"\n[[object]]\nname = "a"\nclass = "soft"\nfile = "soft-*.h5"\n'
         '[[object]]\nname = "b"\nclass = "rigid"\nfile = "hard-*.h5"\n'
     )
-    assert main(["evaluate", "model.h5", "evaluation.toml", "--out", "scores", "--json"]) == 0
+    more = ["--out", "scores", "--learning-curve", str(data), "--json"]
+    assert main(["evaluate", "model.h5", "evaluation.toml", *more]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told == json.loads(Path("scores/evaluation.json").read_text())
     assert told["f1_grasps"] == 1.0 and told["f1_windows"] > 0.9
+    assert [row["grasps"] for row in told["learning_curve"]] == [64]
+    assert told["learning_curve"][0]["f1_grasps"] == 1.0
     assert main(["evaluate", "model.h5", "soft-2.h5"]) == 0
     assert re.match(r"soft .*\n  stiffness .* N/m .*\n  peak grip", capsys.readouterr().out)
 
