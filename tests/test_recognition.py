@@ -297,9 +297,9 @@ def test_a_class_is_told_from_where_it_beats_a_coin():
     classes = (rng.random(4000) < true).astype(float)
     owner = np.repeat(np.arange(400), 10)
     good = _sure(true, classes, owner)
-    assert 0.5 <= good <= 0.56
+    assert 0.5 <= good <= 0.53
     coin = np.repeat(np.arange(400) % 2, 10).astype(float)
-    assert _sure(rng.random(4000), coin, owner) >= 0.6
+    assert _sure(rng.random(4000), coin, owner) > good + 0.01
 
 
 def test_the_papers_formula_for_an_object_of_one_class():
