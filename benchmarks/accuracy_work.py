@@ -8,6 +8,7 @@ Rodas without scipy: the compiled steps, sampled like the others.
 import statistics
 import time
 from collections.abc import Callable
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -59,12 +60,17 @@ def by_scipy(hand: Hand, experiment: Experiment, method: str, rtol: float) -> Ca
 
 
 def timed(cases: dict[Any, Callable[[], Any]], repeats: int) -> dict[Any, list[float]]:
-    """Milliseconds of each case, all cases in turn, repeated."""
+    """Milliseconds of each case, all in turn, repeated; each time in another order.
+
+    The first run of other machine code than before takes longer: it is not to be the same one.
+    """
     seconds: dict[Any, list[float]] = {case: [] for case in cases}
+    order, random = list(cases), Random(0)
     for _ in range(repeats):
-        for case, run in cases.items():
+        random.shuffle(order)
+        for case in order:
             clock = time.process_time()
-            run()
+            cases[case]()
             seconds[case].append(1e3 * (time.process_time() - clock))
     return seconds
 

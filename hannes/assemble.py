@@ -129,13 +129,7 @@ class Compiled:
 
     def problem(self, p: np.ndarray, reference: np.ndarray, hold: np.ndarray) -> Problem:
         """The rates with these parameters as a problem for `Rodas`."""
-        fast, size = self.fast, self.states.size
-        nowhere = np.zeros(1), np.zeros((0, 4, size))
-
-        def first_step(*given: Any) -> None:
-            fast.steps_on(*given[:-1], *nowhere, given[-1])
-
-        return Problem(fast.steps_on, first_step, fast.look_up, (p, reference, hold))
+        return Problem(self.fast.steps_on, self.fast.look_up, (p, reference, hold))
 
     def is_warm(self, entry: str = "rates") -> bool:
         """Tell whether machine code of a former run can be used for an entry point."""

@@ -17,7 +17,6 @@ from hannes.rodas.step import NOT_FINITE, TOO_MANY, WORK
 STATES, CHANNELS, OUTPUTS = 1, 1, 1
 steps = np.full(31, 1e-3)
 advance: Any = None
-first_step: Any = None
 sample_pieces: Any = None
 fill_outputs: Any = None
 
@@ -61,16 +60,10 @@ def tick(t, y, p, reference, hold):
     sample(t, y, np.zeros(STATES), p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
 
 
-def steps_on(given, y, rtol, atol, clock, counts, ends, pieces, work):
-    """Take steps, or choose the first one where there is no room for any; see rodas/step.py.
-
-    One entry point for both: each would hold all equations. given: parameters, reference, hold.
-    """
+def steps_on(given, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
+    """Take steps, see rodas/step.py. given: parameters, reference, hold."""
     data = workspace(y, given[0], given[1], given[2])
-    if pieces.shape[0] > 0:
-        return advance(data, y, rtol, atol, clock, counts, ends, pieces, work)
-    first_step(data, y, rtol, atol, clock, counts, work)
-    return 0
+    return advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
 
 
 def look_up(times, ends, pieces, rows):
@@ -107,33 +100,30 @@ def grasps(
 def grasp(data, y, bounds, period, times, rtol, atol, stop, rows, holds, counts):
     """Smooth part after smooth part, or tick after tick; returns how many samples were reached."""
     p, reference, hold, c, out, dy, _ = data[0]
-    ends, pieces = np.zeros(RUN + 1), np.zeros((RUN, 4, y.size))
+    ends, pieces = np.zeros(RUN + 1), np.zeros((RUN + 1, 3, y.size))
     work, clock = np.zeros((WORK, y.size)), np.ones(5)
-    clock[3] = LONGEST
     last, end, filled = bounds[bounds.size - 1], 0.0, 0
+    clock[0], clock[1], clock[2], clock[3] = 0.0, 0.0, bounds[0], LONGEST
     seen, turn = np.zeros((1, y.size)), np.ones(2)
-    parts = bounds.size if period == 0.0 else int(np.ceil(last / period - 1e-9))
+    parts = 1 if period == 0.0 else int(np.ceil(last / period - 1e-9))
     for part in range(parts):
-        start, end = end, bounds[part] if period == 0.0 else min((part + 1) * period, last)
-        clock[0], clock[1], clock[2] = start, end - start, end
-        if period == 0.0:
-            first_step(data, y, rtol, atol, clock, counts, work)
-        else:
+        start, end = end, last if period == 0.0 else min((part + 1) * period, last)
+        if period > 0.0:
+            bounds = np.full(1, end)
+            clock[0], clock[1], clock[2] = start, end - start, end
             then = seen[part % seen.shape[0]] if hold[9] > 0.0 else y
             sample(start, then, dy, p, c, reference, hold, out)
             if part == 0 and hold[9] > 0.0:
                 seen = np.ones((int(hold[9] / period) + 2, 1)) * y
         while clock[0] != end:
-            taken = advance(data, y, rtol, atol, clock, counts, ends, pieces, work)
+            taken = advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
             if hold[9] > 0.0:
-                read_ahead(hold[9], period, ends[: taken + 1], pieces[:taken], turn, seen)
+                read_ahead(hold[9], period, ends[: taken + 1], pieces, turn, seen)
             before = ends[taken] if period == 0.0 else ends[taken] * (1.0 - 1e-12)
             first = filled
             while filled < times.size and times[filled] < before:
                 filled += 1
-            sample_pieces(
-                times[first:filled], ends[: taken + 1], pieces[:taken], rows[first:filled]
-            )
+            sample_pieces(times[first:filled], ends[: taken + 1], pieces, rows[first:filled])
             for row in range(first, filled):
                 copy_to(holds[row], hold)
             if counts[1] > MOST:

@@ -17,14 +17,13 @@ METHODS = ("Rodas", "LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
 IMPLICIT = ("LSODA", "BDF", "Radau")
 HOLD = 10  # numbers that firmware holds, see `sample` in equations.py
 AGE = 9  # place among them of the age of its readings
-RUN = 120  # steps that Rodas takes between two returns to scipy: their output stays in the cache
+RUN = 512  # steps that Rodas takes between two returns to scipy: most grasps are one
 _ready: set[tuple[Compiled, str]] = set()  # whose machine code this process has at hand
 
 
 def tolerances(compiled: Compiled, rtol: float) -> np.ndarray:
     """Absolute tolerance of each state, shape (states,): as declared at rtol 1e-4."""
-    declared = [slot.tolerance for slot in compiled.states.slots for _ in range(slot.size)]
-    return np.array(declared) * rtol / 1e-4
+    return compiled.states.tolerances * rtol / 1e-4
 
 
 class Initial:
@@ -101,7 +100,7 @@ class Initial:
         clock = time.perf_counter()
         try:
             with np.errstate(all="ignore"):
-                times = np.clip(np.append(self.times[self.filled : inside], end), start, end)
+                times = np.append(self.times[self.filled : inside], end).clip(start, end)
                 part = self._solve(knots, (start, end), times)
         except ValueError as error:
             if "infs or NaNs" not in str(error):
@@ -114,6 +113,8 @@ class Initial:
             sound = np.isfinite(rows).all(axis=1)
             self._store(rows[: min(int(np.argmin(sound)), inside - self.filled)])
             return self._fail(Outcome.NOT_FINITE, part.message)
+        if end == self.experiment.duration:
+            inside = self.times.size  # where one is left, it is the end itself
         self._store(rows[: inside - self.filled])
         if not part.success:
             lost = "not finite" in part.message
@@ -146,7 +147,7 @@ class Initial:
 
     def _store(self, rows: np.ndarray) -> None:
         self.rows.append(rows)
-        self.holds.append(np.broadcast_to(self.hold.copy(), (rows.shape[0], HOLD)))
+        self.holds.append(np.full((rows.shape[0], HOLD), self.hold))
         self.filled += rows.shape[0]
 
     def _rates(self, knots: np.ndarray) -> Callable[[float, np.ndarray], np.ndarray]:
@@ -203,4 +204,4 @@ class Initial:
 
 
 def _stacked(blocks: list[np.ndarray], width: int) -> np.ndarray:
-    return np.concatenate([np.zeros((0, width)), *blocks])
+    return blocks[0] if len(blocks) == 1 else np.concatenate([np.zeros((0, width)), *blocks])

@@ -2,6 +2,9 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
 
 from hannes.errors import BadInput, nearest
 
@@ -54,6 +57,11 @@ class Layout:
     def size(self) -> int:
         """Length of the plain array."""
         return sum(max(slot.size, slot.room) for slot in self.slots)
+
+    @cached_property
+    def tolerances(self) -> np.ndarray:
+        """Declared tolerance of each number, shape (size,)."""
+        return np.array([slot.tolerance for slot in self.slots for _ in range(slot.size)])
 
     def extended(self, slots: Iterable[Slot]) -> "Layout":
         """Return a layout with further slots at its end."""

@@ -72,12 +72,15 @@ def scaled_size(row, first, second, rtol, atol, parts):
 
 
 @kernel
-def interpolate_piece(x, piece, row):
-    """Fill row with a step's solution at x in [0, 1]; piece as `keep_piece` leaves it."""
+def interpolate_piece(x, piece, after, row):
+    """Fill row with a step's solution at x in [0, 1]; piece as `keep_piece` leaves it, `after` it.
+
+    Rows of a piece: the solution where it begins, two of curvature.
+    """
     left = 1.0 - x
     bend = x * left
     for i in range(row.size):
-        row[i] = left * piece[0, i] + x * piece[1, i] + bend * (piece[2, i] + x * piece[3, i])
+        row[i] = left * piece[0, i] + x * after[0, i] + bend * (piece[1, i] + x * piece[2, i])
 
 
 @kernel

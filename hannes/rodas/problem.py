@@ -1,6 +1,6 @@
 """Any right-hand side as a problem for the method: dense Jacobian, plain or compiled.
 
-What a solver asks of a problem: `data`, `advance`, `first_step` and `sample`, see step.py.
+What a solver asks of a problem: `data`, `advance` and `sample`, see step.py.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,6 @@ class Problem:
     """Compiled functions of the method and the data that they pass around."""
 
     advance: Function
-    first_step: Function
     sample: Function
     data: Any
 
@@ -82,11 +81,8 @@ class Plain:
 
     def advance(self, *arguments: Any) -> int:
         """See step.advance."""
-        return step.advance(self, *arguments)
-
-    def first_step(self, *arguments: Any) -> None:
-        """See step.first_step."""
-        step.first_step(self, *arguments)
+        with np.errstate(all="ignore"):  # what is not finite is told in its own way
+            return step.advance(self, *arguments)
 
 
 def compiled(fun: Any, scale: np.ndarray, direction: float = 1.0) -> Problem:
@@ -129,4 +125,4 @@ def compiled(fun: Any, scale: np.ndarray, direction: float = 1.0) -> Problem:
     space = text.compiled({**functions, "decompose": decompose, "resolve": resolve})
     n = scale.size
     data = (np.zeros((n, n)), np.zeros((n, n)), np.zeros(n, np.int64), scale, direction)
-    return Problem(space["advance"], space["first_step"], space["sample_pieces"], data)
+    return Problem(space["advance"], space["sample_pieces"], data)

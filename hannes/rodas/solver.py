@@ -66,49 +66,36 @@ class Rodas(OdeSolver):
         if run < 1:
             raise ValueError("`run` must be at least 1.")
         self.run, self.most, self._counted = int(run), most, problem is not None
+        if problem is not None:  # scipy's wrappers hold their solver, and it all of its output,
+            self.fun = self.fun_vectorized = self.fun_single  # until garbage is collected
         scale = np.maximum(self.atol / self.rtol, 1e-12)
         self.problem = problem or Plain(
             self.fun, self.fun_vectorized, _jacobian(jac, self.n), scale, self.direction
         )
+        if not (first_step is None or 0.0 < first_step <= abs(t_bound - t0)):
+            raise ValueError("`first_step` must be positive and within the interval.")
         self._bounds = _bounds(kinks, float(t0), float(t_bound))
-        self.clock = np.array([t0, 0.0, self._bounds.pop(), max_step, 1.0])
+        first = 0.0 if first_step is None else self.direction * first_step
+        self.clock = np.array([t0, first, self._bounds[0], max_step, 1.0])
         self.counts = np.zeros(5, np.int64)
         self.work = np.zeros((WORK, self.n))
-        self._choose_first(first_step)
 
-    def _choose_first(self, asked: float | None) -> None:
-        if asked is None:
-            self._call(self.problem.first_step, self.work)
-        elif not 0.0 < asked <= abs(self.t_bound - self.t):
-            raise ValueError("`first_step` must be positive and within the interval.")
-        else:
-            self.clock[1] = self.direction * asked
-
-    def _call(self, function: Callable[..., Any], *arrays: np.ndarray) -> Any:
-        with np.errstate(all="ignore"):
-            found = function(
-                self.problem.data, self.y, self.rtol, self.atol, self.clock, self.counts, *arrays
-            )
+    def _step_impl(self) -> tuple[bool, str | None]:
+        if self.counts[1] >= self.most:
+            return False, MESSAGES[TOO_MANY]
+        ends, pieces = np.empty(self.run + 1), np.empty((self.run + 1, 3, self.n))
+        self.y = self.y.copy()
+        taken = self.problem.advance(
+            *(self.problem.data, self.y, self.rtol, self.atol, self.clock, self.counts),
+            *(self._bounds, ends, pieces, self.work),
+        )
         if self._counted:
             self.nfev = int(self.counts[0])
         self.njev, self.nlu = int(self.counts[1]), int(self.counts[2])
-        return found
-
-    def _step_impl(self) -> tuple[bool, str | None]:
-        if self.njev >= self.most:
-            return False, MESSAGES[TOO_MANY]
-        ends, pieces = np.empty(self.run + 1), np.empty((self.run, 4, self.n))
-        self.y = self.y.copy()
-        taken = self._call(self.problem.advance, ends, pieces, self.work)
-        while self._bounds and self.clock[0] == self.clock[2]:
-            self.clock[2] = self._bounds.pop()
-            self._call(self.problem.first_step, self.work)
-            if taken < self.run:
-                taken += self._call(self.problem.advance, ends[taken:], pieces[taken:], self.work)
         if taken == 0:
             return False, MESSAGES[int(self.counts[4])]
         self.t = float(self.clock[0])
-        self._ends, self._pieces = ends[: taken + 1], pieces[:taken]
+        self._ends, self._pieces = ends[: taken + 1], pieces
         return True, None
 
     def _dense_output_impl(self) -> "Pieces":
@@ -129,11 +116,11 @@ class Pieces(DenseOutput):
         return rows[0] if np.ndim(t) == 0 else rows.T
 
 
-def _bounds(kinks: Any, start: float, end: float) -> list[float]:
-    """Ends of the smooth parts of the way, the last one first."""
+def _bounds(kinks: Any, start: float, end: float) -> np.ndarray:
+    """Ends of the smooth parts of the way."""
     low, high = min(start, end), max(start, end)
     inside = {float(t) for t in np.ravel(kinks) if low < t < high}
-    return [end, *sorted(inside, reverse=start < end)]
+    return np.array([*sorted(inside, reverse=start > end), end])
 
 
 def _tolerances(rtol: float, atol: Any, n: int) -> tuple[float, np.ndarray]:
@@ -148,7 +135,7 @@ def _tolerances(rtol: float, atol: Any, n: int) -> tuple[float, np.ndarray]:
         raise ValueError("`atol` has wrong shape.")
     if (atol < 0.0).any():
         raise ValueError("`atol` must be positive.")
-    return max(float(rtol), least), np.array(np.broadcast_to(atol, (n,)))
+    return max(float(rtol), least), np.full(n, atol)
 
 
 def _jacobian(jac: Any, n: int) -> Callable[..., Any] | None:

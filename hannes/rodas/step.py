@@ -40,24 +40,39 @@ LEAST = 2e-15  # of the time: the shortest step
 TOO_SMALL, NOT_FINITE, TOO_MANY = -1, -2, -3
 
 
-def advance(problem, data, y, rtol, atol, clock, counts, ends, pieces, work):
-    """Take steps until the bound is reached or `pieces` is full; return how many.
+def advance(problem, data, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
+    """Take steps until the last of `bounds` is reached or `pieces` is full; return how many.
 
-    `y` (n,) moves along. `clock`: time, next step (signed), bound, longest step, share of the step
-    before a kink. `counts` grows: evaluations, Jacobians, factorings, rejected steps; its last
-    is a failure's number. `ends` (m + 1,) and `pieces` (m, 4, n)
-    take each step's ends and its dense output.
+    `y` (n,) moves along. `clock`: time, next step (signed; 0: to be chosen), the bound ahead,
+    longest step, share of the step before a kink. `counts` grows: evaluations, Jacobians,
+    factorings, rejected steps; then a failure's number. No step leads across one of `bounds`
+    (b,), on the way in this order. `ends` (m + 1,) and `pieces` (m + 1, 3, n) take each step's
+    ends and its dense output.
     """
     taken = 0
     ends[0] = clock[0]
-    while taken < pieces.shape[0] and clock[0] != clock[2]:
+    copy_to(pieces[0, 0], y)
+    while taken < ends.size - 1 and clock[0] != bounds[bounds.size - 1]:
+        if clock[0] == clock[2]:
+            clock[1], clock[2] = 0.0, bound_after(clock[0], bounds)
+        if clock[1] == 0.0:
+            first_step(problem, data, y, rtol, atol, clock, counts, work)
         failure = step(problem, data, y, rtol, atol, clock, counts, pieces[taken], work)
         if failure != 0:
             counts[4] = failure
             break
         taken += 1
         ends[taken] = clock[0]
+        copy_to(pieces[taken, 0], y)
     return taken
+
+
+def bound_after(time, bounds):
+    """The bound that follows the one at `time`."""
+    k = 0
+    while bounds[k] != time:
+        k += 1
+    return bounds[k + 1]
 
 
 def step(problem, data, y, rtol, atol, clock, counts, piece, work):
@@ -99,7 +114,7 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
         rejected, tried, failed = True, h, error
         counts[3] += 1
         clock[1] = h * shrink
-    keep_piece(piece, y, moved, work)
+    keep_piece(piece, work)
     copy_to(y, moved)
     clock[0] = bound if h == bound - t else t + h
     grow = SAFETY * max(error, 1e-8) ** (-1.0 / ORDER)
@@ -137,12 +152,10 @@ def attempt(problem, data, t, h, y, rtol, atol, clock, counts, work):
     return scaled_size(work[STAGES - 1], y, moved, rtol, atol, value)
 
 
-def keep_piece(piece, y, moved, work):
-    """Store the dense output of a step: start, end, two rows of curvature."""
-    copy_to(piece[0], y)
-    copy_to(piece[1], moved)
+def keep_piece(piece, work):
+    """Store the curvature of a step in two rows of its dense output, beside its start."""
     for row in range(2):
-        weigh(piece[2 + row], DENSE[row], work)
+        weigh(piece[1 + row], DENSE[row], work)
 
 
 def first_step(problem, data, y, rtol, atol, clock, counts, work):
@@ -181,4 +194,4 @@ def sample_pieces(times, ends, pieces, rows):
         while at > 0 and sign * times[k] <= sign * ends[at]:
             at -= 1
         x = (times[k] - ends[at]) / (ends[at + 1] - ends[at])
-        interpolate_piece(x, pieces[at], rows[k])
+        interpolate_piece(x, pieces[at], pieces[at + 1], rows[k])

@@ -16,8 +16,9 @@ PARTS: tuple[Callable[..., Any], ...] = (
     step.keep_piece,
     step.attempt,
     step.step,
-    step.advance,
     step.first_step,
+    step.bound_after,
+    step.advance,
     step.sample_pieces,
 )
 # What the text reaches by name.
