@@ -37,6 +37,7 @@ my.toml:
   [grasps.values]
   "object.radius" = { uniform = ["25 mm", "34 mm"] }
   "object.stiffness" = { log_uniform = ["300 N/m", "40 kN/m"] }
+  # cylinders and prisms also lean: "object.tilt_x" = { uniform = ["-15 deg", "15 deg"] }
 A run that was ended goes on where it was when it is started again.""",
     "train": """\
 hannes train results/large.h5                      writes results/large-model.h5
