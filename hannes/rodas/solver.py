@@ -10,6 +10,7 @@ from scipy.integrate import DenseOutput, OdeSolver
 from hannes.rodas.problem import Plain
 from hannes.rodas.step import NOT_FINITE, TOO_MANY, TOO_SMALL, WORK
 
+LEAST = 100.0 * np.finfo(float).eps  # relative tolerance that is not refused
 MESSAGES = {
     TOO_SMALL: "Required step size is less than spacing between numbers.",
     NOT_FINITE: "The right-hand side is not finite.",
@@ -18,7 +19,7 @@ MESSAGES = {
 
 
 class Rodas(OdeSolver):
-    """Linearly implicit method of order 4 for stiff problems, Rodas4P2.
+    """Linearly implicit for stiff problems: Rodas4P2, order 4; from `rtol` 2e-3 on Rodas3, order 3.
 
     Arguments as for scipy's own implicit solvers, but that `rtol` is one number for all states;
     `jac` a function, a constant matrix (dense or sparse) or None for forward differences. Raises
@@ -68,10 +69,7 @@ class Rodas(OdeSolver):
         self.run, self.most, self._counted = int(run), most, problem is not None
         if problem is not None:  # scipy's wrappers hold their solver, and it all of its output,
             self.fun = self.fun_vectorized = self.fun_single  # until garbage is collected
-        scale = np.maximum(self.atol / self.rtol, 1e-12)
-        self.problem = problem or Plain(
-            self.fun, self.fun_vectorized, _jacobian(jac, self.n), scale, self.direction
-        )
+        self.problem = problem or self._plain(jac)
         if not (first_step is None or 0.0 < first_step <= abs(t_bound - t0)):
             raise ValueError("`first_step` must be positive and within the interval.")
         self._bounds = _bounds(kinks, float(t0), float(t_bound))
@@ -79,6 +77,11 @@ class Rodas(OdeSolver):
         self.clock = np.array([t0, first, self._bounds[0], max_step, 1.0])
         self.counts = np.zeros(5, np.int64)
         self.work = np.zeros((WORK, self.n))
+
+    def _plain(self, jac: Any) -> Plain:
+        scale = np.maximum(self.atol / self.rtol, 1e-12)
+        dense = _jacobian(jac, self.n)
+        return Plain(self.fun, self.fun_vectorized, dense, scale, self.direction)
 
     def _step_impl(self) -> tuple[bool, str | None]:
         if self.counts[1] >= self.most:
@@ -119,23 +122,22 @@ class Pieces(DenseOutput):
 def _bounds(kinks: Any, start: float, end: float) -> np.ndarray:
     """Ends of the smooth parts of the way."""
     low, high = min(start, end), max(start, end)
-    inside = {float(t) for t in np.ravel(kinks) if low < t < high}
+    inside = {t for t in np.ravel(kinks).tolist() if low < t < high}
     return np.array([*sorted(inside, reverse=start > end), end])
 
 
 def _tolerances(rtol: float, atol: Any, n: int) -> tuple[float, np.ndarray]:
     """Check as scipy does; the absolute one as (n,)."""
-    least = 100.0 * np.finfo(float).eps
     if np.ndim(rtol):
         raise ValueError("Rodas takes one `rtol`; give `atol` per state.")
-    if rtol < least:
-        warnings.warn(f"At least one element of `rtol` is too small, set to {least}.", stacklevel=4)
+    if rtol < LEAST:
+        warnings.warn(f"At least one element of `rtol` is too small, set to {LEAST}.", stacklevel=4)
     atol = np.asarray(atol, float)
     if atol.ndim > 0 and atol.shape != (n,):
         raise ValueError("`atol` has wrong shape.")
     if (atol < 0.0).any():
         raise ValueError("`atol` must be positive.")
-    return max(float(rtol), least), np.full(n, atol)
+    return max(float(rtol), LEAST), np.full(n, atol)
 
 
 def _jacobian(jac: Any, n: int) -> Callable[..., Any] | None:

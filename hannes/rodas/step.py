@@ -28,10 +28,22 @@ from hannes.rodas.arrays import (
     scaled_size,
     weigh,
 )
-from hannes.rodas.coefficients import COUPLING, DENSE, DRIFT, GAMMA, NODES, ORDER, STAGE
+from hannes.rodas.coefficients import (
+    COUPLING,
+    DENSE,
+    DRIFT,
+    FRESH,
+    GAMMA,
+    LOOK,
+    LOOSE,
+    NODES,
+    ORDER,
+    STAGE,
+    STAGES,
+)
 
-STAGES = 6
-WORK = STAGES + 5  # rows of workspace: k_1 .. k_6, f(t, y), df/dt, argument, right-hand side, f
+MOST_STAGES = 6
+WORK = MOST_STAGES + 5  # rows of workspace: all k, f(t, y), df/dt, argument, right-hand side, f
 SAFETY, SHRINK, GROW, AGAIN = 0.9, 0.2, 6.0, 1.5  # AGAIN: growth after a rejection
 HOPELESS = 8.0  # size of the nonlinear remainder at which a step is given up after two stages
 BEYOND, ADDED = 1.02, 0.005  # a step that fails at a kink is cut to end just beyond it
@@ -77,8 +89,8 @@ def bound_after(time, bounds):
 
 def step(problem, data, y, rtol, atol, clock, counts, piece, work):
     """Take one step that is accepted; 0 or a failure."""
-    rates, drift, moved = work[STAGES], work[STAGES + 1], work[STAGES + 2]
-    t, bound = clock[0], clock[2]
+    rates, drift, moved = work[MOST_STAGES], work[MOST_STAGES + 1], work[MOST_STAGES + 2]
+    t, bound, method = clock[0], clock[2], int(rtol >= LOOSE)
     problem.slope(t, y, rates, data)
     if not math.isfinite(np.sum(rates)):
         return NOT_FINITE
@@ -95,73 +107,75 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
             h = bound - t
         elif not abs(h) > LEAST * abs(t):  # nor where it is no number
             return TOO_SMALL
-        problem.decompose(1.0 / (GAMMA * h), data)
+        problem.decompose(1.0 / (GAMMA[method] * h), data)
         counts[2] += 1
-        error = attempt(problem, data, t, h, y, rtol, atol, clock, counts, work)
+        error = attempt(problem, data, method, t, h, y, rtol, atol, clock, counts, work)
         if clock[4] < 1.0:
             error *= DOUBT
         if error < 1.0:
             break
         shrink = SHRINK
         if error < 1e6:
-            order = float(ORDER)
+            order = ORDER[method]
             if rejected and failed < 1e6:
                 order = math.log(failed / error) / math.log(tried / h)
-            shrink = SAFETY * error ** (-1.0 / min(max(order, 0.5), ORDER))
+            shrink = SAFETY * error ** (-1.0 / min(max(order, 0.5), ORDER[method]))
             shrink = min(max(SHRINK, shrink), 0.9)
         if clock[4] < 1.0 and not rejected:
             shrink = min(BEYOND * clock[4] + ADDED, 0.95)
         rejected, tried, failed = True, h, error
         counts[3] += 1
         clock[1] = h * shrink
-    keep_piece(piece, work)
+    keep_piece(method, piece, work)
     copy_to(y, moved)
     clock[0] = bound if h == bound - t else t + h
-    grow = SAFETY * max(error, 1e-8) ** (-1.0 / ORDER)
+    grow = SAFETY * max(error, 1e-8) ** (-1.0 / ORDER[method])
     clock[1] = h * min(max(grow, SHRINK), AGAIN if rejected else GROW)
     return 0
 
 
-def attempt(problem, data, t, h, y, rtol, atol, clock, counts, work):
+def attempt(problem, data, method, t, h, y, rtol, atol, clock, counts, work):
     """Compute the stages k and y(t + h); return the error in units of the tolerance."""
-    rates, drift, moved, b = work[STAGES], work[STAGES + 1], work[STAGES + 2], work[STAGES + 3]
-    value = work[STAGES + 4]
-    work[1:STAGES] = 0.0
+    rates, drift, moved = work[MOST_STAGES], work[MOST_STAGES + 1], work[MOST_STAGES + 2]
+    b, value = work[MOST_STAGES + 3], work[MOST_STAGES + 4]
+    work[1:MOST_STAGES] = 0.0
     copy_to(work[0], rates)
-    add_scaled(work[0], h * DRIFT[0], drift)
+    add_scaled(work[0], h * DRIFT[method, 0], drift)
     problem.resolve(work[0], data)
-    for stage in range(1, STAGES):
-        combine(moved, y, 0.0, drift, 1.0, STAGE[stage], work)
-        now = t + NODES[stage] * h
-        if (now - clock[2]) * h >= 0.0:
-            now = np.nextafter(clock[2], t)  # there f may jump
-        problem.slope(now, moved, value, data)
-        counts[0] += 1
-        combine(b, value, h * DRIFT[stage], drift, 1.0 / h, COUPLING[stage], work)
+    copy_to(value, rates)
+    for stage in range(1, STAGES[method]):
+        if FRESH[method, stage]:
+            combine(moved, y, 0.0, drift, 1.0, STAGE[method, stage], work)
+            now = t + NODES[method, stage] * h
+            if (now - clock[2]) * h >= 0.0:
+                now = np.nextafter(clock[2], t)  # there f may jump
+            problem.slope(now, moved, value, data)
+            counts[0] += 1
+        combine(b, value, h * DRIFT[method, stage], drift, 1.0 / h, COUPLING[method, stage], work)
         problem.resolve(b, data)
         copy_to(work[stage], b)
-        if stage == 1:
-            clock[4] = NODES[1] * problem.crossing(moved, data)
-            if clock[4] == NODES[1]:
-                clock[4] = 1.0
-            # k_2 = -2 k_1 where f is linear: what differs is a remainder of order h^2
-            add_scaled(b, 2.0, work[0])
-            if not scaled_size(b, y, moved, rtol, atol, value) < HOPELESS:
-                return np.inf
-    add_scaled(moved, 1.0, work[STAGES - 1])
-    return scaled_size(work[STAGES - 1], y, moved, rtol, atol, value)
+        if stage == LOOK[method]:
+            crossed = problem.crossing(moved, data)
+            clock[4] = crossed * NODES[method, stage] if crossed < 1.0 else 1.0
+            if stage == 1:  # of Rodas4P2: k_2 = -2 k_1 where f is linear, what differs is of h^2
+                add_scaled(b, 2.0, work[0])
+                if not scaled_size(b, y, moved, rtol, atol, value) < HOPELESS:
+                    return np.inf
+    last = work[STAGES[method] - 1]
+    add_scaled(moved, 1.0, last)
+    return scaled_size(last, y, moved, rtol, atol, value)
 
 
-def keep_piece(piece, work):
+def keep_piece(method, piece, work):
     """Store the curvature of a step in two rows of its dense output, beside its start."""
     for row in range(2):
-        weigh(piece[1 + row], DENSE[row], work)
+        weigh(piece[1 + row], DENSE[method, row], work)
 
 
 def first_step(problem, data, y, rtol, atol, clock, counts, work):
     """Choose the first step as Hairer, Norsett & Wanner (1993), section II.4, do."""
-    rates, other, moved = work[STAGES], work[STAGES + 1], work[STAGES + 2]
-    parts = work[STAGES + 3]
+    rates, other, moved = work[MOST_STAGES], work[MOST_STAGES + 1], work[MOST_STAGES + 2]
+    parts = work[MOST_STAGES + 3]
     reach = clock[2] - clock[0]
     problem.slope(clock[0], y, rates, data)
     size = scaled_size(y, y, y, rtol, atol, parts)
@@ -180,7 +194,7 @@ def first_step(problem, data, y, rtol, atol, clock, counts, work):
     worst = max(speed, bend)
     asked = max(1e-6, abs(h) * 1e-3)
     if 1e-15 <= worst < np.inf:
-        asked = (0.01 / worst) ** (1.0 / ORDER)
+        asked = (0.01 / worst) ** (1.0 / ORDER[int(rtol >= LOOSE)])
     clock[1] = math.copysign(min(100.0 * abs(h), asked, abs(reach)), reach)
 
 
