@@ -1,5 +1,7 @@
 """Tilted and turned objects: sections and distances against solid geometry by brute force."""
 
+import itertools
+
 import numpy as np
 import pytest
 from runs import grasp
@@ -8,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from test_equations_of_motion import Touch, moving
 
 from hannes._jit import plain
+from hannes.anatomy import FINGERS
 from hannes.clearance import overlaps, require_clear
 from hannes.contact.leaning import ARCH, nearest_place
 from hannes.contact.shapes import frame
@@ -111,6 +114,32 @@ def test_its_rate_of_depth_is_the_rate_of_its_depth(shape, tilt):
         deeper, before = (touch(angles + s * step * speeds)("penetration")[:10] for s in (1, -1))
         mine = touch(angles, speeds)("penetration_rate")[:10]
         assert mine == pytest.approx((deeper - before) / (2.0 * step), rel=1e-5, abs=1e-7)
+
+
+def test_every_phalanx_meets_the_section_in_its_own_plane():
+    """All five fingers of the compiled hand, the mirrored thumb too, in the hand frame."""
+    tilts = {"object.tilt_x": 0.3, "object.tilt_y": -0.2}
+    touch, value, seen = Touch("cylinder", tilts), Hand().parameters, 0
+    pose, around = (0.0, *tilts.values()), np.linspace(0.0, 2.0 * np.pi, 4001)
+    for angles in [each for each, _ in moving()][:4]:
+        depths = touch(angles)("penetration")
+        for k, (finger, link) in enumerate(itertools.product(FINGERS, ("second", "third"))):
+            mount = [value[f"{finger}.mount_{axis}"] - value[f"object.{axis}"] for axis in "xyz"]
+            facing, start = value[f"{finger}.facing"], np.array(mount[:2])
+            turns = np.cumsum(angles[2 * (k // 2) : 2 * (k // 2) + 2])
+            ways = np.stack([np.cos(turns), -facing * np.sin(turns)], axis=1)
+            if link == "third":
+                start = start + value[f"{finger}.second_length"] * ways[0]
+            places = np.linspace(0.0, value[f"{finger}.{link}_length"], 400)[:, np.newaxis]
+            points = start + places * ways[k % 2]
+            solid = np.column_stack([points, np.full(len(points), mount[2])])
+            if outside(solid, "cylinder", pose).min() < 1e-3:
+                continue  # its axis runs through the object
+            edge = border(around, "cylinder", pose, mount[2])
+            gap = np.linalg.norm(points[:, np.newaxis] - edge, axis=-1).min()
+            assert depths[k] == pytest.approx(value[f"{finger}.radius"] - gap, abs=1e-6)
+            seen += 1
+    assert seen > 20
 
 
 PRISM = {"object.half_x": 0.02, "object.half_y": 0.018, "object.radius": 0.008}

@@ -19,13 +19,14 @@ from hannes.dataset.read import read
 from hannes.dataset.spec import read_spec
 from hannes.errors import BadInput
 from hannes.recognition import model_file
+from hannes.recognition.calibrated import least_sure
 from hannes.recognition.cut import Cut
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
 from hannes.recognition.evaluate import delay, f1
 from hannes.recognition.features import CHANNELS, NAMES
 from hannes.recognition.forest import of_sklearn
 from hannes.recognition.model import FADE, UNFELT, decided, running
-from hannes.recognition.train import _sure, train
+from hannes.recognition.train import train
 from hannes.recording import Recording
 
 TEXT = """
@@ -296,10 +297,10 @@ def test_a_class_is_told_from_where_it_beats_a_coin():
     true = np.repeat(rng.uniform(0.0, 1.0, 400), 10)
     classes = (rng.random(4000) < true).astype(float)
     owner = np.repeat(np.arange(400), 10)
-    good = _sure(true, classes, owner)
+    good = least_sure(true, classes, owner)
     assert 0.5 <= good <= 0.53
     coin = np.repeat(np.arange(400) % 2, 10).astype(float)
-    assert _sure(rng.random(4000), coin, owner) > good + 0.01
+    assert least_sure(rng.random(4000), coin, owner) > good + 0.01
 
 
 def test_the_papers_formula_for_an_object_of_one_class():

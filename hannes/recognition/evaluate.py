@@ -4,8 +4,9 @@ The paper's formula (its names of precision and recall are swapped): PR = nP / (
 RE = nP / (nP + nFP), F1 = 2 PR RE / (PR + RE). It leaves open what is counted; here it is the
 windows between contact and release (5 % of the peak force) of all grasps of an object, positive
 where they are of the object's class. An object has one class, so that nFP = 0, RE = 1, and with R
-the share of windows that were told right F1 = 2 R / (R + 1). "Don't know" is wrong. The decision is
-the running one, as a hand would have it that does not know when it touched.
+the share of windows that were told right F1 = 2 R / (R + 1). "Don't know" is wrong. Windows
+are told one by one; what a grasp is told, and from when, is the running decision, as a hand would
+have it that does not know when it touched.
 """
 
 import json
@@ -19,8 +20,8 @@ import numpy as np
 from hannes.dataset.part import touching
 from hannes.errors import BadInput
 from hannes.files import atomic_folder
+from hannes.recognition.grasps import scored
 from hannes.recognition.model import RIGID, WORDS, Model, decided, plain
-from hannes.recognition.train import scored
 from hannes.recording import Recording
 from hannes.table import Table, read_text
 
