@@ -1,8 +1,11 @@
 """Long studies: one line of JSON for each case, so that what was done is never done twice."""
 
+import hashlib
+import importlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -62,3 +65,14 @@ def read(file: Path) -> Iterable[dict[str, Any]]:
     for line in text.splitlines(keepends=True):
         if line.endswith("\n"):
             yield json.loads(line)
+
+
+@cache
+def code(*packages: str) -> str:
+    """Digest of the sources of packages: cases that were had with other code are another study."""
+    digest = hashlib.sha256()
+    for package in packages:
+        (home,) = importlib.import_module(package).__path__
+        for file in sorted(Path(home).rglob("*.py")):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]

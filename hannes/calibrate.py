@@ -7,7 +7,10 @@ show are only predicted.
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from hannes import files
 from hannes.calibration.inspection import Findings, inspected
@@ -26,6 +29,8 @@ from hannes.calibration.view import STRETCHES, View
 from hannes.campaign import Campaign, read_campaign
 from hannes.errors import BadInput
 from hannes.plant_file import plant_toml
+
+Gap = dict[str, dict[str, float]]
 
 
 class Calibration(Fit):
@@ -75,8 +80,7 @@ def calibrate(
     workers = workers or os.cpu_count() or 1
     with _bar(progress) as told:
         found = Search(Model(campaign.plant, views), plan, level, workers, told).run()
-        told("intervals", found.misfit)
-        result = _told(campaign, found, findings, workers, how, seed)
+        result = _told(campaign, found, findings, workers, how, seed, told)
     if out is not None:
         result.write(out)
     return result
@@ -89,23 +93,30 @@ def _told(
     workers: int,
     how: str,
     seed: int,
+    told: Progress,
 ) -> Calibration:
-    width = spread(found)
-    noise = sample_floors(found.model.views)
+    width, noise = spread(found), sample_floors(found.model.views)
+    halves, held_out, fitted = np.tile(width.reach, (2, 1)), {}, {}
 
-    def gap(*roles: str) -> dict[str, dict[str, float]]:
+    def gap(*roles: str) -> Gap:
         made = prediction(found, campaign.of(*roles))
         return {name: {**each, "floor": noise[name]} for name, each in made.items()}
 
+    try:
+        told("intervals", found.misfit)
+        halves = sides(found, width, workers)
+        held_out, fitted = gap("show"), gap("fit", "select")
+    except KeyboardInterrupt:  # then intervals are as wide above as below, and gaps not known
+        found = replace(found, interrupted=True)
     return Calibration(
         campaign,
         findings,
         found,
         width,
-        tuple(answers(found, width, sides(found, width, workers))),
+        tuple(answers(found, width, halves)),
         remains(found),
-        gap("show"),
-        gap("fit", "select"),
+        held_out,
+        fitted,
         how,
         seed,
     )

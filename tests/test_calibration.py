@@ -1,5 +1,6 @@
 """Calibration on a machine of a few lines: values, intervals, labels, what remains, bad input."""
 
+import sys
 from dataclasses import replace
 from typing import ClassVar
 
@@ -199,6 +200,24 @@ def test_an_interrupted_search_gives_the_best_so_far(monkeypatch):
     assert found.found.interrupted and found.sentence.startswith("Interrupted")
     assert found.plain()["status"] == "interrupted"
     assert by_name(found)["oven.gain"].value == pytest.approx(2.5, rel=0.2)
+
+
+@pytest.mark.parametrize("part", ["sides", "prediction"])
+def test_interrupted_while_it_tells_its_intervals_the_fit_is_kept(monkeypatch, tmp_path, part):
+    made = oven.campaign(18, TRUE, parameters=THREE, shown=2)
+    whole = by_name(calibrate(made, progress=False))
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys.modules["hannes.calibrate"], part, interrupted)
+    found = calibrate(made, out=tmp_path / "out", progress=False)
+    assert found.plain()["status"] == "interrupted" and found.gap == found.fitted_gap == {}
+    for name, answer in by_name(found).items():
+        assert answer.value == whole[name].value
+        assert answer.low < TRUE[name] < answer.high
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Interrupted before any recording was predicted" in page
 
 
 def test_a_robust_loss_survives_a_spoilt_stretch():

@@ -62,6 +62,21 @@ def test_contact_from_the_motor_current_finds_the_dynamometer(tmp_path, capsys):
 
 
 @pytest.mark.slow
+def test_contact_from_the_papers_figures_alone_after_a_scan(tmp_path):
+    """Moment of contact, slope of the current and both peaks: rough to search, so points first."""
+    campaign = tmp_path / "campaign.toml"
+    runs = f'file = "simulated:{shipped_runs("dynamometer-runs")}"\ncondition = "dynamometer"'
+    asked = 'parameters = ["object.stiffness", "object.friction"]\nchannels = []\n'
+    asked += 'features = ["contact", "I_max", "I_sc", "F_max"]'
+    campaign.write_text(f"[[recording]]\n{runs}\n[calibrate]\n{asked}\n", encoding="utf-8")
+    found = calibrate(campaign, progress=False)
+    assert found.found.plan.scan == 64 and found.fitted_gap == {}
+    for each, true in zip(found.answers, (30000.0, 0.45), strict=True):
+        assert each.value == pytest.approx(true, rel=0.05) != each.given
+        assert each.low < true < each.high
+
+
+@pytest.mark.slow
 def test_closing_time_and_position_tell_none_of_the_papers_frictions():
     found = calibrate("closure-friction", progress=False)
     assert len(found.answers) == 9
@@ -146,7 +161,8 @@ def test_slopes_by_the_steps_of_a_fit_are_free_of_the_solvers_grain(monkeypatch)
     exact = model.bundle({}, steps)
     noise = np.hypot(0.01 * np.array([3.0, 200.0])[view.part], JERK * view.jerks(exact.base[0]))
     for name in STEPS:
-        a, b = (model.slopes(each, name, np.zeros(1))[0] / noise for each in (used, exact))
+        found = (model.slopes(each, {name: 1.0}, np.zeros(1)) for each in (used, exact))
+        a, b = (slopes[0][0] / noise for slopes in found)
         assert np.linalg.norm(a - b) < 0.02 * np.linalg.norm(b), name
 
 

@@ -1,6 +1,6 @@
 """Calibration of a hand made by the independent truth: found, labelled, and told where it is wrong.
 
-One campaign of each kind; how often this holds is for `python -m benchmarks.calibration` to say.
+A few campaigns; how often all this holds is for `python -m benchmarks.calibration` to say.
 """
 
 import pytest
@@ -30,9 +30,22 @@ def test_nine_parameters_a_fifth_off_come_back_or_are_labelled():
     assert len(errors) >= 6 and max(errors.values()) < 0.02
     given = [abs(each.given / made.true[each.name] - 1.0) for each in found.answers]
     assert max(given) > 0.2
-    for each in found.answers:  # one campaign cannot show a share; none is twice its interval off
-        assert abs(each.value - made.true[each.name]) < each.high - each.low, each.name
     assert found.remains.repeats is False and found.findings == ()
+
+
+@pytest.mark.slow
+def test_intervals_hold_where_the_textbooks_do_not():
+    """Of 24 intervals, were they independent, more than four would miss once in 170 times."""
+    ours, textbook, reach = [], [], []
+    for seed in range(1100, 1106):
+        made = case(seed, FOUR, REPEATED)
+        for each in fitted(made).answers:
+            true = made.true[each.name]
+            ours.append(each.low <= true <= each.high)
+            textbook.append(each.textbook[0] <= true <= each.textbook[1])
+            reach.append(0.5 * (each.high - each.low) / true)
+    assert sum(ours) >= 20 > 16 > sum(textbook)
+    assert max(reach) < 0.005  # they do not hold by being wide
 
 
 @pytest.mark.slow
@@ -47,6 +60,12 @@ def test_a_hidden_slack_bends_what_is_fitted_and_is_told():
     found = fitted(made)
     gap = found.fitted_gap["current"]
     assert gap["after"] < 0.2 * gap["as_given"]
-    missed = [e for e in found.answers if not e.low <= made.true[e.name] <= e.high]
-    assert missed
+    assert missed(found, made) > 1
     assert found.remains.repeats is True and "hannes diagnose" in found.summary()
+    made = case(1203, FOUR, REPEATED)  # the same hand without it
+    found = fitted(made)
+    assert missed(found, made) < 2 and found.remains.repeats is False
+
+
+def missed(found, made):
+    return sum(not each.low <= made.true[each.name] <= each.high for each in found.answers)

@@ -1,7 +1,7 @@
 """Campaigns of a hand whose nine named parameters lie 20 % off, made by the independent truth.
 
-All else of the hand is as the analyst believes it; every run scatters it anew (see
-benchmarks/truth/scatter.py).
+All else of the hand, those of the nine that he does not ask for too, is as the analyst believes it;
+every run scatters it anew (see benchmarks/truth/scatter.py).
 """
 
 from collections.abc import Mapping
@@ -65,15 +65,17 @@ class Case:
     true: dict[str, float]
 
 
-def scattered(seed: int) -> dict[str, float]:
-    """True values of the nine, of a hand that still grasps."""
+def scattered(seed: int, names: tuple[str, ...] = NINE) -> dict[str, float]:
+    """True values of those of the nine that are in `names`, of a hand that still grasps."""
     rng, shipped = np.random.default_rng([seed, STREAM]), Hand().parameters
     while True:
         z = rng.standard_normal(len(NINE))
         if np.abs(z).max() > CUT:
             continue
         values = {
-            name: float(shipped[name] * (1.0 + SPREAD * k)) for name, k in zip(NINE, z, strict=True)
+            name: float(shipped[name] * (1.0 + SPREAD * k))
+            for name, k in zip(NINE, z, strict=True)
+            if name in names
         }
         if fit(parse_hand(hand_text(values))):
             return values
@@ -100,7 +102,7 @@ def case(
     `rest` is how far (relative, one standard deviation) all else of the hand lies off, which the
     analyst then says; `limit` the relative half-width up to which a value is of use to him.
     """
-    values = scattered(seed)
+    values = scattered(seed, parameters)
     made = truth.make(protocol, seed, hidden, truth.Spread(hand=rest), hand_text(values))
     entries = tuple(
         Entry(name, recording, made.conditions[name], "fit")

@@ -108,11 +108,18 @@ class Model:
                     continue
         return None, step
 
-    def slopes(self, bundle: Bundle, name: str, late: np.ndarray) -> list[np.ndarray]:
-        """Change of every run's vector per unit of a parameter [SI]; zero where none was had."""
-        moved, step = bundle.moved[name]
+    def slopes(
+        self, bundle: Bundle, sizes: Mapping[str, float], late: np.ndarray
+    ) -> list[np.ndarray]:
+        """Change of every run's vector by parameters times `sizes` [SI], shape (sizes, n) each.
+
+        Zero where no step was had.
+        """
         base = self.seen(bundle.base, late)
-        if moved is None:
-            return [np.zeros_like(each) for each in base]
-        pairs = zip(self.seen(moved, late), base, strict=True)
-        return [np.nan_to_num((m - b) / step) for m, b in pairs]
+        found = [np.zeros((len(sizes), each.size)) for each in base]
+        for row, (name, size) in enumerate(sizes.items()):
+            moved, step = bundle.moved[name]
+            if moved is not None:
+                for rows, m, b in zip(found, self.seen(moved, late), base, strict=True):
+                    rows[row] = size * np.nan_to_num((m - b) / step)
+        return found

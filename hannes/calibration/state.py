@@ -245,8 +245,7 @@ class Maker:
         """Slopes by each parameter times its size, for every run, shape (sizes, n) each."""
         if bundle is None or not sizes:
             return [np.zeros((0, view.measured.size)) for view in self.model.views]
-        rows = [[size * s for s in self.model.slopes(bundle, n, late)] for n, size in sizes.items()]
-        return [np.array(each) for each in zip(*rows, strict=True)]
+        return self.model.slopes(bundle, sizes, late)
 
 
 def missed(simulated: np.ndarray, measured: np.ndarray, noise: np.ndarray) -> np.ndarray:

@@ -84,7 +84,9 @@ def _gaps(result: "Fit") -> Table:
         f"In brackets: relative to the recorded signal. The floor is {result.floor_from}; the "
         "last column is of the fitted recordings, in means over 10 ms."
     )
-    if not result.gap:
+    if not rows and result.found.interrupted:
+        note = "Interrupted before any recording was predicted."
+    elif not result.gap:
         note += " No recording was held out, so nothing here is a prediction."
     return Table("gaps", "Prediction", columns, tuple(rows), note)
 
