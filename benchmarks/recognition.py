@@ -3,7 +3,10 @@
 Trained on simulated grasps only (shipped data sets: `eighteen`, the paper's design, and `large`),
 scored on the ten objects of Fig. 4 as the independent truth grasps them: other hands, slack and a
 gear loss hidden, sensor noise. Windows count from contact to release, at 5 % of the peak force.
-Intervals are 95 % (bootstrap over grasps). What is made on the way stays in results/recognition.
+A decision stands in time where it is right from 150 ms after contact until release. Intervals are
+95 % (bootstrap over grasps). Beside it: what a diagnosis is worth, MuJoCo's rollout, runs killed or
+short of disk, a cluster, damaged files, a held grasp. What is made on the way stays in
+results/recognition.
 """
 
 import json
@@ -16,20 +19,22 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import killed, worth
+from benchmarks import fuzzed, killed, rollout, worth
 from benchmarks.harness import Row, aligned, main, must_show, peak_mib
 from benchmarks.truth import objects
+from hannes import Experiment, Hand, Reference, Target, simulate_many
 from hannes.dataset.make import make
 from hannes.dataset.spec import load_spec
 from hannes.recognition import model_file
-from hannes.recognition.evaluate import CLASSES, Subject, evaluate
-from hannes.recognition.train import train
+from hannes.recognition.evaluate import CLASSES, Subject, evaluate, learning_curve
+from hannes.recognition.train import curve, train
 
 OUT = Path("results/recognition")
 GRASPS, SEED = 12, 2026  # of each object
 SETS = ("eighteen", "large")
 SECONDS, MEMORY = 60.0, 1024.0  # of work for 10,000 grasps; MiB
 REPEATS = 500  # bootstrap
+DRIFT = 2.0  # %, of a held grasp's force in ten seconds
 
 
 def subjects(quick: bool) -> list[Subject]:
@@ -113,6 +118,8 @@ def scores(name: str, quick: bool, chosen: Sequence[Subject]) -> tuple[list[Row]
     average = {"F1_windows_%": 100 * told["f1_windows"], "F1_grasps_%": 100 * told["f1_grasps"]}
     rows.append({"what": f"{name}: average", **average,
                  "stable_in_150_ms_%": 100 * told["stable_in_time"]})  # fmt: skip
+    rows += [{"what": f"{name}: since the first newton",
+              "stable_in_150_ms_%": 100 * told["stable_in_time_of_a_newton"]}]  # fmt: skip
     if "test_scores" in known:
         held = known["test_scores"]
         right = {"windows_right_%": held["windows_right"], "grasps_right_%": held["grasps_right"]}
@@ -120,8 +127,35 @@ def scores(name: str, quick: bool, chosen: Sequence[Subject]) -> tuple[list[Row]
     return rows, {**told, "interval": spread(model, chosen)}
 
 
-def bounds(told: dict[str, Any], cost: dict[str, Any]) -> list[Row]:
-    """What must hold of the large data set's model."""
+def learning(quick: bool, chosen: Sequence[Subject]) -> list[Row]:
+    """The large data set's learning curve."""
+    rows = learning_curve(curve(OUT / "large.h5", trees=10 if quick else 40), chosen)
+    return [
+        {
+            "what": f"large: learnt from {row['grasps']} grasps",
+            "F1_windows_%": 100 * row["f1_windows"],
+            "F1_grasps_%": 100 * row["f1_grasps"],
+            "stable_in_150_ms_%": 100 * row["stable_in_time"],
+        }
+        for row in rows
+    ]
+
+
+def held() -> Row:
+    """How far the forces of grasps held for ten seconds drift with the stiction law."""
+    hand = Hand(["stiction"]).with_values({"stiction.share": 1.0})
+    close = Reference([[0.0, 0.5], [0.0, 7.7]])
+    hold = Experiment("held", 11.0, close, Target("cylinder"), sampling=100.0)
+    stiffness = {"object.stiffness": [800.0, 5000.0, 38300.0]}
+    runs = simulate_many(hand, hold, stiffness, channels=("force",), workers=1, progress=False)
+    forces = np.array([each.require()["force"][100:] for each in runs])
+    drift = float(100.0 * (np.ptp(forces, axis=1) / forces[:, 0]).max())
+    name = "force of a grasp held for ten seconds, worst drift, %"
+    return must_show(name, drift, DRIFT, drift <= DRIFT)
+
+
+def bounds(told: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) -> list[Row]:
+    """What must hold of the large data set's model; the small one's beside it."""
     force, ends = told["force"], told["interval"]
 
     def above(name: str, value: float, bound: float, **more: float) -> Row:
@@ -132,6 +166,8 @@ def bounds(told: dict[str, Any], cost: dict[str, Any]) -> list[Row]:
         above("F1 per window, average, %", 100 * told["f1_windows"], 95, **ends["f1_windows"]),
         above("F1 per grasp, average, %", 100 * told["f1_grasps"], 98, **ends["f1_grasps"]),
         above("F1 per window, worst object, %", 100 * told["f1_worst"], 85, **ends["f1_worst"]),
+        above("F1 per window, average, % (paper's design, no bound)", 100 * small["f1_windows"], 0,
+              **small["interval"]["f1_windows"]),
         above("grasps decided for good within 150 ms, %", 100 * told["stable_in_time"], 95),
         must_show("peak force, median error, %", error, 5, error <= 5),
         must_show("its 95 % interval holds, % (90 to 98)", holds, 90, 90 <= holds <= 98),
@@ -151,9 +187,13 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     for name in SETS:
         found, told[name] = scores(name, quick, chosen)
         rows += found
-    must = bounds(told["large"], costs["large"])
-    for part in (worth, killed):
-        found, asked = part.measure(quick)
+    rows += learning(quick, chosen)
+    must = [*bounds(told["large"], told["eighteen"], costs["large"]), held()]
+    files = OUT / "eighteen-model.h5", OUT / "eighteen.h5"
+    for found, asked in (
+        rollout.measure(quick), fuzzed.measure(quick, *files), worth.measure(quick),
+        killed.measure(quick),
+    ):  # fmt: skip
         rows, must = rows + found, must + asked
     return aligned(rows), must
 

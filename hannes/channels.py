@@ -86,6 +86,9 @@ CHANNELS = (
         motor_torque      | N m | further torque on the rotor, motor side
         object_x          | m | of the object in the hand frame
         object_y          | m | of the object in the hand frame
+        object_angle      | rad | by which it has turned about z since it was put there
+        palm_force        | N | of the palm on the object
+        object_power      | W | by the fingers into the motion of the object
         """,
     )
     + _slots(
@@ -175,6 +178,7 @@ OUTPUTS = (
         duty             | 1 | of the PWM drive
         supply           | V | bus
         force            | N | sum of the phalanges' normal forces
+        palm_force       | N | of the palm on an object that floats
         sensor           | N | on the dynamometer's sensing face, along its axis
         leader_tension   | N | at the motor pulley
         leader_stretch   | m | of the leader wire, negative while slack
@@ -193,6 +197,7 @@ OUTPUTS = (
         power_gravity    | W | against gravity
         power_contact_normal | W | into the object, stored and damped
         power_contact_tangential | W | lost by sliding on the object
+        power_object     | W | into the motion of an object that floats
         energy_kinetic   | J | rotor, carts and phalanges
         """,
     )
@@ -226,12 +231,26 @@ PARAMETER_SLOTS = (
     *(Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in _SINGLES),
     *(Slot(name, "", "", _AXES[len(names)], len(names)) for name, names in TABLES.items()),
     Slot("object_present", "1", "1 where there is an object"),
-    Slot("object_flat", "1", "1 where its sections have flat sides"),
+    Slot("object_flat", "1", "1 where its sections have flat sides, 2 where they lean"),
     *_slots(
         "finger",
         """
         section_half_x | m | of the section's core in the finger's plane
         section_half_y | m | of the section's core in the finger's plane
+        section_aside_x | m | of its centre from the object's, in the hand frame
+        section_aside_y | m | of its centre from the object's, in the hand frame
+        """,
+    ),
+    *_slots(
+        "",
+        """
+        middle_half_x | m | core of the object's own cross-section
+        middle_half_y | m | core of the object's own cross-section
+        middle_radius | m | of the object's own cross-section
+        frame_xx | 1 | see contact/shapes.py
+        frame_xy | 1 | see contact/shapes.py
+        frame_yx | 1 | see contact/shapes.py
+        frame_yy | 1 | see contact/shapes.py
         """,
     ),
     *_slots(

@@ -37,6 +37,7 @@ my.toml:
   [grasps.values]
   "object.radius" = { uniform = ["25 mm", "34 mm"] }
   "object.stiffness" = { log_uniform = ["300 N/m", "40 kN/m"] }
+  # cylinders and prisms also lean: "object.tilt_x" = { uniform = ["-15 deg", "15 deg"] }
 A run that was ended goes on where it was when it is started again.""",
     "train": """\
 hannes train results/large.h5                      writes results/large-model.h5
@@ -46,6 +47,7 @@ hannes train results/large.h5 --window "80 ms" --json""",
 hannes evaluate model.h5 evaluation.toml
 hannes evaluate model.h5 grasp.h5                  rigid or soft, how stiff, how hard
 hannes evaluate model.h5 evaluation.toml --out results/evaluation --json
+hannes evaluate model.h5 evaluation.toml --learning-curve results/large.h5
 
 evaluation.toml, whose recordings have the force that tells contact from release:
   title = "My objects"
@@ -82,6 +84,11 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     evaluate.add_argument("model", help="a model made by `hannes train`")
     evaluate.add_argument("recordings", help="an evaluation.toml, or one recording")
     evaluate.add_argument("--out", metavar="FOLDER", help="folder of evaluation.json")
+    evaluate.add_argument(
+        "--learning-curve",
+        metavar="DATASET.h5",
+        help="score models too that learn from ever more of these grasps (a minute or so)",
+    )
     _json(evaluate)
 
 
@@ -147,7 +154,14 @@ def _train(chosen: argparse.Namespace) -> None:
 
 def _evaluate(chosen: argparse.Namespace) -> None:
     from hannes.recognition import model_file
-    from hannes.recognition.evaluate import evaluate, read_subjects, told_of, write
+    from hannes.recognition.evaluate import (
+        evaluate,
+        learning_curve,
+        read_subjects,
+        told_of,
+        write,
+    )
+    from hannes.recognition.train import curve
     from hannes.recording import Recording
 
     model = model_file.read(chosen.model)
@@ -157,6 +171,8 @@ def _evaluate(chosen: argparse.Namespace) -> None:
         return
     title, subjects = read_subjects(chosen.recordings)
     told = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
+    if chosen.learning_curve:
+        told["learning_curve"] = learning_curve(curve(chosen.learning_curve), subjects)
     if chosen.out:
         write(chosen.out, told)
     _print_json(told) if chosen.json else print(_scores(told))
@@ -182,6 +198,11 @@ def _scores(told: dict[str, Any]) -> str:
         f"  {'average':<27} {100 * told['f1_windows']:10.1f} % {100 * told['f1_grasps']:8.1f} % "
         f"{100 * told['stable_in_time']:12.0f} %"
     )
+    lines += [
+        f"  {row['grasps']:>8} grasps learnt    {100 * row['f1_windows']:10.1f} % "
+        f"{100 * row['f1_grasps']:8.1f} % {100 * row['stable_in_time']:12.0f} %"
+        for row in told.get("learning_curve", ())
+    ]
     return "\n".join(lines)
 
 

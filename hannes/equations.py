@@ -8,6 +8,7 @@ compiles the result. `print(hand.equations())` shows it. SI units; the motor at 
 
 import math
 
+from hannes.contact.leaning import nearest_place
 from hannes.contact.penalty import normal_law, sensed, tangential_law
 from hannes.contact.section import contact_place, signed_distance
 from hannes.control.drive import drive_voltage
@@ -336,11 +337,15 @@ def gravity(t, y, p, c, out):
 
 def contact(t, y, dy, p, c, out):
     """Every phalanx against the object's section in its plane: eq. 3 and sliding friction."""
-    object_x, object_y = p.object_x, p.object_y
-    # effects: object_x, object_y
+    object_x, object_y, object_angle = p.object_x, p.object_y, 0.0
+    # effects: object_x, object_y, object_angle
     for f in range(5):
         place_finger(p, c, f, object_x, object_y)
-    if p.object_flat > 0.5:
+    if p.object_flat > 1.5:
+        cosine, sine = math.cos(object_angle), math.sin(object_angle)
+        for phalanx in range(10):
+            touch_leaning(p, c, phalanx, cosine, sine)
+    elif p.object_flat > 0.5:
         for phalanx in range(10):
             touch_flat(p, c, phalanx)
     else:
@@ -392,6 +397,30 @@ def touch_flat(p, c, phalanx):
     c.place[phalanx], c.normal_x[phalanx], c.normal_y[phalanx] = place, normal_x, normal_y
 
 
+def touch_leaning(p, c, phalanx, cosine, sine):
+    """The same against a section of an object that is tilted or turned."""
+    f = phalanx // 2
+    facing, aside_x, aside_y = p.facing[f], p.section_aside_x[f], p.section_aside_y[f]
+    start_x = c.start_x[phalanx] - c.centre_x[phalanx] - (cosine * aside_x - sine * aside_y)
+    start_y = c.start_y[phalanx] - c.centre_y[phalanx]
+    start_y -= facing * (sine * aside_x + cosine * aside_y)
+    section = (
+        p.section_half_x[f],
+        p.section_half_y[f],
+        p.reach[phalanx] - p.phalanx_radius[phalanx],
+        cosine * p.frame_xx - sine * p.frame_yx,
+        cosine * p.frame_xy - sine * p.frame_yy,
+        facing * (sine * p.frame_xx + cosine * p.frame_yx),
+        facing * (sine * p.frame_xy + cosine * p.frame_yy),
+    )
+    along_x, along_y = c.cosine[phalanx], -c.sine[phalanx]
+    place, gap, normal_x, normal_y = nearest_place(
+        start_x, start_y, along_x, along_y, p.link_length[phalanx], section
+    )
+    c.penetration[phalanx] = p.phalanx_radius[phalanx] - gap
+    c.place[phalanx], c.normal_x[phalanx], c.normal_y[phalanx] = place, normal_x, normal_y
+
+
 def levers(p, c, phalanx):
     """Lever arms of one phalanx's contact forces about its finger's joints."""
     normal_x, normal_y = c.normal_x[phalanx], c.normal_y[phalanx]
@@ -409,6 +438,7 @@ def press(t, y, dy, p, c, out):
     for f in range(5):
         slide(y, c, 2 * f, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
         slide(y, c, 2 * f + 1, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
+    # effects: penetration_rate, slip_speed
     for phalanx in range(p.link_length.size):
         c.normal_force[phalanx] = normal_law(
             c.penetration[phalanx],
@@ -422,10 +452,14 @@ def press(t, y, dy, p, c, out):
     for phalanx in range(p.link_length.size):
         c.normal_force[phalanx] = max(0.0, c.normal_force[phalanx])
         touching += c.normal_force[phalanx] > 0.0
-        c.held_drag[phalanx] = 0.0
+        c.drag[phalanx], c.held_drag[phalanx] = 0.0, 0.0
     # effects: held_drag
     if touching > 0:
         push(p, c, out)
+    palm_force, object_power = 0.0, 0.0
+    # effects: palm_force, object_power
+    out.palm_force = palm_force
+    out.power_object = object_power
     tell(t, y, dy, p, c, touching, out)
 
 

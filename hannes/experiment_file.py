@@ -16,7 +16,7 @@ COMMON = ("title", "kind", "hand", "effects", "parameters")
 TABLES = ("reference", "object", "noise", "sweep", "scatter")
 KEYS = (*COMMON, "duration", "sampling", "controller", *TABLES)
 REFERENCE = ("kind", "points", "path")
-OBJECT = ("shape", "radius", "size", "position", "material", "sensor")
+OBJECT = ("shape", "radius", "size", "position", "turn", "tilt", "material", "sensor")
 MATERIAL = ("stiffness", "damping", "friction", "slip_speed", "onset")
 SIZE = ("width", "height", "rounding")
 NOISE = {"position": "rad", "current": "A", "duty": "1", "supply": "V", "force": "N", "sensor": "N"}
@@ -160,7 +160,11 @@ def read_object(root: Table) -> Target | None:
     for key in material.content:
         values[f"object.{key}"] = _value(material, key, f"object.{key}")
     if "position" in table:
-        values |= _position(table)
+        values |= _placed(table, "position", ("x", "y", "z"))
+    if "tilt" in table:
+        values |= _placed(table, "tilt", ("tilt_x", "tilt_y"))
+    if "turn" in table:
+        values["object.turn"] = _value(table, "turn", "object.turn")
     _refuse_twice(root, values)
     return Target(shape, values, table.flag("sensor"))
 
@@ -198,10 +202,11 @@ def _size(table: Table) -> dict[str, float]:
     return {"object.half_x": half_x, "object.half_y": half_y, "object.radius": rounding}
 
 
-def _position(table: Table) -> dict[str, float]:
+def _placed(table: Table, key: str, names: tuple[str, ...]) -> dict[str, float]:
+    """Values of a list in the file, one for each of the object's parameters `names`."""
     return {
-        f"object.{axis}": checked(given, _DECLARED[f"object.{axis}"], table)
-        for axis, given in zip("xyz", table.items("position", 3), strict=True)
+        f"object.{name}": checked(given, _DECLARED[f"object.{name}"], table)
+        for name, given in zip(names, table.items(key, len(names)), strict=True)
     }
 
 

@@ -1,5 +1,6 @@
 """The hand: named parameter values and the effects in its model."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
@@ -10,7 +11,7 @@ from hannes.anatomy import FINGERS
 from hannes.assemble import Compiled, Equations, assemble
 from hannes.catalogue import effect as find_effect
 from hannes.channels import LANES
-from hannes.contact.shapes import sections
+from hannes.contact.shapes import frame, sections
 from hannes.effect import Effect
 from hannes.layout import Layout
 from hannes.parameter import ParameterSet
@@ -25,7 +26,8 @@ EQUATIONS = Equations(
 )
 
 # What the object's sections hang on.
-_CUT = {f"object.{name}" for name in ("radius", "half_x", "half_y", "z")} | {
+_POSE = ("turn", "tilt_x", "tilt_y")
+_CUT = {f"object.{name}" for name in ("radius", "half_x", "half_y", "z", *_POSE)} | {
     f"{finger}.{name}" for finger in FINGERS for name in ("mount_z", "radius")
 }
 
@@ -81,11 +83,15 @@ class Hand:
 
         `shape` is that of the object, None where there is none.
         """
-        values = self.parameters
+        values, effects = self.parameters, self.present_effects() if effects is None else effects
         packed = [values[name] for name in channels.PACKED]
-        packed += [0.0] * (12 + LANES) if shape is None else [1.0, *self._sections(shape)]
+        if shape is None:
+            packed += [0.0] * (29 + LANES)
+        else:
+            turns = any("object_angle" in term.writes for each in effects for term in each.terms)
+            packed += [1.0, *self._sections(shape, turns)]
         packed += [0.0, 1.0] * (LANES // 2)
-        for effect in self.present_effects() if effects is None else effects:
+        for effect in effects:
             packed += [values[effect.full_name(each.name)] for each in effect.parameters]
         return np.array(packed)
 
@@ -112,20 +118,26 @@ class Hand:
                 table[:, place] = columns[name]
         return table
 
-    def _sections(self, shape: str) -> list[float]:
-        """Values of the slots from `object_flat` to `reach`."""
+    def _sections(self, shape: str, turns: bool) -> list[float]:
+        """Values of the slots from `object_flat` to `reach`; `turns`: an effect turns it."""
         values = self.parameters
         offsets = [values[f"{finger}.mount_z"] - values["object.z"] for finger in FINGERS]
         radius, half_x, half_y = (values[f"object.{n}"] for n in ("radius", "half_x", "half_y"))
         cuts = sections(shape, radius, half_x, half_y, offsets)
+        middle = sections(shape, radius, half_x, half_y, [0.0])[0]
+        pose = [0.0 if shape == "sphere" else values[f"object.{name}"] for name in _POSE]
         halves = [cut[column] for column in (0, 1) for cut in cuts]
+        aside = [offset * math.tan(tilt) for tilt in pose[1:] for offset in offsets]
+        flat = 1.0 if any(halves) else 0.0
+        if any(pose[1:]) or (flat and (turns or pose[0])):
+            flat = 2.0
         reach = [
             values[f"{finger}.radius"] + cut[2] if cut[2] > 0.0 else -1.0
             for finger, cut in zip(FINGERS, cuts, strict=True)
             for _ in range(2)
         ]
         ghosts = [-1.0] * (LANES - len(reach))
-        return [1.0 if any(halves) else 0.0, *halves, *reach, *ghosts]
+        return [flat, *halves, *aside, *middle, *frame(*pose), *reach, *ghosts]
 
     def rest(self, compiled: Compiled) -> np.ndarray:
         """State of the open hand at rest, shape (states,)."""

@@ -57,7 +57,7 @@ MOVED = dict.fromkeys(("object.x", "object.y"), 0.2e-3)  # m, by which an object
 CERTAIN = (
     *("position_pid.", "current_pid.", "controller.", "encoder.", "gravity.", "supply."),
     *("gear.ratio", "motor.friction_speed", "object.slip_speed", "object.radius"),
-    *("object.half_x", "object.half_y", "object.z"),
+    *("object.half_x", "object.half_y", "object.z", "object.turn", "object.tilt_"),
 )
 CERTAIN_ENDINGS = ("onset", ".mount_x", ".mount_y", ".mount_z", ".facing", ".first_length")
 PLACED = dict.fromkeys(("object.x", "object.y"), 10e-3)  # m, of which a share may be missed

@@ -9,6 +9,7 @@ from hannes.hand import Hand
 from hannes.hand_file import differences, effect_names, texts
 from hannes.units import text
 
+TILT = ("tilt_x", "tilt_y")
 _POINTS = "@points"  # cannot occur in quotes of its own inside another text of the file
 
 
@@ -57,6 +58,10 @@ def _object(hand: Hand, target: Target) -> dict[str, Any]:
         written["radius"] = text(values["object.radius"], "m")
     if any(f"object.{axis}" in values for axis in "xyz"):
         written["position"] = [text(_value(hand, values, axis), "m") for axis in "xyz"]
+    if any(f"object.{name}" in values for name in TILT):
+        written["tilt"] = [text(_value(hand, values, name), "rad") for name in TILT]
+    if "object.turn" in values:
+        written["turn"] = text(values["object.turn"], "rad")
     material = {key: values[f"object.{key}"] for key in MATERIAL if f"object.{key}" in values}
     if material:
         units = {key: hand.parameters.require(f"object.{key}").unit for key in material}

@@ -151,7 +151,7 @@ def adding(channel, *names):
         ("reading_age", "excursion", "is not worked out yet"),  # a tick of its own
         ("spring_torque", "joint_torque", "is not worked out yet"),  # further on in its stage
         ("gear_friction", "tendon_tension", "is not worked out yet"),  # but for the thumb's
-        ("told_force", "drag", "is not worked out yet"),  # only where something touches
+        ("told_force", "torque_mcp", "is not worked out yet"),  # only where something touches
         ("gear_friction", "voltage", "is not at hand"),  # a local of another stage
         ("gear_friction", "leader_tension", "is not at hand"),
         ("joint_friction", "leader_stretch", "is not at hand"),

@@ -1,5 +1,6 @@
 """Compiled equals plain Python, kernel by kernel and assembled; what every effect promises."""
 
+import functools
 import importlib
 import inspect
 import math
@@ -47,10 +48,26 @@ def discovered():
 KERNELS = discovered() if compiles() else {}
 
 
+WHOLE = {"driven"}  # kernels that take all phalanges at once
+TUPLES = {  # arguments of several numbers: core and radius with the frame of a section; eq. 3
+    "section": (0.02, 0.01, 0.005, 1.1, 0.2, -0.1, 0.9),
+    "material": (8000.0, 60.0, 1e-4, 0.4, 5e-3),
+}
+
+
+def several(name, rng):
+    """Values of a whole channel or table of parameters."""
+    layouts = (EQUATIONS.parameters, EQUATIONS.channels)
+    slot = next((each.slot(name) for each in layouts if name in each), None)
+    return rng.uniform(-1.0, 1.0, slot.size) if slot and slot.axis else drawn(name, rng)
+
+
 def drawn(name, rng, bounds=None):
     """A value for an argument of that name; its bounds where it is an effect's parameter."""
     if bounds:
         return rng.uniform(*bounds[name]) if name in bounds else drawn(name, rng)
+    if name in TUPLES:
+        return tuple(rng.uniform(0.8, 1.2) * value for value in TUPLES[name])
     if name == "knots":
         return np.array([np.sort(rng.uniform(-2, 2, 5)), rng.uniform(-2, 2, 5)])
     if name == "link":
@@ -61,7 +78,8 @@ def drawn(name, rng, bounds=None):
 
 
 def arguments(kernel, rng, bounds=None):
-    return [drawn(name, rng, bounds) for name in inspect.signature(plain(kernel)).parameters]
+    draw = several if plain(kernel).__name__ in WHOLE else functools.partial(drawn, bounds=bounds)
+    return [draw(name, rng) for name in inspect.signature(plain(kernel)).parameters]
 
 
 def test_kernels_are_found():

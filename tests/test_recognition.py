@@ -19,12 +19,13 @@ from hannes.dataset.read import read
 from hannes.dataset.spec import read_spec
 from hannes.errors import BadInput
 from hannes.recognition import model_file
+from hannes.recognition.calibrated import least_sure
 from hannes.recognition.cut import Cut
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
-from hannes.recognition.evaluate import f1
+from hannes.recognition.evaluate import delay, f1
 from hannes.recognition.features import CHANNELS, NAMES
 from hannes.recognition.forest import of_sklearn
-from hannes.recognition.model import SURE, decided, pooled
+from hannes.recognition.model import FADE, UNFELT, decided, running
 from hannes.recognition.train import train
 from hannes.recording import Recording
 
@@ -168,7 +169,7 @@ def test_a_grasp_of_the_hand_is_told(arrays, trained):
     assert (soft.decision, rigid.decision) == ("soft", "rigid")
     assert soft.stiffness.value < 3000.0 < rigid.stiffness.value
     assert soft.peak_force.low <= soft.peak_force.value <= soft.peak_force.high
-    assert (soft.running[~np.cumsum(soft.touched, dtype=bool)] == 0.5).all()
+    assert soft.running[soft.held][-1] == soft.probability
 
 
 def test_an_empty_hand_is_no_grasp(trained):
@@ -263,9 +264,43 @@ def test_fuzzed_models_are_read_or_refused(file, arrays):
 
 
 def test_decisions_at_the_border_are_not_made_up():
-    assert list(decided(np.array([0.1, 0.5, SURE - 1e-9, SURE, 0.9]))) == [0, 2, 2, 1, 1]
-    told = pooled(np.array([0.5, 0.9, 0.9, 0.1]), np.array([False, True, True, True]))
-    assert told[0] == 0.5 and told[1] == pytest.approx(0.9) and told[3] < told[2]
+    assert list(decided(np.array([0.1, 0.5, 0.54, 0.55, 0.9]), 0.55)) == [0, 2, 2, 1, 1]
+    assert list(decided(np.array([0.49, 0.5]), 0.5)) == [0, 1]
+
+
+def test_the_running_decision_fades_towards_what_was_last_seen():
+    rigid = np.array([[0.9] * 5 + [0.2] * 40])
+    told = running(rigid, rigid > 0.0, FADE / 3.0)[0]
+    assert (np.diff(told[:5]) > 0.0).all() and 0.5 < told[0] < told[4] < 0.9
+    assert told[5] > 0.5 > told[9] and told[-1] == pytest.approx(0.2, abs=1e-6)
+    odds = np.log(told / (1.0 - told))
+    assert odds[0] == pytest.approx(np.log(9.0) / 3.0)
+    assert running(np.array([0.7]), np.array([True]), 1.0) == pytest.approx(0.7)
+    unfelt = running(np.array([0.9, 0.9]), np.zeros(2, bool), 1.0)
+    assert np.log(unfelt / (1.0 - unfelt)) == pytest.approx(UNFELT)
+
+
+def test_a_decision_counts_from_where_it_stays_right():
+    times = np.arange(10) / 10.0
+
+    def late(right, contact=0.2, release=0.8):
+        return delay(times, np.array([c == "+" for c in right]), contact, release)
+
+    assert late("--++++++++") == pytest.approx(0.0)  # what comes before contact does not count
+    assert late("++-+-++++-") == pytest.approx(0.3)
+    assert late("+++++++-++") == pytest.approx(0.6)
+    assert late("++++++++-+") == late("++++++++++", 0.52, 0.55) == float("inf")
+
+
+def test_a_class_is_told_from_where_it_beats_a_coin():
+    rng = np.random.default_rng(0)
+    true = np.repeat(rng.uniform(0.0, 1.0, 400), 10)
+    classes = (rng.random(4000) < true).astype(float)
+    owner = np.repeat(np.arange(400), 10)
+    good = least_sure(true, classes, owner)
+    assert 0.5 <= good <= 0.53
+    coin = np.repeat(np.arange(400) % 2, 10).astype(float)
+    assert least_sure(rng.random(4000), coin, owner) > good + 0.01
 
 
 def test_the_papers_formula_for_an_object_of_one_class():
@@ -284,10 +319,13 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
         'title = "two"\n[[object]]\nname = "a"\nclass = "soft"\nfile = "soft-*.h5"\n'
         '[[object]]\nname = "b"\nclass = "rigid"\nfile = "hard-*.h5"\n'
     )
-    assert main(["evaluate", "model.h5", "evaluation.toml", "--out", "scores", "--json"]) == 0
+    more = ["--out", "scores", "--learning-curve", str(data), "--json"]
+    assert main(["evaluate", "model.h5", "evaluation.toml", *more]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told == json.loads(Path("scores/evaluation.json").read_text())
     assert told["f1_grasps"] == 1.0 and told["f1_windows"] > 0.9
+    assert [row["grasps"] for row in told["learning_curve"]] == [64]
+    assert told["learning_curve"][0]["f1_grasps"] == 1.0
     assert main(["evaluate", "model.h5", "soft-2.h5"]) == 0
     assert re.match(r"soft .*\n  stiffness .* N/m .*\n  peak grip", capsys.readouterr().out)
 

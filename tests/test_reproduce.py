@@ -68,10 +68,12 @@ def test_table_3_stands_beside_the_papers(tmp_path):
     share = {"f1_windows": 0.96, "f1_grasps": 1.0, "stable_in_time": 0.9}
     objects = [{"name": n, "class": "soft", **share, "stiffness_N_per_m": 900.0} for n in names]
     told = {"objects": objects, **share, "f1_worst": 0.8}
+    told["learning_curve"] = [{"grasps": 500, "f1_worst": 0.7, **share}]
     (tmp_path / "evaluation.json").write_text(json.dumps(told))
     read = recognition.read(tmp_path)
     assert [row["holds"] for row in recognition.checks(read)] == [True, True, False]
-    (table,) = recognition.found(read).tables
+    table, learning = recognition.found(read).tables
+    assert learning.rows == (("500", "96.0", "100.0", "70.0", "90.0"),)
     assert table.rows[0][:4] == ("Sponge", "soft", "99.0", "96.0")
     assert table.rows[-1][:4] == ("Average", "", "91.1", "96.0")
     (tmp_path / "evaluation.json").write_text("{}")

@@ -18,6 +18,9 @@ PARAMETERS = group(
     Parameter("radius", 0.026, "m", (1e-4, 0.3), "sphere or cylinder; rounding of a prism's edges"),
     Parameter("half_x", 0.0, "m", (0, 0.3), "half of a prism's width"),
     Parameter("half_y", 0.0, "m", (0, 0.3), "half of a prism's height"),
+    Parameter("turn", 0.0, "rad", (-3.2, 3.2), "of a prism about its axis, from x to y"),
+    Parameter("tilt_x", 0.0, "rad", (-1.0, 1.0), "of the axis of cylinder or prism, from z to x"),
+    Parameter("tilt_y", 0.0, "rad", (-1.0, 1.0), "of the axis of cylinder or prism, from z to y"),
 )
 
 

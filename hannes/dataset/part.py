@@ -145,12 +145,13 @@ def _row(spec: Spec, drawn: Drawn, grasp: Grasp) -> tuple[Any, ...]:
     return (*own, complete, *ends, peak, *(drawn.values[name] for name in spec.columns))
 
 
-def touching(time: np.ndarray, force: np.ndarray) -> tuple[float, float]:
-    """Contact and release [s]: first and last sample above 5 % of the peak force, and 1 N.
+def touching(time: np.ndarray, force: np.ndarray, share: float = SHARE) -> tuple[float, float]:
+    """Contact and release [s]: first and last sample above 1 N and a share of the peak force.
 
-    Below it, fingers that touched wait for the others to close. NaN where nothing is touched.
+    Below 5 % of it, fingers that touched wait for the others to close. NaN where nothing is
+    touched.
     """
-    found = np.flatnonzero(force > max(TOUCH, SHARE * force.max(initial=0.0)))
+    found = np.flatnonzero(force > max(TOUCH, share * force.max(initial=0.0)))
     return (float(time[found[0]]), float(time[found[-1]])) if found.size else (np.nan, np.nan)
 
 

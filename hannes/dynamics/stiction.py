@@ -14,19 +14,27 @@ from hannes.parameter import Parameter
 
 
 @kernel
+def bending(speed, bristle, width):
+    """Rate of a bristle [1/s] dragged at a speed, which turns over within a width."""
+    return (speed - abs(speed) * bristle) / width
+
+
+@kernel
 def held_shaft(
     motor_speed, motor_dry_friction, motor_friction_speed, shaft_bristle, share, shaft_width
 ):
     """Added to motor and gear friction [N m], and the bristle's rate [1/s]."""
     added = shaft_bristle - soft_sign(motor_speed / motor_friction_speed)
-    rate = (motor_speed - abs(motor_speed) * shaft_bristle) / shaft_width
+    rate = bending(motor_speed, shaft_bristle, shaft_width)
     return share * motor_dry_friction * added, rate
 
 
 @kernel
-def level(speed, breakaway, coulomb, breakaway_speed):
-    """Dry friction that holds: of equation 1 or 2, its peak carried down to standstill."""
-    return stribeck(max(abs(speed), breakaway_speed), breakaway, coulomb, breakaway_speed, 0.0)
+def held(speed, breakaway, coulomb, breakaway_speed, bristle):
+    """What a bristle holds beyond equation 1 or 2, whose peak is carried down to standstill."""
+    fastest = max(abs(speed), breakaway_speed)
+    level = stribeck(fastest, breakaway, coulomb, breakaway_speed, 0.0)
+    return level * bristle - stribeck(speed, breakaway, coulomb, breakaway_speed, 0.0)
 
 
 @kernel
@@ -40,10 +48,14 @@ def held_cart(
     cart_width,
 ):
     """Added to a guide's friction [N], and the bristle's rate [1/s]."""
-    given = cart_breakaway_friction, cart_coulomb_friction, cart_breakaway_speed
-    holding = level(cart_speed, given[0], given[1], given[2]) * cart_bristle
-    added = holding - stribeck(cart_speed, given[0], given[1], given[2], 0.0)
-    return share * added, (cart_speed - abs(cart_speed) * cart_bristle) / cart_width
+    added = held(
+        cart_speed,
+        cart_breakaway_friction,
+        cart_coulomb_friction,
+        cart_breakaway_speed,
+        cart_bristle,
+    )
+    return share * added, bending(cart_speed, cart_bristle, cart_width)
 
 
 @kernel
@@ -57,10 +69,14 @@ def held_joint(
     joint_width,
 ):
     """Added to a joint's friction [N m], and the bristle's rate [1/s]."""
-    given = joint_breakaway_friction, joint_coulomb_friction, joint_breakaway_speed
-    holding = level(joint_speed, given[0], given[1], given[2]) * joint_bristle
-    added = holding - stribeck(joint_speed, given[0], given[1], given[2], 0.0)
-    return share * added, (joint_speed - abs(joint_speed) * joint_bristle) / joint_width
+    added = held(
+        joint_speed,
+        joint_breakaway_friction,
+        joint_coulomb_friction,
+        joint_breakaway_speed,
+        joint_bristle,
+    )
+    return share * added, bending(joint_speed, joint_bristle, joint_width)
 
 
 @kernel
@@ -69,7 +85,7 @@ def held_object(
 ):
     """Added to the object's friction along a phalanx [N], and the bristle's rate [1/s]."""
     added = grip_bristle - lane_sign(slip_speed / object_slip_speed)
-    rate = (slip_speed - abs(slip_speed) * grip_bristle) / grip_width
+    rate = bending(slip_speed, grip_bristle, grip_width)
     return share * object_friction * normal_force * added, rate
 
 

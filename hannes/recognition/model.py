@@ -12,8 +12,9 @@ from hannes.recording import Recording
 
 SINCE, RISE = NAMES.index("since"), NAMES.index("rise")
 HELD = 0.06  # A above the free current, while an object is held
-SURE = 0.55  # probability from which a class is told; below it, a coin would do: "don't know"
+FADE = 0.03  # s, memory of the running decision
 EXTREME = 4.0  # log odds of one window count for no more
+UNFELT = -2.0  # log odds of a window in which the motor has not felt a touch: held, so soft
 SOFT, RIGID, UNKNOWN = 0, 1, 2
 WORDS = ("soft", "rigid", "don't know")
 
@@ -59,8 +60,9 @@ class Told:
     """What a recording tells: at the end of each window, and of the grasp as a whole.
 
     `time` [s] as in the recording; `rigid`: probability in each window; `running`: the same for
-    all of the grasp so far; `force` [N] in each window, 0 where nothing is held; `touched`: which
-    windows come after a touch, `held`: while the object is held.
+    what was just seen, see `running`; `force` [N] in each window, 0 where nothing is held;
+    `touched`: which windows come after a touch, `held`: while the object is held; `sure`: the
+    probability from which a class is told.
     """
 
     time: np.ndarray
@@ -70,21 +72,26 @@ class Told:
     touched: np.ndarray
     held: np.ndarray
     probability: float
+    sure: float
     stiffness: Estimate | None
     peak_force: Estimate | None
 
     @property
     def decision(self) -> str:
         """Of the grasp as a whole: soft, rigid or don't know."""
-        return WORDS[int(decided(np.array([self.probability]))[0])]
+        return WORDS[int(decided(np.array([self.probability]), self.sure)[0])]
 
 
 @dataclass(frozen=True)
 class Model:
-    """Forests for rigid (probability), stiffness (log N/m) and force (log N), and their worth."""
+    """Forests for rigid (probability), stiffness (log N/m) and force (log N), and their worth.
+
+    `sure`: probability from which a class is told; below it the answer is "don't know".
+    """
 
     cut: Cut
     border: float
+    sure: float
     rigid: Forest
     stiffness: Forest
     force: Forest
@@ -105,12 +112,12 @@ class Model:
         touched = rows[:, SINCE] > 0.0
         held = touched & (rows[:, RISE] > HELD)
         rigid = self.windows(rows)
-        running = pooled(rigid, touched)
+        so_far = running(rigid, touched, self.cut.hop)
         force = np.where(held, np.exp(self.force(rows)), 0.0)
         last = int(np.flatnonzero(held)[-1]) if held.any() else -1
         return Told(
-            time, rigid, running, force, touched, held,
-            float(running[last]) if held.any() else 0.5,
+            time, rigid, so_far, force, touched, held,
+            float(so_far[last]) if held.any() else 0.5, self.sure,
             self._stiffness(rows, held), self._peak(force),
         )  # fmt: skip
 
@@ -134,10 +141,17 @@ def estimated(value: float, band: Band) -> Estimate:
     return Estimate(value, *band(value))
 
 
-def pooled(rigid: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """Probability of all windows `used` so far, by the mean of their log odds; 0.5 before."""
-    odds = np.where(used, np.clip(log_odds(rigid), -EXTREME, EXTREME), 0.0)
-    mean = np.cumsum(odds, axis=-1) / np.maximum(np.cumsum(used, axis=-1), 1)
+def running(rigid: np.ndarray, touched: np.ndarray, hop: float) -> np.ndarray:
+    """Probability in windows `hop` [s] apart, by a fading mean of their log odds.
+
+    A motor feels an object once all fingers lie against it; the softer it is, the later. Of an
+    object that is held, a window before a touch says UNFELT; of an empty hand it says nothing.
+    """
+    odds = np.where(touched, np.clip(log_odds(rigid), -EXTREME, EXTREME), UNFELT)
+    share, mean = min(1.0, hop / FADE), np.zeros_like(odds)
+    for k in range(odds.shape[-1]):
+        before = mean[..., k - 1] if k else 0.0
+        mean[..., k] = before + share * (odds[..., k] - before)
     return 1.0 / (1.0 + np.exp(-mean))
 
 
@@ -147,10 +161,10 @@ def log_odds(probability: np.ndarray) -> np.ndarray:
     return np.log(inside) - np.log1p(-inside)
 
 
-def decided(probability: np.ndarray) -> np.ndarray:
-    """SOFT, RIGID or UNKNOWN for each probability of rigid."""
-    sure = np.maximum(probability, 1.0 - probability) >= SURE
-    return np.where(sure, np.where(probability >= 0.5, RIGID, SOFT), UNKNOWN)
+def decided(probability: np.ndarray, sure: float) -> np.ndarray:
+    """SOFT, RIGID or UNKNOWN for each probability of rigid; a class from `sure` on."""
+    told = np.maximum(probability, 1.0 - probability) >= sure
+    return np.where(told, np.where(probability >= 0.5, RIGID, SOFT), UNKNOWN)
 
 
 def plain(estimate: Estimate | None, unit: str) -> dict[str, Any] | None:

@@ -1,6 +1,7 @@
 """A model as a file: plain HDF5 arrays. Nothing in it is ever executed; all of it is checked.
 
-attributes    schema, trained (text), window [s], hop [s], sampling [Hz], border [N/m], features
+attributes    schema, trained (text), window [s], hop [s], sampling [Hz], border [N/m], sure [1],
+              features
 /rigid, /stiffness, /force    the arrays of a forest (forest.py)
 /calibration (2, n), /stiffness_band (3, n), /force_band (3, n)
 """
@@ -20,10 +21,11 @@ from hannes.recognition.forest import FIELDS, MOST_NODES, Forest
 from hannes.recognition.model import Band, Calibration, Model
 from hannes.recording_hdf5 import OWN_FILTERS, set_attribute, text_attribute
 
-SCHEMA = "hannes-recogniser-1"
+SCHEMA = "hannes-recogniser-2"
 FORESTS = ("rigid", "stiffness", "force")
 CURVES = {"calibration": 2, "stiffness_band": 3, "force_band": 3}
-NUMBERS = ("window", "hop", "sampling", "border")
+NUMBERS = ("window", "hop", "sampling", "border", "sure")
+OF_CUT = NUMBERS[:3]
 MOST_POINTS = 100_000
 
 
@@ -37,7 +39,7 @@ def write(path: str | Path, model: Model) -> None:
         for key, text in texts.items():
             set_attribute(file, key, text)
         for key in NUMBERS:
-            file.attrs[key] = float(getattr(model if key == "border" else model.cut, key))
+            file.attrs[key] = float(getattr(model.cut if key in OF_CUT else model, key))
         for name in FORESTS:
             for field, kind in FIELDS.items():
                 array = getattr(getattr(model, name), field).astype(kind)
@@ -72,14 +74,17 @@ def _model(file: Any) -> Model:
         raise BadInput(f"its schema is {schema!r:.60}, expected {SCHEMA!r}")
     if json.loads(text_attribute(file, "features")) != list(NAMES):
         raise BadInput("it was trained on other features than this version makes; train it anew")
-    window, hop, sampling, border = (_number(file, key) for key in NUMBERS)
+    window, hop, sampling, border, sure = (_number(file, key) for key in NUMBERS)
     forests = {name: _forest(file, name).check(len(NAMES)) for name in FORESTS}
     curves = {name: _curve(file, name, rows) for name, rows in CURVES.items()}
     if (forests["rigid"].value < 0.0).any() or (forests["rigid"].value > 1.0).any():
         raise BadInput("a probability is not between 0 and 1")
+    if not 0.5 <= sure <= 1.0:
+        raise BadInput(f"attribute sure = {sure:g}: expected 0.5 to 1")
     return Model(
         Cut(window, hop, sampling),
         border,
+        sure,
         **forests,
         calibration=Calibration(*curves["calibration"]),
         stiffness_band=Band(*curves["stiffness_band"]),

@@ -1,75 +1,21 @@
 """`hannes train`: learn from a data set's grasps; some of them are kept to say what it is worth."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from hannes.dataset.read import DataSet, read
-from hannes.errors import BadInput
+from hannes.recognition.calibrated import calibrated, estimates
 from hannes.recognition.cut import Cut
-from hannes.recognition.features import CHANNELS
 from hannes.recognition.forest import of_sklearn
-from hannes.recognition.model import (
-    HELD,
-    RISE,
-    SINCE,
-    Band,
-    Calibration,
-    Model,
-    decided,
-    grasp_stiffness,
-    pooled,
-)
+from hannes.recognition.grasps import Grasps, grasps, held, last_held
+from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, running
 
-WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
 KEPT = 0.2  # share of the grasps that is not learnt from
 LEAST = 0.5  # N, of the force that is learnt
-BINS = 6  # of an interval's width along the estimate
-
-
-@dataclass(frozen=True)
-class Grasps:
-    """Features (n, windows, features), what is known of each grasp, and its force by window [N]."""
-
-    features: np.ndarray
-    force: np.ndarray
-    rigid: np.ndarray
-    stiffness: np.ndarray
-    peak: np.ndarray
-    scored: np.ndarray
-
-    def some(self, which: np.ndarray) -> "Grasps":
-        return Grasps(*(each[which] for each in vars(self).values()))
-
-
-def scored(times: np.ndarray, cut: Cut, contact: np.ndarray, release: np.ndarray) -> np.ndarray:
-    """Which windows lie between contact and release, shape (grasps, windows).
-
-    A feature looks back over two lengths: both must lie inside.
-    """
-    begun = times - 2.0 * cut.window
-    return (begun >= contact[:, np.newaxis]) & (times <= release[:, np.newaxis])
-
-
-def grasps(data: DataSet, which: np.ndarray, cut: Cut) -> Grasps:
-    """Read the grasps `which` (bool); BadInput where there are none."""
-    rows = np.flatnonzero(which & data.usable & (data.table["peak_force"] > WEAKEST))
-    if not rows.size:
-        raise BadInput(f"{data.path}: no grasp of these holds its object")
-    rate = 1.0 / float(np.median(np.diff(data.time)))
-    if abs(rate / cut.sampling - 1.0) > 1e-6:
-        raise BadInput(f"{data.path}: sampled at {rate:g} Hz, expected {cut.sampling:g} Hz")
-    features, force = [], []
-    ends = cut.ends(data.time.size) - 1
-    for block in data.blocks(rows, (*CHANNELS, "force")):
-        features.append(cut.features(block[..., :3]))
-        force.append(block[:, ends, 3])
-    table = data.table[rows]
-    inside = scored(cut.times(data.time.size), cut, table["contact"], table["release"])
-    known = (data.rigid[rows], table["object.stiffness"], table["peak_force"], inside)
-    return Grasps(np.concatenate(features), np.concatenate(force), *known)
+FEWEST = 30  # grasps of a learning curve
 
 
 def train(
@@ -88,19 +34,48 @@ def train(
     """
     data, cut = read(path), cut or Cut()
     known = grasps(data, data.role("train"), cut)
-    rng = np.random.default_rng(seed)
-    kept = rng.permutation(known.rigid.size) < max(1, round(KEPT * known.rigid.size))
-    if known.rigid.size < 50:  # a design by hand: nothing to spare
-        kept[:] = False
-    learnt = np.flatnonzero(~kept)[:most]
-    model = _fitted(known.some(learnt), cut, data, trees, seed, jobs)
-    model = _calibrated(model, known.some(kept) if kept.any() else known)
+    kept = _kept(known, seed)
+    learnt = np.flatnonzero(~kept)
+    if most is not None:
+        learnt = np.random.default_rng(seed).permutation(learnt)[:most]
+    model = _learnt(known, kept, learnt, data, cut, trees, seed, jobs)
     told = {"title": data.title, "grasps": int(learnt.size), "kept": int(kept.sum())}
     if kept.any():
         told["kept_scores"] = worth(model, known.some(kept))
     if data.role("test").any():
         told["test_scores"] = worth(model, grasps(data, data.role("test"), cut))
     return model, told
+
+
+def curve(
+    path: str | Path, *, trees: int = 40, seed: int = 0, jobs: int | None = -1
+) -> Iterator[tuple[int, Model]]:
+    """Models that learnt from ever more grasps, and from how many: a learning curve.
+
+    From all that `train` learns from down to a quarter, a quarter of that, and so on to some 30;
+    calibrated on the same grasps that are kept.
+    """
+    data, cut = read(path), Cut()
+    known = grasps(data, data.role("train"), cut)
+    kept = _kept(known, seed)
+    order = np.random.default_rng(seed).permutation(np.flatnonzero(~kept))
+    steps = 1 + max(0, int(np.log(order.size / FEWEST) / np.log(4.0)))
+    for count in [round(order.size / 4.0**k) for k in range(steps)][::-1]:
+        yield count, _learnt(known, kept, order[:count], data, cut, trees, seed, jobs)
+
+
+def _kept(known: Grasps, seed: int) -> np.ndarray:
+    """Which grasps are not learnt from; none of a design by hand, which has none to spare."""
+    size, rng = known.rigid.size, np.random.default_rng(seed)
+    return (rng.permutation(size) < round(KEPT * size)) & (size >= 50)
+
+
+def _learnt(
+    known: Grasps, kept: np.ndarray, learnt: np.ndarray, data: DataSet, cut: Cut,
+    trees: int, seed: int, jobs: int | None,
+) -> Model:  # fmt: skip
+    model = _fitted(known.some(learnt), cut, data, trees, seed, jobs)
+    return calibrated(model, known.some(kept) if kept.any() else known)
 
 
 def _fitted(
@@ -127,6 +102,7 @@ def _fitted(
     return Model(
         cut,
         data.border,
+        0.5,
         rigid,
         regression(used, stiffness[used]),
         regression(pressed, np.log(known.force[pressed])),
@@ -137,63 +113,22 @@ def _fitted(
     )
 
 
-def held(features: np.ndarray) -> np.ndarray:
-    """Windows in which an object is held, as far as the features tell."""
-    return (np.nan_to_num(features[..., SINCE]) > 0.0) & (features[..., RISE] > HELD)
-
-
-def _calibrated(model: Model, known: Grasps) -> Model:
-    """The model with its probabilities and intervals as they proved on grasps not learnt from."""
-    from sklearn.isotonic import IsotonicRegression
-
-    used = known.scored
-    raw = model.rigid(known.features[used])
-    classes = np.repeat(known.rigid, used.sum(axis=1)).astype(float)
-    if np.unique(classes).size == 2:
-        fitted = IsotonicRegression(y_min=0.005, y_max=0.995).fit(raw, classes)
-        points = Calibration(fitted.X_thresholds_.astype(float), fitted.y_thresholds_.astype(float))
-        model = replace(model, calibration=points)
-    stiffness, peak = estimates(model, known)
-    return replace(
-        model,
-        stiffness_band=_band(stiffness, known.stiffness),
-        force_band=_band(peak, known.peak),
-    )
-
-
-def estimates(model: Model, known: Grasps) -> tuple[np.ndarray, np.ndarray]:
-    """Stiffness [N/m] and peak force [N] of each grasp, NaN where nothing was held."""
-    stiffness, peak = np.full(known.rigid.size, np.nan), np.full(known.rigid.size, np.nan)
-    for k, (rows, some) in enumerate(zip(known.features, held(known.features), strict=True)):
-        if some.any():
-            stiffness[k] = grasp_stiffness(model.stiffness(rows), some)
-            peak[k] = np.exp(model.force(rows[some])).max()
-    return stiffness, peak
-
-
-def _band(estimate: np.ndarray, true: np.ndarray) -> Band:
-    """Where the truth lies about an estimate, from 2.5 to 97.5 %, along the estimate."""
-    found = np.isfinite(estimate)
-    at, off = np.log(estimate[found]), np.log(true[found] / estimate[found])
-    bins = min(BINS, max(1, at.size // 40))
-    order = np.argsort(at)
-    parts = [part for part in np.array_split(order, bins) if part.size]
-    ends = np.array([np.percentile(off[part], (2.5, 97.5)) for part in parts])
-    return Band(np.array([at[part].mean() for part in parts]), *ends.T.copy())
-
-
 def worth(model: Model, known: Grasps) -> dict[str, float]:
     """Shares of right decisions, and errors, on grasps that were not learnt from."""
-    rigid = np.full(known.scored.shape, 0.5)
-    rigid[known.scored] = model.windows(known.features[known.scored])
-    windows = decided(rigid) == known.rigid[:, np.newaxis]
-    grasp = decided(pooled(rigid, known.scored)[:, -1]) == known.rigid
+    there = ~np.isnan(known.features[..., 0])
+    rigid = np.full(there.shape, 0.5)
+    rigid[there] = model.windows(known.features[there])
+    windows = decided(rigid, model.sure) == known.rigid[:, np.newaxis]
+    last = last_held(known.features)
+    touched = np.nan_to_num(known.features[..., SINCE]) > 0.0
+    whole = running(rigid, touched, model.cut.hop)[np.arange(last.size), last]
+    grasp = decided(whole, model.sure) == known.rigid
     stiffness, peak = estimates(model, known)
     miss = np.abs(peak / known.peak - 1.0)
     return {
         "grasps": int(known.rigid.size),
         "windows_right": float(windows[known.scored].mean()),
-        "grasps_right": float(grasp[known.scored.any(axis=1)].mean()),
+        "grasps_right": float(grasp[last >= 0].mean()),
         "brier": float(np.mean((rigid - known.rigid[:, np.newaxis])[known.scored] ** 2)),
         "stiffness_factor": float(
             np.exp(np.nanmedian(np.abs(np.log(stiffness / known.stiffness))))

@@ -21,13 +21,17 @@ NOTE = (
     "figure, only the task with the task."
 )
 
+CURVE = (
+    "Each line is a classifier of 40 trees, trained anew on so many of the grasps; same objects."
+)
+
 
 def read(folder: str | Path) -> dict[str, Any]:
     """Content of evaluation.json of a results folder; BadInput where it is none."""
     file = Path(folder) / "evaluation.json"
     try:
         told: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-        _table(told)
+        found(told)
         checks(told)
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise BadInput(f"{file} is not written by `hannes evaluate`: {error}") from None
@@ -47,7 +51,8 @@ def checks(told: dict[str, Any]) -> list[Row]:
 def found(told: dict[str, Any]) -> Finding:
     """The section of the page."""
     title, about = ABOUT["recognition"]
-    return Finding("recognition", title, about, tables=(_table(told),))
+    tables = (_table(told), *([_curve(told)] if "learning_curve" in told else []))
+    return Finding("recognition", title, about, tables=tables)
 
 
 def _table(told: dict[str, Any]) -> Table:
@@ -71,3 +76,16 @@ def _table(told: dict[str, Any]) -> Table:
         "Stiffness told [N/m]", "Decided for good within 150 ms [%]",
     )  # fmt: skip
     return Table("table3", "Table III: rigid or soft", columns, tuple(rows), NOTE)
+
+
+def _curve(told: dict[str, Any]) -> Table:
+    keys = ("f1_windows", "f1_grasps", "f1_worst", "stable_in_time")
+    rows = tuple(
+        (str(each["grasps"]), *(decimals(100.0 * each[key], 1) for key in keys))
+        for each in told["learning_curve"]
+    )
+    columns = (
+        "Grasps learnt from", "F1, windows [%]", "F1, grasps [%]", "Worst object [%]",
+        "Decided for good within 150 ms [%]",
+    )  # fmt: skip
+    return Table("learning", "What more simulated grasps are worth", columns, rows, CURVE)

@@ -1,0 +1,68 @@
+"""Grasps of a data set as training takes them: features by window, and what is known of them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.dataset.read import DataSet
+from hannes.errors import BadInput
+from hannes.recognition.cut import Cut
+from hannes.recognition.features import CHANNELS
+from hannes.recognition.model import HELD, RISE, SINCE
+
+WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
+
+
+@dataclass(frozen=True)
+class Grasps:
+    """Features (n, windows, features), what is known of each grasp, and its force by window [N]."""
+
+    features: np.ndarray
+    force: np.ndarray
+    rigid: np.ndarray
+    stiffness: np.ndarray
+    peak: np.ndarray
+    scored: np.ndarray
+
+    def some(self, which: np.ndarray) -> "Grasps":
+        return Grasps(*(each[which] for each in vars(self).values()))
+
+
+def scored(times: np.ndarray, cut: Cut, contact: np.ndarray, release: np.ndarray) -> np.ndarray:
+    """Which windows lie between contact and release, shape (grasps, windows).
+
+    A feature looks back over two lengths: both must lie inside.
+    """
+    begun = times - 2.0 * cut.window
+    return (begun >= contact[:, np.newaxis]) & (times <= release[:, np.newaxis])
+
+
+def grasps(data: DataSet, which: np.ndarray, cut: Cut) -> Grasps:
+    """Read the grasps `which` (bool); BadInput where there are none."""
+    rows = np.flatnonzero(which & data.usable & (data.table["peak_force"] > WEAKEST))
+    if not rows.size:
+        raise BadInput(f"{data.path}: no grasp of these holds its object")
+    rate = 1.0 / float(np.median(np.diff(data.time)))
+    if abs(rate / cut.sampling - 1.0) > 1e-6:
+        raise BadInput(f"{data.path}: sampled at {rate:g} Hz, expected {cut.sampling:g} Hz")
+    features, force = [], []
+    ends = cut.ends(data.time.size) - 1
+    for block in data.blocks(rows, (*CHANNELS, "force")):
+        features.append(cut.features(block[..., :3]))
+        force.append(block[:, ends, 3])
+    table = data.table[rows]
+    inside = scored(cut.times(data.time.size), cut, table["contact"], table["release"])
+    known = (data.rigid[rows], table["object.stiffness"], table["peak_force"], inside)
+    return Grasps(np.concatenate(features), np.concatenate(force), *known)
+
+
+def held(features: np.ndarray) -> np.ndarray:
+    """Windows in which an object is held, as far as the features tell."""
+    return (np.nan_to_num(features[..., SINCE]) > 0.0) & (features[..., RISE] > HELD)
+
+
+def last_held(features: np.ndarray) -> np.ndarray:
+    """Last window of each grasp in which its object is held, -1 where there is none."""
+    found = held(features)
+    last = found.shape[1] - 1 - np.argmax(found[:, ::-1], axis=1)
+    return np.where(found.any(axis=1), last, -1)
