@@ -26,7 +26,7 @@ from hannes.recognition.evaluate import CLASSES, Subject, evaluate
 from hannes.recognition.train import train
 
 HIDDEN = {"leader_slack.length": 4e-3}  # m
-SEED, GRASPS, TRAININGS, REPEATS = 5, 6, 5, 500
+SEED, GRASPS, TRAININGS, REPEATS = 5, 6, 3, 500
 SLACK = '"leader_slack.length" = { uniform = ["0 mm", "3 mm"] }\n'
 
 
