@@ -87,11 +87,15 @@ def _fitted(
 
     used = known.scored | held(known.features)
     few = used.sum() < 5000
-    leaf, share = (2, 1.0) if few else (20, 0.3)  # all of these by the kept grasps
+    leaf, share = (2, 1.0) if few else (20, 0.3)
     bag = BaggedTrees(trees, leaf, share, seed, jobs)
     rigid = bag.fit(known.features, known.rigid.astype(int), used).arrays()
 
     def regression(which: np.ndarray, target: np.ndarray, fine: float) -> Any:
+        """`fine`: how much more of the windows a tree sees, and how much smaller its leaves are.
+
+        Kept grasps ask for 2 where force is learnt.
+        """
         how = {"min_samples_leaf": max(2, round(leaf / fine)), "max_features": 0.4}
         how["max_samples"] = share / 2 * fine
         made = RandomForestRegressor(max(trees // 2, 10), random_state=seed, n_jobs=jobs, **how)
