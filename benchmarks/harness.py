@@ -90,7 +90,7 @@ def main(
     asked = arguments(doc, module, parts)
     rows, bounds = measure(asked.quick, asked.only) if parts else measure(asked.quick)
     stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(table(rows), "\n", table(bounds), sep="\n", file=stream)
+    print(table(rows), "\n", table(aligned(bounds)), sep="\n", file=stream)
     if asked.json:
         text = json.dumps({"rows": rows, "must_show": bounds}, indent=1)
         if asked.json == "-":
