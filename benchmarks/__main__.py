@@ -18,7 +18,7 @@ from typing import Any
 from benchmarks.harness import Row, table
 from hannes.files import write_text
 
-NAMES = ("accuracy_work", "peers", "batch", "start", "recognition")
+NAMES = ("accuracy_work", "parts", "peers", "batch", "start", "recognition")
 FOLDER = Path(__file__).parent
 HEAD = """# Benchmarks
 

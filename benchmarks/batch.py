@@ -31,6 +31,7 @@ SETTINGS = ((1e-2, 100.0), (1e-2, 1000.0), (1e-3, 1000.0), (1e-4, 1000.0))
 CHANNELS = ("current", "force")
 SMALL = 0.01  # of an amplitude's range: small enough to leave the motion as it is
 STREAMED = 100_000, 2_000  # grasps, whole and quick
+RIPPLE = "torque_ripple"
 LEFT_OUT = "all effects left out, at off"
 Case = tuple[Any, ...]
 
@@ -154,19 +155,29 @@ def with_effects(chosen: tuple[Effect, ...], share: float) -> Hand:
 
 
 def effect_costs(quick: bool) -> tuple[list[Row], list[Row]]:
-    """Cost against the number of effects in the model, present or left out."""
+    """Cost against the number of effects in the model, present or left out.
+
+    The evaluations of one grasp tell how much of it is finer motion: a torque that ripples is
+    followed turn by turn.
+    """
     count, repeats = (60, 5) if quick else (200, 15)
     known = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
     most = len(known)
     numbers = (0, most) if quick else sorted({0, 1, most // 2, most})
     hands = {f"{n} effects present": with_effects(known[:n], SMALL) for n in numbers}
+    smooth = tuple(each for each in known if each.name != RIPPLE)
+    hands[f"all effects but {RIPPLE} present"] = with_effects(smooth, SMALL)
     hands[LEFT_OUT] = with_effects(known, 0.0)
     spent = timed(
         {(what,): partial(ran, count, hand, rtol=1e-3, workers=1) for what, hand in hands.items()},
         repeats,
     )
     rows = [
-        row(what, count, spent[what,].processor, jacobian=hand.compiled().jacobian_kind)
+        row(
+            *(what, count, spent[what,].processor),
+            evaluations=simulate(hand, grasp(), rtol=1e-3).cost.evaluations,
+            jacobian=hand.compiled().jacobian_kind,
+        )
         for what, hand in hands.items()
     ]
     base = spent["0 effects present",].processor

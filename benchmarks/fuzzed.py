@@ -30,6 +30,7 @@ def learnt(path: Path) -> None:
 
 def damaged(path: Path, use: Use, count: int, seed: int) -> dict[str, int]:
     """How `count` copies with bytes changed at random ended."""
+    use(path)  # whole, it is read
     data, rng = path.read_bytes(), np.random.default_rng(seed)
     copy, ends = path.with_suffix(".fuzzed.h5"), {"read": 0, "refused": 0, "otherwise": 0}
     for number in tqdm(range(count), f"damaged {path.name}", leave=False):

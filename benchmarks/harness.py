@@ -45,8 +45,8 @@ def aligned(rows: Sequence[Row]) -> list[Row]:
     return [keys | row for row in rows]
 
 
-def arguments(doc: str, module: str) -> argparse.Namespace:
-    """Parse `--quick` and `--json FILE|-`."""
+def arguments(doc: str, module: str, parts: Sequence[str] = ()) -> argparse.Namespace:
+    """Parse `--quick`, `--json FILE|-` and, of a benchmark with `parts`, `--only PART`."""
     parser = argparse.ArgumentParser(
         prog=f"python -m benchmarks.{module}",
         description=doc,
@@ -54,6 +54,9 @@ def arguments(doc: str, module: str) -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true", help="fewer repeats, for a first look")
     parser.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
+    if parts:
+        parser.add_argument("--only", nargs="+", choices=parts, default=parts, metavar="PART",
+                            help=f"of {', '.join(parts)}")  # fmt: skip
     return parser.parse_args()
 
 
@@ -74,12 +77,20 @@ def _cell(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def main(doc: str, module: str, measure: Callable[[bool], tuple[list[Row], list[Row]]]) -> None:
-    """Run `measure(quick)` -> rows, must_show rows; print tables and write JSON where asked."""
-    asked = arguments(doc, module)
-    rows, bounds = measure(asked.quick)
+def main(
+    doc: str,
+    module: str,
+    measure: Callable[..., tuple[list[Row], list[Row]]],
+    parts: Sequence[str] = (),
+) -> None:
+    """Run `measure(quick)` -> rows, must_show rows; print tables and write JSON where asked.
+
+    A benchmark with `parts` is also told which of them: `measure(quick, only)`.
+    """
+    asked = arguments(doc, module, parts)
+    rows, bounds = measure(asked.quick, asked.only) if parts else measure(asked.quick)
     stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(table(rows), "\n", table(bounds), sep="\n", file=stream)
+    print(table(rows), "\n", table(aligned(bounds)), sep="\n", file=stream)
     if asked.json:
         text = json.dumps({"rows": rows, "must_show": bounds}, indent=1)
         if asked.json == "-":

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import fuzzed, killed, rollout, worth
-from benchmarks.harness import Row, aligned, main, must_show, peak_mib
+from benchmarks.harness import Row, aligned, interval, main, must_show, peak_mib
 from benchmarks.truth import objects
 from hannes import Experiment, Hand, Reference, Target, simulate_many
 from hannes.dataset.make import make
@@ -59,6 +59,7 @@ def spread(model: Any, chosen: Sequence[Subject]) -> dict[str, dict[str, float]]
     starts = np.cumsum([0, *sizes[:-1]])
     right = np.array([row["told"][row["class"]] for row in told])
     windows = np.array([row["windows"] for row in told], float)
+    late = np.array([row["stable_in_time"] for row in told])
     whole = np.array([row["f1_grasps"] for row in told])
     rng, found = np.random.default_rng(0), []
     for _ in range(REPEATS):
@@ -66,9 +67,10 @@ def spread(model: Any, chosen: Sequence[Subject]) -> dict[str, dict[str, float]]
         shares = [np.average(right[p], weights=windows[p]) for p in picks]
         grasps = [whole[p].mean() for p in picks]
         f1 = [[2 * r / (r + 1) for r in each] for each in (shares, grasps)]
-        found.append((np.mean(f1[0]), np.mean(f1[1]), min(f1[0])))
+        in_time = np.mean([late[p].mean() for p in picks])
+        found.append((np.mean(f1[0]), np.mean(f1[1]), min(f1[0]), in_time))
     low, high = np.percentile(found, (2.5, 97.5), axis=0)
-    names = ("f1_windows", "f1_grasps", "f1_worst")
+    names = ("f1_windows", "f1_grasps", "f1_worst", "stable_in_time")
     return {n: {"low": 100 * float(a), "high": 100 * float(b)}
             for n, a, b in zip(names, low, high, strict=True)}  # fmt: skip
 
@@ -168,8 +170,10 @@ def bounds(told: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) ->
         above("F1 per window, worst object, %", 100 * told["f1_worst"], 85, **ends["f1_worst"]),
         above("F1 per window, average, % (paper's design, no bound)", 100 * small["f1_windows"], 0,
               **small["interval"]["f1_windows"]),
-        above("grasps decided for good within 150 ms, %", 100 * told["stable_in_time"], 95),
-        must_show("peak force, median error, %", error, 5, error <= 5),
+        above("grasps decided for good within 150 ms, %", 100 * told["stable_in_time"], 95,
+              **ends["stable_in_time"]),
+        must_show("peak force, median error, %", error, 5, error <= 5)
+        | interval(force["errors_percent"]),
         must_show("its 95 % interval holds, % (90 to 98)", holds, 90, 90 <= holds <= 98),
         must_show("10,000 grasps, processor seconds over two cores", cost["processor_s"] / 2,
                   SECONDS, cost["processor_s"] / 2 <= SECONDS),
@@ -177,9 +181,8 @@ def bounds(told: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) ->
     ]  # fmt: skip
 
 
-def measure(quick: bool) -> tuple[list[Row], list[Row]]:
+def recognised(quick: bool) -> tuple[list[Row], list[Row]]:
     """Make both data sets, train on each, score both on the same recordings."""
-    OUT.mkdir(parents=True, exist_ok=True)
     costs = {name: build(name) for name in SETS}
     chosen = subjects(quick)
     rows: list[Row] = [{"what": f"{name}: made", **cost} for name, cost in costs.items()]
@@ -188,15 +191,34 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
         found, told[name] = scores(name, quick, chosen)
         rows += found
     rows += learning(quick, chosen)
-    must = [*bounds(told["large"], told["eighteen"], costs["large"]), held()]
-    files = OUT / "eighteen-model.h5", OUT / "eighteen.h5"
-    for found, asked in (
-        rollout.measure(quick), fuzzed.measure(quick, *files), worth.measure(quick),
-        killed.measure(quick),
-    ):  # fmt: skip
-        rows, must = rows + found, must + asked
-    return aligned(rows), must
+    return rows, bounds(told["large"], told["eighteen"], costs["large"])
+
+
+def damaged(quick: bool) -> tuple[list[Row], list[Row]]:
+    """Damage the files of the paper's design."""
+    build("eighteen")
+    model_file.write(OUT / "eighteen-model.h5", train(OUT / "eighteen.h5", trees=20)[0])
+    return fuzzed.measure(quick, OUT / "eighteen-model.h5", OUT / "eighteen.h5")
+
+
+PARTS = {
+    "scores": recognised,
+    "held": lambda quick: ([], [held()]),
+    "rollout": rollout.measure,
+    "damaged": damaged,
+    "worth": worth.measure,
+    "killed": killed.measure,
+}
+
+
+def measure(quick: bool, only: Sequence[str]) -> tuple[list[Row], list[Row]]:
+    """One part after the other."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    found = [PARTS[part](quick) for part in PARTS if part in only]
+    return aligned([row for rows, _ in found for row in rows]), [
+        row for _, must in found for row in must
+    ]
 
 
 if __name__ == "__main__":
-    main(__doc__, "recognition", measure)
+    main(__doc__, "recognition", measure, tuple(PARTS))

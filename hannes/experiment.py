@@ -1,5 +1,6 @@
 """What is done with a hand: a reference to follow, an object or none, a controller, noise."""
 
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -63,6 +64,12 @@ class Target:
     sensor: bool = False
 
 
+@functools.lru_cache(maxsize=16)
+def _times(duration: float, sampling: float) -> np.ndarray:
+    count = math.floor(duration * sampling + 1e-6)  # of a sample: rounding
+    return np.minimum(np.arange(count + 1) / sampling, duration)
+
+
 @dataclass(frozen=True)
 class Experiment:
     """One run of the hand; times in s, sampling in Hz, noise as standard deviations in SI."""
@@ -88,8 +95,7 @@ class Experiment:
     @property
     def times(self) -> np.ndarray:
         """Sample times [s], shape (n,): none beyond the duration."""
-        count = math.floor(self.duration * self.sampling + 1e-6)  # of a sample: rounding
-        return np.minimum(np.arange(count + 1) / self.sampling, self.duration)
+        return _times(self.duration, self.sampling).copy()
 
     @property
     def shape(self) -> str | None:

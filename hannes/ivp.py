@@ -1,5 +1,6 @@
 """Through scipy's solve_ivp, from kink to kink: by the method of hannes/rodas or scipy's own."""
 
+import functools
 import math
 import time
 from collections.abc import Callable, Iterator
@@ -21,6 +22,7 @@ RUN = 512  # steps that Rodas takes between two returns to scipy: most grasps ar
 _ready: set[tuple[Compiled, str]] = set()  # whose machine code this process has at hand
 
 
+@functools.lru_cache(maxsize=16)
 def tolerances(compiled: Compiled, rtol: float) -> np.ndarray:
     """Absolute tolerance of each state, shape (states,): as declared at rtol 1e-4."""
     return compiled.states.tolerances * rtol / 1e-4
@@ -100,8 +102,7 @@ class Initial:
         clock = time.perf_counter()
         try:
             with np.errstate(all="ignore"):
-                times = np.append(self.times[self.filled : inside], end).clip(start, end)
-                part = self._solve(knots, (start, end), times)
+                part = self._solve(knots, (start, end), self._asked(inside, start, end))
         except ValueError as error:
             if "infs or NaNs" not in str(error):
                 raise
@@ -109,7 +110,7 @@ class Initial:
         seconds = time.perf_counter() - clock
         self.cost += Cost(int(part.nfev), int(part.njev), self._parts(), seconds)
         rows = np.asarray(part.y).T.reshape(-1, self.state.size)  # a bare list when empty
-        if not np.isfinite(rows.sum()):
+        if not math.isfinite(rows.sum()):
             sound = np.isfinite(rows).all(axis=1)
             self._store(rows[: min(int(np.argmin(sound)), inside - self.filled)])
             return self._fail(Outcome.NOT_FINITE, part.message)
@@ -143,7 +144,13 @@ class Initial:
 
     def _samples(self, end: float) -> int:
         """Number of samples that lie before `end`."""
-        return int(np.searchsorted(self.times, end * (1.0 - 1e-12), "left"))
+        return int(self.times.searchsorted(end * (1.0 - 1e-12), "left"))
+
+    def _asked(self, inside: int, start: float, end: float) -> np.ndarray:
+        """Sample times up to `inside`, and the end."""
+        if start == 0.0 and self.times[-1] == end:
+            return self.times
+        return np.append(self.times[self.filled : inside], end).clip(start, end)
 
     def _store(self, rows: np.ndarray) -> None:
         self.rows.append(rows)

@@ -12,6 +12,7 @@ from scipy.sparse import csc_array
 
 from hannes._jit import kernel
 from hannes.hand import Hand
+from hannes.ivp import Initial
 from hannes.rodas.coefficients import LOOSE
 from hannes.rodas.problem import compiled
 from hannes.rodas.solver import Rodas
@@ -321,3 +322,29 @@ def test_a_harsh_hand_is_right():
         assert error(found, exact) < allowed
         off = (found["force"] - exact["force"]) / exact["force"].max()
         assert np.sqrt(np.mean(off**2)) < 10.0 * rtol
+
+
+def stiffest(rtol, nudge=0.0):
+    """Total force [N] of a hand that hits rock; its start moved by `nudge` of all tolerances."""
+    hand = Hand().with_values({"leader.stiffness": 1e7, "motor.inertia": 1e-9})
+    experiment = grasp(duration=0.45, stiffness=1e7)
+    posed = hand.with_values(experiment.overrides())
+    model = posed.compiled()
+    off = np.random.default_rng(2).standard_normal(model.states.size)
+    start = posed.rest(model) + nudge * model.states.tolerances * off
+    given = model, posed.vector("cylinder"), start
+    return Initial(*given, experiment, "Rodas", rtol).run().require()["force"]
+
+
+def test_the_stiffest_hand_is_sensitive_but_not_chaotic():
+    """Its peak force at loose tolerances is off by a third: 1 um of finger is 10 N of contact.
+
+    But what is moved at the start moves the force in proportion, a thousandth of a tolerance by
+    less than 1 N, so that there is one solution; and tighter tolerances lead to it.
+    """
+    exact = stiffest(1e-9)
+    offs = [np.abs(stiffest(rtol) - exact).max() for rtol in (1e-6, 1e-7, 1e-8)]
+    assert offs[1] < 0.5 * offs[0] and offs[2] < 0.5 * offs[1] and offs[2] < 0.02 * exact.max()
+    moved = [np.abs(stiffest(1e-9, nudge) - exact).max() for nudge in (1e-3, 1e-2, 1e-1)]
+    assert moved[0] < 1.0
+    assert moved[2] / moved[1] == pytest.approx(10.0, rel=0.2)

@@ -201,6 +201,7 @@ def _force(grasps: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "grasps": len(known),
         "median_error_percent": float(100.0 * np.median(np.abs(errors))),
         "bias_percent": float(100.0 * np.median(errors)),
+        "errors_percent": [round(float(each), 2) for each in 100.0 * np.abs(errors)],
         "interval_holds": float(inside.mean()),
     }
 

@@ -91,8 +91,13 @@ def _fitted(
     bag = BaggedTrees(trees, leaf, share, seed, jobs)
     rigid = bag.fit(known.features, known.rigid.astype(int), used).arrays()
 
-    def regression(which: np.ndarray, target: np.ndarray) -> Any:
-        how = {"min_samples_leaf": leaf, "max_samples": share / 2, "max_features": 0.4}
+    def regression(which: np.ndarray, target: np.ndarray, fine: float) -> Any:
+        """`fine`: how much more of the windows a tree sees, and how much smaller its leaves are.
+
+        Kept grasps ask for 2 where force is learnt.
+        """
+        how = {"min_samples_leaf": max(2, round(leaf / fine)), "max_features": 0.4}
+        how["max_samples"] = share / 2 * fine
         made = RandomForestRegressor(max(trees // 2, 10), random_state=seed, n_jobs=jobs, **how)
         return of_sklearn(made.fit(known.features[which], target))
 
@@ -104,8 +109,8 @@ def _fitted(
         data.border,
         0.5,
         rigid,
-        regression(used, stiffness[used]),
-        regression(pressed, np.log(known.force[pressed])),
+        regression(used, stiffness[used], 1.0),
+        regression(pressed, np.log(known.force[pressed]), 2.0),
         Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0])),
         Band(nothing, nothing, nothing),
         Band(nothing, nothing, nothing),

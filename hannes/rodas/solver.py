@@ -122,7 +122,7 @@ class Pieces(DenseOutput):
 def _bounds(kinks: Any, start: float, end: float) -> np.ndarray:
     """Ends of the smooth parts of the way."""
     low, high = min(start, end), max(start, end)
-    inside = {t for t in np.ravel(kinks).tolist() if low < t < high}
+    inside = {t for t in np.asarray(kinks, float).ravel().tolist() if low < t < high}
     return np.array([*sorted(inside, reverse=start > end), end])
 
 
@@ -137,7 +137,7 @@ def _tolerances(rtol: float, atol: Any, n: int) -> tuple[float, np.ndarray]:
         raise ValueError("`atol` has wrong shape.")
     if (atol < 0.0).any():
         raise ValueError("`atol` must be positive.")
-    return max(float(rtol), LEAST), np.full(n, atol)
+    return max(float(rtol), LEAST), atol.copy() if atol.ndim > 0 else np.full(n, atol)
 
 
 def _jacobian(jac: Any, n: int) -> Callable[..., Any] | None:

@@ -1,0 +1,82 @@
+"""Parts of a step: nanoseconds of the rates, of the Jacobian, of its factors and of a solution.
+
+Along the states of a dynamometer grasp, of the hand alone and with its whole catalogue at small
+amplitudes; processor time, the least of several turns. An accepted step takes one Jacobian, and by
+Rodas4P2 six rates and solutions, by Rodas3 three and four; each attempt takes new factors.
+"""
+
+import time
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+from benchmarks.batch import SMALL, grasp, with_effects
+from benchmarks.harness import Row, aligned, main
+from hannes import Hand, effects, simulate
+from hannes._jit import kernel
+from hannes.assemble import Compiled
+from hannes.hand import EQUATIONS
+from hannes.trajectory import Trajectory
+
+PARTS = ("rates", "Jacobian", "factors", "solution")
+SHIFT = 1e3  # 1/s: of a step of 4 ms
+ROUNDS = 20  # through all states in one turn
+
+
+def turns(compiled: Compiled) -> Any:
+    """Compile a loop that takes each state through the first parts of a step, `depth` of them."""
+    fast = compiled.fast
+    workspace, slope, linearise = fast.workspace, fast.slope, fast.linearise
+    decompose, resolve = fast.decompose, fast.resolve
+
+    @kernel
+    def run(depth, times, states, p, knots, hold, rounds):
+        data = workspace(states[0], p, knots, hold)
+        rates, drift = np.zeros(states.shape[1]), np.zeros(states.shape[1])
+        total = 0.0
+        for _ in range(rounds):
+            for k in range(times.size):
+                slope(times[k], states[k], rates, data)
+                if depth > 1:
+                    linearise(times[k], states[k], rates, drift, data)
+                if depth > 2:
+                    decompose(SHIFT, data)
+                if depth > 3:
+                    resolve(rates, data)
+                total += rates[0] + drift[0]
+        return total
+
+    return run
+
+
+def spent(ran: Trajectory, repeats: int) -> list[float]:
+    """Nanoseconds of each part in turn."""
+    run = turns(ran.compiled)
+    given = ran.time[::10], ran.states[::10].copy(), ran.parameters, ran.knots, ran.holds[0].copy()
+    sums: list[list[float]] = [[] for _ in PARTS]
+    for _ in tqdm(range(repeats + 1), "turns", leave=False):
+        for depth in range(len(PARTS)):
+            clock = time.process_time()
+            run(depth + 1, *given, ROUNDS)
+            sums[depth].append(time.process_time() - clock)
+    least = [1e9 * min(each[1:]) / (ROUNDS * given[0].size) for each in sums]
+    return list(np.diff(least, prepend=0.0))
+
+
+def measure(quick: bool) -> tuple[list[Row], list[Row]]:
+    """A row for each hand; no bound is asked for."""
+    known = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
+    hands = {"0 effects": Hand(), f"{len(known)} effects": with_effects(known, SMALL)}
+    rows = []
+    for name, hand in hands.items():
+        ran = simulate(hand, grasp(), rtol=1e-3).require()
+        parts = dict(
+            zip((f"{part}_ns" for part in PARTS), spent(ran, 5 if quick else 50), strict=True)
+        )
+        rows.append({"hand": name, "states": ran.states.shape[1], **parts})
+    return aligned(rows), []
+
+
+if __name__ == "__main__":
+    main(__doc__, "parts", measure)
