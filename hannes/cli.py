@@ -227,13 +227,15 @@ def _experiments(chosen: argparse.Namespace) -> None:
 def _effects(chosen: argparse.Namespace) -> None:
     from pathlib import Path
 
-    from hannes import catalogue
+    from hannes import alike, catalogue
     from hannes.plant import find_plant, own_catalogue
 
     found = find_plant(chosen.plant, Path.cwd()) if chosen.plant else None
     known = catalogue.effects() if found is None else own_catalogue(found)
     if chosen.effect:
         print(known.get(chosen.effect) or catalogue.effect(chosen.effect))
+        if found is None and (near := alike.told(chosen.effect)):
+            print(near)
         return
     for each in known.values():
         told = textwrap.fill(each.meaning, 78, initial_indent="  ", subsequent_indent="  ")

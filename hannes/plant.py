@@ -44,6 +44,8 @@ class Plant(Protocol):
                 of them uncertain and takes its deep way, see hannes/diagnosis
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, quick
                 (`exact`: grain of firmware and all); None for a row that breaks down
+    noisy(recording, rows):        columns for `many` by which the firmware of each row reads its
+                                   sensors with other noise, as much as the recording has
     nominal(recording):            what every parameter is given for a run
     proposals(recorded):           runs worth recording, by name, beside those of each condition
     own(recording):                the thing handled in a run, and the parameters of that alone

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hannes._jit import kernel
+from hannes.alike import alike, told
 from hannes.axis import Axis
 from hannes.campaign import Campaign, Entry
 from hannes.catalogue import effects
@@ -376,3 +377,14 @@ def test_a_plant_with_nothing_uncertain_is_not_told_how_much_of_it():
 def test_what_a_campaign_says_of_its_machine_is_checked(content, message):
     with pytest.raises(BadInput, match=message):
         read_settings(Table(content, "campaign.toml", (), "diagnose."), Sled())
+
+
+def test_what_is_easily_confused_was_measured_both_ways():
+    for effect in effects():
+        for recorded, others in alike(effect).items():
+            assert list(others.values()) == sorted(others.values(), reverse=True)
+            for other, cosine in others.items():
+                assert 0.0 < cosine <= 1.0
+                assert alike(other)[recorded][effect] == pytest.approx(cosine, abs=2e-3)
+    assert "capstan" in told("gear_load")
+    assert told("nobody_knows") == ""

@@ -49,6 +49,7 @@ class Noise:
             if len(each)
         }
         self._lagged = self._correlations(strays)
+        self._correlated: dict[int, np.ndarray] = {}
         self.more: Levels = {}
         self.more = self._compared([jerk * each for each in jerks], restless)
 
@@ -66,16 +67,20 @@ class Noise:
         return {n: max(each.get(n, 0.0) for each in self._white.values()) for n in names}
 
     def moved(self, group: Group) -> np.ndarray:
-        """Covariance of what the sensors' noise makes the machine do."""
+        """Covariance of what the sensors' noise makes the machine do, shape (n, n)."""
         if not self._lagged:
             return np.zeros((group.part.size, group.part.size))
+        if id(group) not in self._correlated:
+            self._correlated[id(group)] = self._correlation(group)
+        return self._correlated[id(group)] * np.outer(self._profile(group), self._profile(group))
+
+    def _correlation(self, group: Group) -> np.ndarray:
         width = min(self._lagged, key=lambda each: abs(each - group.width))
         pairs = self._lagged[width]
         rough = np.block([[_toeplitz(pairs, a, b, group.bins) for b in group.names]
                           for a in group.names])  # fmt: skip
         values, vectors = np.linalg.eigh(0.5 * (rough + rough.T))
-        sound = (vectors * np.maximum(values, LEAST * values.mean())) @ vectors.T
-        return sound * np.outer(self._profile(group), self._profile(group))
+        return (vectors * np.maximum(values, LEAST * values.mean())) @ vectors.T
 
     def _profile(self, group: Group) -> np.ndarray:
         """Standard deviation of each bin; of a run that was not simulated, those of another."""

@@ -1,0 +1,77 @@
+"""Which effects of the catalogue leave alike marks, in both protocols: hannes/alike.toml.
+
+python -m benchmarks.alike
+
+The marks are slopes of a campaign's bin means by the size of each effect at off, beyond what the
+hand's own parameters can do, each known to 2 %; a cosine of 1 is the same mark. An effect whose
+shape is free counts at the shape that this campaign sees best. One campaign of the shipped hand,
+made by the truth, of each protocol; some three minutes.
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import tomli_w
+
+from benchmarks.truth.campaign import Spread, make
+from benchmarks.truth.protocol import PROTOCOLS
+from hannes.alike import FILE
+from hannes.campaign import read_campaign
+from hannes.diagnosis.deep import candidates
+from hannes.diagnosis.groups import grouped
+from hannes.diagnosis.investigation import FINE
+from hannes.diagnosis.model import Model
+from hannes.diagnosis.point import Point, first
+from hannes.diagnosis.screen import likeness, screened
+from hannes.diagnosis.settings import read_settings
+from hannes.diagnosis.space import Space
+from hannes.files import write_text
+
+SEED = 4_000_000  # no study has it
+TOLD = {"poor": "six free closures, six on the dynamometer", "rich": "sixteen runs, duty logged"}
+LEAST = 0.3  # cosine from which on a pair is written down
+
+
+def at_given(protocol: str) -> Point:
+    """The shipped hand in a campaign of a protocol, with the whole catalogue on trial."""
+    with tempfile.TemporaryDirectory() as folder:
+        exactly = Spread(0.0, "normal", 0.0, 0.0)
+        make(protocol, SEED, spread=exactly, told=Spread()).write(Path(folder))
+        campaign = read_campaign(Path(folder) / "campaign.toml")
+    usable = [effect for effect, why in candidates(campaign).values() if not why]
+    groups = grouped(campaign.plant, campaign.of("fit", "select"))
+    settings = read_settings(campaign.diagnose, campaign.plant)
+    space = Space(campaign.plant, groups, settings, usable)
+    return first(Model(campaign.plant, groups, space, usable), FINE, 0)
+
+
+def cosines(point: Point) -> dict[str, dict[str, float]]:
+    """Effect -> others from LEAST on, the most alike first."""
+    marks = {
+        each.effect: each.columns
+        for each in screened(point, list(point.ground.model.space.effects))
+    }
+    found: dict[str, dict[str, float]] = {}
+    for one in sorted(marks):
+        near = {other: likeness(point, marks[one], marks[other]) for other in marks if other != one}
+        order = sorted(near, key=lambda other: -near[other])
+        found[one] = {other: round(near[other], 3) for other in order if near[other] >= LEAST}
+    return found
+
+
+def main() -> None:
+    """Measure and write."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.alike",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--out", type=Path, default=FILE)
+    out = parser.parse_args().out
+    tables = {TOLD[name]: cosines(at_given(name)) for name in PROTOCOLS}
+    write_text(out, "# Made by python -m benchmarks.alike\n" + tomli_w.dumps(tables))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,36 @@
+"""Which effects are easily taken for each other: measured, see benchmarks/alike.py."""
+
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+FILE = Path(__file__).with_suffix(".toml")
+EASILY = 0.7  # cosine from which on two effects are called alike
+
+
+@cache
+def _measured() -> Mapping[str, Mapping[str, Mapping[str, float]]]:
+    return tomllib.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
+
+
+def alike(effect: str) -> dict[str, dict[str, float]]:
+    """What was recorded -> effects hard to tell from this one there, and the cosine of their marks.
+
+    The marks are those on a hand all of whose parameters may be off: 1 is the same. Empty for
+    an effect that was not measured.
+    """
+    return {
+        recorded: {name: cosine for name, cosine in table.get(effect, {}).items()}
+        for recorded, table in _measured().items()
+        if effect in table
+    }
+
+
+def told(effect: str) -> str:
+    """The same as lines of text, empty for an effect that was not measured."""
+    lines = []
+    for recorded, others in alike(effect).items():
+        easily = [f"{name} {cosine:.2f}" for name, cosine in others.items() if cosine >= EASILY]
+        lines.append(f"  {recorded}: {', '.join(easily) or 'none'}")
+    return "\n".join(["easily confused with (cosine of marks, measured):", *lines]) if lines else ""
