@@ -14,6 +14,7 @@ from benchmarks.truth.bench import CURRENT
 from benchmarks.truth.effects import CATALOGUE, SIZES
 from benchmarks.truth.parameters import named
 from benchmarks.truth.protocol import DYNAMOMETER, PAPER, SOFT_BALL, scaled
+from hannes.batch import simulate_many
 from hannes.catalogue import effects
 from hannes.experiment import Experiment, Reference, Target
 from hannes.hand import Hand
@@ -41,10 +42,16 @@ DYNAMIC = pytest.mark.parametrize(
 )
 
 
+# The truth is given its noise sample by sample, and its objects do not lean.
+DRAWN = ("controller.current_noise", "controller.noise_seed")
+APART = (*DRAWN, "object.turn", "object.tilt_x", "object.tilt_y")
+
+
 def shipped():
     """The library's hand by the truth's names."""
     parameters = Hand().parameters
-    return named({name: parameters[name] for name in parameters})
+    assert not any(parameters[name] for name in APART)
+    return named({name: parameters[name] for name in parameters if name not in APART})
 
 
 def library(points, thing, controller, values, hidden):
@@ -162,3 +169,27 @@ def test_two_effects_on_both_sides_are_the_same_run():
     hidden = {"leader_slack.length": 3e-3, "gear_load.coefficient": 0.05}
     found = worst(gaps(PAPER, DYNAMOMETER, hidden=hidden))
     assert max(found.values()) < 5e-5, found
+
+
+def test_noise_in_the_firmwares_loop_moves_both_alike():
+    """The same spread of forces among runs, and the same mean, both within what so few tell."""
+    runs, duration = 40, PAPER[-1][0] + 0.1
+    own = {f"object.{name}": x for name, x in DYNAMOMETER.items() if name != "shape"}
+    experiment = Experiment(
+        "noise", duration, Reference(np.array(PAPER).T), Target(DYNAMOMETER["shape"], own),
+        controller="sampled",
+    )  # fmt: skip
+    drawn = {DRAWN[0]: np.full(runs, CURRENT), DRAWN[1]: np.arange(1.0, runs + 1.0)}
+    made = simulate_many(Hand(), experiment, drawn, channels=("force",), rtol=1e-5)
+    mine = np.array([each["force"] for each in made])
+    rng = np.random.default_rng(5)
+    noise = CURRENT * rng.standard_normal((runs, mine.shape[1] + 2))
+    told = {"object": DYNAMOMETER, "duration": duration, "controller": "sampled"}
+    truth = np.array(
+        [trace(shipped(), PAPER, current_noise=row, **told)[0]["force_N"] for row in noise]
+    )[:, : mine.shape[1]]
+    grip = mine.mean(axis=0) > 0.5 * mine.mean(axis=0).max()
+    spreads = [np.sqrt(each[:, grip].var(axis=0).mean()) for each in (mine, truth)]
+    assert spreads[0] == pytest.approx(spreads[1], rel=0.25)
+    apart = np.abs(mine.mean(axis=0) - truth.mean(axis=0))[grip]
+    assert np.median(apart) < 2.0 * max(spreads) / np.sqrt(runs)
