@@ -49,7 +49,7 @@ class Noise:
             if len(each)
         }
         self._lagged = self._correlations(strays)
-        self._correlated: dict[int, np.ndarray] = {}
+        self._correlated: dict[tuple, np.ndarray] = {}
         self.more: Levels = {}
         self.more = self._compared([jerk * each for each in jerks], restless)
 
@@ -70,9 +70,10 @@ class Noise:
         """Covariance of what the sensors' noise makes the machine do, shape (n, n)."""
         if not self._lagged:
             return np.zeros((group.part.size, group.part.size))
-        if id(group) not in self._correlated:
-            self._correlated[id(group)] = self._correlation(group)
-        return self._correlated[id(group)] * np.outer(self._profile(group), self._profile(group))
+        kind = group.width, group.names, group.bins
+        if kind not in self._correlated:
+            self._correlated[kind] = self._correlation(group)
+        return self._correlated[kind] * np.outer(self._profile(group), self._profile(group))
 
     def _correlation(self, group: Group) -> np.ndarray:
         width = min(self._lagged, key=lambda each: abs(each - group.width))
