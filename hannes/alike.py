@@ -1,4 +1,4 @@
-"""Which effects are easily taken for each other: measured, see benchmarks/alike.py."""
+"""Which effects are easily taken for each other, as measured on simulated campaigns."""
 
 import tomllib
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ EASILY = 0.7  # cosine from which on two effects are called alike
 
 @cache
 def _measured() -> Mapping[str, Mapping[str, Mapping[str, float]]]:
-    return tomllib.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
+    return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
 def alike(effect: str) -> dict[str, dict[str, float]]:
@@ -21,9 +21,7 @@ def alike(effect: str) -> dict[str, dict[str, float]]:
     an effect that was not measured.
     """
     return {
-        recorded: {name: cosine for name, cosine in table.get(effect, {}).items()}
-        for recorded, table in _measured().items()
-        if effect in table
+        recorded: dict(table[effect]) for recorded, table in _measured().items() if effect in table
     }
 
 
