@@ -13,6 +13,7 @@ from hannes.check import check
 from hannes.cli import main
 from hannes.errors import MissingRecording
 from hannes.experiment import Experiment, Reference
+from hannes.findings import sensors
 from hannes.findings.finding import KINDS
 from hannes.hand import Hand
 from hannes.hand_plant import HandPlant
@@ -78,6 +79,20 @@ def test_the_real_axis_raises_no_alarm(file):
         pytest.skip(f"needs the EMPS recordings: {missing}")
     assert alarms(recording, Axis()) == []
     assert alarms(clean.swing(), Axis()) == []
+
+
+@pytest.mark.parametrize("seed", [518, 827, 1216])
+def test_four_equal_readings_on_a_noisy_round_peak_are_no_flat_top(seed, monkeypatch):
+    """As steep at three samples from its top as noise of two steps makes it."""
+    grasp = clean.shipped("dynamometer")
+    count, rng = np.arange(len(grasp)), np.random.default_rng(seed)
+    peak = 0.3 + 1.5 * np.exp(-0.5 * ((count - 600) / 15.0) ** 2)
+    read = np.round((peak + 0.01 * rng.standard_normal(count.size)) / 0.005) * 0.005
+    run = grasp.with_channels({"current": read}, {})
+    assert np.diff(np.flatnonzero(read == read.max())).tolist() == [1, 1, 1]
+    assert not found(run, "saturated", "current")
+    monkeypatch.setattr(sensors, "SHORTEST_TOP", 4)
+    assert found(run, "saturated", "current", "warning")
 
 
 def test_slow_closures_of_a_rough_hand_raise_no_alarm():

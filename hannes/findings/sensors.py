@@ -19,7 +19,9 @@ from hannes.findings.subject import (
 FloatArray = NDArray[np.float64]
 
 DRIVEN = ("A", "V", "N", "N m")  # units of what does not rest on a stop by itself
-SHORTEST_TOP = 5  # samples of a flat top
+# Samples of a flat top. Of 6000 noisy bell-shaped peaks (15 samples wide, noise of two steps) four
+# equal readings on top were taken for a clipped sensor in 12, three in 45, five in none.
+SHORTEST_TOP = 5
 ENTRY = 3  # samples before and after a flat top that give its slope
 ABRUPT = 3.0  # steps of quantisation from sample to sample; a round top is entered by less than one
 FEWEST_LEVELS = 8  # a signal of fewer values is switched, not measured
