@@ -10,6 +10,7 @@ from hannes.effect import Effect
 from hannes.experiment import Experiment
 from hannes.hand import Hand
 from hannes.recording import Recording
+from hannes.roughness import roughness
 from hannes.trajectory import Outcome
 
 TOLERANCE = 1e-4  # bin means are right to some 1e-5 of their peaks
@@ -80,8 +81,7 @@ def noisy(recording: Recording, count: int) -> dict[str, np.ndarray]:
     """
     if "current" not in recording:
         return {}
-    rough = 1.4826 * float(np.median(np.abs(np.diff(recording["current"], 2)))) / np.sqrt(6.0)
     return {
-        "controller.current_noise": np.full(count, rough),
+        "controller.current_noise": np.full(count, roughness(recording["current"])),
         "controller.noise_seed": np.arange(1.0, count + 1.0),
     }

@@ -10,6 +10,7 @@ from hannes.findings.subject import quantum
 from hannes.period import period
 from hannes.plant import Plant
 from hannes.recording import Recording
+from hannes.roughness import roughness
 
 FEWEST_BLOCKS = 16  # a recording this long may be cut in two: one part fitted, one to choose by
 
@@ -149,5 +150,4 @@ def _runs_within(plant: Plant, pieces: Sequence[Piece], name: str) -> list[np.nd
 
 def _white_noise(values: np.ndarray) -> float:
     """Standard deviation of what changes from sample to sample, rounding included."""
-    rough = 1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0)
-    return max(float(rough), quantum(values) / np.sqrt(12.0))
+    return max(roughness(values), quantum(values) / np.sqrt(12.0))

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hannes.calibration.view import View
+from hannes.roughness import roughness
 
 REPEATS = "the spread between repeats of one condition"
 ROUGH = (
@@ -58,7 +59,6 @@ def _rough(views: Sequence[View], name: str, binned: bool = True) -> float:
     """White noise of a channel from the second differences of its samples; less in bins."""
     found = []
     for view in (each for each in views if name in each.channels):
-        bends = np.abs(np.diff(view.recording[name], 2))
         together = len(view.recording) / view.bins if binned else 1.0
-        found.append(1.4826 * np.median(bends) / np.sqrt(6.0 * max(1.0, together)))
+        found.append(roughness(view.recording[name]) / np.sqrt(max(1.0, together)))
     return float(np.median(found)) if found else np.nan

@@ -7,6 +7,7 @@ import numpy as np
 from hannes.calibration.view import BIN, View
 from hannes.campaign import Entry
 from hannes.plant import Plant
+from hannes.roughness import roughness as roughness  # its neighbours take it from here
 
 BINS = 115  # of each channel, at most: longer runs are slower, and so have wider bins
 Channels = Mapping[str, np.ndarray]
@@ -74,8 +75,3 @@ def grouped(plant: Plant, entries: Sequence[Entry]) -> list[Group]:
         names = tuple(name for name in plant.judged if name in recording)
         found.setdefault((plant.same_run(recording), names, len(recording)), []).append(entry)
     return [Group(plant, each) for each in found.values()]
-
-
-def roughness(samples: np.ndarray) -> float:
-    """Standard deviation of samples were their noise white: from how each differs from the next."""
-    return 1.4826 * float(np.median(np.abs(np.diff(samples, 2)))) / np.sqrt(6.0)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from hannes.expected import Expected
 from hannes.recording import Recording
+from hannes.roughness import roughness
 
 FloatArray = NDArray[np.float64]
 
@@ -66,11 +67,11 @@ def noise(values: FloatArray) -> float:
     The second difference of white noise changes sign 73 times in 100 samples (its correlation
     from one to the next is -2/3), that of a smooth signal hardly ever.
     """
-    rough = np.diff(values, 2)
-    signs = np.sign(rough[rough != 0.0])
+    bends = np.diff(values, 2)
+    signs = np.sign(bends[bends != 0.0])
     if signs.size < FEWEST_SIGNS or np.mean(signs[1:] != signs[:-1]) < ALTERNATES:
         return 0.0
-    size = float(1.4826 * np.median(np.abs(rough)) / np.sqrt(6.0))
+    size = roughness(values)
     return size if size > ROUNDING * float(np.ptp(values)) else 0.0
 
 
