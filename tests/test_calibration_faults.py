@@ -7,7 +7,10 @@ import numpy as np
 import oven
 import pytest
 
+from hannes.axis import Axis
 from hannes.calibrate import calibrate
+from hannes.calibration.view import View
+from hannes.campaign import Entry
 from hannes.cli import main
 from hannes.errors import BadInput
 
@@ -181,3 +184,9 @@ def test_a_machine_that_cannot_run_as_given_says_what_to_try(tmp_path, capsys):
     toml.write_text('base = "hot.toml"\n' + toml.read_text(encoding="utf-8"), encoding="utf-8")
     line = refused(capsys, words, status=3)
     assert "flames" in line and "try" in line
+
+
+def test_a_recording_of_which_no_sample_counts_is_refused():
+    """Of the axis neither the first 0.1 s nor the last 0.05 s do."""
+    with pytest.raises(BadInput, match=r"short: .* got none in 0\.12 s"):
+        View(Entry("short", clean.swing().between(1.0, 1.12), "", "fit"), Axis(), ("drive",), ())

@@ -9,6 +9,7 @@ import numpy as np
 
 from hannes.calibration.features import measure
 from hannes.campaign import Entry
+from hannes.errors import BadInput
 from hannes.plant import Plant
 
 BIN = 0.01  # s
@@ -21,7 +22,8 @@ class View:
     """One recording as a vector, shape (n,), and the same of any simulation of it.
 
     `part` names the channel or feature of every element by its place in `names`; `block` numbers
-    the stretch of time (`stretch` [s] long) that it lies in.
+    the stretch of time (`stretch` [s] long) that it lies in. Raises BadInput where no sample of the
+    recording counts.
     """
 
     def __init__(
@@ -38,7 +40,7 @@ class View:
         self.since = self.recording.time - self.recording.time[0]
         self.features = self._sensible(features)
         self.stretch = plant.block
-        mask = plant.judged_part(self.recording)
+        mask = self._judged(plant)
         width = width or min(BIN, plant.block / PER_BLOCK)
         bins = (self.since / width + 1e-9).astype(int)
         mask = _whole(mask, bins)
@@ -49,6 +51,16 @@ class View:
         feature_blocks = np.full(len(self.features), stretch[-1] + 1)
         self.block = np.concatenate([*[stretch] * len(self.channels), feature_blocks])
         self.measured = self.of(self.recording.channels)
+
+    def _judged(self, plant: Plant) -> np.ndarray:
+        """Mask of the samples that count; there is at least one."""
+        mask = plant.judged_part(self.recording)
+        if not mask.any():
+            raise BadInput(
+                f"{self.entry.name}: expected samples that count, got none in "
+                f"{self.since[-1]:.3g} s; record longer, or leave it out"
+            )
+        return mask
 
     def _sensible(self, features: tuple[str, ...]) -> tuple[str, ...]:
         found = measure(features, self.since, self.recording.channels)
