@@ -1,5 +1,5 @@
-"""Batches: grasps per second and over cores, memory of a long stream, what controller and effects
-cost.
+"""Batches: grasps per second and over cores, memory of a long stream, what controller, effects and
+an object that floats cost.
 
 Dynamometer grasps, each with another object, motor friction and moment arm, through
 `simulate_many`. Cores are compared by wall clock, all else by processor time of one worker; what
@@ -33,6 +33,7 @@ SMALL = 0.01  # of an amplitude's range: small enough to leave the motion as it 
 STREAMED = 100_000, 2_000  # grasps, whole and quick
 RIPPLE = "torque_ripple"
 LEFT_OUT = "all effects left out, at off"
+FLOATING = "floating_object"
 Case = tuple[Any, ...]
 
 
@@ -143,6 +144,24 @@ def controllers(quick: bool) -> tuple[list[Row], list[Row]]:
     ], []
 
 
+def objects(quick: bool) -> tuple[list[Row], list[Row]]:
+    """Objects fixed to the bench beside the same ones floating between fingers and palm."""
+    count, repeats = (60, 5) if quick else (200, 15)
+    hands = {"fixed": Hand(), "floating": Hand([FLOATING]).with_values({f"{FLOATING}.free": 1.0})}
+    grasps = {"cylinders": grasp(), "balls": load_experiment("soft-ball")[0].experiment}
+    cases = {
+        (what, how): partial(ran, count, hand, experiment, rtol=1e-4, workers=1)
+        for what, experiment in grasps.items()
+        for how, hand in hands.items()
+    }
+    spent = timed(cases, repeats)
+    rows = []
+    for (what, how), took in spent.items():
+        times = float(np.median(took.processor / spent[what, "fixed"].processor))
+        rows.append(row(f"{how} {what}, rtol 0.0001", count, took.processor, over_fixed=times))
+    return rows, []
+
+
 def with_effects(chosen: tuple[Effect, ...], share: float) -> Hand:
     """A hand with effects at a share of the range of each amplitude, away from off."""
     sizes = {
@@ -215,7 +234,7 @@ def memory(quick: bool) -> tuple[list[Row], list[Row]]:
 def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     """Run all parts."""
     rows, bounds = [], []
-    for part in (throughput, controllers, effect_costs, memory):
+    for part in (throughput, controllers, objects, effect_costs, memory):
         found, asked = part(quick)
         rows += found
         bounds += asked
