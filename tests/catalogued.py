@@ -1,0 +1,49 @@
+"""One model with the whole catalogue in it, every amplitude but those told at off, and its runs."""
+
+import functools
+import re
+from dataclasses import replace
+
+from runs import grasp, reference
+
+from benchmarks.truth import effects as second
+from hannes.catalogue import effects
+from hannes.hand import Hand
+from hannes.simulate import simulate
+
+CATALOGUE = effects()
+EVERYTHING = Hand(tuple(CATALOGUE))
+AMPLITUDES = {
+    effect.full_name(each.name): each for effect in CATALOGUE.values() for each in effect.amplitudes
+}
+BALL = {"stiffness": 800.0, "damping": 20.0, "radius": 0.036, "x": 4e-3, "y": -47e-3}
+EXPERIMENTS = {
+    "void": grasp(None),
+    "dynamometer": grasp(),
+    "soft ball": grasp("sphere", **BALL),
+    "held ball": replace(
+        grasp("sphere", 1.5, **BALL), reference=reference(((0.0, 0.0), (0.637, 9.84)))
+    ),
+    "finely": grasp(None, 0.3, sampling=20_000.0),
+    "sampled": grasp(controller="sampled"),
+}
+
+
+def _table():
+    """Rows of the second implementation's table: name -> (asterisk, unit, low, high, default)."""
+    row = r"^(\w+\.\w+) (\*)? *(\S+(?: \S+)?)  +(\S+) \.\. (\S+)(?:.*\n +)?(?: ?\((\S+)\))?"
+    found = {}
+    for name, star, unit, low, high, default in re.findall(row, second.__doc__ or "", re.M):
+        found[name] = (star, unit, float(low), float(high), float(default) if star else None)
+    return found
+
+
+TABLE = {name: row for name, row in _table().items() if name.partition(".")[0] in CATALOGUE}
+
+
+@functools.cache
+def ran(experiment, **values):
+    """A cached run; values by full name with __ for the dot."""
+    hand = EVERYTHING.with_values({n.replace("__", "."): x for n, x in values.items()})
+    found = simulate(hand, EXPERIMENTS[experiment], rtol=1e-6, effects=EVERYTHING.effects)
+    return found.require()
