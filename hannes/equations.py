@@ -4,6 +4,7 @@ This text is the model. `p.name`, `y.name`, `c.name` and `out.name` stand for sl
 arrays (parameters, states, channels, outputs; see channels.py); `assemble` fills in the
 numbers, inserts the calls of the chosen effects after each line `# effects: channel, ...`, and
 compiles the result. `print(hand.equations())` shows it. SI units; the motor at its own side.
+It is long and stays one file: one text to read from motor to fingertip, and to compile as a whole.
 """
 
 import math

@@ -285,6 +285,15 @@ def test_the_shipped_ones_are_whole():
         load_spec("larger")
 
 
+def test_one_that_ships_draws_poses_of_fixed_and_floating_objects():
+    poses = load_spec("poses")
+    drawn = [draw(poses, number).values for number in range(poses.count)]
+    assert {each["floating_object.free"] for each in drawn} == {0.0, 1.0}
+    for name, most in (("tilt_x", 15.0), ("tilt_y", 10.0), ("turn", 20.0)):
+        angles = np.degrees([each.get(f"object.{name}", 0.0) for each in drawn])
+        assert 0.9 * most < np.abs(angles).max() <= most
+
+
 def test_a_damaged_or_foreign_file_is_told(whole, tmp_path):
     path = tmp_path / "bad.h5"
     data = whole.read_bytes()
