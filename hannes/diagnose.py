@@ -8,7 +8,7 @@ once more, and the show recordings opened.
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from hannes import pieces as cutting
 from hannes.campaign import Campaign, read_campaign
 from hannes.catalogue import effects
 from hannes.cautions import cautions
-from hannes.diagnosis.deep import deep, possible
+from hannes.diagnosis.deep import Result, deep, possible
 from hannes.diagnosis.settings import Settings, read_settings
 from hannes.effect import Effect
 from hannes.gap import Traces, gaps, inflated, times_floor, traces, undone, where
@@ -36,7 +36,10 @@ TRIED = ("direction_friction", "gear_load", "leader_slack")
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The verdict, the plant with what was found, and everything needed to draw it."""
+    """The verdict, the plant with what was found, and everything needed to draw it.
+
+    deep: of a plant that says what of it is uncertain, what the verdict came from.
+    """
 
     campaign: Campaign
     verdict: Verdict
@@ -44,6 +47,7 @@ class Diagnosis:
     traces: tuple[Traces, ...]
     floors: dict[str, float]
     trials: tuple[Trial, ...]
+    deep: Result | None = field(default=None, repr=False)
 
     def write(self, folder: str | Path) -> Path:
         """Write verdict.json, hand.toml, report.html into `folder`, whole or not at all."""
@@ -92,7 +96,7 @@ def diagnose(
 
 def _deep(campaign: Campaign, settings: Settings, seed: int, tell: Progress) -> Diagnosis:
     found = deep(campaign, settings, seed, tell)
-    return Diagnosis(campaign, found.verdict, found.plant, found.traces, found.floors, ())
+    return Diagnosis(campaign, found.verdict, found.plant, found.traces, found.floors, (), found)
 
 
 @contextmanager

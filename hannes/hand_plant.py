@@ -190,6 +190,10 @@ class HandPlant:
         """Columns for `many` that let the firmware read noisy currents, see hannes/hand_runs.py."""
         return hand_runs.noisy(recording, count)
 
+    def unrounded(self, count: int) -> dict[str, np.ndarray]:
+        """Columns for `many` that let the firmware round nothing, see hannes/hand_runs.py."""
+        return hand_runs.unrounded(count)
+
     def nominal(self, recording: Recording) -> dict[str, float]:
         """What every parameter is given for a recording's run."""
         return hand_runs.nominal(self.hand, posed(recording))

@@ -15,6 +15,7 @@ from hannes.trajectory import Outcome
 
 TOLERANCE = 1e-4  # bin means are right to some 1e-5 of their peaks
 TICKED = 1e-5  # with firmware: its ticks add up to 2e-4 of the peak at 1e-4
+FINEST = 32.0  # bits of an encoder that rounds to a nanoradian
 Channels = dict[str, np.ndarray]
 
 
@@ -84,4 +85,12 @@ def noisy(recording: Recording, count: int) -> dict[str, np.ndarray]:
     return {
         "controller.current_noise": np.full(count, roughness(recording["current"])),
         "controller.noise_seed": np.arange(1.0, count + 1.0),
+    }
+
+
+def unrounded(count: int) -> dict[str, np.ndarray]:
+    """Columns that let the firmware of each of `count` runs round neither angle nor current."""
+    return {
+        "encoder.bits": np.full(count, FINEST),
+        "controller.current_step": np.zeros(count),
     }

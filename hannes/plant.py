@@ -46,6 +46,8 @@ class Plant(Protocol):
                 (`exact`: grain of firmware and all); None for a row that breaks down
     noisy(recording, rows):        columns for `many` by which the firmware of each row reads its
                                    sensors with other noise, as much as the recording has
+    unrounded(rows):               columns for `many` by which the firmware of each row rounds
+                                   nothing: what its ticks do to an effect then shows by itself
     nominal(recording):            what every parameter is given for a run
     proposals(recorded):           runs worth recording, by name, beside those of each condition
     own(recording):                the thing handled in a run, and the parameters of that alone

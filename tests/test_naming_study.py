@@ -127,17 +127,21 @@ def test_nothing_hidden_a_stranger_and_two_effects_are_scored():
 
 
 def test_marks_hold_closing_placebo_error_and_coverage():
-    case = {"verdict": said("named", "leader_slack"), "answer": {"leader_slack": {"length": 3e-3}}}
+    case = {
+        "verdict": said("named", "leader_slack"),
+        "answer": {"leader_slack": {"length": 3e-3}},
+        "left": {"before": 9.0, "after": 2.0},
+    }
     found = score.marks("single", case, ["leader_slack"])
-    assert found["closed"] == pytest.approx((0.1**2 - 0.02**2) / (0.1**2 - 0.01**2))
+    assert found["left"]["after"] == 2.0
     assert found["placebo"] == 0.2
     told = found["parameters"]["leader_slack.length"]
     assert told["error"] == pytest.approx(0.1 / 3.0) and told["covers"]
     silent = {**case, "verdict": said("recalibrated", parameters={})}
     found = score.marks("single", silent, ["leader_slack"])
-    assert found["closed"] == 0.0 and found["parameters"] == {}
+    assert found["parameters"] == {}
     wrong = score.marks("single", {**case, "verdict": said("named", "capstan")}, ["leader_slack"])
-    assert wrong["outcome"] == "wrong" and wrong["closed"] == 0.0
+    assert wrong["outcome"] == "wrong"
 
 
 def line(kind, seed, outcome, times=3.0, **more):

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from benchmarks.truth.effects import SIZES
-from hannes.verdict import explained
 
 NAMING = ("named", "named_with_remainder")
 CLAIMS = (*NAMING, "one_of")
@@ -73,18 +72,11 @@ def marks(what: str, case: Mapping[str, Any], effects: list[str]) -> dict[str, A
         "outcome": found,
         "verdict": verdict["verdict"],
         "named": verdict["effects"],
-        "closed": closed(verdict, found),
+        "left": case.get("left"),
         "placebo": placebo(verdict, effects),
         "parameters": parameters(verdict, case["answer"]),
         "next_run": verdict.get("next_run"),
     }
-
-
-def closed(verdict: Mapping[str, Any], outcome: str) -> float:
-    """Share of the reducible gap closed on the show recordings; 0 for an abstention or no truth."""
-    if outcome not in ("right", "class", "both", "one", "part") or not verdict.get("gap"):
-        return 0.0
-    return explained(verdict["gap"])
 
 
 def placebo(verdict: Mapping[str, Any], effects: list[str]) -> float | None:

@@ -14,6 +14,7 @@ Cases = Sequence[Case]
 CLEAR = 2.0  # times the smallest detectable size
 RIGHT, WRONG = {"rich": 0.90, "poor": 0.70, "poor, duty": 0.80}, {"rich": 0.02}
 POOR_WRONG = 0.03
+CLOSING = ("right", "class", "both", "one", "part")  # outcomes: all others close nothing
 SECONDS = 60.0  # of a diagnosis of twelve recordings
 
 
@@ -133,10 +134,34 @@ def closing(cases: Cases) -> list[Row]:
     some = detectable([c for c in cases if c["what"] in ("single", "pair") and c["told"] == 1.0])
     if not some:
         return []
-    rows = [_median("share of the reducible gap closed", [c["closed"] for c in some], 0.85, True)]
+    floors = floors_of(cases)
+    shares = [closed(each, floors) for each in some]
+    rows = [_median("share of the reducible gap closed", shares, 0.85, True)]
+    hit = [closed(each, floors) for each in some if each["outcome"] in CLOSING and each["left"]]
+    if hit:
+        rows.append({"study": "the same, of those named right", **_middle(hit)})
     wrong = [c["placebo"] for c in some if c["placebo"] is not None]
     name = "placebo: gain of the best wrong effect"
     return rows + ([{"study": name, **_middle(wrong)}] if wrong else [])
+
+
+def floors_of(cases: Cases) -> dict[str, float]:
+    """Protocol -> what refitted bases of empty hands leave of their gap, median."""
+    empty = [c for c in cases if c["what"] == "empty" and c["told"] == 1.0 and c["left"]]
+    protocols = {c["protocol"].partition(",")[0] for c in empty}
+    return {
+        name: float(np.median([c["left"]["before"] for c in empty if c["protocol"] == name]))
+        for name in protocols
+    }
+
+
+def closed(case: Case, floors: dict[str, float]) -> float:
+    """Share of what the base leaves above that floor; 0 for an abstention or a wrong name."""
+    if case["outcome"] not in CLOSING or not case["left"]:
+        return 0.0
+    before, after = case["left"]["before"], case["left"]["after"]
+    reducible = before - floors.get(case["protocol"].partition(",")[0], 0.0)
+    return float(np.clip((before - after) / reducible, 0.0, 1.0)) if reducible > 0.0 else 0.0
 
 
 def sizes(cases: Cases) -> list[Row]:

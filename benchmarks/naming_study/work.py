@@ -8,18 +8,22 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from benchmarks.naming_study.closed import left
 from benchmarks.naming_study.draw import Drawn
+from benchmarks.naming_study.plan import APART
 from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.protocol import Protocol
+from hannes.diagnose import Diagnosis
 from hannes.diagnose import diagnose as library
 from hannes.errors import ComputationFailed
 
-Diagnose = Callable[[Path, Path], None]  # campaign file, folder for verdict.json
+FLOORED = 20  # empty hands of each kind of which the gap left is had
+Diagnose = Callable[[Path, Path], Diagnosis | None]  # campaign file, folder for verdict.json
 
 
-def diagnosed(campaign: Path, out: Path) -> None:
+def diagnosed(campaign: Path, out: Path) -> Diagnosis:
     """What a user gets who types `hannes diagnose`."""
-    library(campaign, out=out, progress=False)
+    return library(campaign, out=out, progress=False)
 
 
 def worked(
@@ -38,9 +42,9 @@ def worked(
             return {"not_made": str(failed)}
         made.write(open_part)
         shutil.move(open_part / "sealed", sealed)
-        begun, spent = time.perf_counter(), time.process_time()
+        begun, spent, found = time.perf_counter(), time.process_time(), None
         try:
-            (diagnose or diagnosed)(open_part / "campaign.toml", open_part / "out")
+            found = (diagnose or diagnosed)(open_part / "campaign.toml", open_part / "out")
         except ComputationFailed as failed:
             (open_part / "out").mkdir(exist_ok=True)
             verdict = {"verdict": "failed", "effects": [], "reason": str(failed)}
@@ -50,7 +54,20 @@ def worked(
             "processor_seconds": time.process_time() - spent,
         }
         verdict = _read(open_part / "out" / "verdict.json")
-        return {"verdict": verdict, "answer": _read(sealed / "answer.json")["effects"], **took}
+        answer = _read(sealed / "answer.json")["effects"]
+        gap = _left(found, case, plan, seed) if found else None
+        return {"verdict": verdict, "answer": answer, "left": gap, **took}
+
+
+def _left(found: Diagnosis, case: Drawn, plan: Protocol, seed: int) -> dict[str, float] | None:
+    """Reducible gap before and after, where an effect is named, and of some empty hands."""
+    asked = found.verdict.effects if case.effects else seed % APART < FLOORED
+    if found.deep is None or not asked:
+        return None
+    try:
+        return left(found.campaign, found.deep, case, plan, seed)
+    except RuntimeError:  # the truth does not end
+        return None
 
 
 def _read(file: Path) -> Any:

@@ -130,8 +130,8 @@ def make(
         nominal = parse_hand(hand)
     except (KeyError, ValueError) as error:
         raise BadInput(str(error)) from None
-    values, refused = _hand(nominal, seed, spread)
-    objects = {c.name: _object(values, c, seed, spread) for c in plan.conditions}
+    values, refused = real_hand(nominal, seed, spread)
+    objects = {c.name: real_object(values, c, seed, spread) for c in plan.conditions}
     made = Made({}, {}, hand, _answer(seed, spread, hidden or {}, values, refused), told or spread)
     crept = 0.0
     for k, condition in enumerate(tqdm(plan.runs, "runs", disable=not progress)):
@@ -146,7 +146,7 @@ def make(
     return made
 
 
-def _hand(nominal: Mapping[str, Any], seed: int, spread: Spread) -> tuple[dict[str, Any], int]:
+def real_hand(nominal: Mapping[str, Any], seed: int, spread: Spread) -> tuple[dict[str, Any], int]:
     """A hand that grasps, and how many drawn before did not."""
     rng = np.random.default_rng([seed, HAND])
     for refused in range(MOST_DRAWS):
@@ -159,7 +159,7 @@ def _hand(nominal: Mapping[str, Any], seed: int, spread: Spread) -> tuple[dict[s
     )
 
 
-def _object(
+def real_object(
     hand: Mapping[str, Any], condition: Condition, seed: int, spread: Spread
 ) -> dict[str, Any] | None:
     """The condition's object as it really is; one that is the hand's own is scattered with it."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from hannes.diagnosis.heldout import held_out
 from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial
 from hannes.diagnosis.point import Point
+from hannes.diagnosis.remainder import hangs_together
 
 RIVAL = 10.0  # a rival within so much of the best gain is not told from it
 CLOSE = 0.04  # of the best gain: so near a rival may come by what no model has right
@@ -43,21 +44,28 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
 def _nothing(found: Found, best: Trial | None) -> Choice:
     gain = 0.0 if best is None else best.gain
     least = f"no effect lowers the misfit by the {LIMIT:.0f} that a name needs (best {gain:.0f})"
-    per_bin = found.base.misfit / found.bins
-    if per_bin > CLEAN:
-        reason = f"the refitted base leaves {per_bin:.2f} per bin (1 expected), and {least}"
-        return Choice("unknown", (), reason, found.base)
+    if more := _more(found.base, found.bins):
+        return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
     if found.given.misfit <= FIT * found.bins:
         return Choice("no_gap", (), f"as given it leaves what is expected, and {least}", found.base)
+    per_bin = found.base.misfit / found.bins
     reason = f"refitted, the base leaves {per_bin:.2f} per bin (1 expected), and {least}"
     return Choice("recalibrated", (), reason, found.base)
 
 
+def _more(point: Point, bins: int) -> str:
+    """What a point leaves that noise does not, in words; an empty string where there is none."""
+    if point.misfit > CLEAN * bins:
+        return f"{point.misfit / bins:.2f} per bin (1 expected)"
+    if slow := hangs_together(point):
+        return f"more in {slow.where} than chance (p = {slow.chance:.1g})"
+    return ""
+
+
 def _left(found: Found, trial: Trial) -> str:
     """What speaks for something more, or an empty string."""
-    per_bin = trial.point.misfit / found.bins
-    if per_bin > CLEAN:
-        return f"{per_bin:.2f} per bin are left (1 expected)"
+    if more := _more(trial.point, found.bins):
+        return f"what is left is {more}"
     rest, needed = found.rest, max(LIMIT, SHARE * trial.gain)
     if rest is not None and rest.gain / found.unit > needed:
         more = rest.effect.replace("_", " ")
@@ -77,8 +85,7 @@ def _clean(found: Found, trial: Trial, told: str) -> Choice:
 
 
 def _unclean(found: Found, trial: Trial, told: str) -> Choice:
-    explained = trial.gain * found.unit / max(found.base.misfit - found.bins, 1.0)
-    first = found.trials[0]
+    explained, first = _explained(found, trial), found.trials[0]
     if len(trial.effects) > 1:
         alone = first.gain / trial.gain
         if alone < MOST:
@@ -87,6 +94,13 @@ def _unclean(found: Found, trial: Trial, told: str) -> Choice:
     if explained < MOST or rivals_of(found, first):
         return Choice("unknown", (), told, found.base)
     return Choice("named_with_remainder", trial.effects, told, trial.point)
+
+
+def _explained(found: Found, trial: Trial) -> float:
+    """Share of all that speaks for a missing effect that a trial takes away."""
+    gain, slow = trial.gain * found.unit, hangs_together(trial.point)
+    beyond = max(found.base.misfit - found.bins, 1.0)
+    return min(gain / beyond, gain / (gain + slow.excess) if slow else 1.0)
 
 
 def rivals_of(found: Found, best: Trial) -> list[Trial]:

@@ -30,12 +30,17 @@ Told = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Result:
-    """The verdict, the plant with what was found, traces of the recordings shown, floors."""
+    """The verdict, the plant with what was found, traces of the recordings shown, floors.
+
+    found, choice: what it all came from.
+    """
 
     verdict: Verdict
     plant: Plant
     traces: tuple[Traces, ...]
     floors: dict[str, float]
+    found: Found
+    choice: Choice
 
 
 def possible(plant: Plant) -> bool:
@@ -124,7 +129,7 @@ class _Closing:
             traced(piece, each, list(self.floors))
             for piece, each in zip(self.shown, runs, strict=True)
         )
-        return Result(verdict, self.refitted(), traces, self.floors)
+        return Result(verdict, self.refitted(), traces, self.floors, self.found, choice)
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Value and 95 % interval of each parameter of the effects named, within its bounds."""

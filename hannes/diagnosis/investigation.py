@@ -23,7 +23,7 @@ FINAL = 3  # of these, refitted with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
 FAINT = 8.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
-LIMIT = 20.0  # gain of an effect that is named: 30 empty hands of development gave 8 at most
+LIMIT = 16.0  # gain of an effect that is named: 30 empty hands of development gave 8 at most
 PRICE = 6.0  # of each further parameter of an effect: the more shapes, the more it fits by chance
 SHARE = 0.02  # of the first effect's gain that a second one needs
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
@@ -85,7 +85,8 @@ def investigate(
     given = first(Model(plant, groups, space, effects), ROUGH, seed)
     told("the base")
     base = fitted(given, 5, anew=1)
-    ground = surveyed(base.ground.model, base.x, base.slopes, FINE, seed)
+    ticking = base.ground.model.ticking(base.x, list(space.effects))
+    ground = surveyed(ticking, base.x, base.slopes, FINE, seed)
     given = grounded(given, ground)
     base = settled(fitted(grounded(base, ground), 4), 3, ROUNDS)
     names = list(space.effects)
@@ -165,9 +166,29 @@ def _second(found: Found, told: Told) -> Found:
     pairs.sort(key=lambda each: -each.gain)
     if not pairs or pairs[0].gain - best.gain < needed:
         return replace(found, rest=guesses[0])
+    later = _without_first(found, pairs[0], told)
+    if later is not None and pairs[0].gain - later.gain < needed:
+        others = [each for each in found.trials if each.effects != later.effects]
+        return _second(replace(found, trials=[later, *others]), told)
     told("what is left after both")
     after = _others(pairs[0].point, pairs[0].effects)
     return replace(found, pair=pairs[0], rest=after[0] if after else None)
+
+
+def _without_first(found: Found, pair: Trial, told: Told) -> Trial | None:
+    """The second effect of a pair alone, refitted from there: the first may have led to it."""
+    first, second = pair.effects
+    told(f"{second} without {first}".replace("_", " "))
+    space = pair.point.ground.model.space
+    x = pair.point.x.copy()
+    x[space.of(first)] = 0.0
+    active = np.setdiff1d(pair.point.active, space.of(first))
+    point = pair.point.with_active(active).moved(x, space.of(second))
+    if point is None:
+        return None
+    point = fitted(point, 4, anew=1)
+    trial = Trial((second,), point, priced(found.base, point, found.unit))
+    return _with_likeness(found.base, found.guesses, [trial])[0]
 
 
 def _others(point: Point, present: tuple[str, ...]) -> list[Guess]:

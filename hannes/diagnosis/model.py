@@ -1,6 +1,7 @@
 """Simulations of every group at many places of the space at once, as vectors."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,9 @@ from hannes.plant import Plant
 NOWHERE = "the base cannot be simulated under a recording's reference; try a base nearer to it"
 SHIFT = 0.4e-3  # s, over which the effect of starting later is differenced
 AROUND = 0.1  # standard deviations over which the grain is averaged
+TICKED = 0.5  # steps of an effect, to see what firmware's ticks do to it
+LEAST = 2  # simulations that it takes
+NOTHING: Mapping[str, np.ndarray] = {}
 
 
 @dataclass(frozen=True)
@@ -43,13 +47,50 @@ class Model:
     ) -> None:
         self.groups, self.space = list(groups), space
         self.small, self.whole = plant, plant.with_effects(*effects)
+        self._ticks: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+
+    def ticking(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
+        """The same, quick simulations mended by what firmware's ticks do to effects near x.
+
+        A lag of half a tick does in a loop that is closed once a tick what it does not in a
+        continuous one. Of effects with a shape nothing is known: their marks turn with it.
+        """
+        made = copy(self)
+        made._ticks = {}
+        places = self.space.of(*(name for name in effects if not self._has_shape(name)))
+        unrounded = getattr(self.small, "unrounded", None)
+        if unrounded is not None and places.size:
+            rows = np.repeat(x[np.newaxis], 1 + places.size, axis=0)
+            rows[1 + np.arange(places.size), places] += TICKED
+            for group in self.groups:
+                made._ticks[id(group)] = places, self._by_ticks(group, rows, unrounded(len(rows)))
+        return made
+
+    def _has_shape(self, effect: str) -> bool:
+        return any(each.off is None for each in self.space.effects[effect].parameters)
+
+    def _by_ticks(
+        self, group: Group, rows: np.ndarray, unrounded: Mapping[str, np.ndarray]
+    ) -> np.ndarray:
+        """Change by ticks of a group's bin means, per step of each row beyond the first."""
+        ticked = self._vectors(group, self.simulated(group, rows, True, True, unrounded))
+        apart = ticked - self._vectors(group, self.simulated(group, rows, True))
+        return np.nan_to_num((apart[1:] - apart[0]) / TICKED)
 
     def simulated(
-        self, group: Group, rows: np.ndarray, effects: bool, exact: bool = False
+        self,
+        group: Group,
+        rows: np.ndarray,
+        effects: bool,
+        exact: bool = False,
+        further: Mapping[str, np.ndarray] = NOTHING,
     ) -> list[Channels | None]:
-        """Channels of a group for rows of x, shape (m, size); None where a run breaks down."""
+        """Channels of a group for rows of x, shape (m, size); None where a run breaks down.
+
+        further: columns by full name [SI], shape (m,) each, beside those that x tells
+        """
         plant = self.whole if effects else self.small
-        columns = self.space.columns(group, rows, effects)
+        columns = self.space.columns(group, rows, effects) | dict(further)
         many = getattr(plant, "many", None)
         if many is not None:
             return list(many(columns, group.recording, group.names, exact))
@@ -62,8 +103,15 @@ class Model:
         self, group: Group, rows: np.ndarray, effects: bool, exact: bool = False
     ) -> np.ndarray:
         """Bin means for rows of x, shape (m, n); nan where a run breaks down."""
-        found = np.full((len(rows), group.part.size), np.nan)
-        for row, channels in zip(found, self.simulated(group, rows, effects, exact), strict=True):
+        found = self._vectors(group, self.simulated(group, rows, effects, exact))
+        if effects and not exact and id(group) in self._ticks:
+            places, marks = self._ticks[id(group)]
+            found += rows[:, places] @ marks
+        return found
+
+    def _vectors(self, group: Group, runs: Sequence[Channels | None]) -> np.ndarray:
+        found = np.full((len(runs), group.part.size), np.nan)
+        for row, channels in zip(found, runs, strict=True):
             if channels is not None:
                 row[:] = group.vector(channels)
         return found
@@ -81,24 +129,22 @@ class Model:
         return [self._grain(group, rows) for group in self.groups]
 
     def _grain(self, group: Group, rows: np.ndarray) -> "Grain":
-        runs = [each for each in self._firmware(group, rows) if each is not None]
-        smooth = self.vectors(group, rows, False)
-        if len(runs) < max(2, len(rows)) or not np.isfinite(smooth).all():
-            raise ComputationFailed(NOWHERE)
-        difference = np.array([group.vector(each) for each in runs]) - smooth
-        mean = difference.mean(axis=0)
-        rough = [{name: roughness(each[name]) for name in group.names} for each in runs]
-        usual = {name: float(np.median([each[name] for each in rough])) for name in group.names}
-        strays = (difference - mean) * np.sqrt(len(runs) / (len(runs) - 1.0))
-        return Grain(mean, strays, usual)
-
-    def _firmware(self, group: Group, rows: np.ndarray) -> list[Channels | None]:
-        """Channels by the firmware, which reads noisy sensors where the plant knows of them."""
         noisy = getattr(self.small, "noisy", None)
-        if noisy is None:
-            return self.simulated(group, rows, False, exact=True)
-        columns = self.space.columns(group, rows, False) | noisy(group.recording, len(rows))
-        return list(self.small.many(columns, group.recording, group.names, True))  # type: ignore[attr-defined]
+        further = noisy(group.recording, len(rows)) if noisy else NOTHING
+        made = self.simulated(group, rows, False, exact=True, further=further)
+        pairs = [
+            (run, smooth)
+            for run, smooth in zip(made, self.vectors(group, rows, False), strict=True)
+            if run is not None and np.isfinite(smooth).all()
+        ]
+        if len(pairs) < LEAST:
+            raise ComputationFailed(NOWHERE)
+        difference = np.array([group.vector(run) - smooth for run, smooth in pairs])
+        mean = difference.mean(axis=0)
+        rough = [{name: roughness(run[name]) for name in group.names} for run, _ in pairs]
+        usual = {name: float(np.median([each[name] for each in rough])) for name in group.names}
+        strays = (difference - mean) * np.sqrt(len(pairs) / (len(pairs) - 1.0))
+        return Grain(mean, strays, usual)
 
 
 def _alone(plant: Plant, values: dict[str, float], group: Group) -> Channels | None:

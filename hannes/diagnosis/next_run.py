@@ -51,6 +51,7 @@ def separation(base: Point, group: Group, one: Trial, other: Trial) -> float:
     there = base.ground.model
     model = Model(there.small, [group], there.space, ())
     model.whole = there.whole
+    model = model.ticking(base.x, [*one.effects, *other.effects])
     known = there.space.uncertain
     vectors, slopes = differenced(model, base.x, known, False)
     ends = model.vectors(group, np.array([one.point.x, other.point.x]), True)
