@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hannes import hand_plant, hand_runs, measured
+from hannes import hand_plant, hand_runs, library, measured
 from hannes.calibrate import calibrate
 from hannes.calibration.model import Model
 from hannes.calibration.state import JERK
@@ -19,6 +19,7 @@ from hannes.cli import main
 from hannes.errors import MissingRecording
 from hannes.hand import Hand
 from hannes.hand_file import load_hand
+from hannes.recording import Recording
 from hannes.virtual import virtual_recordings
 
 
@@ -33,8 +34,6 @@ def test_virtual_recordings_do_not_tell_what_made_them():
 
 
 def shipped_runs(name):
-    from hannes import library
-
     return library.folder() / "virtual" / f"{name}.toml"
 
 
@@ -59,6 +58,21 @@ def test_contact_from_the_motor_current_finds_the_dynamometer(tmp_path, capsys):
     assert hand.parameters["object.stiffness"] == stiffness["value"]
     page = (out / "report.html").read_text(encoding="utf-8")
     assert "not identified" in page and "<script" not in page
+    as_found, shipped = (
+        off_the_recordings(tmp_path, hand) for hand in ("contact/hand.toml", "hannes")
+    )
+    assert as_found < 0.5 * shipped
+
+
+def off_the_recordings(folder, hand):
+    """RMS of the current [A] that `hannes run` writes, of the recordings' mean."""
+    experiment = library.find("dynamometer").read_text(encoding="utf-8").replace("10 mA", "0 A")
+    (folder / "bench.toml").write_text(experiment.replace('"hannes"', f'"{hand}"'))
+    assert main(["run", str(folder / "bench.toml"), "--out", str(folder / "ran")]) == 0
+    made = virtual_recordings(shipped_runs("dynamometer-runs")).values()
+    recorded = np.mean([each["current"] for each in made], axis=0)
+    ran = Recording.read(folder / "ran" / "recording.h5")["current"]
+    return float(np.sqrt(np.mean((ran - recorded) ** 2)))
 
 
 @pytest.mark.slow
