@@ -1,4 +1,4 @@
-"""An object that floats: free flight, the palm's wall, balance of a held grasp, energy."""
+"""An object that floats: free flight, palm, balance of a grasp, energy, a second formulation."""
 
 import functools
 
