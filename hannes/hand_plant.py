@@ -190,6 +190,8 @@ class HandPlant:
         """Columns for `many` that let the firmware read noisy currents, see hannes/hand_runs.py."""
         return hand_runs.noisy(recording, count)
 
+    firmware = hand_runs.FIRMWARE
+
     def unrounded(self, count: int) -> dict[str, np.ndarray]:
         """Columns for `many` that let the firmware round nothing, see hannes/hand_runs.py."""
         return hand_runs.unrounded(count)

@@ -15,6 +15,9 @@ from hannes.trajectory import Outcome
 
 TOLERANCE = 1e-4  # bin means are right to some 1e-5 of their peaks
 TICKED = 1e-5  # with firmware: its ticks add up to 2e-4 of the peak at 1e-4
+# What firmware reads and puts out.
+FIRMWARE: tuple[str, ...] = ("reference_time", "sensed_current", "measured_current", "reading_age")
+FIRMWARE += ("delayed_position", "delayed_current", "duty")
 FINEST = 32.0  # bits of an encoder that rounds to a nanoradian
 Channels = dict[str, np.ndarray]
 

@@ -48,6 +48,7 @@ class Plant(Protocol):
                                    sensors with other noise, as much as the recording has
     unrounded(rows):               columns for `many` by which the firmware of each row rounds
                                    nothing: what its ticks do to an effect then shows by itself
+    firmware:   channels that it reads or puts out: effects on them are mended for its ticks
     nominal(recording):            what every parameter is given for a run
     proposals(recorded):           runs worth recording, by name, beside those of each condition
     own(recording):                the thing handled in a run, and the parameters of that alone

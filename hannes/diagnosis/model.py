@@ -53,11 +53,13 @@ class Model:
         """The same, quick simulations mended by what firmware's ticks do to effects near x.
 
         A lag of half a tick does in a loop that is closed once a tick what it does not in a
-        continuous one. Of effects with a shape nothing is known: their marks turn with it.
+        continuous one. Only effects on what firmware reads or puts out are mended: on others ticks
+        do less than these differences can tell. Where an effect has a shape its mark turns with
+        it, and nothing is known.
         """
         made = copy(self)
         made._ticks = {}
-        places = self.space.of(*(name for name in effects if not self._has_shape(name)))
+        places = self.space.of(*(name for name in effects if self._in_loop(name)))
         unrounded = getattr(self.small, "unrounded", None)
         if unrounded is not None and places.size:
             rows = np.repeat(x[np.newaxis], 1 + places.size, axis=0)
@@ -66,8 +68,10 @@ class Model:
                 made._ticks[id(group)] = places, self._by_ticks(group, rows, unrounded(len(rows)))
         return made
 
-    def _has_shape(self, effect: str) -> bool:
-        return any(each.off is None for each in self.space.effects[effect].parameters)
+    def _in_loop(self, name: str) -> bool:
+        effect, firmware = self.space.effects[name], getattr(self.small, "firmware", ())
+        written = {channel for term in effect.terms for channel in term.writes}
+        return bool(written & set(firmware)) and len(effect.amplitudes) == len(effect.parameters)
 
     def _by_ticks(
         self, group: Group, rows: np.ndarray, unrounded: Mapping[str, np.ndarray]
