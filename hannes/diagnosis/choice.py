@@ -10,6 +10,7 @@ from hannes.diagnosis.remainder import hangs_together
 RIVAL = 10.0  # a rival within so much of the best gain is not told from it
 CLOSE = 0.04  # of the best gain: so near a rival may come by what no model has right
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
+AGAINST = 4.0  # misfit of recordings held out that a name may add to: two standard deviations of it
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
 
@@ -31,10 +32,10 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
     trial = found.pair or best
     gain = held_out(found.base, trial.point, seen, unseen) / found.unit
     told = f"{_names(trial)} lowers the misfit by {trial.gain:.0f} (limit {LIMIT:.0f})"
-    if gain <= 0.0:
-        reason = f"{told}, but to first order not that of recordings held out ({gain:.0f})"
+    if gain < -AGAINST:
+        reason = f"{told}, but not that of recordings held out ({gain:.0f})"
         return Choice("unknown", (), reason, found.base)
-    told += f", to first order that of recordings held out by {gain:.0f}"
+    told += f", that of recordings held out by {gain:.0f}"
     left = _left(found, trial)
     if not left:
         return _clean(found, trial, told)

@@ -1,6 +1,7 @@
 """Recordings under one command, which one simulation does for all, as vectors of bin means."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 
 import numpy as np
 
@@ -33,6 +34,14 @@ class Group:
         self.measured = np.array([view.measured for view in self.views])
         self.nominal, (self.owner, self.own) = given(plant, self.recording)
         self._late: dict[float, np.ndarray] = {}
+
+    def only(self, runs: Sequence[int]) -> "Group":
+        """The same with some of the runs alone, simulated as before."""
+        made = copy(self)
+        made.entries = tuple(self.entries[k] for k in runs)
+        made.views = [self.views[k] for k in runs]
+        made.measured = self.measured[list(runs)]
+        return made
 
     @property
     def count(self) -> int:

@@ -1,56 +1,44 @@
-"""What an effect gains on runs that were not fitted, without another simulation.
-
-About the points that were found the misfit is nearly quadratic: fitted to some of the runs alone
-they move a little, and what they then leave on the other runs follows from the slopes.
-"""
+"""What an effect gains on runs that were not fitted: base and effect refitted without them."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from hannes.diagnosis.groups import Group
-from hannes.diagnosis.point import Point
+from hannes.diagnosis.fit import fitted
+from hannes.diagnosis.point import Ground, Point, grounded
+
+STEPS = 3  # of a fit from where all runs have led, which is near
 
 
 def held_out(base: Point, trial: Point, seen: Sequence[int], unseen: Sequence[int]) -> float:
     """Misfit of the base less that of the trial on the runs that were not fitted.
 
-    `seen`, `unseen`: bit masks of the runs of each group. Zero where there are none.
+    `seen`, `unseen`: bit masks of the runs of each group. Zero where either has none.
     """
+    if not (any(seen) and any(unseen)):
+        return 0.0
     return _left(base, seen, unseen) - _left(trial, seen, unseen)
 
 
 def _left(point: Point, seen: Sequence[int], unseen: Sequence[int]) -> float:
-    space = point.ground.model.space
-    pulls, curvature = np.zeros(point.active.size), np.diag(point.prior**2).astype(float)
-    pulls -= point.prior**2 * point.x[point.active]
-    for number, (group, mask) in enumerate(zip(point.ground.model.groups, seen, strict=True)):
-        if not (count := bin(mask).count("1")):
-            continue
-        miss, columns = _part(point, number, group, mask, count)
-        pulls += columns @ miss
-        curvature += columns @ columns.T
-    step = np.linalg.solve(curvature + 1e-9 * np.eye(point.active.size), pulls)
-    low, high = (each[point.active] for each in (space.low, space.high))
-    step = np.clip(point.x[point.active] + step, low, high) - point.x[point.active]
-    total = 0.0
-    for number, (group, mask) in enumerate(zip(point.ground.model.groups, unseen, strict=True)):
-        if count := bin(mask).count("1"):
-            miss, columns = _part(point, number, group, mask, count)
-            left = miss - step @ columns
-            total += float(left @ left)
-    return total
+    found = fitted(_only(point, seen), STEPS)
+    there = _only(point, unseen).moved(found.x, np.zeros(0, int))
+    return float("inf") if there is None else float(there.miss @ there.miss)
 
 
-def _part(
-    point: Point, number: int, group: Group, mask: int, count: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Whitened miss and slopes of some runs of a group: the mean of fewer runs is noisier."""
-    ground = point.ground
-    runs = [k for k in range(group.count) if mask >> k & 1]
-    miss = group.measured[runs].mean(axis=0) - point.vectors[number] - ground.grain[number]
-    weight = np.sqrt(count / group.count)
-    return (
-        weight * ground.white(number, miss),
-        weight * ground.white(number, point.slopes[number]),
-    )
+def _only(point: Point, masks: Sequence[int]) -> Point:
+    """The point as some of the runs alone would have it: means of fewer runs are noisier."""
+    ground, numbers = point.ground, [k for k, mask in enumerate(masks) if mask]
+    whole = [ground.model.groups[k] for k in numbers]
+    groups = [
+        group.only([n for n in range(group.count) if masks[k] >> n & 1])
+        for k, group in zip(numbers, whole, strict=True)
+    ]
+    covariances = [
+        ground.covariances[k] * (old.count / new.count)
+        for k, old, new in zip(numbers, whole, groups, strict=True)
+    ]
+    grain = [ground.grain[k] for k in numbers]
+    some = Ground(ground.model.of(groups, numbers), ground.noise, grain, covariances)
+    vectors, slopes = ([each[k] for k in numbers] for each in (point.vectors, point.slopes))
+    return grounded(point, some, vectors, slopes)

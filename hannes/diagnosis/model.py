@@ -68,6 +68,16 @@ class Model:
                 made._ticks[id(group)] = places, self._by_ticks(group, rows, unrounded(len(rows)))
         return made
 
+    def of(self, groups: Sequence[Group], numbers: Sequence[int]) -> "Model":
+        """The same for other runs under the commands of the groups of these numbers."""
+        made = copy(self)
+        made.groups, made._ticks = list(groups), {}
+        pairs = zip(groups, (self.groups[k] for k in numbers), strict=True)
+        made._ticks = {
+            id(new): self._ticks[id(old)] for new, old in pairs if id(old) in self._ticks
+        }
+        return made
+
     def _in_loop(self, name: str) -> bool:
         effect, firmware = self.space.effects[name], getattr(self.small, "firmware", ())
         written = {channel for term in effect.terms for channel in term.writes}

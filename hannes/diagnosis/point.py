@@ -211,9 +211,15 @@ def surveyed(
     return Ground(model, noise, [each.mean for each in grains], covariances)
 
 
-def grounded(point: Point, ground: Ground) -> Point:
-    """The same place on another ground."""
-    return _on(ground, point.x, point.active, point.vectors, point.slopes)
+def grounded(
+    point: Point,
+    ground: Ground,
+    vectors: list[np.ndarray] | None = None,
+    slopes: list[np.ndarray] | None = None,
+) -> Point:
+    """The same place on another ground, with vectors and slopes of its groups where they differ."""
+    vectors, slopes = vectors or point.vectors, slopes or point.slopes
+    return _on(ground, point.x, point.active, vectors, slopes)
 
 
 def _on(
