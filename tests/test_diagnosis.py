@@ -1,6 +1,7 @@
 """The deep diagnosis on a machine simulated here: what it names and what it refuses."""
 
 import functools
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -13,9 +14,10 @@ from hannes.axis import Axis
 from hannes.campaign import Campaign, Entry
 from hannes.catalogue import effects
 from hannes.diagnose import diagnose
+from hannes.diagnosis.fit import fitted
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import LIMIT, investigate
+from hannes.diagnosis.investigation import LIMIT, Trial, _second, investigate, joined
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.screen import likeness, projected, screened, shapes
@@ -198,6 +200,17 @@ def test_a_machine_as_given_has_no_gap():
 def test_two_effects_are_both_named():
     verdict = found(3, ((HARDENING, 900.0), (TURBULENCE, 2.0)))
     assert verdict.verdict == "named" and sorted(verdict.effects) == ["hardening", "turbulence"]
+
+
+def test_a_first_effect_that_only_led_to_the_second_is_dropped():
+    """Else a wrong name would stay beside the right one."""
+    said = campaign(1, ((TURBULENCE, 2.0),))
+    whole = investigate(said.plant, said.of("fit", "select"), list(KNOWN.values()), Settings(), 0)
+    guess = next(each for each in whole.guesses if each.effect == "hardening")
+    wrong = Trial(("hardening",), fitted(joined(whole.base, guess), 5), 1e3)
+    again = _second(replace(whole, trials=[wrong]), lambda text: None)
+    assert again.trials[0].effects == ("turbulence",) and again.pair is None
+    assert again.trials[0].gain == pytest.approx(whole.trials[0].gain, rel=1e-3)
 
 
 def test_what_no_effect_explains_is_unknown():

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 from runs import grasp
 
+from hannes.campaign import Entry
+from hannes.catalogue import effects
 from hannes.control.sensor_noise import gaussian
+from hannes.diagnosis.groups import grouped
+from hannes.diagnosis.model import Model
+from hannes.diagnosis.settings import Settings
+from hannes.diagnosis.space import Space
 from hannes.errors import BadInput
 from hannes.hand import Hand
 from hannes.hand_plant import HandPlant, posed
@@ -94,3 +100,26 @@ def test_noisy_firmware_reads_noise_and_moves_the_hand():
     assert all((a["position"] == b).all() for a, b in zip(again, position, strict=True))
     quiet = plant.many(columns, measured, ("position",), exact=False)
     assert np.ptp([each["position"][-1] for each in quiet]) == 0.0
+
+
+@pytest.mark.parametrize("name", ["current_lag", "measurement_delay"])
+def test_effects_on_what_firmware_reads_are_mended_for_its_ticks(name):
+    """A continuous controller makes another mark of them, or none that is like it."""
+    recording, effect = recorded("sampled")[0], effects()[name]
+    groups = grouped(HandPlant(), [Entry("closure", recording, "void", "fit")])
+    space = Space(HandPlant(), groups, Settings(), [effect])
+    model, x = Model(HandPlant(), groups, space, [effect]), np.zeros(space.size)
+    rows = np.array([x, x])
+    rows[1, space.of(name)] = 0.7
+    plain, with_effect = (
+        groups[0].vector(each)
+        for each in model.simulated(groups[0], rows, True, True, HandPlant().unrounded(2))
+    )
+    by_ticks = with_effect - plain
+    smooth, mended = (
+        np.diff(each.vectors(groups[0], rows, True), axis=0)[0]
+        for each in (model, model.ticking(x, [name]))
+    )
+    size = np.linalg.norm(by_ticks)
+    assert np.linalg.norm(smooth - by_ticks) > 0.4 * size
+    assert np.linalg.norm(mended - by_ticks) < 0.1 * size
