@@ -149,7 +149,8 @@ def line(kind, seed, outcome, times=3.0, **more):
     return {
         "kind": kind.name, "seed": seed, "what": kind.what, "protocol": kind.protocol,
         "told": kind.told, "effects": effects.get(kind.what, []), "hidden": {}, "times": times,
-        "outcome": outcome, "verdict": "named", "named": ["leader_slack"], "closed": 0.9,
+        "outcome": outcome, "verdict": "named", "named": ["leader_slack"],
+        "left": {"before": 50.0, "after": 12.0},
         "placebo": 0.1, "parameters": {}, "next_run": None, "after": {}, "seconds": 2.0, **more,
     }  # fmt: skip
 
@@ -161,8 +162,8 @@ def shown(done):
 
 def test_abstentions_stay_in_every_denominator():
     rich = plan.NAMED["single, rich"]
-    done = [line(rich, k, "right") for k in range(8)] + [line(rich, 8, "silent", closed=0.0)]
-    done += [line(rich, 9, "wrong", closed=0.0), line(rich, 10, "right", times=1.0)]
+    done = [line(rich, k, "right") for k in range(8)] + [line(rich, 8, "silent")]
+    done += [line(rich, 9, "wrong"), line(rich, 10, "right", times=1.0)]
     done += [line(rich, 11, "silent", times=None)]
     found = shown(done)
     right = found["single effect at 2 u or more, rich: right or class"]
@@ -170,7 +171,18 @@ def test_abstentions_stay_in_every_denominator():
     assert right["low"] < 0.8 < right["high"]
     assert found["single effect at 2 u or more, rich: wrong"]["value"] == 0.1
     assert found["share of the reducible gap closed"]["cases"] == 11
+    assert found["share of the reducible gap closed"]["value"] == pytest.approx(38.0 / 50.0)
     assert found["nothing nameable hidden: wrong"]["value"] == 0.0
+
+
+def test_the_reducible_gap_is_what_lies_above_that_of_empty_hands():
+    empty, rich = plan.NAMED["empty, rich"], plan.NAMED["single, rich"]
+    left = {"before": 12.0, "after": 12.0}
+    done = [line(empty, k, "silent", None, left=left) for k in range(3)]
+    done += [line(rich, k, "right") for k in range(3)]
+    assert shown(done)["share of the reducible gap closed"]["value"] == pytest.approx(1.0)
+    done += [line(rich, k, "silent", left=None) for k in range(3, 8)]
+    assert shown(done)["share of the reducible gap closed"]["value"] == 0.0
 
 
 def test_false_alarms_outsiders_and_pairs_have_their_bounds():
@@ -192,7 +204,7 @@ def test_false_alarms_outsiders_and_pairs_have_their_bounds():
 
 def test_wrong_names_where_scatter_is_told_wrong_stand_beside_the_same_cases():
     kinds = plan.NAMED
-    right, half = kinds["empty, rich"], kinds["empty, rich, scatter told x0.5"]
+    right, half = kinds["empty, poor"], kinds["empty, poor, scatter told x0.5"]
     done = [line(right, k, "named" if k in (0, 7) else "silent", None) for k in range(10)]
     done += [line(half, k, "named" if k < 3 else "silent", None) for k in range(5)]
     row = shown(done)["wrong names, scatter told x0.5"]

@@ -33,19 +33,19 @@ class Kind:
 
 KINDS = (
     Kind("closures", "closures", (12, 1)),
-    Kind("single", "poor", (100, 1)),
-    Kind("single", "poor, duty", (100, 0)),
-    Kind("single", "rich", (150, 1)),
-    Kind("empty", "poor", (100, 1)),
-    Kind("empty", "rich", (100, 0)),
+    Kind("single", "poor", (80, 1)),
+    Kind("single", "poor, duty", (40, 0)),
+    Kind("single", "rich", (60, 1)),
+    Kind("empty", "poor", (140, 1)),
+    Kind("empty", "rich", (60, 0)),
     Kind("outside", "poor", (25, 1)),
-    Kind("outside", "rich", (50, 0)),
-    Kind("pair", "poor", (20, 0)),
-    Kind("pair", "rich", (40, 1)),
-    Kind("single", "rich", (50, 0), told=0.5),
-    Kind("single", "rich", (50, 0), told=2.0),
-    Kind("empty", "rich", (50, 0), told=0.5),
-    Kind("empty", "rich", (50, 0), told=2.0),
+    Kind("outside", "rich", (20, 0)),
+    Kind("pair", "poor", (12, 0)),
+    Kind("pair", "rich", (20, 1)),
+    Kind("single", "poor", (25, 0), told=0.5),
+    Kind("single", "poor", (25, 0), told=2.0),
+    Kind("empty", "poor", (25, 0), told=0.5),
+    Kind("empty", "poor", (25, 0), told=2.0),
 )
 NAMED = {kind.name: kind for kind in KINDS}
 # The poor protocol's cases are the same with and without duty.
