@@ -16,6 +16,7 @@ VERDICTS = (
     "unknown",
     "undecided",
 )
+FAINT = 0.2  # of a squared floor, mean over channels: a gap that is less above it is not seen
 _SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 
 
@@ -85,6 +86,12 @@ def explained(gap: dict[str, dict[str, Any]]) -> float:
     return min(1.0, max(0.0, gone / before)) if before > 0.0 else 0.0
 
 
+def faint(gap: dict[str, dict[str, Any]]) -> bool:
+    """Whether the refitted base is hardly further off than repeats are from each other."""
+    above = [(each["before"] / each["floor"]) ** 2 - 1.0 for each in gap.values()]
+    return sum(above) < FAINT * len(above)
+
+
 def spoken(name: str) -> str:
     """An effect's name in words: `leader_slack` -> `leader slack`."""
     return name.rpartition(":")[2].replace("_", " ")
@@ -113,8 +120,10 @@ def _named(result: Verdict, rest: str = "") -> str:
     clear = [name for name in result.parameters if name not in vague] or vague
     named = " and ".join(_sized_effect(name, clear, result) for name in result.effects)
     verb = "explains" if len(result.effects) == 1 else "explain"
-    share = 100.0 * explained(result.gap)
-    line = f"{named[:1].upper()}{named[1:]}, {verb} {share:.0f} % of the reducible gap{rest}."
+    share = f"{100.0 * explained(result.gap):.0f} % of the reducible gap"
+    if faint(result.gap):
+        share = "what no other values do; it is less than what repeats differ by"
+    line = f"{named[:1].upper()}{named[1:]}, {verb} {share}{rest}."
     if not vague:
         return line
     return f"{line} Not told from none: {', '.join(_told(name, result) for name in vague)}."

@@ -158,6 +158,8 @@ def test_the_sentence_of_each_verdict():
         "Gear load, size 2 (1.9 to 2.1) and leader slack, size 2 (1.9 to 2.1), ex"
     )
     assert "nothing is missing" in verdict("recalibrated", effects=[]).sentence
+    near = {"drive": {"unit": "V", "as_given": 0.5, "before": 0.105, "after": 0.1, "floor": 0.1}}
+    assert verdict("named", gap=near).sentence.endswith("it is less than what repeats differ by.")
     classed = verdict("one_of", effects=["leader_slack", "mine.py:gear_load"]).sentence
     assert classed.startswith("One effect is missing, leader slack or gear load")
 

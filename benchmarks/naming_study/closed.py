@@ -1,11 +1,11 @@
 """What of the reducible gap is left on the show recordings, before and after, beside the truth.
 
 Beside recordings a gap that is small against what repeats differ by cannot be told. Here the show
-runs are made once more, by the same hand, and nothing differs between them but noise; the refitted
-base, and the result, simulate them too. Reducible is what of a difference no other values of the
-machine explain: d' C^-1 d over bin means, C of noise, of what differs from run to run, and of all
-parameters by how far they may be off. Noise has no part in it: both factors d are means over runs
-that have no noise in common. A floor remains, which refitted bases of empty hands leave.
+runs are made again, by the same hand, with and without what is hidden in it, on the same noise:
+their difference d is the gap that the effect makes. Of it d' C^-1 d is reducible, C of noise, of
+what differs from run to run, and of all parameters by how far they may be off: what other values
+of the machine would explain as well does not count. What the result's effects do in the library's
+hand is taken off d for what is left. The factors are means over runs that share no noise.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,57 +17,67 @@ from benchmarks.truth.expected import expected
 from benchmarks.truth.protocol import Protocol
 from hannes.campaign import Campaign
 from hannes.diagnosis.deep import Result
-from hannes.diagnosis.groups import Group, grouped
+from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.point import Care, Ground, differenced, surveyed
 
-CARE = Care(2.0, 6)
-DRAWS = 3  # runs of a mean
-Means = Sequence[list[np.ndarray]]  # two: bin means of all groups
+CARE = Care(2.0, 4)
+DRAWS = 2  # runs of a mean
+Runs = Mapping[str, Sequence[Mapping[str, np.ndarray]]]  # condition -> runs: channel -> samples
 
 
 def left(
     campaign: Campaign, found: Result, case: Drawn, plan: Protocol, seed: int
 ) -> dict[str, float]:
-    """Reducible gap of the refitted base (`before`) and of the result (`after`).
+    """Reducible gap that the hidden effect makes (`before`), less what was named (`after`).
 
     In squared standard deviations. Raises RuntimeError where the truth does not end.
     """
+    base = found.found.base.x
     whole = found.found.base.ground.model
     model = Model(whole.small, grouped(whole.small, campaign.of("show")), whole.space, ())
     model.whole = whole.whole
-    model = model.ticking(found.found.base.x, found.choice.effects)
+    model = model.ticking(base, found.choice.effects)
     names = [group.entries[0].condition for group in model.groups]
-    runs = expected(plan, seed, case.hidden, names, 2 * DRAWS)
-    truth = [
-        [_mean(group, runs[name][k::2]) for group, name in zip(model.groups, names, strict=True)]
-        for k in range(2)
-    ]
-    places = np.array([found.found.base.x, found.choice.point.x])
-    return dict(zip(("before", "after"), _left(model, places, truth), strict=True))
+    runs = [expected(plan, seed, hidden, names, 2 * DRAWS) for hidden in (case.hidden, {})]
+    gap = [_apart(model, *(_some(each, k) for each in runs)) for k in range(2)]
+    named = _named(model, found)
+    _, slopes = differenced(model, base, model.space.uncertain, False)
+    ground = surveyed(model, base, slopes, CARE, 0)
+    rest = [[d - e for d, e in zip(each, named, strict=True)] for each in gap]
+    return {"before": _size(ground, slopes, *gap), "after": _size(ground, slopes, *rest)}
 
 
-def _mean(group: Group, runs: Sequence[Mapping[str, np.ndarray]]) -> np.ndarray:
-    return np.mean([group.vector(each) for each in runs], axis=0)
+def _some(runs: Runs, first: int) -> Runs:
+    return {name: each[first::2] for name, each in runs.items()}
 
 
-def _left(model: Model, places: np.ndarray, truth: Means) -> list[float]:
-    """Reducible gap of each of the places x, shape (m, size)."""
-    _, slopes = differenced(model, places[0], model.space.uncertain, False)
-    grounds = [surveyed(model, places[0], slopes, CARE, seed) for seed in range(2)]
-    columns = grounds[0].together(slopes)
-    curvature = np.eye(len(columns)) + columns @ columns.T
-    made = [model.vectors(group, places, True) for group in model.groups]
-    gaps = []
-    for k in range(len(places)):
-        one, other = (
-            grounds[0].together(_apart([each[k] for each in made], ground, mean))
-            for ground, mean in zip(grounds, truth, strict=True)
+def _apart(model: Model, real: Runs, without: Runs) -> list[np.ndarray]:
+    """Difference of bin means of each group, mean over runs."""
+    return [
+        np.mean(
+            [
+                group.vector(one) - group.vector(other)
+                for one, other in zip(real[name], without[name], strict=True)
+            ],
+            axis=0,
         )
-        told = np.linalg.solve(curvature, columns @ other)
-        gaps.append(float(one @ other - (columns @ one) @ told))
-    return gaps
+        for group, name in ((group, group.entries[0].condition) for group in model.groups)
+    ]
 
 
-def _apart(made: list[np.ndarray], ground: Ground, truth: list[np.ndarray]) -> list[np.ndarray]:
-    return [t - m - grain for m, grain, t in zip(made, ground.grain, truth, strict=True)]
+def _named(model: Model, found: Result) -> list[np.ndarray]:
+    """What the result's effects do to each group."""
+    places = np.array([found.choice.point.x, found.choice.point.x])
+    places[1, model.space.uncertain.size :] = 0.0
+    made = [model.vectors(group, places, True) for group in model.groups]
+    return [each[0] - each[1] for each in made]
+
+
+def _size(
+    ground: Ground, slopes: list[np.ndarray], one: list[np.ndarray], other: list[np.ndarray]
+) -> float:
+    """d' C^-1 d of two means d of the same."""
+    columns, a, b = (ground.together(each) for each in (slopes, one, other))
+    told = np.linalg.solve(np.eye(len(columns)) + columns @ columns.T, columns @ b)
+    return float(a @ b - (columns @ a) @ told)

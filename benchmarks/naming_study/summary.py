@@ -134,34 +134,20 @@ def closing(cases: Cases) -> list[Row]:
     some = detectable([c for c in cases if c["what"] in ("single", "pair") and c["told"] == 1.0])
     if not some:
         return []
-    floors = floors_of(cases)
-    shares = [closed(each, floors) for each in some]
-    rows = [_median("share of the reducible gap closed", shares, 0.85, True)]
-    hit = [closed(each, floors) for each in some if each["outcome"] in CLOSING and each["left"]]
+    rows = [_median("share of the reducible gap closed", [closed(c) for c in some], 0.85, True)]
+    hit = [closed(each) for each in some if each["outcome"] in CLOSING and each["left"]]
     if hit:
-        rows.append({"study": "the same, of those named right", **_middle(hit)})
+        rows.append({"study": "the same, where it is named", **_middle(hit)})
     wrong = [c["placebo"] for c in some if c["placebo"] is not None]
     name = "placebo: gain of the best wrong effect"
     return rows + ([{"study": name, **_middle(wrong)}] if wrong else [])
 
 
-def floors_of(cases: Cases) -> dict[str, float]:
-    """Protocol -> what refitted bases of empty hands leave of their gap, median."""
-    empty = [c for c in cases if c["what"] == "empty" and c["told"] == 1.0 and c["left"]]
-    protocols = {c["protocol"].partition(",")[0] for c in empty}
-    return {
-        name: float(np.median([c["left"]["before"] for c in empty if c["protocol"] == name]))
-        for name in protocols
-    }
-
-
-def closed(case: Case, floors: dict[str, float]) -> float:
-    """Share of what the base leaves above that floor; 0 for an abstention or a wrong name."""
-    if case["outcome"] not in CLOSING or not case["left"]:
+def closed(case: Case) -> float:
+    """Share of the gap that is closed; 0 for an abstention or a wrong name."""
+    if case["outcome"] not in CLOSING or not case["left"] or case["left"]["before"] <= 0.0:
         return 0.0
-    before, after = case["left"]["before"], case["left"]["after"]
-    reducible = before - floors.get(case["protocol"].partition(",")[0], 0.0)
-    return float(np.clip((before - after) / reducible, 0.0, 1.0)) if reducible > 0.0 else 0.0
+    return float(np.clip(1.0 - case["left"]["after"] / case["left"]["before"], 0.0, 1.0))
 
 
 def sizes(cases: Cases) -> list[Row]:

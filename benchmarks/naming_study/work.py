@@ -10,14 +10,12 @@ from typing import Any
 
 from benchmarks.naming_study.closed import left
 from benchmarks.naming_study.draw import Drawn
-from benchmarks.naming_study.plan import APART
 from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.protocol import Protocol
 from hannes.diagnose import Diagnosis
 from hannes.diagnose import diagnose as library
 from hannes.errors import ComputationFailed
 
-FLOORED = 20  # empty hands of each kind of which the gap left is had
 Diagnose = Callable[[Path, Path], Diagnosis | None]  # campaign file, folder for verdict.json
 
 
@@ -60,9 +58,8 @@ def worked(
 
 
 def _left(found: Diagnosis, case: Drawn, plan: Protocol, seed: int) -> dict[str, float] | None:
-    """Reducible gap before and after, where an effect is named, and of some empty hands."""
-    asked = found.verdict.effects if case.effects else seed % APART < FLOORED
-    if found.deep is None or not asked:
+    """Reducible gap before and after, where something is hidden and something named."""
+    if found.deep is None or not (case.effects and found.verdict.effects):
         return None
     try:
         return left(found.campaign, found.deep, case, plan, seed)
