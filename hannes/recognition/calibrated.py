@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from hannes.recognition.grasps import Grasps, held
-from hannes.recognition.model import Band, Calibration, Model, grasp_stiffness
+from hannes.recognition.model import Band, Calibration, Model, grasp_peak, grasp_stiffness
 
 BINS = 6  # of an interval's width along the estimate
 FOLDS = 5
@@ -68,7 +68,7 @@ def estimates(model: Model, known: Grasps) -> tuple[np.ndarray, np.ndarray]:
     for k, (rows, some) in enumerate(zip(known.features, held(known.features), strict=True)):
         if some.any():
             stiffness[k] = grasp_stiffness(model.stiffness(rows), some)
-            peak[k] = np.exp(model.force(rows[some])).max()
+            peak[k] = grasp_peak(model.force(rows), some)
     return stiffness, peak
 
 

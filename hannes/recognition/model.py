@@ -60,9 +60,9 @@ class Told:
     """What a recording tells: at the end of each window, and of the grasp as a whole.
 
     `time` [s] as in the recording; `rigid`: probability in each window; `running`: the same for
-    what was just seen, see `running`; `force` [N] in each window, 0 where nothing is held;
-    `touched`: which windows come after a touch, `held`: while the object is held; `sure`: the
-    probability from which a class is told.
+    what was just seen, see `running`; `force`: the most so far [N], 0 in windows in which nothing
+    is held; `touched`: which windows come after a touch, `held`: while the object is held; `sure`:
+    the probability from which a class is told.
     """
 
     time: np.ndarray
@@ -84,7 +84,7 @@ class Told:
 
 @dataclass(frozen=True)
 class Model:
-    """Forests for rigid (probability), stiffness (log N/m) and force (log N), and their worth.
+    """Forests for rigid (probability), stiffness (log N/m), most force so far (log N); their worth.
 
     `sure`: probability from which a class is told; below it the answer is "don't know".
     """
@@ -113,12 +113,12 @@ class Model:
         held = touched & (rows[:, RISE] > HELD)
         rigid = self.windows(rows)
         so_far = running(rigid, touched, self.cut.hop)
-        force = np.where(held, np.exp(self.force(rows)), 0.0)
+        force = self.force(rows)
         last = int(np.flatnonzero(held)[-1]) if held.any() else -1
         return Told(
-            time, rigid, so_far, force, touched, held,
+            time, rigid, so_far, np.where(held, np.exp(force), 0.0), touched, held,
             float(so_far[last]) if held.any() else 0.5, self.sure,
-            self._stiffness(rows, held), self._peak(force),
+            self._stiffness(rows, held), self._peak(force, held),
         )  # fmt: skip
 
     def _stiffness(self, rows: np.ndarray, held: np.ndarray) -> Estimate | None:
@@ -126,14 +126,19 @@ class Model:
             return None
         return estimated(grasp_stiffness(self.stiffness(rows), held), self.stiffness_band)
 
-    def _peak(self, force: np.ndarray) -> Estimate | None:
-        return estimated(float(force.max()), self.force_band) if force.any() else None
+    def _peak(self, force: np.ndarray, held: np.ndarray) -> Estimate | None:
+        return estimated(grasp_peak(force, held), self.force_band) if held.any() else None
 
 
 def grasp_stiffness(told: np.ndarray, held: np.ndarray) -> float:
     """One stiffness [N/m] from the logarithms that windows tell: the median of the later half."""
     some = told[held]
     return float(np.exp(np.median(some[some.size // 2 :])))
+
+
+def grasp_peak(told: np.ndarray, held: np.ndarray) -> float:
+    """One peak force [N] from the logarithms that windows tell of the most so far: the last's."""
+    return float(np.exp(told[held][-1]))
 
 
 def estimated(value: float, band: Band) -> Estimate:

@@ -9,12 +9,14 @@ import numpy as np
 from hannes.dataset.read import DataSet, read
 from hannes.recognition.calibrated import calibrated, estimates
 from hannes.recognition.cut import Cut
-from hannes.recognition.forest import of_sklearn
+from hannes.recognition.forest import Forest, of_sklearn
 from hannes.recognition.grasps import Grasps, grasps, held, last_held
 from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, running
 
 KEPT = 0.2  # share of the grasps that is not learnt from
 LEAST = 0.5  # N, of the force that is learnt
+EARLIER = 0.1  # share that force is learnt from of the windows before a grasp's last
+LAST = 30.0  # weight of that last, from which the peak is told: ten times all earlier ones
 FEWEST = 30  # grasps of a learning curve
 
 
@@ -91,31 +93,43 @@ def _fitted(
     bag = BaggedTrees(trees, leaf, share, seed, jobs)
     rigid = bag.fit(known.features, known.rigid.astype(int), used).arrays()
 
-    def regression(which: np.ndarray, target: np.ndarray, fine: float) -> Any:
-        """`fine`: how much more of the windows a tree sees, and how much smaller its leaves are.
-
-        Kept grasps ask for 2 where force is learnt.
-        """
-        how = {"min_samples_leaf": max(2, round(leaf / fine)), "max_features": 0.4}
-        how["max_samples"] = share / 2 * fine
+    def regression(
+        which: np.ndarray, target: np.ndarray, leaf: int, share: float, weight: np.ndarray
+    ) -> Forest:
+        how = {"min_samples_leaf": leaf, "max_features": 0.4, "max_samples": share}
         made = RandomForestRegressor(max(trees // 2, 10), random_state=seed, n_jobs=jobs, **how)
-        return of_sklearn(made.fit(known.features[which], target))
+        return of_sklearn(made.fit(known.features[which], target[which], weight[which]))
 
     stiffness = np.broadcast_to(np.log(known.stiffness)[:, np.newaxis], used.shape)
-    pressed = used & (known.force > LEAST)
+    so_far = np.maximum.accumulate(known.force, axis=1)
+    weight = _weight_of_force(known, used & (so_far > LEAST), seed)
     nothing = np.zeros(1)
     return Model(
         cut,
         data.border,
         0.5,
         rigid,
-        regression(used, stiffness[used], 1.0),
-        regression(pressed, np.log(known.force[pressed]), 2.0),
+        regression(used, stiffness, leaf, share / 2, np.ones(used.shape)),
+        regression(weight > 0.0, np.log(np.maximum(so_far, LEAST)), 2, 1.0, weight),
         Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0])),
         Band(nothing, nothing, nothing),
         Band(nothing, nothing, nothing),
         trained=f"{data.title}; fingerprint {data.digest}; seed {seed}",
     )
+
+
+def _weight_of_force(known: Grasps, pressed: np.ndarray, seed: int) -> np.ndarray:
+    """Weights of windows where force is learnt, 0 where it is not; shape (grasps, windows).
+
+    How a hand lets go tells more of the peak than the moment of the peak does, hence the weight of
+    the last window; the earlier ones are for a grasp that is still held where its recording ends.
+    """
+    drawn = np.random.default_rng(seed).random(pressed.shape) < EARLIER
+    weight = (pressed & drawn).astype(float)
+    last = last_held(known.features)
+    found = np.flatnonzero(last >= 0)
+    weight[found, last[found]] = LAST
+    return weight
 
 
 def worth(model: Model, known: Grasps) -> dict[str, float]:
