@@ -170,6 +170,17 @@ def test_a_grasp_of_the_hand_is_told(arrays, trained):
     assert soft.stiffness.value < 3000.0 < rigid.stiffness.value
     assert soft.peak_force.low <= soft.peak_force.value <= soft.peak_force.high
     assert soft.running[soft.held][-1] == soft.probability
+    assert soft.force[soft.held][-1] == soft.peak_force.value
+
+
+def test_a_grasp_still_held_where_its_recording_ends_tells_its_force(arrays, trained):
+    model, _ = trained
+    for k in range(80, 100):
+        whole = recording(arrays, k)
+        seen = {name: whole[name][:640] for name in (*CHANNELS, "force")}
+        cut = Recording({"time": whole.time[:640], **seen}, {"time": "s", **whole.units})
+        told = model.tell(cut).peak_force
+        assert told.value == pytest.approx(cut["force"].max(), rel=0.15)
 
 
 def test_an_empty_hand_is_no_grasp(trained):
