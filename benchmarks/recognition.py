@@ -90,11 +90,14 @@ def built(name: str) -> None:
     """Make a data set and print seconds by the clock and of all processors, and memory."""
     import resource
 
+    from joblib.externals.loky import get_reusable_executor
+
     spec = load_spec(name)
     spec.hand.compiled(spec.hand.effects)
     start = time.perf_counter()
     make(spec, OUT / f"{name}.h5")
     clock = time.perf_counter() - start
+    get_reusable_executor().shutdown(wait=True)  # the time of workers counts once they have ended
     own, others = (
         sum(resource.getrusage(who)[:2]) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     )
