@@ -14,6 +14,7 @@ from hannes.axis import Axis
 from hannes.campaign import Campaign, Entry
 from hannes.catalogue import effects
 from hannes.diagnose import diagnose
+from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.fit import fitted
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
@@ -123,8 +124,11 @@ def drives():
 
 
 @functools.cache
-def recordings(seed, hidden=()):
-    """Entries of a scattered sled with hidden effects of given sizes, sensors noisy."""
+def recordings(seed, hidden=(), growth=0.0):
+    """Entries of a scattered sled with hidden effects of given sizes, sensors noisy.
+
+    growth: of the effects with every run, as a share of their size
+    """
     rng = np.random.default_rng(seed)
     sled = Sled().with_effects(*(each for each, _ in hidden))
     machine = {
@@ -142,6 +146,8 @@ def recordings(seed, hidden=()):
                 **machine,
                 "sled.drag": machine["sled.drag"] * (1.0 + 0.005 * rng.standard_normal()),
             }
+            for each, size in hidden:
+                own[each.full_name("size")] = size * (1.0 + growth * len(made))
             run = sled.simulate(own, bare)
             noisy = {
                 name: values + 2e-3 * rng.standard_normal(TIMES.size)
@@ -152,15 +158,16 @@ def recordings(seed, hidden=()):
     return tuple(made)
 
 
-def campaign(seed, hidden=(), known=KNOWN):
+def campaign(seed, hidden=(), known=KNOWN, growth=0.0):
     """A campaign of these, with what the bench says of its scatter."""
     said = Table({"scatter": "2 %", "run_scatter": "0.5 %"}, "campaign.toml", ())
-    return Campaign(Sled(), Sled(), recordings(seed, hidden), Path("out"), known, diagnose=said)
+    made = recordings(seed, hidden, growth)
+    return Campaign(Sled(), Sled(), made, Path("out"), known, diagnose=said)
 
 
-def found(seed, hidden=(), known=KNOWN):
+def found(seed, hidden=(), known=KNOWN, growth=0.0):
     """The verdict."""
-    return diagnose(campaign(seed, hidden, known), progress=False).verdict
+    return diagnose(campaign(seed, hidden, known, growth), progress=False).verdict
 
 
 @pytest.mark.parametrize(("hidden", "size"), [(HARDENING, 900.0), (TURBULENCE, 2.0)])
@@ -316,6 +323,18 @@ def test_a_gain_is_of_what_was_not_fitted_too(investigated):
     assert held_out(base, best, seen, unseen) > LIMIT
     assert held_out(base, base, seen, unseen) == 0.0
     assert held_out(base, best, seen, [0, 0]) == 0.0
+
+
+def test_what_grows_from_run_to_run_is_no_clean_name():
+    verdict = found(1, ((TURBULENCE, 0.02),), growth=1.0)
+    assert verdict.verdict in ("unknown", "named_with_remainder")
+    assert "from run to run" in verdict.reason
+
+
+def test_what_does_not_grow_does_not_drift(investigated):
+    best = investigated.trials[0].point
+    assert drifts(best, investigated.guesses).gain < LIMIT
+    assert drifts(investigated.base, investigated.guesses).gain < 0.95 * investigated.trials[0].gain
 
 
 def test_a_guess_agrees_with_the_refit_where_an_effect_is_small():

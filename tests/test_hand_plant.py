@@ -102,15 +102,24 @@ def test_noisy_firmware_reads_noise_and_moves_the_hand():
     assert np.ptp([each["position"][-1] for each in quiet]) == 0.0
 
 
-@pytest.mark.parametrize("name", ["current_lag", "measurement_delay"])
-def test_effects_on_what_firmware_reads_are_mended_for_its_ticks(name):
+@pytest.mark.parametrize(
+    ("name", "steps"),
+    [
+        ("current_lag", 0.7),
+        ("current_lag", 3.0),
+        ("current_lag", 14.0),
+        ("measurement_delay", 0.7),
+        ("measurement_delay", 3.0),
+    ],
+)
+def test_effects_on_what_firmware_reads_are_mended_for_its_ticks(name, steps):
     """A continuous controller makes another mark of them, or none that is like it."""
     recording, effect = recorded("sampled")[0], effects()[name]
     groups = grouped(HandPlant(), [Entry("closure", recording, "void", "fit")])
     space = Space(HandPlant(), groups, Settings(), [effect])
     model, x = Model(HandPlant(), groups, space, [effect]), np.zeros(space.size)
     rows = np.array([x, x])
-    rows[1, space.of(name)] = 0.7
+    rows[1, space.of(name)] = steps
     plain, with_effect = (
         groups[0].vector(each)
         for each in model.simulated(groups[0], rows, True, True, HandPlant().unrounded(2))
@@ -118,7 +127,7 @@ def test_effects_on_what_firmware_reads_are_mended_for_its_ticks(name):
     by_ticks = with_effect - plain
     smooth, mended = (
         np.diff(each.vectors(groups[0], rows, True), axis=0)[0]
-        for each in (model, model.ticking(x, [name]))
+        for each in (model, model.ticking(x + 0.8 * (rows[1] - x), [name]))
     )
     size = np.linalg.norm(by_ticks)
     assert np.linalg.norm(smooth - by_ticks) > 0.4 * size

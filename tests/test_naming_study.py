@@ -77,9 +77,9 @@ def test_seeds_of_development_and_of_quoted_figures_never_meet():
         assert len(cases) == len(set(cases))
         assert set(plan.cases(chosen, True)) <= set(cases)
     kinds = plan.NAMED
-    again, first = kinds["single, rich, scatter told x0.5"], kinds["single, rich"]
+    again, first = kinds["single, poor, scatter told x0.5"], kinds["single, poor"]
     assert plan.first_seed(again, "quoted") == plan.first_seed(first, "quoted")
-    assert plan.first_seed(kinds["empty, rich"], "quoted") != plan.first_seed(first, "quoted")
+    assert plan.first_seed(kinds["empty, poor"], "quoted") != plan.first_seed(first, "quoted")
 
 
 def test_a_study_has_the_cases_that_must_be_shown():

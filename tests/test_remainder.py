@@ -32,7 +32,7 @@ def test_a_slow_wave_far_below_the_noise_is_found_where_it_is():
         point = left(seed, slow=0.9)
         assert point.miss @ point.miss < 1.3 * point.miss.size  # which all bins together do not see
         found = hangs_together(point)
-        assert found is not None and found.where == "the position of grasp"
+        assert found is not None and found.where == "the position of runs like grasp"
         assert found.chance < CHANCE and found.excess > 0.0
 
 

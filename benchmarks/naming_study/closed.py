@@ -37,7 +37,7 @@ def left(
     whole = found.found.base.ground.model
     model = Model(whole.small, grouped(whole.small, campaign.of("show")), whole.space, ())
     model.whole = whole.whole
-    model = model.ticking(base, found.choice.effects)
+    model = model.ticking(found.choice.point.x, found.choice.effects)
     names = [group.entries[0].condition for group in model.groups]
     runs = [expected(plan, seed, hidden, names, 2 * DRAWS) for hidden in (case.hidden, {})]
     gap = [_apart(model, *(_some(each, k) for each in runs)) for k in range(2)]

@@ -80,7 +80,7 @@ def marks(what: str, case: Mapping[str, Any], effects: list[str]) -> dict[str, A
 
 
 def placebo(verdict: Mapping[str, Any], effects: list[str]) -> float | None:
-    """What the best of all other effects gained on recordings that were not fitted."""
+    """What the best of all other effects took of the misfit that could be taken, fitted."""
     gains = [
         each["gain_select"]
         for each in verdict.get("candidates", ())

@@ -130,16 +130,26 @@ def pairs(cases: Cases) -> list[Row]:
 
 
 def closing(cases: Cases) -> list[Row]:
-    """Share of the reducible gap closed; what the best wrong effect gains beside it."""
+    """Share of the reducible gap closed; what the best wrong effect gains beside it.
+
+    Reducible is what no other values of the machine's parameters would explain.
+    """
     some = detectable([c for c in cases if c["what"] in ("single", "pair") and c["told"] == 1.0])
     if not some:
         return []
-    rows = [_median("share of the reducible gap closed", [closed(c) for c in some], 0.85, True)]
+    rows = [
+        _median(
+            "share of the reducible gap closed",
+            [closed(c) for c in some],
+            0.85,
+            True,
+        )
+    ]
     hit = [closed(each) for each in some if each["outcome"] in CLOSING and each["left"]]
     if hit:
         rows.append({"study": "the same, where it is named", **_middle(hit)})
     wrong = [c["placebo"] for c in some if c["placebo"] is not None]
-    name = "placebo: gain of the best wrong effect"
+    name = "placebo: share of the misfit that the best wrong effect takes"
     return rows + ([{"study": name, **_middle(wrong)}] if wrong else [])
 
 
@@ -185,14 +195,19 @@ def next_run(cases: Cases) -> list[Row]:
     """Open cases that the suggested run resolves, beyond those that any run resolves."""
     some = [c for c in cases if c["what"] == "single" and c["protocol"] == "poor"]
     some = [c for c in some if c["verdict"] in ("one_of", "unknown") and c["told"] == 1.0]
-    ends = [c["after"] for c in some if c["after"]]
+    ends = [c["after"] for c in some]
     if not some:
         return []
-    told = {"study": "class or unknown, poor", "cases": len(some), "next run told": len(ends)}
-    if not ends:
-        return [told]
+    told = {
+        "study": "class or unknown, poor",
+        "cases": len(some),
+        "next run told": sum(map(bool, ends)),
+    }
     gains = np.array(
-        [100.0 * ((e["suggested"] == "right") - float(e["any"] == "right")) for e in ends]
+        [
+            100.0 * ((e["suggested"] == "right") - float(e["any"] == "right")) if e else 0.0
+            for e in ends
+        ]
     )
     picks = np.random.default_rng(0).integers(0, gains.size, (2000, gains.size))
     low, high = np.percentile(gains[picks].mean(axis=1), (2.5, 97.5))

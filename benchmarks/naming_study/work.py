@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from benchmarks.naming_study.closed import left
 from benchmarks.naming_study.draw import Drawn
 from benchmarks.truth.campaign import Spread, make
@@ -62,9 +64,10 @@ def _left(found: Diagnosis, case: Drawn, plan: Protocol, seed: int) -> dict[str,
     if found.deep is None or not (case.effects and found.verdict.effects):
         return None
     try:
-        return left(found.campaign, found.deep, case, plan, seed)
-    except RuntimeError:  # the truth does not end
+        gap = left(found.campaign, found.deep, case, plan, seed)
+    except (RuntimeError, ComputationFailed, np.linalg.LinAlgError):  # a run of it does not end
         return None
+    return gap if np.isfinite(list(gap.values())).all() else None
 
 
 def _read(file: Path) -> Any:

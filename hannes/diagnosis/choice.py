@@ -1,16 +1,16 @@
 """From what was found to a verdict: a name, a class, a remainder, or nothing that can be named."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from hannes.diagnosis.drift import Drift, drifts
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial
+from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial, near
 from hannes.diagnosis.point import Point
 from hannes.diagnosis.remainder import hangs_together
 
-RIVAL = 10.0  # a rival within so much of the best gain is not told from it
-CLOSE = 0.04  # of the best gain: so near a rival may come by what no model has right
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
-AGAINST = 4.0  # misfit of recordings held out that a name may add to: two standard deviations of it
+AGAINST = 4.0  # misfit of recordings held out that a name may add to
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
 
@@ -32,10 +32,11 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
     trial = found.pair or best
     gain = held_out(found.base, trial.point, seen, unseen) / found.unit
     told = f"{_names(trial)} lowers the misfit by {trial.gain:.0f} (limit {LIMIT:.0f})"
-    if gain < -AGAINST:
+    if not gain >= -AGAINST:  # nor where it cannot be told
         reason = f"{told}, but not that of recordings held out ({gain:.0f})"
         return Choice("unknown", (), reason, found.base)
-    told += f", that of recordings held out by {gain:.0f}"
+    if any(seen) and any(unseen):
+        told += f", that of recordings held out by {gain:.0f}"
     left = _left(found, trial)
     if not left:
         return _clean(found, trial, told)
@@ -45,6 +46,8 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
 def _nothing(found: Found, best: Trial | None) -> Choice:
     gain = 0.0 if best is None else best.gain
     least = f"no effect lowers the misfit by the {LIMIT:.0f} that a name needs (best {gain:.0f})"
+    if drift := _growing(found, found.base):
+        return Choice("unknown", (), f"{_told(found, drift)}, and {least}", found.base)
     if more := _more(found.base, found.bins):
         return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
     if found.given.misfit <= FIT * found.bins:
@@ -65,6 +68,8 @@ def _more(point: Point, bins: int) -> str:
 
 def _left(found: Found, trial: Trial) -> str:
     """What speaks for something more, or an empty string."""
+    if drift := _growing(found, trial.point):
+        return _told(found, drift)
     if more := _more(trial.point, found.bins):
         return f"what is left is {more}"
     rest, needed = found.rest, max(LIMIT, SHARE * trial.gain)
@@ -74,44 +79,65 @@ def _left(found: Found, trial: Trial) -> str:
     return ""
 
 
+def _growing(found: Found, point: Point) -> Drift | None:
+    """What grows from run to run, where that lowers the misfit by as much as a name needs."""
+    drift = drifts(point, found.guesses)
+    return drift if drift is not None and drift.gain > LIMIT * found.unit else None
+
+
+def _told(found: Found, drift: Drift) -> str:
+    name = drift.effect.replace("_", " ")
+    return f"{drift.gain / found.unit:.0f} would go with {name} that grows from run to run"
+
+
 def _clean(found: Found, trial: Trial, told: str) -> Choice:
     if len(trial.effects) > 1:
-        return Choice("named", trial.effects, told, trial.point)
-    rivals = rivals_of(found, trial)
+        return _pair(found, trial, told)
+    rivals = near(trial, found.trials)
     if not rivals:
         return Choice("named", trial.effects, told, trial.point)
     names = (*trial.effects, *(each.effects[0] for each in rivals))
-    nearest = f"{_names(rivals[0])} comes as near as {rivals[0].gain:.0f}"
-    return Choice("one_of", names, f"{told}; {nearest}", trial.point)
+    return Choice("one_of", names, f"{told}; {_nearest(rivals)}", trial.point)
+
+
+def _pair(found: Found, trial: Trial, told: str) -> Choice:
+    """Two effects; where others would do as well, what is common to all pairs."""
+    rivals = near(trial, found.other_pairs)
+    if not rivals:
+        return Choice("named", trial.effects, told, trial.point)
+    told = f"{told}; {_nearest(rivals)}"
+    common = set(trial.effects).intersection(*(each.effects for each in rivals))
+    alone = [each for each in found.trials if set(each.effects) <= common]
+    if not alone:
+        return Choice("unknown", (), told, found.base)
+    return Choice("named_with_remainder", alone[0].effects, told, alone[0].point)
+
+
+def _nearest(rivals: Sequence[Trial]) -> str:
+    return f"{_names(rivals[0])} comes as near as {rivals[0].gain:.0f}"
 
 
 def _unclean(found: Found, trial: Trial, told: str) -> Choice:
     explained, first = _explained(found, trial), found.trials[0]
     if len(trial.effects) > 1:
-        alone = first.gain / trial.gain
-        if alone < MOST:
-            return Choice("unknown", (), f"{told}; more than two effects are missing", found.base)
-        trial = first
-    if explained < MOST or rivals_of(found, first):
+        explained *= first.gain / trial.gain
+    if explained < MOST or near(first, found.trials):
         return Choice("unknown", (), told, found.base)
-    return Choice("named_with_remainder", trial.effects, told, trial.point)
+    return Choice("named_with_remainder", first.effects, told, first.point)
 
 
 def _explained(found: Found, trial: Trial) -> float:
-    """Share of all that speaks for a missing effect that a trial takes away."""
+    """Share of all that speaks for a missing effect that a trial takes away.
+
+    Nothing where something that grows from run to run would take away more.
+    """
     gain, slow = trial.gain * found.unit, hangs_together(trial.point)
+    drift, instead = _growing(found, trial.point), _growing(found, found.base)
+    if drift and instead and instead.gain > gain:
+        return 0.0
     beyond = max(found.base.misfit - found.bins, 1.0)
-    return min(gain / beyond, gain / (gain + slow.excess) if slow else 1.0)
-
-
-def rivals_of(found: Found, best: Trial) -> list[Trial]:
-    """Effects that these recordings do not tell from the best one."""
-    within = max(RIVAL, CLOSE * best.gain)
-    return [
-        each
-        for each in found.trials
-        if each.effects != best.effects[:1] and best.gain - each.gain < within
-    ]
+    rests = (slow.excess if slow else 0.0, drift.gain if drift else 0.0)
+    return min(gain / beyond, *(gain / (gain + rest) for rest in rests))
 
 
 def _names(trial: Trial) -> str:

@@ -10,7 +10,7 @@ from hannes import pieces as cutting
 from hannes.campaign import Campaign, Entry
 from hannes.diagnosis.choice import Choice, chosen
 from hannes.diagnosis.fit import deviations
-from hannes.diagnosis.investigation import LIMIT, Found, investigate
+from hannes.diagnosis.investigation import LIMIT, PRICE, Found, investigate
 from hannes.diagnosis.next_run import next_run
 from hannes.diagnosis.screen import amplitude_names, likeness, projected
 from hannes.diagnosis.settings import Settings
@@ -197,7 +197,8 @@ class _Closing:
             for number, name in enumerate(amplitude_names(effect)):
                 each = space.directions[space.place(name)]
                 least = 1.0 / np.sqrt(max(float(curvature[number, number]), 1e-30))
-                size = (np.sqrt(LIMIT) + POWER_80) * least * each.scale * np.sqrt(self.found.unit)
+                needed = np.sqrt(LIMIT + PRICE * (len(space.of(guess.effect)) - 1))
+                size = (needed + POWER_80) * least * each.scale * np.sqrt(self.found.unit)
                 sizes[name.rpartition(".")[2]] = _size(size, each.low, each.high, self.unit(name))
             found[self.names[guess.effect]] = sizes
         return found
@@ -220,7 +221,7 @@ class _Closing:
         if kind not in ("one_of", "unknown") or not trials:
             return None
         known = _entries(self.known)
-        run = next_run(self.campaign.plant, self.found, known, len(self.choice.effects))
+        run = next_run(self.campaign.plant, self.found, known)
         return run and {**run, "separates": [self.names[name] for name in run["separates"]]}
 
     def refitted(self) -> Plant:
@@ -254,7 +255,7 @@ def _said(row: dict[str, Any], named: bool) -> str:
     gain = row["evidence"] ** 2
     if gain < LIMIT:
         return f"lowers the misfit by {gain:.0f}; a name needs {LIMIT:.0f}"
-    return f"lowers the misfit by {gain:.0f}, less than what is named"
+    return f"lowers the misfit by {gain:.0f}, which the verdict weighs"
 
 
 def _size(size: float, low: float, high: float, unit: str) -> dict[str, Any]:

@@ -8,7 +8,6 @@ import numpy as np
 from hannes.calibration.view import BIN, View
 from hannes.campaign import Entry
 from hannes.plant import Plant
-from hannes.roughness import roughness as roughness  # its neighbours take it from here
 
 BINS = 115  # of each channel, at most: longer runs are slower, and so have wider bins
 Channels = Mapping[str, np.ndarray]
@@ -20,25 +19,29 @@ class Group:
     measured: their bin means, shape (runs, n); `part` and `names` tell an element's channel
     nominal:  full name -> the value that every parameter is given for this run (SI)
     owner, own: what is handled, and which parameters belong to that alone
+    numbers: how many runs of the campaign came before each, shape (runs,)
     """
 
-    def __init__(self, plant: Plant, entries: Sequence[Entry]) -> None:
+    def __init__(
+        self, plant: Plant, entries: Sequence[Entry], numbers: Sequence[int] | None = None
+    ) -> None:
         channels = tuple(name for name in plant.judged if name in entries[0].recording)
         duration = float(np.ptp(entries[0].recording.time))
         self.width = round(max(BIN, duration / BINS), 6)
         self.entries = tuple(entries)
+        self.numbers = np.arange(len(entries)) if numbers is None else np.array(numbers)
         self.views = [View(each, plant, channels, (), self.width) for each in entries]
         self.recording = entries[0].recording
         self.names, self.part = self.views[0].channels, self.views[0].part
         self.bins = self.views[0].bins
         self.measured = np.array([view.measured for view in self.views])
         self.nominal, (self.owner, self.own) = given(plant, self.recording)
-        self._late: dict[float, np.ndarray] = {}
 
     def only(self, runs: Sequence[int]) -> "Group":
         """The same with some of the runs alone, simulated as before."""
         made = copy(self)
         made.entries = tuple(self.entries[k] for k in runs)
+        made.numbers = self.numbers[list(runs)]
         made.views = [self.views[k] for k in runs]
         made.measured = self.measured[list(runs)]
         return made
@@ -78,9 +81,13 @@ def given(plant: Plant, recording: object) -> tuple[dict[str, float], tuple[str,
 
 def grouped(plant: Plant, entries: Sequence[Entry]) -> list[Group]:
     """Groups of repeats in the order of the recordings."""
-    found: dict[tuple[bytes, tuple[str, ...], int], list[Entry]] = {}
-    for entry in entries:
+    found: dict[tuple[bytes, tuple[str, ...], int], list[tuple[int, Entry]]] = {}
+    for number, entry in enumerate(entries):
         recording = entry.recording
         names = tuple(name for name in plant.judged if name in recording)
-        found.setdefault((plant.same_run(recording), names, len(recording)), []).append(entry)
-    return [Group(plant, each) for each in found.values()]
+        kind = plant.same_run(recording), names, len(recording)
+        found.setdefault(kind, []).append((number, entry))
+    return [
+        Group(plant, [entry for _, entry in each], [number for number, _ in each])
+        for each in found.values()
+    ]

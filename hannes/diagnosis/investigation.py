@@ -8,7 +8,7 @@ import numpy as np
 from hannes.campaign import Entry
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.model import Model
+from hannes.diagnosis.model import TICKED, Model
 from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
 from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
@@ -23,8 +23,10 @@ FINAL = 3  # of these, refitted with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
 FAINT = 8.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
-LIMIT = 16.0  # gain of an effect that is named: 30 empty hands of development gave 8 at most
+LIMIT = 16.0  # gain of an effect that is named; empty hands of development reach 8
 PRICE = 6.0  # of each further parameter of an effect: the more shapes, the more it fits by chance
+RIVAL = 10.0  # a rival within so much of the best gain is not told from it
+CLOSE = 0.04  # of the best gain: so near a rival may come by what no model has right
 SHARE = 0.02  # of the first effect's gain that a second one needs
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 CLEAN = 1.3  # times the bins: what a whole model leaves at most
@@ -52,7 +54,8 @@ class Found:
 
     given: with everything as given; base: the base refitted; trials: single effects, best first;
     guesses: of the whole catalogue, linear, at the base; pair: two effects, where one leaves
-    more; rest: the best guess of what is left after the last of them
+    more, and other_pairs that were refitted beside it; rest: the best guess of what is left after
+    the last of them
     unit: by how much misfits are divided: the noise is never less than what the best model leaves
     """
 
@@ -63,6 +66,7 @@ class Found:
     pair: Trial | None
     rest: Guess | None
     unit: float
+    other_pairs: tuple[Trial, ...] = ()
 
     @property
     def bins(self) -> int:
@@ -116,7 +120,7 @@ def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) ->
         point = joined(start, guess)
         if point is None:
             continue
-        point = fitted(point, 5)
+        point = _ticking(fitted(point, 5), guess.effect)
         if guess.effect not in best or point.misfit < best[guess.effect].misfit:
             best[guess.effect] = point
     gains = {name: base.misfit - point.misfit for name, point in best.items()}
@@ -131,6 +135,16 @@ def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) ->
         for name, p in best.items()
         if p.misfit < base.misfit
     ]
+
+
+def _ticking(point: Point, name: str) -> Point:
+    """Refitted with firmware's ticks as they are at the size at which an effect was found."""
+    model, places = point.ground.model, point.ground.model.space.of(name)
+    if not model.in_loop(name) or np.abs(point.x[places]).max() <= TICKED[0]:
+        return point
+    ground = replace(point.ground, model=model.ticking(point.x, [name]))
+    there = replace(point, ground=ground).moved(point.x, places)
+    return point if there is None else fitted(there, 5)
 
 
 def priced(base: Point, point: Point, unit: float) -> float:
@@ -155,24 +169,40 @@ def _second(found: Found, told: Told) -> Found:
     guesses = _others(best.point, best.effects)
     if not guesses or guesses[0].gain < needed * found.unit:
         return replace(found, rest=guesses[0] if guesses else None)
-    pairs = []
-    for guess in guesses[:2]:
-        told(f"{best.effects[0]} and {guess.effect}".replace("_", " "))
-        point = joined(best.point, guess)
-        if point is not None:
-            point = fitted(point, 4, anew=1)
-            gain = priced(found.base, point, found.unit)
-            pairs.append(Trial((*best.effects, guess.effect), point, gain))
-    pairs.sort(key=lambda each: -each.gain)
+    pairs = _paired(found, [(best, guess) for guess in guesses[:2]], told)
     if not pairs or pairs[0].gain - best.gain < needed:
-        return replace(found, rest=guesses[0])
+        return replace(found, rest=next(iter(guesses[2:]), None))  # the refits refute the others
     later = _without_first(found, pairs[0], told)
     if later is not None and pairs[0].gain - later.gain < needed:
         others = [each for each in found.trials if each.effects != later.effects]
         return _second(replace(found, trials=[later, *others]), told)
+    second = next(each for each in guesses if each.effect == pairs[0].effects[-1])
+    rivals = [each for each in near(best, found.trials) if second.effect not in each.effects]
+    pairs += _paired(found, [(each, second) for each in rivals[:2]], told)
+    pairs.sort(key=lambda each: -each.gain)
     told("what is left after both")
     after = _others(pairs[0].point, pairs[0].effects)
-    return replace(found, pair=pairs[0], rest=after[0] if after else None)
+    rest = after[0] if after else None
+    return replace(found, pair=pairs[0], other_pairs=tuple(pairs[1:]), rest=rest)
+
+
+def _paired(found: Found, starts: Sequence[tuple[Trial, Guess]], told: Told) -> list[Trial]:
+    """A second effect beside one, refitted together, from each start; best first."""
+    pairs = []
+    for one, guess in starts:
+        told(f"{one.effects[0]} and {guess.effect}".replace("_", " "))
+        point = joined(one.point, guess)
+        if point is not None:
+            point = fitted(_ticking(fitted(point, 4), guess.effect), 4, anew=1)
+            gain = priced(found.base, point, found.unit)
+            pairs.append(Trial((*one.effects, guess.effect), point, gain))
+    return sorted(pairs, key=lambda each: -each.gain)
+
+
+def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
+    """Of some trials those that these recordings do not tell from the best one."""
+    within = max(RIVAL, CLOSE * best.gain)
+    return [t for t in trials if t.effects != best.effects and best.gain - t.gain < within]
 
 
 def _without_first(found: Found, pair: Trial, told: Told) -> Trial | None:

@@ -6,16 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hannes.diagnosis.groups import Channels, Group, roughness
+from hannes.diagnosis.groups import Channels, Group
 from hannes.diagnosis.space import Space
 from hannes.effect import Effect
 from hannes.errors import ComputationFailed
 from hannes.plant import Plant
+from hannes.roughness import roughness
 
 NOWHERE = "the base cannot be simulated under a recording's reference; try a base nearer to it"
 SHIFT = 0.4e-3  # s, over which the effect of starting later is differenced
 AROUND = 0.1  # standard deviations over which the grain is averaged
-TICKED = 0.5  # steps of an effect, to see what firmware's ticks do to it
+TICKED = (0.5, 3.0)  # steps of an effect, at which to see what firmware's ticks do to it,
+AROUND_IT = (0.5, 1.0, 1.5)  # and times the size at which it lies
 LEAST = 2  # simulations that it takes
 NOTHING: Mapping[str, np.ndarray] = {}
 
@@ -34,6 +36,25 @@ class Grain:
     rough: dict[str, float]
 
 
+@dataclass(frozen=True)
+class Marks:
+    """What firmware's ticks do to a group's run, at sizes of one effect.
+
+    sizes: of its amplitude, shape (k,), in its steps; rows: shape (k, n)
+    """
+
+    sizes: np.ndarray
+    rows: np.ndarray
+
+    def at(self, sizes: np.ndarray) -> np.ndarray:
+        """In between, and beyond the last as there, shape (m, n) for sizes of shape (m,)."""
+        at = np.interp(sizes, self.sizes, np.arange(self.sizes.size))
+        low = np.floor(at).astype(int)
+        high = np.minimum(low + 1, self.sizes.size - 1)
+        share = (at - low)[:, np.newaxis]
+        return (1.0 - share) * self.rows[low] + share * self.rows[high]
+
+
 class Model:
     """A plant, all runs it shall explain, and the effects on trial.
 
@@ -47,25 +68,24 @@ class Model:
     ) -> None:
         self.groups, self.space = list(groups), space
         self.small, self.whole = plant, plant.with_effects(*effects)
-        self._ticks: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self._ticks: dict[int, dict[int, Marks]] = {}  # group, place
 
     def ticking(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
         """The same, quick simulations mended by what firmware's ticks do to effects near x.
 
         A lag of half a tick does in a loop that is closed once a tick what it does not in a
-        continuous one. Only effects on what firmware reads or puts out are mended: on others ticks
-        do less than these differences can tell. Where an effect has a shape its mark turns with
-        it, and nothing is known.
+        continuous one; one of many ticks does the same in both. So what ticks do is had at a few
+        small sizes, and about the size at x. Only effects on what firmware reads or puts out are
+        mended: on others ticks do less than these differences can tell. Where an effect has a shape
+        its mark turns with it, and nothing is known.
         """
         made = copy(self)
-        made._ticks = {}
-        places = self.space.of(*(name for name in effects if self._in_loop(name)))
-        unrounded = getattr(self.small, "unrounded", None)
-        if unrounded is not None and places.size:
-            rows = np.repeat(x[np.newaxis], 1 + places.size, axis=0)
-            rows[1 + np.arange(places.size), places] += TICKED
-            for group in self.groups:
-                made._ticks[id(group)] = places, self._by_ticks(group, rows, unrounded(len(rows)))
+        made._ticks = {key: dict(each) for key, each in self._ticks.items()}
+        places = self.space.of(*(name for name in effects if self.in_loop(name)))
+        if hasattr(self.small, "unrounded"):
+            for group in self.groups if places.size else ():
+                known = made._ticks.setdefault(id(group), {})
+                known |= {int(place): self._by_ticks(group, x, place) for place in places}
         return made
 
     def of(self, groups: Sequence[Group], numbers: Sequence[int]) -> "Model":
@@ -78,18 +98,27 @@ class Model:
         }
         return made
 
-    def _in_loop(self, name: str) -> bool:
+    def in_loop(self, name: str) -> bool:
+        """Tell whether an effect acts on what firmware reads or puts out, and has no shape."""
         effect, firmware = self.space.effects[name], getattr(self.small, "firmware", ())
         written = {channel for term in effect.terms for channel in term.writes}
         return bool(written & set(firmware)) and len(effect.amplitudes) == len(effect.parameters)
 
-    def _by_ticks(
-        self, group: Group, rows: np.ndarray, unrounded: Mapping[str, np.ndarray]
-    ) -> np.ndarray:
-        """Change by ticks of a group's bin means, per step of each row beyond the first."""
-        ticked = self._vectors(group, self.simulated(group, rows, True, True, unrounded))
+    def _by_ticks(self, group: Group, x: np.ndarray, place: int) -> Marks:
+        """Change by ticks of a group's bin means at many sizes of an effect, none of them first."""
+        low, high = self.space.low[place], self.space.high[place]
+        there = (float(x[place]) * share for share in AROUND_IT)
+        both = np.array([0.0, *TICKED, *(-size for size in TICKED), *there])
+        sizes = np.unique(both[(low <= both) & (both <= high)])
+        rows = np.repeat(x[np.newaxis], sizes.size, axis=0)
+        rows[:, place] = sizes
+        further = self.small.unrounded(sizes.size)  # type: ignore[attr-defined]
+        ticked = self._vectors(group, self.simulated(group, rows, True, True, further))
         apart = ticked - self._vectors(group, self.simulated(group, rows, True))
-        return np.nan_to_num((apart[1:] - apart[0]) / TICKED)
+        known = np.isfinite(apart).all(axis=1)
+        if not known[sizes == 0.0].all():
+            return Marks(np.zeros(1), np.zeros((1, group.part.size)))
+        return Marks(sizes[known], (apart - apart[sizes == 0.0])[known])
 
     def simulated(
         self,
@@ -119,8 +148,8 @@ class Model:
         """Bin means for rows of x, shape (m, n); nan where a run breaks down."""
         found = self._vectors(group, self.simulated(group, rows, effects, exact))
         if effects and not exact and id(group) in self._ticks:
-            places, marks = self._ticks[id(group)]
-            found += rows[:, places] @ marks
+            for place, marks in self._ticks[id(group)].items():
+                found += marks.at(rows[:, place])
         return found
 
     def _vectors(self, group: Group, runs: Sequence[Channels | None]) -> np.ndarray:

@@ -21,13 +21,13 @@ WORTH = 2.0  # standard deviations: a run that tells less is not proposed
 Proposals = Callable[[Mapping[str, Recording]], Mapping[str, Recording]]
 
 
-def next_run(plant: Plant, found: Found, entries: Iterable[Entry], named: int) -> dict | None:
+def next_run(plant: Plant, found: Found, entries: Iterable[Entry]) -> dict | None:
     """The run to record next, what it tells apart, and why; None where none is worth it.
 
-    `named`: how many effects the verdict names. A plant may lack `proposals`.
+    A plant may lack `proposals`.
     """
     proposals: Proposals | None = getattr(plant, "proposals", None)
-    if proposals is None or named == 1 or len(found.trials) < 2:
+    if proposals is None or len(found.trials) < 2:
         return None
     pair = found.trials[:2]
     told = {
@@ -51,7 +51,8 @@ def separation(base: Point, group: Group, one: Trial, other: Trial) -> float:
     there = base.ground.model
     model = Model(there.small, [group], there.space, ())
     model.whole = there.whole
-    model = model.ticking(base.x, [*one.effects, *other.effects])
+    for trial in (one, other):
+        model = model.ticking(trial.point.x, trial.effects)
     known = there.space.uncertain
     vectors, slopes = differenced(model, base.x, known, False)
     ends = model.vectors(group, np.array([one.point.x, other.point.x]), True)

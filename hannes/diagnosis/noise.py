@@ -11,7 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from hannes.calibration.whitening import Whitening
-from hannes.diagnosis.groups import Group, roughness
+from hannes.diagnosis.groups import Group
+from hannes.roughness import roughness
 
 REACH = 0.6  # s, over which noise hangs together
 LEAST = 0.1  # of the mean eigenvalue: a covariance from few runs has none that is surely less

@@ -160,7 +160,8 @@ def differenced(
         made = model.vectors(group, rows, effects)
         found = np.zeros((along.size, group.part.size))
         sizes = steps[np.arange(len(steps)), along[acting]]
-        found[acting] = np.nan_to_num((made[1:] - made[0]) / sizes[:, np.newaxis])
+        changes = (made[1:] - made[0]) / sizes[:, np.newaxis]
+        found[acting] = np.nan_to_num(changes, posinf=0.0, neginf=0.0)
         vectors.append(made[0])
         slopes.append(found)
     return vectors, slopes

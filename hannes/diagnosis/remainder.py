@@ -20,8 +20,8 @@ CHANCE = 0.01  # that nothing is missing, below which something is
 class Slow:
     """What is left of a channel in one run and hangs together.
 
-    where: channel and run, in words; excess: squared standard deviations beyond what noise leaves;
-    chance: that noise alone leaves so much anywhere
+    where: channel and run, in words; excess: squared standard deviations beyond what noise leaves,
+    in all channels where that is unlikely; chance: that noise alone leaves so much anywhere
     """
 
     where: str
@@ -31,32 +31,38 @@ class Slow:
 
 def hangs_together(point: Point) -> Slow | None:
     """The least likely of all that is left; None where chance explains it."""
-    from scipy.stats import f
-
-    squares = {name: each for name, each in _squares(point).items() if each.size > 2 * SLOWEST[-1]}
+    squares = [(name, each) for name, each in _squares(point) if each.size > 2 * SLOWEST[-1]]
     if not squares:
         return None
-    quick = {name: float(np.mean(each[SLOWEST[-1] :])) for name, each in squares.items()}
-    usual, found = float(np.median(list(quick.values()))), []
-    for name, each in squares.items():
-        level = max(quick[name], usual)
-        for count in SLOWEST:
-            ratio = float(np.mean(each[:count])) / level
-            chance = float(f.sf(ratio, count, each.size - SLOWEST[-1]))
-            found.append(Slow(name, (ratio - 1.0) * count * level, chance))
+    usual = float(np.median([np.mean(each[SLOWEST[-1] :]) for _, each in squares]))
+    found = [_least(name, each, usual) for name, each in squares]
+    excess = sum(each.excess for each in found if each.chance < CHANCE)
     least = min(found, key=lambda each: each.chance)
-    least = replace(least, chance=min(1.0, least.chance * len(found)))
-    return least if least.chance < CHANCE else None
+    chance = min(1.0, least.chance * len(found) * len(SLOWEST))
+    return replace(least, excess=excess, chance=chance) if chance < CHANCE else None
 
 
-def _squares(point: Point) -> dict[str, np.ndarray]:
-    """Channel and run -> squared components of what is left there, slowest first."""
+def _least(name: str, squares: np.ndarray, usual: float) -> Slow:
+    """What is less likely of the sums of the slowest components of a channel."""
+    from scipy.stats import f
+
+    level, found = max(float(np.mean(squares[SLOWEST[-1] :])), usual), []
+    for count in SLOWEST:
+        ratio = float(np.mean(squares[:count])) / level
+        chance = float(f.sf(ratio, count, squares.size - SLOWEST[-1]))
+        found.append(Slow(name, (ratio - 1.0) * count * level, chance))
+    return min(found, key=lambda each: each.chance)
+
+
+def _squares(point: Point) -> list[tuple[str, np.ndarray]]:
+    """Channel and run, and squared components of what is left there, slowest first."""
     from scipy.fft import dct
 
-    start, found = 0, {}
+    start, found = 0, []
     for group in point.ground.model.groups:
         for name in group.names:
             left = point.miss[start : start + group.bins]
-            found[f"the {name} of {group.entries[0].name}"] = dct(left, norm="ortho") ** 2
+            where = f"the {name} of runs like {group.entries[0].name}"
+            found.append((where, dct(left, norm="ortho") ** 2))
             start += group.bins
     return found

@@ -36,12 +36,13 @@ class Guess:
 
 def screened(point: Point, effects: Sequence[str], sizes: Sequence[float] = SMALL) -> list[Guess]:
     """The best guess for each effect, the largest gain first."""
+    sides = {name: 1.0 if _allowed(point, name, sizes[0]) else -1.0 for name in effects}
     trials = [
-        (name, shape, size)
+        (name, shape, sides[name] * size)
         for name in effects
         for k, shape in enumerate(shapes(point.ground.model.space.effects[name]))
         for size in (sizes if k == 0 else sizes[:1])
-        if _allowed(point, name, size)
+        if _allowed(point, name, sides[name] * size)
     ]
     guesses: dict[str, Guess] = {}
     if not trials:
@@ -90,7 +91,7 @@ def _columns(
     changes = []
     for group in model.groups:
         made = model.vectors(group, stacked, True)
-        changes.append(np.nan_to_num((made[1:] - made[0]) / sizes))
+        changes.append(np.nan_to_num((made[1:] - made[0]) / sizes, posinf=0.0, neginf=0.0))
     whole = point.ground.together(changes)
     return np.split(whole, np.cumsum(spans)[:-1])
 
