@@ -10,8 +10,9 @@ figures quoted are those of the set "quoted". An abstention counts as a case lik
 0 % of the gap closed. Where the poor protocol leaves a class or an unknown, one more run is made:
 the one that the verdict suggests, and beside it one drawn from the rich protocol's.
 
-The whole study takes hours, which --resume spreads over as many calls as it takes; --quick takes
-some minutes. Times are those of a machine that does nothing else: --workers 1.
+The whole study takes hours, which --resume spreads over as many calls as it takes; cases of all
+kinds take turns, so that --show tells of all kinds wherever it was cut. --quick takes some
+minutes. Times are those of a machine that does nothing else: --workers 1.
 """
 
 import argparse
@@ -32,8 +33,16 @@ FOLDER = Path("results/benchmarks")
 FOLLOWED = "single, poor"  # the kind whose open cases get one more run
 
 
+CODE = ("hannes", "benchmarks.truth", "benchmarks.naming_study")  # what a case comes from
+
+
 def measured(name: str, seed: int) -> dict[str, Any]:
-    """One case: drawn, made, diagnosed, scored."""
+    """One case, and the code that it was had with."""
+    return {"code": study.code(*CODE), **_measured(name, seed)}
+
+
+def _measured(name: str, seed: int) -> dict[str, Any]:
+    """Drawn, made, diagnosed, scored."""
     kind = NAMED[name]
     case = drawn(kind.what, kind.protocol, seed)
     said = {
@@ -81,6 +90,8 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true", help="few cases, for a first look")
     parser.add_argument("--resume", action="store_true", help="keep the cases already measured")
+    parser.add_argument("--show", action="store_true",
+                        help="measure nothing: tables of the cases already measured")  # fmt: skip
     parser.add_argument("--set", choices=SETS, default="development", dest="chosen",
                         help="of seeds (development)")  # fmt: skip
     parser.add_argument("--only", choices=NAMED, metavar="KIND",
@@ -101,7 +112,12 @@ def main() -> None:
     asked = _arguments()
     wanted = [c for c in cases(asked.chosen, asked.quick) if asked.only in (None, c[0])]
     file = asked.cases or kept(asked.chosen, asked.quick)
-    done = study.run(file, wanted, measured, asked.resume, asked.workers)
+    if asked.show:
+        done = [row for row in study.read(file) if (row["kind"], row["seed"]) in set(wanted)]
+    else:
+        done = study.run(file, wanted, measured, asked.resume, asked.workers)
+    if len({case.get("code") for case in done}) > 1:
+        print("not all cases are of the same code; --resume kept them", file=sys.stderr)
     rows, bounds = summary.figures(done)
     confusion = summary.confusion(done)
     stream = sys.stderr if asked.json == "-" else sys.stdout

@@ -53,12 +53,13 @@ _ORIGINS = list(dict.fromkeys((k.what, k.protocol.partition(",")[0]) for k in KI
 
 
 def cases(chosen: str, quick: bool) -> list[Case]:
-    """Name of kind and seed of every case of a set."""
-    return [
-        (kind.name, first_seed(kind, chosen) + k)
+    """Name of kind and seed of every case of a set; kinds take turns."""
+    found = [
+        ((k + 0.5) / kind.counts[quick], (kind.name, first_seed(kind, chosen) + k))
         for kind in KINDS
         for k in range(kind.counts[quick])
     ]
+    return [case for _, case in sorted(found, key=lambda each: each[0])]
 
 
 def first_seed(kind: Kind, chosen: str) -> int:
