@@ -7,11 +7,12 @@ takes up, and its rate:
 
     dx_f/dt = F_f x_f + a_f T_f + C_f core,    (T, dcore/dt) = Z (core, l, dl/dt)
 
-The blocks come in closed form (finger_slopes.py, core_slopes.py), or, where effects are in their
-stages, from differences of these one at a time with what they receive held
-(finger_differences.py, core_differences.py). structure.py tells which of the two, which states an
-effect adds to a finger or to the core, what it reads, and when this shape does not hold. Arrays
-over fingers have the finger last, so that the five are worked on at once.
+The core's blocks are derived from its stages' text (core_slopes.py), the fingers' come in closed
+form (finger_slopes.py), or, where effects are in their stages that have none, from differences of
+one state at a time with what they receive held (finger_differences.py). structure.py tells which
+of the two, which states an effect adds to a finger or to the core, what it reads, and when this
+shape does not hold. Arrays over fingers have the finger last, so that the five are worked on at
+once.
 """
 
 from typing import Any
@@ -33,7 +34,7 @@ solve_fingers: Any = None
 factor_rest: Any = None
 solve_rest: Any = None
 finger_columns: Any = None  # of finger_slopes.py or finger_differences.py
-core_columns: Any = None  # of core_slopes.py or core_differences.py
+core_columns: Any = None  # written out by core_slopes.py
 
 
 def slope(t, y, dy, data):
@@ -49,7 +50,15 @@ def linearise(t, y, rates, drift, data):
     copy_to(moved, y)
     copy_to(tensions, c.tendon_tension)
     finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks)
-    core_columns(t, y, moved, rates, dy, drift, p, c, reference, hold, out, core, tensions)
+    core_columns(t, y, rates, dy, drift, p, c, reference, hold, out, core)
+
+
+def difference_time(t, y, rates, dy, drift, p, c, reference, hold, out):
+    """Fill df/dt where more than the core's rates changes with time."""
+    later = t + 1e-7 * max(1.0, abs(t))
+    equations(later, y, dy, p, c, reference, hold, out)
+    for i in range(y.size):
+        drift[i] = (dy[i] - rates[i]) / (later - t)
 
 
 def decompose(shift, data):

@@ -46,7 +46,7 @@ class Equations:
     """A plant's written equations: the module that holds them and what its slots mean.
 
     `entries` is the text of further entry points of its own, like entries.py.
-    `shape(states, channels, stage_of, effects)` finds the Shape of a plant that has one.
+    `shape(layouts, source, names, stage_of)` finds the Shape of a plant that has one.
     """
 
     module: ModuleType
@@ -153,7 +153,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
             raise BadInput(f"effect {effect.name} does not fit: {why}")
     layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, effects)
     text, sizes = layouts.fill(plant.source()), layouts.sizes()
-    solution, kind = _solution(plant, layouts, effects)
+    solution, kind = _solution(plant, layouts, text)
     names = _names(plant, solution.modules, effects)
     origin = generated.fingerprint(names)
     seen = generated.module("observed", text + _functions(observed), names, origin, sizes)
@@ -171,7 +171,7 @@ def jacobian_kind(plant: Equations, effects: Iterable[Effect] = ()) -> str:
     """How the Jacobian of `plant` with `effects` is had: "structured", or what else and why."""
     chosen = tuple(effects)
     layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, chosen)
-    return _solution(plant, layouts, chosen)[1]
+    return _solution(plant, layouts, layouts.fill(plant.source()))[1]
 
 
 def _names(
@@ -183,12 +183,13 @@ def _names(
     return {**vars(plant.module), **known, **method.NAMES, **kernels}
 
 
-def _solution(plant: Equations, layouts: Layouts, effects: tuple[Effect, ...]) -> tuple[Shape, str]:
-    """How to difference and solve, and what to call it."""
+def _solution(plant: Equations, layouts: Layouts, text: str) -> tuple[Shape, str]:
+    """How to difference and solve, and what to call it; `text` has the calls of effects."""
     dense = Shape((full,), {}, "", "")
     if plant.shape is None:
         return dense, "dense differences"
-    shape = plant.shape(layouts.y, layouts.c, plant.stage_of, effects)
+    names = _names(plant, (), layouts.effects)
+    shape = plant.shape(layouts, without_outputs(text), names, plant.stage_of)
     if shape.broken:
         return dense, f"dense differences, because {shape.broken}"
     return shape, "structured"

@@ -21,6 +21,26 @@ def filled(pattern: Sequence[Sequence[bool]]) -> Pattern:
     return full
 
 
+def least_filling(pattern: Sequence[Sequence[bool]]) -> list[int]:
+    """An order of elimination: next that which meets the fewest rows and columns (Markowitz)."""
+    full, order = [list(row) for row in pattern], list[int]()
+    left = list(range(len(full)))
+    while left:
+        rows = {k: [i for i in left if i != k and full[i][k]] for k in left}
+        columns = {k: [j for j in left if j != k and full[k][j]] for k in left}
+        best = min(left, key=lambda k: len(rows[k]) * len(columns[k]))
+        for i in rows[best]:
+            for j in columns[best]:
+                full[i][j] = True
+        order.append(best)
+        left.remove(best)
+    return order
+
+
+def _ordered(pattern: Sequence[Sequence[bool]], order: Sequence[int]) -> Pattern:
+    return filled([[i == j or pattern[i][j] for j in order] for i in order])
+
+
 def text(
     pattern: Sequence[Sequence[bool]],
     takes: Sequence[Sequence[bool]],
@@ -38,12 +58,10 @@ def text(
 def fingers(pattern: Sequence[Sequence[bool]]) -> str:
     """Functions `factor_fingers` and `solve_fingers` for arrow.py.
 
-    `pattern`: where the rates of a finger's own states depend on these. The states on which the
-    fewest rates depend go first, so that little is filled.
+    `pattern`: where the rates of a finger's own states depend on these.
     """
-    size = len(pattern)
-    order = sorted(range(size), key=lambda j: sum(row[j] for row in pattern))
-    full = filled([[i == j or pattern[i][j] for j in order] for i in order])
+    order = least_filling(pattern)
+    full = _ordered(pattern, order)
     return "\n\n".join([_factor_fingers(pattern, order, full), _solve_fingers(order, full)])
 
 
@@ -89,14 +107,14 @@ def _solve_fingers(order, full):
 
 
 def _factor(pattern, takes, seen):
-    full = filled(pattern)
-    size, count = len(full), len(full) - TENSIONS
+    order = least_filling(pattern)
+    full, count = _ordered(pattern, order), len(pattern) - TENSIONS
     lines = ["def factor_rest(shift, core, takes, lu):"]
     lines += ['    """LU of tensions and core; short steps make row exchanges needless."""']
-    for i in range(size):
+    for i, row in enumerate(order):
         lines += [
-            f"    m_{i}_{j} = {_entry(i, j, pattern, takes, seen, count)}"
-            for j in range(size)
+            f"    m_{i}_{j} = {_entry(row, column, pattern, takes, seen, count)}"
+            for j, column in enumerate(order)
             if full[i][j]
         ]
     lines += _triangles(full)
@@ -147,28 +165,30 @@ def _places(full):
 
 
 def _solve(pattern, takes, core):
-    full = filled(pattern)
-    size, count, places = len(full), len(core), _places(full)
+    order = least_filling(pattern)
+    full, count = _ordered(pattern, order), len(core)
+    places = _places(full)
     lines = ["def solve_rest(b, taken, rate, core, lu, pulls):"]
     lines += ['    """Solve for the core in b, and for the tensions in pulls."""']
-    for i in range(size):
-        terms = ["0.0" if i < TENSIONS else f"b[{core[i - TENSIONS]}]"]
+    targets = [f"pulls[{i}]" if i < TENSIONS else f"b[{core[i - TENSIONS]}]" for i in order]
+    for i, row in enumerate(order):
+        terms = ["0.0" if row < TENSIONS else targets[i]]
         for f in range(TENSIONS):
-            if takes[i][f]:
-                terms.append(f"core[{count + f}, {i}] * taken[{f}]")
-                terms.append(f"core[{count + TENSIONS + f}, {i}] * rate[{f}]")
+            if takes[row][f]:
+                terms.append(f"core[{count + f}, {row}] * taken[{f}]")
+                terms.append(f"core[{count + TENSIONS + f}, {row}] * rate[{f}]")
         lines.append(f"    z_{i} = {' + '.join(terms)}")
         lines += [f"    z_{i} -= lu[{places[i, k]}] * z_{k}" for k in range(i) if full[i][k]]
-    for i in reversed(range(size)):
+    for i in reversed(range(len(order))):
         lines += [
-            f"    z_{i} -= lu[{places[i, k]}] * z_{k}" for k in range(i + 1, size) if full[i][k]
+            f"    z_{i} -= lu[{places[i, k]}] * z_{k}"
+            for k in range(i + 1, len(order))
+            if full[i][k]
         ]
-        lines.append(f"    z_{i} *= lu[{places[i, i]}]")
-        target = f"pulls[{i}]" if i < TENSIONS else f"b[{core[i - TENSIONS]}]"
-        lines.append(f"    {target} = z_{i}")
+        lines += [f"    z_{i} *= lu[{places[i, i]}]", f"    {targets[i]} = z_{i}"]
     return "\n".join(lines) + "\n"
 
 
 def entries(pattern: Sequence[Sequence[bool]]) -> int:
     """Number of entries of the factors."""
-    return sum(map(sum, filled(pattern)))
+    return sum(map(sum, _ordered(pattern, least_filling(pattern))))

@@ -20,7 +20,7 @@ from hannes.files import write_text
 OPEN = "rates|jacobian|differences|tick|steps_on|look_up|grasps|observe"
 CLOSED = (
     "equations|linearise|decompose|resolve|"
-    "motor_stages|wire_stages|joints|contact|press|inertia|factor_rest|"
+    "joints|contact|press|inertia|factor_rest|"
     "workspace|first_step|sample_pieces|fill_outputs"
 )
 # Functions with one caller: a level of calls less is optimised once less.
