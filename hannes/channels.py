@@ -160,6 +160,7 @@ CHANNELS = (
         pip_by_mcp       | N m s/rad | of torque_pip by the speed of MCP
         mcp_by_pip       | N m s/rad | of torque_mcp by the speed of PIP
         pip_by_pip       | N m s/rad | of torque_pip by the speed of PIP
+        pressing         | N s/m | of normal_force by penetration_rate, as far as effects make it
         held_mcp         | N m | torque_mcp before a difference
         held_pip         | N m | torque_pip before a difference
         """,

@@ -118,6 +118,10 @@ class Derivation:
         names = [each.arg for each in tree.args.args]
         return self._block(tree.body, dict(zip(names, arguments, strict=True)), self.names)[0]
 
+    def kernel(self, name: str, arguments: Sequence[Value]) -> Any:
+        """Follow a kernel that the text goes by; return its value or values."""
+        return self._call(ast.Name(name), list(arguments), self.names)
+
     def named(self, text: str) -> str:
         """The text, or a name for it where it is more than a name or a number."""
         if _ATOM.fullmatch(text):
@@ -323,7 +327,7 @@ class Derivation:
         x, y = self.named(a.text), self.named(b.text)
         slopes = self._rules(sign, a, b, x, y)
         text = slopes.pop("", None) or f"{_closed(x)} {sign} {_closed(y)}"
-        return Value(f"({text})", slopes)
+        return Value(text if _ATOM.fullmatch(text) else f"({text})", slopes)
 
     def _rules(self, sign: str, a: Value, b: Value, x: str, y: str) -> dict[Column, str]:
         """Derivatives of `x sign y`; under "" its text where they need it."""
@@ -373,11 +377,11 @@ class Derivation:
             return self._plainly(ast.unparse(called), function, given)
         before = list(self.lines), dict(self.cells)
         try:
-            return self._kernel(function, given)
+            return self._inlined(function, given)
         except Underivable:
             if not outermost:
                 raise
-            self.lines, self.cells = before
+            self.lines[:], self.cells = before
             return self._differenced(ast.unparse(called), function, given)
 
     def _library(self, name: str, given: list[Any]) -> Value:
@@ -425,7 +429,7 @@ class Derivation:
         )
         return Value(f"math.copysign({x}, {y})", slopes)
 
-    def _kernel(self, function: Callable[..., Any], given: list[Any]) -> Any:
+    def _inlined(self, function: Callable[..., Any], given: list[Any]) -> Any:
         """Follow a kernel; where many inputs come through few arguments, by these."""
         names = list(inspect.signature(function).parameters)
         if len(names) != len(given):

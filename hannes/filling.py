@@ -70,7 +70,7 @@ class Layouts:
         target = term.writes[0]
         axis = self.c.slot(target).axis
         index = "[k]" if axis else ""
-        arguments = ", ".join(self._argument(name, effect, axis) for name in term.arguments)
+        arguments = ", ".join(self.argument(name, effect, axis) for name in term.arguments)
         call = f"{effect.kernel_name(term)}({arguments})"
         places = [f"c{self.c.text(name)}{index}" if axis else name for name in term.writes]
         rates = [f"dy{self.y.text(f'{effect.name}.{name}')}{index}" for name in term.states]
@@ -84,7 +84,8 @@ class Layouts:
             return body
         return [f"for k in range({self.c.slot(target).size}):", *("    " + row for row in body)]
 
-    def _argument(self, name: str, effect: Effect, axis: str) -> str:
+    def argument(self, name: str, effect: Effect, axis: str) -> str:
+        """Text of what one of the kernels of `effect` is given in a loop over `axis`."""
         if f"{effect.name}.{name}" in self.p:
             return "p" + self.p.text(f"{effect.name}.{name}")
         for letter, layout, key in (

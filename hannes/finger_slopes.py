@@ -1,8 +1,12 @@
-"""Derivatives of the fingers' rates, mostly in closed form, where effects leave them as they are.
+"""Derivatives of the fingers' rates, mostly in closed form.
 
-Text of the same kind as arrow.py, for sets of effects that add nothing to joints and contacts;
-for all others there is finger_differences.py. Only where contacts lie is differenced.
+Text of the same kind as arrow.py, for sets of effects of which finger_effects.py can derive what
+they add; for all others there is finger_differences.py. Only where contacts lie is differenced.
 """
+
+from typing import Any
+
+import numpy as np
 
 from hannes.dynamics.friction import stribeck_slope
 from hannes.equations import contact
@@ -10,18 +14,26 @@ from hannes.lanes import lane_sign
 from hannes.onset import one_sided_slopes, smoothstep
 
 TURN = 1e-7  # rad, of a difference
+# Filled in by structure.py; here those of the hand without effects.
+OWN = np.array([[11 + k + 2 * f for f in range(5)] for k in (0, 1, 10, 11)])
+SIZE = 4
+TOUCHED = np.array([0])[:0]  # which of OWN have rates that depend on where contacts lie
+joint_effects: Any = None  # these two written out by finger_effects.py
+contact_effects: Any = None
 
 
 def finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks):
     """Fill `blocks`: see workspace in arrow.py."""
     joint_slopes(p, c)
+    joint_effects(t, y, p, c, blocks)
     touching = 0.0
     if p.object_present > 0.5:
+        contact_effects(t, y, p, c, blocks)
         for phalanx in range(10):
-            touching = max(touching, c.normal_force[phalanx])
+            touching = max(touching, c.normal_force[phalanx], c.penetration[phalanx])
     if touching > 0.0:
         press_slopes(p, c)
-        contact_slopes(t, y, dy, p, c, out)
+        contact_slopes(t, y, rates, dy, p, c, out, blocks)
     for f in range(5):
         weight_slopes(p, c, f)
         solve_columns(y, rates, p, c, f, blocks)
@@ -55,6 +67,7 @@ def press_slopes(p, c):
         slip_mcp, slip_pip = c.slip_arm_mcp[k], c.slip_arm_pip[k]
         pushes = 1.0 if normal > 0.0 else 0.0
         by_rate = pushes * p.object_damping * smoothstep(c.penetration[k] / p.object_onset)
+        by_rate += c.pressing[k]
         grip = lane_sign(c.slip_speed[k] / p.object_slip_speed)
         drag = p.object_friction * grip
         by_slip = p.object_friction * normal * (1.0 - grip * grip) / p.object_slip_speed
@@ -71,17 +84,27 @@ def press_slopes(p, c):
         c.pip_speed_slope[mcp + 1] = c.pip_by_pip[mcp] + c.pip_by_pip[mcp + 1]
 
 
-def contact_slopes(t, y, dy, p, c, out):
+def contact_slopes(t, y, rates, dy, p, c, out, blocks):
     """Torque of the contacts by the angles of MCP and PIP, of what `press_slopes` held."""
     turn(p, c, TURN, TURN)
     contact(t, y, dy, p, c, out)
     for mcp in range(0, 10, 2):
         c.mcp_angle_slope[mcp], c.mcp_angle_slope[mcp + 1] = torque_change(c, mcp)
+    keep_touched(0, rates, dy, blocks)
     turn(p, c, -TURN, 0.0)
     contact(t, y, dy, p, c, out)
     for mcp in range(0, 10, 2):
         c.pip_angle_slope[mcp], c.pip_angle_slope[mcp + 1] = torque_change(c, mcp)
+    keep_touched(1, rates, dy, blocks)
     turn(p, c, 0.0, -TURN)
+
+
+def keep_touched(j, rates, dy, blocks):
+    """Rates of effects' states in the contacts by the angle j."""
+    for n in range(TOUCHED.size):
+        for f in range(5):
+            place = OWN[TOUCHED[n], f]
+            blocks[TOUCHED[n], j, f] = (dy[place] - rates[place]) / TURN
 
 
 def turn(p, c, first, second):
@@ -139,7 +162,9 @@ def solve_columns(y, dy, p, c, f, blocks):
     solve_column(blocks, 2, f, rods, first, c.mcp_speed_slope[pip] - 2.0 * across * w_1)
     first = c.pip_speed_slope[mcp] + 2.0 * across * (w_1 + w_2)
     solve_column(blocks, 3, f, rods, first, c.pip_speed_slope[pip] + c.own_speed_slope[pip])
-    solve_column(blocks, 4, f, rods, p.joint_moment_arm[mcp], p.joint_moment_arm[pip])
+    solve_column(blocks, SIZE, f, rods, p.joint_moment_arm[mcp], p.joint_moment_arm[pip])
+    for j in range(4, SIZE):
+        solve_column(blocks, j, f, rods, blocks[2, j, f], blocks[3, j, f])
     blocks[0, 2, f], blocks[1, 3, f] = 1.0, 1.0
 
 

@@ -7,7 +7,14 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from hannes import arrow, core_slopes, elimination, finger_differences, finger_slopes
+from hannes import (
+    arrow,
+    core_slopes,
+    elimination,
+    finger_differences,
+    finger_effects,
+    finger_slopes,
+)
 from hannes.assemble import Shape
 from hannes.derive import Underivable
 from hannes.effect import Effect, Term
@@ -41,6 +48,7 @@ class Arrow:
     held: bool = True
     plain_fingers: bool = True  # finger_slopes.py holds
     broken: str = ""
+    felt: list[finger_effects.Felt] = field(default_factory=list)
     kinds: list[tuple[str, int]] = field(default_factory=list)  # own states: name, which of two
     apart: set[str] = field(default_factory=set)  # of joints or phalanges, each for itself
     trailing: set[str] = field(default_factory=set)  # that nothing reads but what sensors tell
@@ -57,6 +65,7 @@ class Arrow:
             "KINKS": "30",
             "ROWS": str(5 + len(self.core)),
             "ENTRIES": str(elimination.entries(pattern)),
+            "TOUCHED": f"np.array({finger_effects.touched(self.felt)}, np.int64)",
         }
 
     def pattern(self, core: core_slopes.Core) -> elimination.Pattern:
@@ -71,6 +80,8 @@ class Arrow:
 
     def own_pattern(self) -> elimination.Pattern:
         """Where the rates of a finger's own states may depend on these."""
+        if self.plain_fingers:
+            return finger_effects.pattern(self.felt, len(self.kinds))
         return [
             [self._depends(i, j) for j in range(len(self.kinds))] for i in range(len(self.kinds))
         ]
@@ -93,7 +104,7 @@ def shape(
     found = _placed(states, _homes(effects, stages))
     for effect in effects:
         for term in effect.terms:
-            _join(found, effect, term, states, layouts.c, stages[term.writes[0]])
+            _join(found, effect, term, layouts, stages[term.writes[0]])
     found.trailing = set(_trailing(effects))
     if found.broken:
         return Shape((arrow,), {}, "", found.broken)
@@ -105,6 +116,8 @@ def shape(
     pattern = found.pattern(core)
     written = elimination.text(pattern, core.takes, found.core, found.seen)
     written += "\n\n" + elimination.fingers(found.own_pattern()) + "\n\n" + core.text
+    if found.plain_fingers:
+        written += "\n\n" + finger_effects.text(found.felt, len(found.kinds), layouts, names)
     fingers = finger_slopes if found.plain_fingers else finger_differences
     return Shape((fingers, arrow), found.constants(pattern), written, "")
 
@@ -145,9 +158,10 @@ def _trailing(effects: tuple[Effect, ...]) -> Iterator[str]:
 
 
 def _join(
-    found: Arrow, effect: Effect, term: Term, states: Layout, channels: Layout, stage: str
+    found: Arrow, effect: Effect, term: Term, layouts: Layouts, stage: str
 ) -> None:
     """Note what one kernel of an effect adds to the structure."""
+    states, channels = layouts.y, layouts.c
     part, axis = PARTS[stage], channels.slot(term.writes[0]).axis
     own = {each.name for each in effect.parameters}
     arguments = [name for name in term.arguments if name not in own]
@@ -165,7 +179,9 @@ def _join(
     if part == "fingers":
         names = {slot.name for slot in arrays}
         own_states = {f"{effect.name}.{name}" for name in term.states}
-        found.plain_fingers = False
+        found.plain_fingers &= finger_effects.fits(effect, term, layouts)
+        rows = {name: found.kinds.index((f"{effect.name}.{name}", 0)) for name in term.states if not found.broken}
+        found.felt.append(finger_effects.Felt(effect, term, rows))
         found.timed |= "t" in arguments
         found.apart |= own_states if PER_FINGER.get(axis) == 2 and not names & _SHARED else set()
         found.held &= not names & {"tendon_tension", "joint_torque"}
