@@ -195,6 +195,7 @@ def _solution(plant: Equations, layouts: Layouts, text: str) -> tuple[Shape, str
     return shape, "structured"
 
 
+@functools.cache
 def _functions(module: ModuleType) -> str:
     """Text of a module from its first function on."""
     text = inspect.getsource(module)

@@ -9,11 +9,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hannes.derive import Array, Derivation, Value, Written, alive
+from hannes._jit import plain
+from hannes.derive.alive import alive
+from hannes.derive.derivation import Derivation
+from hannes.derive.value import Array, Value, Written
 from hannes.dynamics.friction import stribeck, stribeck_slope
 from hannes.layout import Layout
 from hannes.onset import limited, limited_slope, one_sided, one_sided_slopes
-from hannes._jit import plain
 
 STAGES = """
 def core(t, y, dy, p, c, reference, hold, out):

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from hannes.core_slopes import WRITTEN
-from hannes.derive import Derivation, Value, alive
+from hannes.derive.alive import alive
+from hannes.derive.derivation import Derivation
+from hannes.derive.value import Value
 from hannes.effect import Effect, Term
 from hannes.filling import Layouts
 
@@ -93,7 +95,9 @@ def text(felt: Sequence[Felt], size: int, layouts: Layouts, names: Mapping[str, 
         '    """Normal forces by their rates and states, what is told of them."""',
         "    for k in range(p.rest.size):",
         "        c.pressing[k] = 0.0",
-        *_loop(10, _of_phalanges(_Loop([each for each in felt if each.pressed], layouts, names), felt)),
+        *_loop(
+            10, _of_phalanges(_Loop([each for each in felt if each.pressed], layouts, names), felt)
+        ),
         *_loop(5, _of_sensors(_Loop([each for each in felt if each.told], layouts, names), felt)),
     )
     return layouts.fill("\n".join(parts))
@@ -136,7 +140,9 @@ def _of_joints(loop: _Loop) -> list[str]:
         added, rates = loop.derived(felt)
         for by, slope in added.items():
             target = f"c.own_{by}_slope[k]" if by not in felt.rows else ""
-            loop.lines.append(f"{target or f'blocks[2 + link, {felt.rows[by]} + link, f]'} -= {slope}")
+            loop.lines.append(
+                f"{target or f'blocks[2 + link, {felt.rows[by]} + link, f]'} -= {slope}"
+            )
         for state, slopes in rates.items():
             for by, slope in slopes.items():
                 column = {"angle": 0, "speed": 2}.get(by, felt.rows.get(by))
@@ -214,7 +220,9 @@ def _of_sensors(loop: _Loop, felt: Sequence[Felt]) -> list[str]:
 
 def _pressed(felt: Sequence[Felt]) -> list[int]:
     """Rows of the states that normal forces depend on."""
-    return [row + link for each in felt if each.pressed for row in each.rows.values() for link in (0, 1)]
+    return [
+        row + link for each in felt if each.pressed for row in each.rows.values() for link in (0, 1)
+    ]
 
 
 def touched(felt: Sequence[Felt]) -> list[int]:

@@ -16,7 +16,7 @@ from hannes import (
     finger_slopes,
 )
 from hannes.assemble import Shape
-from hannes.derive import Underivable
+from hannes.derive.value import Underivable
 from hannes.effect import Effect, Term
 from hannes.filling import Layouts
 from hannes.layout import Layout, Slot
@@ -157,9 +157,7 @@ def _trailing(effects: tuple[Effect, ...]) -> Iterator[str]:
                 yield f"{effect.name}.{term.states[0]}"
 
 
-def _join(
-    found: Arrow, effect: Effect, term: Term, layouts: Layouts, stage: str
-) -> None:
+def _join(found: Arrow, effect: Effect, term: Term, layouts: Layouts, stage: str) -> None:
     """Note what one kernel of an effect adds to the structure."""
     states, channels = layouts.y, layouts.c
     part, axis = PARTS[stage], channels.slot(term.writes[0]).axis
@@ -180,7 +178,11 @@ def _join(
         names = {slot.name for slot in arrays}
         own_states = {f"{effect.name}.{name}" for name in term.states}
         found.plain_fingers &= finger_effects.fits(effect, term, layouts)
-        rows = {name: found.kinds.index((f"{effect.name}.{name}", 0)) for name in term.states if not found.broken}
+        rows = {
+            name: found.kinds.index((f"{effect.name}.{name}", 0))
+            for name in term.states
+            if not found.broken
+        }
         found.felt.append(finger_effects.Felt(effect, term, rows))
         found.timed |= "t" in arguments
         found.apart |= own_states if PER_FINGER.get(axis) == 2 and not names & _SHARED else set()

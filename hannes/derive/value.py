@@ -1,0 +1,73 @@
+"""What a derivation handles: numbers with their derivatives, arrays, kernels with written ones."""
+
+import ast
+import functools
+import inspect
+import textwrap
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+Column = Any
+
+
+class Underivable(Exception):
+    """The text has something that has no derivative here."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """A number as text, its derivatives that may differ from zero, and itself where known."""
+
+    text: str
+    slopes: Mapping[Column, str] = field(default_factory=dict)
+    number: float | None = None
+
+
+@dataclass(frozen=True)
+class Array:
+    """A plain array, or a part of it."""
+
+    name: str
+    start: int = 0
+
+
+@dataclass(frozen=True)
+class Written:
+    """A kernel whose derivatives are written by hand: by which arguments."""
+
+    slopes: Callable[..., Any]
+    by: tuple[str, ...]
+
+
+@functools.cache
+def tree(function: Callable[..., Any]) -> ast.FunctionDef:
+    """What a function is written in; raise Underivable where that is not at hand."""
+    try:
+        found = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    except (OSError, TypeError, SyntaxError) as error:
+        raise Underivable("no text") from error
+    if not isinstance(found, ast.FunctionDef):
+        raise Underivable("no function")
+    return found
+
+
+def number(value: float) -> Value:
+    """A number that is known."""
+    known = int(value) if isinstance(value, int) else float(value)
+    return Value(repr(known), {}, known)
+
+
+def is_felt(value: Any) -> bool:
+    """Tell whether something may hang on what is derived by."""
+    if isinstance(value, tuple):
+        return any(map(is_felt, value))
+    return not isinstance(value, Value) or bool(value.slopes)
+
+
+def results(function: Callable[..., Any]) -> int:
+    """How many numbers a function returns; 0 where it returns one, not a tuple."""
+    for each in ast.walk(tree(function)):
+        if isinstance(each, ast.Return):
+            return len(each.value.elts) if isinstance(each.value, ast.Tuple) else 0
+    return 0
