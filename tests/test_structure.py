@@ -85,6 +85,30 @@ def saturating(voltage, t, size):
 
 
 @kernel
+def hunting(motor_speed, size):
+    """A friction that no derivation follows: a loop that ends by what it finds."""
+    x = 0.1 * abs(motor_speed) + 1.0
+    while x > 2.0:
+        x *= 0.5
+    return 1e-4 * size * x
+
+
+@kernel
+def clicking(joint_angle, size):
+    """The same at each joint."""
+    x = abs(joint_angle) + 0.1
+    while x > 0.3:
+        x *= 0.5
+    return 1e-3 * size * x
+
+
+@kernel
+def sticky(penetration, penetration_rate, film, size):
+    """A contact whose film is pressed out, and drawn in."""
+    return size * 0.1 * (penetration_rate + film), penetration_rate - film
+
+
+@kernel
 def coupled(joint_angle, size):
     """Fingers push the object about: no arrow."""
     return size * 1e-4 * joint_angle[0] * joint_angle[4]
@@ -114,6 +138,13 @@ OWN = {
         Term(dragging, ("cart_friction",), ("worn",)),
         Slot("worn", "m", "of the guide", "cart", 2, 1e-6),
     ),
+    "hunting": made("hunting", Term(hunting, ("gear_friction",))),
+    "clicking": made("clicking", Term(clicking, ("joint_friction",))),
+    "sticky": made(
+        "sticky",
+        Term(sticky, ("normal_force",), ("film",)),
+        Slot("film", "m/s", "of the contact", "phalanx", 10, 1e-4),
+    ),
     "followed": made("followed", Term(followed, ("object_x",))),
     "saturating": made("saturating", Term(saturating, ("torque_constant",))),
     "coupled": made("coupled", Term(coupled, ("object_x",))),
@@ -121,9 +152,9 @@ OWN = {
 CASES = {
     "none": (),
     "catalogue": tuple(effects()),
-    "states of a finger and of the core": ("bristle", "heating"),
+    "states of a finger and of the core": ("bristle", "heating", "clicking", "sticky"),
     "fingers that see the core": ("shaking", "loaded"),
-    "wires": ("routed", "stretching", "dragging"),
+    "wires": ("routed", "stretching", "dragging", "hunting"),
     "an object that moves, a constant that does not stay": ("followed", "saturating"),
     "no arrow": ("coupled",),
 }
@@ -221,18 +252,13 @@ def test_other_values_have_the_right_slopes_too(case, values, shape):
 
 
 @pytest.mark.parametrize(
-    "names, fingers, core",
-    [
-        ((), True, True),
-        (("leader_slack", "gear_load", "direction_friction"), True, True),
-        (("bristle",), False, True),
-        (("heating",), True, False),
-    ],
+    "names, derived",
+    [((), True), (tuple(effects()), True), (("bristle", "sticky"), True), (("loaded",), False)],
 )
-def test_closed_forms_are_used_where_effects_leave_their_stages_alone(names, fingers, core):
-    fast = posed(names).compiled().fast
-    assert hasattr(fast, "solve_columns") == fingers
-    assert hasattr(fast, "leader_column") == core
+def test_fingers_are_differenced_only_where_nothing_else_helps(names, derived):
+    hand = Hand([OWN.get(name, name) for name in names])
+    assert hand.compiled(hand.effects).jacobian_kind == "structured"
+    assert hasattr(hand.compiled(hand.effects).fast, "solve_columns") == derived
 
 
 def test_what_does_not_fit_is_said():

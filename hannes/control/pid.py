@@ -1,7 +1,7 @@
 """The two nested PIDs: position outside, current inside, both at the motor side."""
 
 from hannes._jit import kernel
-from hannes.onset import limited, limited_slope
+from hannes.onset import limited
 from hannes.parameter import Parameter, group
 
 PARAMETERS = (
@@ -48,22 +48,3 @@ def integral_rate(error, wanted, given, proportional_gain, integral_gain):
 def saturated(wanted, limit):
     """What the limit lets through, its corner rounded over 2 %."""
     return limited(wanted, limit)
-
-
-@kernel
-def pid_slopes(wanted, limit, proportional_gain, integral_gain, derivative_gain, lag_time):
-    """Derivatives of what the limit lets through, and of the integral's rate.
-
-    Each by target, measured value, integral and lag; the controller's derivative term is that of
-    (measured - lag) / lag_time.
-    """
-    passed, rate = limited_slope(wanted, limit), derivative_gain / lag_time
-    given = (
-        passed * proportional_gain,
-        -passed * (proportional_gain + rate),
-        passed,
-        passed * rate,
-    )
-    cut = integral_gain * (passed - 1.0) / proportional_gain
-    kept = passed * integral_gain
-    return given, (kept, -kept - cut * rate, cut, cut * rate)
