@@ -65,7 +65,7 @@ class Felt:
 
 def fits(effect: Effect, term: Term, layouts: Layouts) -> bool:
     """Tell whether what a kernel adds in the fingers is derived here."""
-    inputs = _INPUTS.get(term.writes[0], {})
+    inputs = _INPUTS.get(term.writes[0], {}) if len(term.writes) == 1 else {}
     own = {each.name for each in effect.parameters}
     states = {each.name: each.axis for each in effect.states}
     axis = layouts.c.slot(term.writes[0]).axis
@@ -86,19 +86,20 @@ def text(felt: Sequence[Felt], size: int, layouts: Layouts, names: Mapping[str, 
     parts = (
         "def joint_effects(t, y, p, c, blocks):",
         '    """Torque of a joint by its own motion and states, these by each other."""',
-        f"    blocks[2:4, 4:{size}] = 0.0",
-        f"    blocks[4:{size}] = 0.0",
+        *[f"    blocks[2:4, 4:{size}] = 0.0", f"    blocks[4:{size}] = 0.0"] * (size > 4),
         *_loop(10, _of_joints(_Loop([each for each in felt if each.of_joint], layouts, names))),
         "",
         "",
         "def contact_effects(t, y, p, c, blocks):",
-        '    """Normal forces by their rates and states, what is told of them."""',
+        '    """Normal forces by their rates and states; positive where contacts move a state."""',
+        "    moves = 0.0",
         "    for k in range(p.rest.size):",
         "        c.pressing[k] = 0.0",
         *_loop(
             10, _of_phalanges(_Loop([each for each in felt if each.pressed], layouts, names), felt)
         ),
         *_loop(5, _of_sensors(_Loop([each for each in felt if each.told], layouts, names), felt)),
+        "    return moves",
     )
     return layouts.fill("\n".join(parts))
 
@@ -198,13 +199,15 @@ def _press(loop: _Loop, felt: Felt, told: Sequence[Felt]) -> None:
                 share = " * on_sensor" if each.channel == "told_sensor" else ""
                 loop.lines.append(f"blocks[{row}, {place}] += pushes * {slope}{share}")
     for state, slopes in rates.items():
-        row = f"{felt.rows[state]} + link"
+        at = f"{felt.rows[state]} + link"
         for by, slope in slopes.items():
+            if by not in felt.rows:
+                loop.lines.append(f"moves += abs({slope})")
             if by == "rate":
-                loop.lines.append(f"blocks[{row}, 2, f] = -{slope} * c.normal_arm_mcp[k]")
-                loop.lines.append(f"blocks[{row}, 3, f] = -{slope} * c.normal_arm_pip[k]")
+                loop.lines.append(f"blocks[{at}, 2, f] = -{slope} * c.normal_arm_mcp[k]")
+                loop.lines.append(f"blocks[{at}, 3, f] = -{slope} * c.normal_arm_pip[k]")
             elif by in felt.rows:
-                loop.lines.append(f"blocks[{row}, {felt.rows[by]} + link, f] = {slope}")
+                loop.lines.append(f"blocks[{at}, {felt.rows[by]} + link, f] = {slope}")
 
 
 def _of_sensors(loop: _Loop, felt: Sequence[Felt]) -> list[str]:

@@ -28,9 +28,9 @@ def finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks):
     joint_effects(t, y, p, c, blocks)
     touching = 0.0
     if p.object_present > 0.5:
-        contact_effects(t, y, p, c, blocks)
+        touching = contact_effects(t, y, p, c, blocks)
         for phalanx in range(10):
-            touching = max(touching, c.normal_force[phalanx], c.penetration[phalanx])
+            touching = max(touching, c.normal_force[phalanx])
     if touching > 0.0:
         press_slopes(p, c)
         contact_slopes(t, y, rates, dy, p, c, out, blocks)

@@ -78,6 +78,12 @@ class Arrow:
             full.append(row)
         return full
 
+    def fingers(self, layouts: Layouts, names: Mapping[str, Any]) -> list[str]:
+        """What finger_slopes.py needs beside itself."""
+        if not self.plain_fingers:
+            return []
+        return [finger_effects.text(self.felt, len(self.kinds), layouts, names)]
+
     def own_pattern(self) -> elimination.Pattern:
         """Where the rates of a finger's own states may depend on these."""
         if self.plain_fingers:
@@ -111,13 +117,13 @@ def shape(
     found.seen.sort()
     try:
         core = core_slopes.derived(source, names, layouts.c, found.core, found.timed)
+        own = found.fingers(layouts, names)
     except Underivable as error:
-        return Shape((arrow,), {}, "", f"of {error}")
+        return Shape((arrow,), {}, "", f"no derivative is known of {error}")
     pattern = found.pattern(core)
     written = elimination.text(pattern, core.takes, found.core, found.seen)
-    written += "\n\n" + elimination.fingers(found.own_pattern()) + "\n\n" + core.text
-    if found.plain_fingers:
-        written += "\n\n" + finger_effects.text(found.felt, len(found.kinds), layouts, names)
+    solved = elimination.fingers(found.own_pattern())
+    written = "\n\n".join([written, solved, core.text, *own])
     fingers = finger_slopes if found.plain_fingers else finger_differences
     return Shape((fingers, arrow), found.constants(pattern), written, "")
 

@@ -111,7 +111,6 @@ def test_operations_functions_and_branches(function, written):
 def test_written_derivatives_are_taken_at_a_kink():
     just_slack = [2.0, 0.1, -1e-6, 0.5, 1.0]
     function = plain(one_sided)
-    lines, (value,) = derived(function, 5)
     assert jacobian(function, just_slack, {})[1][0, 2] == 0.0
     found = Derivation({}, {"f": function}, WRITTEN)
     given = [Value(f"x[{n}]", {n: "1.0"} if n in (2, 3) else {}) for n in range(5)]

@@ -21,7 +21,7 @@ class Value:
 
     text: str
     slopes: Mapping[Column, str] = field(default_factory=dict)
-    number: float | None = None
+    number: int | float | None = None
 
 
 @dataclass(frozen=True)
