@@ -112,6 +112,8 @@ def shape(
         for term in effect.terms:
             _join(found, effect, term, layouts, stages[term.writes[0]])
     found.trailing = set(_trailing(effects))
+    told = [each.channel for each in found.felt if each.told]
+    found.plain_fingers &= len(set(told)) == len(told)  # else one tells of what another tells
     if found.broken:
         return Shape((arrow,), {}, "", found.broken)
     found.seen.sort()
