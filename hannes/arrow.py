@@ -29,8 +29,10 @@ SEEN = np.array([0])[:0]  # which of CORE the finger stages read
 SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, CORE, SEEN; tensions and core
 CHANNELS, OUTPUTS = 1, 1
 KINKS, ENTRIES = 30, 110
-factor_fingers: Any = None  # these four written out by elimination.py
+factor_fingers: Any = None  # these six written out by elimination.py
 solve_fingers: Any = None
+take_fingers: Any = None
+give_fingers: Any = None
 factor_rest: Any = None
 solve_rest: Any = None
 finger_columns: Any = None  # of finger_slopes.py or finger_differences.py
@@ -79,9 +81,7 @@ def resolve(b, data):
     """Replace b by the solution x of (shift - df/dy) x = b."""
     p = data[0][0]
     lifts, own, taken, rate, pulls = data[4], data[7], data[8], data[9], data[10]
-    for i in range(SIZE):
-        for f in range(5):
-            own[i, f] = b[OWN[i, f]]
+    take_fingers(b, own)
     solve_fingers(lifts, own)
     for f in range(5):
         taken[f] = p.joint_moment_arm[0] * own[0, f] + p.joint_moment_arm[1] * own[1, f]
@@ -92,7 +92,8 @@ def resolve(b, data):
             for f in range(5):
                 own[i, f] += lifts[i, SIZE + 1 + n, f] * b[CORE[SEEN[n]]]
         for f in range(5):
-            b[OWN[i, f]] = own[i, f] + lifts[i, SIZE, f] * pulls[f]
+            own[i, f] += lifts[i, SIZE, f] * pulls[f]
+    give_fingers(own, b)
 
 
 def mark(y, data):

@@ -55,14 +55,26 @@ def text(
     return "\n\n".join([_factor(pattern, takes, seen), _solve(pattern, takes, core)])
 
 
-def fingers(pattern: Sequence[Sequence[bool]]) -> str:
-    """Functions `factor_fingers` and `solve_fingers` for arrow.py.
+def fingers(pattern: Sequence[Sequence[bool]], own: Sequence[Sequence[int]]) -> str:
+    """Functions for arrow.py that factor and solve the fingers, take their states and give them.
 
-    `pattern`: where the rates of a finger's own states depend on these.
+    `pattern`: where the rates of a finger's own states depend on these; `own`: their places, which
+    lie evenly from finger to finger.
     """
     order = least_filling(pattern)
     full = _ordered(pattern, order)
-    return "\n\n".join([_factor_fingers(pattern, order, full), _solve_fingers(order, full)])
+    places = [f"{first} + {second - first} * f" for first, second in zip(*own[:2], strict=True)]
+    return "\n\n".join(
+        [_factor_fingers(pattern, order, full), _solve_fingers(order, full), _moves(places)]
+    )
+
+
+def _moves(places):
+    lines = ["def take_fingers(b, own):", '    """Copy b to own (states of a finger, fingers)."""']
+    lines += [FOR_ALL, *(f"        own[{i}, f] = b[{at}]" for i, at in enumerate(places)), "", ""]
+    lines += ["def give_fingers(own, b):", '    """Copy it back."""']
+    lines += [FOR_ALL, *(f"        b[{at}] = own[{i}, f]" for i, at in enumerate(places))]
+    return "\n".join(lines) + "\n"
 
 
 def _factor_fingers(pattern, order, full):

@@ -124,7 +124,7 @@ def shape(
         return Shape((arrow,), {}, "", f"no derivative is known of {error}")
     pattern = found.pattern(core)
     written = elimination.text(pattern, core.takes, found.core, found.seen)
-    solved = elimination.fingers(found.own_pattern())
+    solved = elimination.fingers(found.own_pattern(), found.own)
     written = "\n\n".join([written, solved, core.text, *own])
     fingers = finger_slopes if found.plain_fingers else finger_differences
     return Shape((fingers, arrow), found.constants(pattern), written, "")
