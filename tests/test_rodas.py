@@ -312,16 +312,20 @@ def test_a_harsh_hand_is_right():
     """Stiff object, steep friction, fast winding, light carts: no silent inaccuracy.
 
     The worst error is that of the force in the instant of the impact, 1 N for each um; stock
-    methods at the same tolerance are off by as much (LSODA less, BDF more).
+    methods at the same tolerance are off by as much (LSODA less, BDF more). It jumps about by a
+    factor of ten with the tolerance's third digit, so several near each other are asked.
     """
     hand = Hand().with_values(HARSH)
     exact = simulate(hand, grasp(), method="Radau", rtol=1e-8).require()
-    for rtol, allowed in ((1e-3, 0.01), (1e-4, 4.5e-3), (1e-5, 1.5e-3), (1e-6, 5e-5)):
-        found = simulate(hand, grasp(), rtol=rtol)
-        assert found.outcome is Outcome.COMPLETED
-        assert error(found, exact) < allowed
-        off = (found["force"] - exact["force"]) / exact["force"].max()
-        assert np.sqrt(np.mean(off**2)) < 10.0 * rtol
+    for rtol in (1e-3, 1e-4, 1e-5, 1e-6):
+        worst = []
+        for share in (0.9, 0.95, 1.0, 1.05, 1.1):
+            found = simulate(hand, grasp(), rtol=share * rtol)
+            assert found.outcome is Outcome.COMPLETED
+            worst.append(error(found, exact))
+            off = (found["force"] - exact["force"]) / exact["force"].max()
+            assert np.sqrt(np.mean(off**2)) < 10.0 * rtol
+        assert np.median(worst) < 60.0 * rtol
 
 
 def stiffest(rtol, nudge=0.0):
