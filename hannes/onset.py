@@ -66,5 +66,7 @@ def one_sided_slopes(stiffness, damping, depth, rate, onset):
 @kernel
 def limited_slope(x, limit):
     """Derivative of `limited`."""
+    if limit <= 0.0:
+        return 0.0
     width = 0.02 * limit
     return 0.5 * min(max((limit + width - abs(x)) / width, 0.0), 2.0)
