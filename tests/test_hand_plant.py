@@ -114,10 +114,10 @@ def test_noisy_firmware_reads_noise_and_moves_the_hand():
 )
 def test_effects_on_what_firmware_reads_are_mended_for_its_ticks(name, steps):
     """A continuous controller makes another mark of them, or none that is like it."""
-    recording, effect = recorded("sampled")[0], effects()[name]
-    groups = grouped(HandPlant(), [Entry("closure", recording, "void", "fit")])
-    space = Space(HandPlant(), groups, Settings(), [effect])
-    model, x = Model(HandPlant(), groups, space, [effect]), np.zeros(space.size)
+    both = [effects()["current_lag"], effects()["measurement_delay"]]  # one compilation
+    groups = grouped(HandPlant(), [Entry("closure", recorded("sampled")[0], "void", "fit")])
+    space = Space(HandPlant(), groups, Settings(), both)
+    model, x = Model(HandPlant(), groups, space, both), np.zeros(space.size)
     rows = np.array([x, x])
     rows[1, space.of(name)] = steps
     plain, with_effect = (
