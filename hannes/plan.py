@@ -145,4 +145,4 @@ def ended(counts: np.ndarray) -> tuple[Outcome, str]:
 def say_when_compiling(compiled: Compiled, entry: str) -> None:
     """Tell once on standard error that an entry point is about to be compiled."""
     if compiles() and not compiled.is_warm(entry):
-        print("hannes: compiling the model, once (about 10 s)", file=sys.stderr, flush=True)
+        print("hannes: compiling the model, once (10 s to a minute)", file=sys.stderr, flush=True)
