@@ -31,8 +31,6 @@ from benchmarks.naming_study.work import worked
 
 FOLDER = Path("results/benchmarks")
 FOLLOWED = "single, poor"  # the kind whose open cases get one more run
-
-
 CODE = ("hannes", "benchmarks.truth", "benchmarks.naming_study")  # what a case comes from
 
 

@@ -5,6 +5,7 @@ Subclass `PlainPlant`, fill the attributes, write `simulate`: the rest of the pr
 docs/own-plant.md walks through one. For compiled equations see hannes/axis.py.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self
 
@@ -117,7 +118,10 @@ def _bound(
 
     def call(now: tuple[float, ...]) -> float:
         known = dict(zip(reads, now, strict=True))
-        found = function(*(known.get(name, fixed.get(name)) for name in term.arguments))
+        try:
+            found = function(*(known.get(name, fixed.get(name)) for name in term.arguments))
+        except OverflowError:  # plain Python stops where compiled code goes on, not finite either
+            return math.nan
         return float(found[place] if several else found)
 
     return call

@@ -89,6 +89,12 @@ def turbulence(size, speed):
 
 
 @kernel
+def suction(size, speed):
+    """Quadratic drag, told by a size below 0 [N]."""
+    return size * speed * abs(speed)
+
+
+@kernel
 def nearly_turbulence(size, speed):
     """Quadratic drag until it is fast [N]."""
     return -size * speed * min(abs(speed), 2.0)
@@ -232,6 +238,20 @@ def test_effects_that_do_the_same_make_a_class():
     assert verdict.verdict == "one_of" and sorted(verdict.effects) == ["turbulence", "twin"]
     alike = {row["effect"]: row["confusable_with"] for row in verdict.candidates}
     assert alike["turbulence"] == ["twin"] and alike["twin"] == ["turbulence"]
+
+
+def test_of_two_effects_only_the_one_without_a_twin_is_named():
+    known = {each.name: each for each in (HARDENING, TURBULENCE, TWIN)}
+    verdict = found(3, ((HARDENING, 900.0), (TURBULENCE, 2.0)), known)
+    assert (verdict.verdict, verdict.effects) == ("named_with_remainder", ["hardening"])
+    assert "comes as near" in verdict.reason
+
+
+def test_an_effect_that_is_off_at_its_upper_bound_is_tried():
+    size = Parameter("size", 0.0, "N s^2/m^2", (-30.0, 0.0), "how much", off=0.0)
+    wake = replace(TURBULENCE, name="wake", parameters=(size,), terms=(Term(suction, ("force",)),))
+    verdict = found(1, ((TURBULENCE, 2.0),), {"hardening": HARDENING, "wake": wake})
+    assert (verdict.verdict, verdict.effects) == ("named", ["wake"])
 
 
 def test_the_next_run_is_the_one_that_tells_two_explanations_apart():

@@ -1,18 +1,23 @@
 """A plant outside the package: the worked example, and what a wrong one is told."""
 
 import json
+import math
 import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from hannes._jit import kernel
 from hannes.campaign import read_campaign
+from hannes.catalogue import effect
 from hannes.check import check
 from hannes.cli import main
+from hannes.effect import Term
 from hannes.errors import BadInput
 from hannes.plain_plant import PlainPlant
 from hannes.plant import Plant, find_plant
@@ -133,6 +138,17 @@ def test_a_plant_that_is_none_is_told_so_in_one_line(tmp_path, old, new, said):
 def test_a_plant_without_equations_says_so():
     with pytest.raises(BadInput, match="does not say how it moves"):
         PlainPlant().simulate({}, None)
+
+
+def test_an_effect_that_runs_away_gives_no_number_as_compiled_code_does():
+    @kernel
+    def cubic(position):
+        return position**3
+
+    rail = effect("rail.py:RAIL_FRICTION", EXAMPLE)
+    away = replace(rail, terms=(Term(cubic, writes=("friction",)),))
+    cart = find_plant("cart:Cart", EXAMPLE).with_effects(away)
+    assert math.isnan(cart.added("friction", {})(0.0, 1e200))
 
 
 def test_the_page_names_files_that_exist():

@@ -137,14 +137,7 @@ def closing(cases: Cases) -> list[Row]:
     some = detectable([c for c in cases if c["what"] in ("single", "pair") and c["told"] == 1.0])
     if not some:
         return []
-    rows = [
-        _median(
-            "share of the reducible gap closed",
-            [closed(c) for c in some],
-            0.85,
-            True,
-        )
-    ]
+    rows = [_median("share of the reducible gap closed", [closed(c) for c in some], 0.85, True)]
     hit = [closed(each) for each in some if each["outcome"] in CLOSING and each["left"]]
     if hit:
         rows.append({"study": "the same, where it is named", **_middle(hit)})
@@ -203,18 +196,20 @@ def next_run(cases: Cases) -> list[Row]:
         "cases": len(some),
         "next run told": sum(map(bool, ends)),
     }
-    gains = np.array(
-        [
-            100.0 * ((e["suggested"] == "right") - float(e["any"] == "right")) if e else 0.0
-            for e in ends
-        ]
-    )
+    gains = np.array([_gained(each) for each in ends])
     picks = np.random.default_rng(0).integers(0, gains.size, (2000, gains.size))
     low, high = np.percentile(gains[picks].mean(axis=1), (2.5, 97.5))
     value = float(gains.mean())
     name = "resolved by the suggested run rather than any [points]"
     row = must_show(name, value, 15.0, value >= 15.0)
     return [told, {**row, "low": float(low), "high": float(high), "cases": len(ends)}]
+
+
+def _gained(end: dict[str, str]) -> float:
+    """Points that the suggested run is worth beyond any; none where no run was suggested."""
+    if not end:
+        return 0.0
+    return 100.0 * ((end["suggested"] == "right") - float(end["any"] == "right"))
 
 
 def seconds(cases: Cases) -> list[Row]:

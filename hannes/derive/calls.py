@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +13,7 @@ from hannes.derive.value import Array, Underivable, Value, Written, is_felt, res
 _BUILTINS = {"abs": abs, "min": min, "max": max, "round": round, "int": int, "float": float}
 
 
-class Calls(Arithmetic):
+class Calls(Arithmetic, ABC):
     """What `names` go by and `written` kernels can be called; see Derivation."""
 
     def __init__(
@@ -22,11 +23,11 @@ class Calls(Arithmetic):
         self.names, self.written = names, written
         self.cells: dict[tuple[str, int], Value] = {}
 
+    @abstractmethod
     def block(
         self, body: Sequence[ast.stmt], env: dict[str, Any], names: Mapping[str, Any]
     ) -> tuple[Any, dict[str, Any]]:
         """Run statements; return what they return, or None, and the variables after them."""
-        raise NotImplementedError
 
     def kernel(self, name: str, arguments: Sequence[Value]) -> Any:
         """Follow a kernel that the text goes by; return its value or values."""

@@ -1,6 +1,6 @@
 """Simulations of every group at many places of the space at once, as vectors."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 
@@ -20,6 +20,7 @@ TICKED = (0.5, 3.0)  # steps of an effect, at which to see what firmware's ticks
 AROUND_IT = (0.5, 1.0, 1.5)  # and times the size at which it lies
 LEAST = 2  # simulations that it takes
 NOTHING: Mapping[str, np.ndarray] = {}
+Unrounded = Callable[[int], Mapping[str, np.ndarray]]  # of a Plant, see there
 
 
 @dataclass(frozen=True)
@@ -82,10 +83,13 @@ class Model:
         made = copy(self)
         made._ticks = {key: dict(each) for key, each in self._ticks.items()}
         places = self.space.of(*(name for name in effects if self.in_loop(name)))
-        if hasattr(self.small, "unrounded"):
-            for group in self.groups if places.size else ():
-                known = made._ticks.setdefault(id(group), {})
-                known |= {int(place): self._by_ticks(group, x, place) for place in places}
+        unrounded: Unrounded | None = getattr(self.small, "unrounded", None)
+        if unrounded is None:
+            return made
+        for group in self.groups:
+            for place in places:
+                found = self._by_ticks(group, x, place, unrounded)
+                made._ticks.setdefault(id(group), {})[int(place)] = found
         return made
 
     def of(self, groups: Sequence[Group], numbers: Sequence[int]) -> "Model":
@@ -104,16 +108,16 @@ class Model:
         written = {channel for term in effect.terms for channel in term.writes}
         return bool(written & set(firmware)) and len(effect.amplitudes) == len(effect.parameters)
 
-    def _by_ticks(self, group: Group, x: np.ndarray, place: int) -> Marks:
-        """Change by ticks of a group's bin means at many sizes of an effect, none of them first."""
+    def _by_ticks(self, group: Group, x: np.ndarray, place: int, unrounded: Unrounded) -> Marks:
+        """Change by ticks of a group's bin means at some sizes of an effect."""
         low, high = self.space.low[place], self.space.high[place]
         there = (float(x[place]) * share for share in AROUND_IT)
-        both = np.array([0.0, *TICKED, *(-size for size in TICKED), *there])
-        sizes = np.unique(both[(low <= both) & (both <= high)])
+        sizes = np.unique([0.0, *TICKED, *(-size for size in TICKED), *there])
+        sizes = sizes[(low <= sizes) & (sizes <= high)]
         rows = np.repeat(x[np.newaxis], sizes.size, axis=0)
         rows[:, place] = sizes
-        further = self.small.unrounded(sizes.size)  # type: ignore[attr-defined]
-        ticked = self._vectors(group, self.simulated(group, rows, True, True, further))
+        runs = self.simulated(group, rows, True, True, unrounded(sizes.size))
+        ticked = self._vectors(group, runs)
         apart = ticked - self._vectors(group, self.simulated(group, rows, True))
         known = np.isfinite(apart).all(axis=1)
         if not known[sizes == 0.0].all():
