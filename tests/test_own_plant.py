@@ -142,8 +142,9 @@ def test_a_plant_without_equations_says_so():
 
 def test_an_effect_that_runs_away_gives_no_number_as_compiled_code_does():
     @kernel
-    def cubic(position):
-        return position**3
+    def cubic(position, size):
+        """Of a spring [N]."""
+        return size + position**3
 
     rail = effect("rail.py:RAIL_FRICTION", EXAMPLE)
     away = replace(rail, terms=(Term(cubic, writes=("friction",)),))
