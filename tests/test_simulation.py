@@ -115,7 +115,7 @@ def test_an_effect_at_off_is_left_out():
 
 
 def test_an_effect_compiled_in_at_off_changes_no_bit():
-    hand = Hand().with_effects("direction_friction", "gear_load", "leader_slack")
+    hand = Hand().with_effects("leader_slack")
     mine = simulate(hand, grasp(), effects=hand.effects)
     assert mine.compiled is not run().compiled
     assert np.array_equal(mine.states, run().states)
