@@ -281,6 +281,10 @@ def test_the_shipped_ones_are_whole():
     assert design.count == 18 and roles.count("train") == 16 and roles.count("test") == 2
     assert {draw(design, k).group.shape for k in range(18)} == {"cylinder", "prism", "sphere"}
     assert large.count == 10_000 and count(large) == 100
+    seated = load_spec("seated")
+    for number in range(0, seated.count, 99):
+        drawn, shape = draw(seated, number).values, draw(seated, number).group.shape
+        assert abs(drawn["object.x"] - (4e-3 if shape == "sphere" else 14e-3)) <= 4e-3
     with pytest.raises(BadInput, match='did you mean "large"'):
         load_spec("larger")
 

@@ -134,6 +134,8 @@ def test_compiled_trees_equal_those_of_scikit_learn():
     assert np.array_equal(told > 0.5, bag.predict_proba(rows)[:, 1] > 0.5)
     line = RandomForestRegressor(20, random_state=1).fit(rows[:2000], rows[:2000, 3])
     assert np.allclose(of_sklearn(line)(rows), line.predict(rows), rtol=0.0, atol=1e-12)
+    by_tree = np.array([each.predict(rows) for each in line.estimators_])
+    assert np.array_equal(of_sklearn(line).median(rows), np.median(by_tree, axis=0))
 
 
 def test_one_decision_takes_well_under_a_millisecond(arrays, trained):

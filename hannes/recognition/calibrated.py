@@ -68,7 +68,7 @@ def estimates(model: Model, known: Grasps) -> tuple[np.ndarray, np.ndarray]:
     for k, (rows, some) in enumerate(zip(known.features, held(known.features), strict=True)):
         if some.any():
             stiffness[k] = grasp_stiffness(model.stiffness(rows), some)
-            peak[k] = grasp_peak(model.force(rows), some)
+            peak[k] = grasp_peak(model.force.median(rows), some)
     return stiffness, peak
 
 

@@ -86,6 +86,9 @@ class Told:
 class Model:
     """Forests for rigid (probability), stiffness (log N/m), most force so far (log N); their worth.
 
+    Force is the median over its trees: what is held may be of any shape, and of the same current a
+    prism makes another force than most; the median is least far from what it is.
+
     `sure`: probability from which a class is told; below it the answer is "don't know".
     """
 
@@ -113,7 +116,7 @@ class Model:
         held = touched & (rows[:, RISE] > HELD)
         rigid = self.windows(rows)
         so_far = running(rigid, touched, self.cut.hop)
-        force = self.force(rows)
+        force = self.force.median(rows)
         last = int(np.flatnonzero(held)[-1]) if held.any() else -1
         return Told(
             time, rigid, so_far, np.where(held, np.exp(force), 0.0), touched, held,

@@ -110,7 +110,7 @@ def _fitted(
         0.5,
         rigid,
         regression(used, stiffness, leaf, share / 2, np.ones(used.shape)),
-        regression(weight > 0.0, np.log(np.maximum(so_far, LEAST)), 2, 1.0, weight),
+        regression(weight > 0.0, np.log(np.maximum(so_far, LEAST)), 1, 1.0, weight),
         Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0])),
         Band(nothing, nothing, nothing),
         Band(nothing, nothing, nothing),
