@@ -120,7 +120,7 @@ def _bound(
         known = dict(zip(reads, now, strict=True))
         try:
             found = function(*(known.get(name, fixed.get(name)) for name in term.arguments))
-        except OverflowError:  # plain Python stops where compiled code goes on, not finite either
+        except (ArithmeticError, ValueError):  # plain Python stops where compiled code goes on
             return math.nan
         return float(found[place] if several else found)
 

@@ -138,6 +138,16 @@ def test_compiled_trees_equal_those_of_scikit_learn():
     assert np.array_equal(of_sklearn(line).median(rows), np.median(by_tree, axis=0))
 
 
+def test_the_peak_is_told_by_the_median_over_trees(arrays, trained):
+    model, grasp = trained[0], recording(arrays, 11)
+    told = model.tell(grasp)
+    rows = model.cut.features(model.cut.samples(grasp)[np.newaxis])[0]
+    last = np.flatnonzero(told.held)[-1]
+    assert told.peak_force.value == np.exp(model.force.median(rows)[last])
+    means = np.exp(model.force(rows))[told.held]
+    assert (means != told.force[told.held]).any()
+
+
 def test_one_decision_takes_well_under_a_millisecond(arrays, trained):
     model, _ = trained
     rows = model.cut.features(arrays[0][:1, :, :3])[0]
@@ -320,6 +330,19 @@ def test_the_papers_formula_for_an_object_of_one_class():
     right, wrong = 67, 33
     pr, re_ = right / (right + wrong), right / (right + 0)
     assert f1(right / (right + wrong)) == pytest.approx(2.0 * pr * re_ / (pr + re_))
+
+
+def test_intervals_of_a_design_without_grasps_to_spare_are_those_of_grasps_not_learnt(tmp_path):
+    """Trees grown to single samples tell of what they learnt from as if nothing were uncertain."""
+    few, soft = tmp_path / "few.h5", tmp_path / "soft.h5"
+    make(read_spec(TEXT.replace("draws = 20", "draws = 5")), few, workers=1)
+    model, told = train(few, trees=40, jobs=1)
+    assert told["kept"] == 0
+    low, high = model.force_band(50.0)
+    assert low < 49.0 and high > 51.0
+    make(read_spec(TEXT.replace(', "2 kN/m", "15 kN/m", "38.3 kN/m"', "")), soft, workers=1)
+    with pytest.raises(BadInput, match="of soft and of rigid objects"):
+        train(soft, trees=2, jobs=1)
 
 
 def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeypatch):

@@ -115,6 +115,7 @@ def test_an_effect_at_off_is_left_out():
 
 
 def test_an_effect_compiled_in_at_off_changes_no_bit():
+    """One without states, which would count in the error; of all at once see test_effects.py."""
     hand = Hand().with_effects("leader_slack")
     mine = simulate(hand, grasp(), effects=hand.effects)
     assert mine.compiled is not run().compiled

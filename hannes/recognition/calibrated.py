@@ -1,6 +1,7 @@
 """What a model's answers proved to be worth on grasps that it had not learnt from."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -12,20 +13,46 @@ FOLDS = 5
 GRID, WIDTH = np.round(np.arange(0.5, 0.71, 0.01), 2), 0.02  # of confidence
 
 
-def calibrated(model: Model, known: Grasps) -> Model:
+@dataclass(frozen=True)
+class Answers:
+    """What a model tells of n grasps that it has not learnt from.
+
+    rigid: of its forest, by window, NaN where it is not scored, shape (n, windows); stiffness [N/m]
+    and peak force [N], shape (n,), NaN where nothing was held.
+    """
+
+    rigid: np.ndarray
+    stiffness: np.ndarray
+    peak: np.ndarray
+
+
+def answers(model: Model, known: Grasps) -> Answers:
+    """What `model` tells of grasps."""
+    rigid = np.full(known.scored.shape, np.nan)
+    rigid[known.scored] = model.rigid(known.features[known.scored])
+    return Answers(rigid, *estimates(model, known))
+
+
+def joined(parts: Sequence[Answers], places: Sequence[np.ndarray]) -> Answers:
+    """Answers on parts of some grasps as those on all; `places` say which each part is of."""
+    order = np.argsort(np.concatenate(places))
+    names = [each.name for each in fields(Answers)]
+    return Answers(*(np.concatenate([getattr(p, name) for p in parts])[order] for name in names))
+
+
+def calibrated(model: Model, known: Grasps, told: Answers) -> Model:
     """The model with its probabilities and intervals as they proved on grasps not learnt from."""
     used = known.scored
-    raw = model.rigid(known.features[used])
+    raw = told.rigid[used]
     classes = np.repeat(known.rigid, used.sum(axis=1)).astype(float)
     if np.unique(classes).size == 2:
         points = _isotonic(raw, classes)
         owner = np.repeat(np.arange(known.rigid.size), used.sum(axis=1))
         model = replace(model, calibration=points, sure=least_sure(raw, classes, owner))
-    stiffness, peak = estimates(model, known)
     return replace(
         model,
-        stiffness_band=_band(stiffness, known.stiffness),
-        force_band=_band(peak, known.peak),
+        stiffness_band=_band(told.stiffness, known.stiffness),
+        force_band=_band(told.peak, known.peak),
     )
 
 

@@ -68,8 +68,8 @@ class Forest:
     def median(self, rows: np.ndarray) -> np.ndarray:
         """Median over trees for rows (m, features), shape (m,).
 
-        Of trees grown to single samples it comes near the median of the like that was learnt
-        from (Meinshausen 2006), which a few of another kind do not pull.
+        Trees grown to single samples spread as widely as what was learnt of such rows does, and a
+        few that saw another kind do not pull their median (Meinshausen 2006).
         """
         return self._over(median, rows)
 

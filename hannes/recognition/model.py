@@ -86,9 +86,8 @@ class Told:
 class Model:
     """Forests for rigid (probability), stiffness (log N/m), most force so far (log N); their worth.
 
-    Force is the median over its trees: what is held may be of any shape, and of the same current a
-    prism makes another force than most; the median is least far from what it is.
-
+    Force is the median over its trees: shape and place of what is held are unknown, and the few
+    trees that saw a prism, which gives another force at the same current, do not pull a median.
     `sure`: probability from which a class is told; below it the answer is "don't know".
     """
 

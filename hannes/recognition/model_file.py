@@ -30,7 +30,10 @@ MOST_POINTS = 100_000
 
 
 def write(path: str | Path, model: Model) -> None:
-    """Write a model, whole or not at all; the same model gives the same bytes."""
+    """Write a model, whole or not at all; the same model gives the same bytes.
+
+    BadInput where it is so large that it would not be read back.
+    """
     import h5py
 
     memory = io.BytesIO()
@@ -41,6 +44,7 @@ def write(path: str | Path, model: Model) -> None:
         for key in NUMBERS:
             file.attrs[key] = float(getattr(model.cut if key in OF_CUT else model, key))
         for name in FORESTS:
+            getattr(model, name).check(len(NAMES))
             for field, kind in FIELDS.items():
                 array = getattr(getattr(model, name), field).astype(kind)
                 place = f"{name}/{field}"

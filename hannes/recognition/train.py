@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 
 from hannes.dataset.read import DataSet, read
-from hannes.recognition.calibrated import calibrated, estimates
+from hannes.errors import BadInput
+from hannes.recognition.calibrated import Answers, answers, calibrated, estimates, joined
 from hannes.recognition.cut import Cut
 from hannes.recognition.forest import Forest, of_sklearn
 from hannes.recognition.grasps import Grasps, grasps, held, last_held
 from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, running
 
+TURNS = 8  # trainings by which a design by hand is judged
 KEPT = 0.2  # share of the grasps that is not learnt from
 LEAST = 0.5  # N, of the force that is learnt
 EARLIER = 0.1  # share that force is learnt from of the windows before a grasp's last
@@ -31,8 +33,10 @@ def train(
 ) -> tuple[Model, dict[str, Any]]:
     """Learn from a data set; the model, and what it is worth on grasps it has not seen.
 
-    A fifth of the grasps for training is kept for calibration and intervals. `most` grasps are
-    learnt from where that is given. Grasps of the role "test" are only reported on.
+    A fifth of the grasps for training is kept for calibration and intervals; below 50 none is, and
+    each is judged by a model that learnt from others. `most` grasps are learnt from where that is
+    given. Grasps of the role "test" are only reported on. Raises BadInput where the file is no data
+    set, or has too few grasps of a class.
     """
     data, cut = read(path), cut or Cut()
     known = grasps(data, data.role("train"), cut)
@@ -76,8 +80,30 @@ def _learnt(
     known: Grasps, kept: np.ndarray, learnt: np.ndarray, data: DataSet, cut: Cut,
     trees: int, seed: int, jobs: int | None,
 ) -> Model:  # fmt: skip
-    model = _fitted(known.some(learnt), cut, data, trees, seed, jobs)
-    return calibrated(model, known.some(kept) if kept.any() else known)
+    part = known.some(learnt)
+    model = _fitted(part, cut, data, trees, seed, jobs)
+    if kept.any():
+        judged = known.some(kept)
+        return calibrated(model, judged, answers(model, judged))
+    return calibrated(model, part, _in_turn(part, cut, data, trees, seed, jobs))
+
+
+def _in_turn(
+    known: Grasps, cut: Cut, data: DataSet, trees: int, seed: int, jobs: int | None
+) -> Answers:
+    """What is told of each grasp by a model that learnt from others, where there are few."""
+    from sklearn.model_selection import StratifiedKFold
+
+    turns = min(TURNS, int(np.bincount(known.rigid.astype(int), minlength=2).min()))
+    if turns < 2:
+        raise BadInput(f"{data.path}: expected two grasps or more of soft and of rigid objects")
+    folds = StratifiedKFold(turns, shuffle=True, random_state=seed)
+    parts, places = [], []
+    for others, place in folds.split(known.rigid, known.rigid):
+        model = _fitted(known.some(others), cut, data, trees, seed, jobs)
+        parts.append(answers(model, known.some(place)))
+        places.append(place)
+    return joined(parts, places)
 
 
 def _fitted(
