@@ -52,7 +52,7 @@ def entry(function: Callable[..., Any]) -> Any:
 def _compiled(method: Callable[..., Any], signature: Any) -> Any:
     """Compile at LLVM's second level: a quarter less time than the third, and code as quick.
 
-    That is measured on the hand (docs/speed.md). Under numba's own lock, for its level is global.
+    As measured on the hand (docs/speed.md). Under numba's own lock, for its level is global.
     """
     with global_compiler_lock:
         level = numba.config.OPT

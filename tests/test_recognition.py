@@ -334,15 +334,16 @@ def test_the_papers_formula_for_an_object_of_one_class():
 
 def test_intervals_of_a_design_without_grasps_to_spare_are_those_of_grasps_not_learnt(tmp_path):
     """Trees grown to single samples tell of what they learnt from as if nothing were uncertain."""
-    few, soft = tmp_path / "few.h5", tmp_path / "soft.h5"
+    few, one = tmp_path / "few.h5", tmp_path / "one.h5"
     make(read_spec(TEXT.replace("draws = 20", "draws = 5")), few, workers=1)
     model, told = train(few, trees=40, jobs=1)
     assert told["kept"] == 0
     low, high = model.force_band(50.0)
     assert low < 49.0 and high > 51.0
-    make(read_spec(TEXT.replace(', "2 kN/m", "15 kN/m", "38.3 kN/m"', "")), soft, workers=1)
-    with pytest.raises(BadInput, match="of soft and of rigid objects"):
-        train(soft, trees=2, jobs=1)
+    single = TEXT.replace(', "15 kN/m"', "").replace("draws = 20", "draws = 1")
+    make(read_spec(single), one, workers=1)
+    with pytest.raises(BadInput, match="two grasps or more of soft and of rigid objects"):
+        train(one, trees=2, jobs=1)
 
 
 def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeypatch):

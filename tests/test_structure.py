@@ -246,18 +246,46 @@ def test_jacobian_and_solution_against_plain_differences_and_numpy(case):
     held(case, grasped())
 
 
-@pytest.mark.parametrize("case", [case for case in CASES if case not in ("none", "catalogue")])
-def test_those_of_other_effects_in_plain_python(case, tmp_path):
-    """What is generated for them is right; that it compiles as it reads, tests above show."""
-    np.savez(tmp_path / "known.npz", *grasped())
+def in_plain_python(call, folder):
+    """Run a function of this file where nothing is compiled, on known states."""
+    np.savez(folder / "known.npz", *grasped())
     code = (
-        "import numpy, test_structure\n"
-        f"known = numpy.load({str(tmp_path / 'known.npz')!r})\n"
-        f"test_structure.held({case!r}, (known['arr_0'], known['arr_1']))"
+        "import functools, numpy, test_structure\n"
+        f"known = numpy.load({str(folder / 'known.npz')!r})\n"
+        f"{call}(known=(known['arr_0'], known['arr_1']))"
     )
     path = os.pathsep.join([os.path.dirname(__file__), *sys.path])
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path}
     subprocess.run([sys.executable, "-c", code], env=environment, check=True)
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case not in ("none", "catalogue")])
+def test_those_of_other_effects_in_plain_python(case, tmp_path):
+    """What is generated for them is right; that it compiles as it reads, tests above show."""
+    in_plain_python(f"functools.partial(test_structure.held, {case!r})", tmp_path)
+
+
+def no_bit_changed(known):
+    """Each effect of the catalogue at off leaves the hand's rates what they are without it."""
+    bare = Hand()
+    for name in effects():
+        hand = Hand([name])
+        for time, state in states(bare.compiled(), known):
+            more = np.zeros(hand.compiled(hand.effects).states.size - state.size)
+            found, without = (
+                each.compiled(chosen).fast.rates(
+                    time, y, each.vector("cylinder", chosen), KNOTS, HELD
+                )
+                for each, chosen, y in (
+                    (hand, hand.effects, np.concatenate([state, more])),
+                    (bare, (), state),
+                )
+            )
+            assert np.array_equal(found[: state.size], without), (name, time)
+
+
+def test_effects_at_off_change_no_bit(tmp_path):
+    in_plain_python("test_structure.no_bit_changed", tmp_path)
 
 
 PRISM = {"object.half_x": 0.02, "object.half_y": 0.015, "object.radius": 0.005}
