@@ -14,6 +14,8 @@ class Parameter:
     """One number of a model: SI value, unit, inclusive bounds, meaning and source.
 
     `off` is the value at which an effect vanishes exactly; None for what has no such value.
+    `tried` are values at which a search begins that knows nothing of it; none are spread over the
+    bounds. A count needs them: between whole numbers an effect may leave no mark.
     """
 
     name: str
@@ -23,12 +25,14 @@ class Parameter:
     doc: str
     source: str = "choice"
     off: float | None = None
+    tried: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         low, high = self.bounds
         if not low < high:
             raise BadInput(f"{self.name}: lower bound {low:g} is not below upper bound {high:g}")
-        self.check(self.value)
+        for value in (self.value, *self.tried):
+            self.check(value)
 
     def check(self, value: float) -> float:
         """Return `value` where it is finite and inside the bounds; raise BadInput otherwise."""

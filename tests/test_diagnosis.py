@@ -106,6 +106,12 @@ def gust(size, time):
     return size * np.sin(23.0 * time)
 
 
+@kernel
+def washboard(size, count, position):
+    """A rail with so many waves in a metre [N]."""
+    return size * np.sin(2.0 * np.pi * count * position)
+
+
 def effect(name, function, largest, unit):
     """An effect of one amplitude, from 0."""
     size = Parameter("size", 0.0, unit, (0.0, largest), "how much", off=0.0)
@@ -117,6 +123,17 @@ def effect(name, function, largest, unit):
 HARDENING = effect("hardening", hardening, 6000.0, "N/m^3")
 TURBULENCE = effect("turbulence", turbulence, 30.0, "N s^2/m^2")
 TWIN = effect("twin", turbulence, 30.0, "N s^2/m^2")
+WAVES = Effect(
+    "washboard", "made for a test", "F += size sin(2 pi count x)", "none (2026)",
+    (
+        Parameter("size", 0.0, "N", (0.0, 5.0), "how much", off=0.0),
+        Parameter("count", 5.0, "1/m", (1.0, 60.0), "waves", tried=tuple(map(float, range(1, 40)))),
+    ),
+    (Term(washboard, ("force",)),),
+)  # fmt: skip
+WAVES_OF_23 = replace(
+    WAVES, parameters=(WAVES.parameters[0], replace(WAVES.parameters[1], value=23.0))
+)
 GUST = effect("gust", gust, 5.0, "N")
 KNOWN = {each.name: each for each in (HARDENING, TURBULENCE)}
 
@@ -398,6 +415,12 @@ def test_noise_without_repeats_is_how_rough_samples_are():
     levels = white_levels(groups[0], {})
     per_bin = 2e-3 / np.sqrt(groups[0].recording.time.size / groups[0].bins)
     assert levels["position"] == pytest.approx(per_bin, rel=0.15)
+
+
+def test_a_shape_that_is_a_count_is_found():
+    verdict = found(1, ((WAVES_OF_23, 0.05),), {"washboard": WAVES})
+    assert verdict.effects == ["washboard"]
+    assert verdict.parameters["washboard.count"]["value"] == pytest.approx(23.0, abs=0.2)
 
 
 def test_shapes_lie_inside_the_bounds():

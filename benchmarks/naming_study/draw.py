@@ -2,17 +2,17 @@
 
 Sizes lie log-uniform between half and five times the smallest detectable one (u), never beyond the
 physical range. A size that no oracle detects within that range is drawn near its end, and counts as
-nothing nameable. What tells where or how fast an effect acts is drawn over its range.
+nothing nameable. What tells where or how fast an effect acts has one of the shapes that the oracle
+was asked about, so that u is that of what is hidden.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.naming_study.frozen import smallest
+from benchmarks.naming_study.frozen import Smallest, smallest
 from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
 from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
-from benchmarks.truth.size import Size
 
 PLANS: dict[str, Protocol] = {
     **PROTOCOLS,
@@ -28,7 +28,6 @@ MENU = {
 LEAST, MOST = 0.5, 5.0  # times u
 PAIRED = 2.0  # times u, of each of a pair, at least
 SLACK = (1e-3, 6e-3)  # m, in free closures like the paper's figure 7
-WHOLE = ("cycles", "joint", "finger")  # parameters that are counts
 STREAM = 41  # of random numbers
 
 
@@ -68,8 +67,7 @@ def drawn(what: str, protocol: str, seed: int) -> Drawn:
     first = names[seed % len(names)]
     if what != "pair":
         return _hidden([first], protocol, LEAST, rng)
-    u = smallest(protocol)
-    seen = [name for name in names if u[name] is not None]
+    seen = [name for name in names if _shapes(name, protocol, PAIRED)]
     first = seen[seed % len(seen)]
     others = [name for name in seen if name.partition(".")[0] != first.partition(".")[0]]
     return _hidden([first, str(rng.choice(others))], protocol, PAIRED, rng)
@@ -95,26 +93,21 @@ def _hidden(names: list[str], protocol: str, least: float, rng: np.random.Genera
     hidden: dict[str, float] = {}
     times: dict[str, float | None] = {}
     for name in names:
-        u, size = smallest(protocol)[name], SIZES[name]
+        size, known = SIZES[name], _shapes(name, protocol, least if len(names) > 1 else 0.0)
+        drawn = known[rng.integers(len(known))]
+        u = drawn.u
         low, high = (0.3 * size.high, size.high) if u is None else (least * u, MOST * u)
         amount = _log(rng, min(low, size.high), min(high, size.high))
         times[name] = None if u is None else amount / u
         hidden[name] = amount * (rng.choice([-1.0, 1.0]) if size.low < 0.0 else 1.0)
-        hidden |= _shapes(name.partition(".")[0], rng)
+        hidden |= drawn.shape
     return Drawn(hidden, times)
 
 
-def _shapes(effect: str, rng: np.random.Generator) -> dict[str, float]:
-    names = [n for n, s in SIZES.items() if n.partition(".")[0] == effect and not s.amplitude]
-    return {name: _shape(name.partition(".")[2], SIZES[name], rng) for name in names}
-
-
-def _shape(name: str, size: Size, rng: np.random.Generator) -> float:
-    if name in WHOLE:
-        return float(rng.integers(round(size.low), round(size.high) + 1))
-    if size.low > 0.0:
-        return _log(rng, size.low, size.high)
-    return float(rng.uniform(size.low, size.high))
+def _shapes(name: str, protocol: str, times: float) -> list[Smallest]:
+    """Shapes of an effect; of a pair those that may be so many times u within the range."""
+    known, most = smallest(protocol)[name], SIZES[name].high
+    return [s for s in known if not times or (s.u is not None and times * s.u <= most)]
 
 
 def _log(rng: np.random.Generator, low: float, high: float) -> float:

@@ -2,6 +2,8 @@
 
 import hashlib
 import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -10,16 +12,28 @@ from benchmarks.oracle import FROZEN
 ORACLE = {"poor": "poor", "poor, duty": "poor", "rich": "rich"}
 
 
+@dataclass(frozen=True)
+class Smallest:
+    """u: smallest detectable size (SI), None beyond the physical range; shape: by full name."""
+
+    u: float | None
+    shape: Mapping[str, float]
+
+
 @cache
-def smallest(protocol: str, file: Path = FROZEN) -> dict[str, float | None]:
-    """u by full name (SI); None: beyond the physical range.
+def smallest(protocol: str, file: Path = FROZEN) -> dict[str, list[Smallest]]:
+    """By full name of an amplitude, one for each shape that its effect was asked about in.
 
     Where duty is logged the poor protocol keeps the sizes it has without: the same cases, told
     more.
     """
     table = tomllib.loads(file.read_text(encoding="utf-8"))[ORACLE[protocol]]
     return {
-        name: each["u"] if isinstance(each["u"], float) else None for name, each in table.items()
+        name: [
+            Smallest(each["u"] if isinstance(each["u"], float) else None, each.get("shape", {}))
+            for each in entries
+        ]
+        for name, entries in table.items()
     }
 
 

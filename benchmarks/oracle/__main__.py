@@ -2,8 +2,8 @@
 
 python -m benchmarks.oracle --resume
 
-Some twenty minutes on one core; --resume keeps what an interrupted call has simulated, as long as
-the truth is the same.
+Where an effect has shapes, of each (see `shapes`). Some forty minutes on one core; --resume keeps
+what an interrupted call has simulated, as long as the truth is the same.
 """
 
 import argparse
@@ -21,6 +21,7 @@ from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import FALSE_ALARM, POWER, Discriminant
 from benchmarks.oracle.likeness import expected
 from benchmarks.oracle.search import smallest
+from benchmarks.oracle.shapes import Shape, shapes
 from benchmarks.oracle.store import Store, digest
 from benchmarks.truth.campaign import Spread
 from benchmarks.truth.effects import SIZES
@@ -30,6 +31,7 @@ from hannes.files import write_text
 KEPT = Path("results/benchmarks/oracle")
 EMPTIES, HANDS = 200, 3
 BEYOND = "beyond the physical range"
+Entries = dict[str, list[dict]]  # of each amplitude, by shape
 
 
 def discriminant(bench: Bench, empties: int) -> Discriminant:
@@ -38,25 +40,29 @@ def discriminant(bench: Bench, empties: int) -> Discriminant:
     return Discriminant(np.array(made), expected(bench, Spread()))
 
 
-def entry(bench: Bench, test: Discriminant, name: str, hands: int, begin: float | None) -> dict:
-    """One effect of one protocol, as the file has it."""
-    found, size = smallest(name, bench, test, hands, begin), SIZES[name]
+def entry(
+    bench: Bench, test: Discriminant, name: str, shape: Shape, hands: int, begin: float | None
+) -> dict:
+    """One shape of one effect of one protocol, as the file has it."""
+    found, size = smallest(name, shape, bench, test, hands, begin), SIZES[name]
     told = {"u": found.u, **(found.found if len(found.found) > 1 else {})}
     return {
         **{key: BEYOND if u is None else float(f"{u:.3g}") for key, u in told.items()},
         "unit": size.unit,
         "low": size.low,
         "high": size.high,
+        **({"shape": dict(shape)} if shape else {}),
     }
 
 
-def searched(bench: Bench, asked: argparse.Namespace, before: dict[str, dict]) -> dict[str, dict]:
+def searched(bench: Bench, asked: argparse.Namespace, before: Entries) -> Entries:
     """All effects of a protocol; the search begins where another protocol (`before`) ended."""
     test = discriminant(bench, asked.empties)
-    found = {}
-    for name in tqdm([name for name, size in SIZES.items() if size.amplitude], bench.name):
-        begin = before.get(name, {}).get("u", BEYOND)
-        found[name] = entry(bench, test, name, asked.hands, None if begin == BEYOND else begin)
+    found: Entries = {name: [] for name, size in SIZES.items() if size.amplitude}
+    for name, shape in tqdm([(n, s) for n in found for s in shapes(n)], bench.name):
+        known = [e["u"] for e in before.get(name, []) if e.get("shape", {}) == shape]
+        begin = next((u for u in known if u != BEYOND), None)
+        found[name].append(entry(bench, test, name, shape, asked.hands, begin))
     return found
 
 
@@ -87,7 +93,7 @@ def main() -> None:
     store = Store(KEPT / digest(Path(truth.__file__).parent))
     if not asked.resume:
         shutil.rmtree(store.folder, ignore_errors=True)
-    found: dict[str, dict] = {}
+    found: dict[str, Entries] = {}
     for protocol in PROTOCOLS:
         before = next(iter(found.values()), {})
         found[protocol] = searched(Bench(protocol, store), asked, before)

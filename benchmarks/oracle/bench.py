@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.oracle.features import BINS, names, vector
+from benchmarks.oracle.shapes import Shape, told
 from benchmarks.oracle.store import Store
 from benchmarks.truth.campaign import SHIPPED, Spread, make
 from benchmarks.truth.parameters import NOMINAL, flat
@@ -15,6 +16,7 @@ from benchmarks.truth.scatter import PLACES
 EXACTLY = Spread(0.0, "normal", 0.0, 0.0)
 EMPTY, HANDS, STILL = 1_000_000, 2_000_000, 3_000_000  # first seeds; no study has these
 STEP, PLACE_STEP, LATE = 0.02, 0.2e-3, 1e-3  # of a slope: relative; m; s
+NONE: Shape = {}
 CARRIED = ("wire_creep.rate",)  # what a run leaves to the next: no repeat may be left out
 
 
@@ -38,7 +40,7 @@ class Bench:
             f"empty-{number}", lambda: vector(make(self.whole, EMPTY + number), self.whole)
         )
 
-    def change(self, effect: str, size: float, number: int) -> np.ndarray:
+    def change(self, effect: str, size: float, number: int, shape: Shape = NONE) -> np.ndarray:
         """What an effect of this size changes in one hand's campaign, all noise the same."""
         plan = self.whole if effect in CARRIED else self.once
         kind = f"{'whole' if effect in CARRIED else 'once'}-{number}"
@@ -46,8 +48,9 @@ class Bench:
         def run(hidden: Mapping[str, float]) -> np.ndarray:
             return vector(make(plan, HANDS + number, hidden), plan)
 
-        told = f"{size:.6g}"
-        changed = self._kept(f"{effect}={told}-{kind}", lambda: run({effect: float(told)}))
+        rounded = f"{size:.6g}"
+        hidden = {effect: float(rounded), **shape}
+        changed = self._kept(f"{effect}={rounded}{told(shape)}-{kind}", lambda: run(hidden))
         return changed - self._kept(kind, lambda: run({}))
 
     def noise(self, count: int = 12) -> np.ndarray:
@@ -59,9 +62,9 @@ class Bench:
 
         of: the condition whose own object has the parameter; else the hand has it.
         """
-        told = f"slope-{name}{f'-{of.stem}' if of else ''}"
+        kept = f"slope-{name}{f'-{of.stem}' if of else ''}"
         step = PLACE_STEP if name in PLACES else STEP
-        return (self._kept(told, lambda: self._moved(name, of)) - self._still()) / step
+        return (self._kept(kept, lambda: self._moved(name, of)) - self._still()) / step
 
     def late(self) -> np.ndarray:
         """Change of one run's features per second that it starts late."""

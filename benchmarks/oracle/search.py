@@ -7,8 +7,8 @@ import numpy as np
 
 from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import Discriminant, needed
+from benchmarks.oracle.shapes import Shape
 from benchmarks.truth.effects import SIZES
-from benchmarks.truth.size import Size
 from hannes.errors import ComputationFailed
 
 NEAR = 1.12  # ratio within which the effect is as good as proportional to its size
@@ -24,8 +24,6 @@ Change = Callable[[float, int, int], np.ndarray]  # size, first hand, hands -> (
 class Smallest:
     """Smallest detectable sizes (SI, positive) by sign; None: beyond the physical range."""
 
-    name: str
-    size: Size
     found: dict[str, float | None]
 
     @property
@@ -36,7 +34,7 @@ class Smallest:
 
 
 def smallest(
-    name: str, bench: Bench, test: Discriminant, hands: int, begin: float | None = None
+    name: str, shape: Shape, bench: Bench, test: Discriminant, hands: int, begin: float | None
 ) -> Smallest:
     """Search both signs where the effect has both; from `begin` where given."""
     size = SIZES[name]
@@ -46,10 +44,10 @@ def smallest(
     for told, sign in signs.items():
 
         def change(u: float, first: int, count: int, sign: float = sign) -> np.ndarray:
-            return np.array([bench.change(name, sign * u, first + k) for k in range(count)])
+            return np.array([bench.change(name, sign * u, first + k, shape) for k in range(count)])
 
         found[told] = searched(change, test, size.high, begin or middle, hands)
-    return Smallest(name, size, found)
+    return Smallest(found)
 
 
 def searched(change: Change, test: Discriminant, most: float, u: float, hands: int) -> float | None:

@@ -65,7 +65,9 @@ def shapes(effect: Effect) -> list[dict[str, float]]:
     """What parameters that have no `off` are tried at, by full name [SI]."""
     free = [each for each in effect.parameters if each.off is None]
     count = SHAPES if len(free) == 1 else 3
-    tried = [np.unique([each.value, *_spread(*each.bounds, count - 1)]) for each in free]
+    tried = [
+        np.unique([each.value, *(each.tried or _spread(*each.bounds, count - 1))]) for each in free
+    ]
     names = [effect.full_name(each.name) for each in free]
     return [dict(zip(names, map(float, values), strict=True)) for values in product(*tried)]
 

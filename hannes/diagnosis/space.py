@@ -9,10 +9,11 @@ import numpy as np
 from hannes.diagnosis.groups import Group
 from hannes.diagnosis.settings import Settings
 from hannes.effect import Effect
+from hannes.parameter import Parameter
 from hannes.plant import Plant
 
-PARTS = 60.0  # of an effect's range that make one step along it
-LOOSE = 1e-3  # weight of an effect's size, per step: the recordings alone shall tell it
+PARTS = 60.0  # of a parameter's span that make one step along it
+LOOSE = 1e-3  # weight of an effect's size, per step of its range: recordings alone shall tell it
 
 
 @dataclass(frozen=True)
@@ -133,16 +134,31 @@ def _direction(plant: Plant, name: str, owner: str, value: float, scale: float) 
 
 
 def _of_effects(effects: Sequence[Effect]) -> list[Direction]:
-    return [
-        Direction(
-            effect.full_name(each.name),
-            "",
-            each.value if each.off is None else each.off,
-            (each.bounds[1] - each.bounds[0]) / PARTS,
-            *each.bounds,
-            LOOSE,
-            effect.name,
-        )
-        for effect in effects
-        for each in effect.parameters
-    ]
+    return [_of_effect(effect, each) for effect in effects for each in effect.parameters]
+
+
+def _of_effect(effect: Effect, parameter: Parameter) -> Direction:
+    """Along a parameter; held as lightly however short its steps are."""
+    low, high = parameter.bounds
+    span = _span(parameter)
+    centre = parameter.value if parameter.off is None else parameter.off
+    return Direction(
+        effect.full_name(parameter.name),
+        "",
+        centre,
+        span / PARTS,
+        low,
+        high,
+        LOOSE * (span / (high - low)) ** 2,
+        effect.name,
+    )
+
+
+def _span(parameter: Parameter) -> float:
+    """What an effect may be linear over, at a guess: its range, or from one value tried to another.
+
+    The mark of a count turns within less than one.
+    """
+    if len(parameter.tried) > 1:
+        return float(np.diff(np.sort(parameter.tried)).min())
+    return parameter.bounds[1] - parameter.bounds[0]
