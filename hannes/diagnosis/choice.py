@@ -11,6 +11,7 @@ from hannes.diagnosis.remainder import hangs_together
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
 AGAINST = 4.0  # misfit of recordings held out that a name may add to
+FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
 
@@ -95,9 +96,20 @@ def _clean(found: Found, trial: Trial, told: str) -> Choice:
         return _pair(found, trial, told)
     rivals = near(trial, found.trials)
     if not rivals:
-        return Choice("named", trial.effects, told, trial.point)
+        more = _faintly(found, trial)
+        kind = "named_with_remainder" if more else "named"
+        return Choice(kind, trial.effects, told + more, trial.point)
     names = (*trial.effects, *(each.effects[0] for each in rivals))
     return Choice("one_of", names, f"{told}; {_nearest(rivals)}", trial.point)
+
+
+def _faintly(found: Found, trial: Trial) -> str:
+    """What is left after a single effect, too little to be named, or an empty string."""
+    rest = found.rest
+    if rest is None or rest.gain / found.unit < max(FURTHER, 0.5 * SHARE * trial.gain):
+        return ""
+    name = rest.effect.replace("_", " ")
+    return f"; {rest.gain / found.unit:.0f} more would go with {name}, too little to name it"
 
 
 def _pair(found: Found, trial: Trial, told: str) -> Choice:

@@ -21,10 +21,10 @@ ROUNDS = 3  # of slopes anew, at most, until the base has settled
 SHORT = 5  # effects of each screening that are refitted
 FINAL = 3  # of these, refitted with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
-FAINT = 8.0  # a guess that gains less is not refitted
+FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
-LIMIT = 16.0  # gain of an effect that is named; empty hands of development reach 8
-PRICE = 6.0  # of each further parameter of an effect: the more shapes, the more it fits by chance
+LIMIT = 12.0  # gain of an effect that is named; empty hands of development reach 8
+PRICE = 6.0  # of each parameter of an effect beyond its first: the more it has, the more it fits
 RIVAL = 10.0  # a rival within so much of the best gain is not told from it
 CLOSE = 0.04  # of the best gain: so near a rival may come by what no model has right
 SHARE = 0.02  # of the first effect's gain that a second one needs
@@ -105,7 +105,7 @@ def investigate(
     trials = _refitted(base, starts, told)
     unit = max(1.0, min([base.misfit, *(t.point.misfit for t in trials)]) / base.miss.size)
     trials = sorted(
-        (replace(each, gain=priced(base, each.point, unit)) for each in trials),
+        (replace(each, gain=priced(base, each, unit)) for each in trials),
         key=lambda each: -each.gain,
     )
     found = Found(given, base, guesses, _with_likeness(base, guesses, trials), None, None, unit)
@@ -147,10 +147,10 @@ def _ticking(point: Point, name: str) -> Point:
     return point if there is None else fitted(there, 5)
 
 
-def priced(base: Point, point: Point, unit: float) -> float:
-    """Misfit that a point has less than the base, less the price of its further parameters."""
-    further = point.active.size - base.active.size - 1
-    return (base.misfit - point.misfit) / unit - PRICE * further
+def priced(base: Point, trial: Trial, unit: float) -> float:
+    """Misfit that a trial has less than the base, less the price of its effects' parameters."""
+    further = trial.point.active.size - base.active.size - len(trial.effects)
+    return (base.misfit - trial.point.misfit) / unit - PRICE * further
 
 
 def joined(start: Point, guess: Guess) -> Point | None:
@@ -171,7 +171,7 @@ def _second(found: Found, told: Told) -> Found:
         return replace(found, rest=guesses[0] if guesses else None)
     pairs = _paired(found, [(best, guess) for guess in guesses[:2]], told)
     if not pairs or pairs[0].gain - best.gain < needed:
-        return replace(found, rest=next(iter(guesses[2:]), None))  # the refits refute the others
+        return replace(found, rest=_refuted(best, guesses, pairs, found.unit))
     later = _without_first(found, pairs[0], told)
     if later is not None and pairs[0].gain - later.gain < needed:
         others = [each for each in found.trials if each.effects != later.effects]
@@ -186,6 +186,13 @@ def _second(found: Found, told: Told) -> Found:
     return replace(found, pair=pairs[0], other_pairs=tuple(pairs[1:]), rest=rest)
 
 
+def _refuted(best: Trial, guesses: list[Guess], pairs: list[Trial], unit: float) -> Guess | None:
+    """The best guess of what is left after the best effect, where refits beside it gain less."""
+    gains = {each.effects[-1]: (each.gain - best.gain) * unit for each in pairs}
+    rest = [replace(g, gain=gains.get(g.effect, 0.0)) for g in guesses[:2]] + guesses[2:]
+    return max(rest, key=lambda each: each.gain, default=None)
+
+
 def _paired(found: Found, starts: Sequence[tuple[Trial, Guess]], told: Told) -> list[Trial]:
     """A second effect beside one, refitted together, from each start; best first."""
     pairs = []
@@ -194,8 +201,8 @@ def _paired(found: Found, starts: Sequence[tuple[Trial, Guess]], told: Told) -> 
         point = joined(one.point, guess)
         if point is not None:
             point = fitted(_ticking(fitted(point, 4), guess.effect), 4, anew=1)
-            gain = priced(found.base, point, found.unit)
-            pairs.append(Trial((*one.effects, guess.effect), point, gain))
+            pair = Trial((*one.effects, guess.effect), point, 0.0)
+            pairs.append(replace(pair, gain=priced(found.base, pair, found.unit)))
     return sorted(pairs, key=lambda each: -each.gain)
 
 
@@ -217,14 +224,15 @@ def _without_first(found: Found, pair: Trial, told: Told) -> Trial | None:
     if point is None:
         return None
     point = fitted(point, 4, anew=1)
-    trial = Trial((second,), point, priced(found.base, point, found.unit))
+    trial = Trial((second,), point, 0.0)
+    trial = replace(trial, gain=priced(found.base, trial, found.unit))
     return _with_likeness(found.base, found.guesses, [trial])[0]
 
 
 def _others(point: Point, present: tuple[str, ...]) -> list[Guess]:
     """Guesses for all other effects, the price of their parameters off their gain."""
     names = [name for name in point.ground.model.space.effects if name not in present]
-    found = [replace(g, gain=g.gain - PRICE * len(g.places)) for g in screened(point, names)]
+    found = [replace(g, gain=g.gain - PRICE * (len(g.places) - 1)) for g in screened(point, names)]
     return sorted(found, key=lambda each: -each.gain)
 
 
