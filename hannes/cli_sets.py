@@ -143,7 +143,10 @@ def _train(chosen: argparse.Namespace) -> None:
         _print_json({"out": out, **told})
         return
     print(f"learnt from {told['grasps']} grasps of {told['title']}")
-    for key, words in (("kept_scores", "kept grasps"), ("test_scores", "held-back grasps")):
+    for key, words in (
+        ("unseen_scores", "grasps, each told by trees that had not seen it"),
+        ("test_scores", "held-back grasps"),
+    ):
         if found := told.get(key):
             print(
                 f"  {found['grasps']} {words}: {100 * found['windows_right']:.1f} % of windows and "

@@ -9,9 +9,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from sklearn.ensemble import RandomForestClassifier, RandomForestRegressor
+from sklearn.ensemble import RandomForestRegressor
 from sklearn.model_selection import GridSearchCV
 from sklearn.pipeline import Pipeline
+from sklearn.tree import DecisionTreeClassifier
 
 from hannes.cli import main
 from hannes.dataset.make import make
@@ -19,7 +20,8 @@ from hannes.dataset.read import read
 from hannes.dataset.spec import read_spec
 from hannes.errors import BadInput
 from hannes.recognition import model_file
-from hannes.recognition.calibrated import least_sure
+from hannes.recognition.bagging import Rows, bagged
+from hannes.recognition.calibrated import _band, least_sure
 from hannes.recognition.cut import Cut
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
 from hannes.recognition.evaluate import delay, f1
@@ -127,15 +129,43 @@ def test_a_recording_of_another_sampling_is_understood(arrays, trained):
 def test_compiled_trees_equal_those_of_scikit_learn():
     rng = np.random.default_rng(0)
     rows = rng.standard_normal((3000, 6)).astype(np.float32)
-    classes = (rows[:, 0] + rows[:, 1] * rows[:, 2] > 0.0).astype(int)
-    bag = RandomForestClassifier(40, random_state=1).fit(rows[:2000], classes[:2000])
-    told = of_sklearn(bag).check(6)(rows)
-    assert np.allclose(told, bag.predict_proba(rows)[:, 1], rtol=0.0, atol=1e-12)
-    assert np.array_equal(told > 0.5, bag.predict_proba(rows)[:, 1] > 0.5)
-    line = RandomForestRegressor(20, random_state=1).fit(rows[:2000], rows[:2000, 3])
-    assert np.allclose(of_sklearn(line)(rows), line.predict(rows), rtol=0.0, atol=1e-12)
+    line = RandomForestRegressor(21, random_state=1).fit(rows[:2000], rows[:2000, 3])
+    forest = of_sklearn(line.estimators_).check(6)
+    assert np.allclose(forest(rows), line.predict(rows), rtol=0.0, atol=1e-12)
     by_tree = np.array([each.predict(rows) for each in line.estimators_])
-    assert np.array_equal(of_sklearn(line).median(rows), np.median(by_tree, axis=0))
+    quartiles = np.percentile(by_tree, (25, 50, 75), axis=0).T
+    assert np.allclose(forest.quartiles(rows), quartiles, rtol=0.0, atol=1e-12)
+
+
+def test_trees_of_classes_split_as_scikit_learns_classifier_does():
+    rng = np.random.default_rng(0)
+    features = rng.standard_normal((60, 50, 6)).astype(np.float32)
+    classes = (features[:, 0, 0] > 0.0).astype(int)
+    rows, owner = features.reshape(-1, 6), np.repeat(np.arange(60), 50)
+    known = Rows(rows, classes[owner].astype(float), np.ones(3000), owner)
+    bag = bagged(known, 60, 8, 1.0, 3, 1, max_depth=4)
+    for tree, seen in zip(bag.trees, bag.seen, strict=True):
+        assert seen.sum() == round(0.632 * 60)
+        again = DecisionTreeClassifier(max_depth=4, random_state=tree.random_state)
+        again.fit(features[seen].reshape(-1, 6), np.repeat(classes[seen], 50))
+        assert np.allclose(tree.predict(rows), again.predict_proba(rows)[:, 1], atol=1e-9)
+
+
+def test_what_is_told_unseen_is_told_by_trees_that_have_not_seen_the_grasp():
+    rng = np.random.default_rng(0)
+    features = rng.standard_normal((40, 3)).astype(np.float32)
+    rows = Rows(features, rng.standard_normal(40), np.ones(40), np.repeat(np.arange(20), 2))
+    bag = bagged(rows, 20, 30, 1.0, 1, 1)
+    told, owner = bag.mean_unseen(features, rows.owner), rows.owner
+    middle = bag.quartiles_unseen(features, owner)
+    for k in range(40):
+        others = [t for t, seen in zip(bag.trees, bag.seen, strict=True) if not seen[owner[k]]]
+        values = [t.predict(features[k : k + 1])[0] for t in others]
+        assert 0 < len(values) < 30 and told[k] == pytest.approx(np.mean(values))
+        assert middle[k] == pytest.approx(np.percentile(values, (25, 50, 75)))
+    seen = np.mean([t.predict(features) for t in bag.trees], axis=0)
+    miss, honest = (np.abs(each - rows.target).mean() for each in (seen, told))
+    assert miss < 0.5 * honest  # trees grown to single samples know what they have seen
 
 
 def test_the_peak_is_told_by_the_median_over_trees(arrays, trained):
@@ -143,9 +173,18 @@ def test_the_peak_is_told_by_the_median_over_trees(arrays, trained):
     told = model.tell(grasp)
     rows = model.cut.features(model.cut.samples(grasp)[np.newaxis])[0]
     last = np.flatnonzero(told.held)[-1]
-    assert told.peak_force.value == np.exp(model.force.median(rows)[last])
+    assert told.peak_force.value == np.exp(model.force.quartiles(rows)[last, 1])
     means = np.exp(model.force(rows))[told.held]
     assert (means != told.force[told.held]).any()
+
+
+def test_an_interval_is_wider_where_trees_lie_further_apart():
+    rng = np.random.default_rng(0)
+    apart, true = rng.uniform(0.1, 1.0, 4000), np.full(4000, 20.0)
+    band = _band(true * np.exp(-0.3 * apart * rng.standard_normal(4000)), true, apart)
+    for x in (0.3, 0.8):
+        low, high = band(20.0, x)
+        assert np.log(high / low) == pytest.approx(2.0 * 1.96 * 0.3 * x, rel=0.1)
 
 
 def test_one_decision_takes_well_under_a_millisecond(arrays, trained):
@@ -174,7 +213,8 @@ def test_pipelines_and_grid_search_work(arrays):
 
 def test_a_grasp_of_the_hand_is_told(arrays, trained):
     model, told = trained
-    assert told["grasps"] + told["kept"] == 80 and told["test_scores"]["grasps"] == 20
+    assert told["grasps"] == told["unseen_scores"]["grasps"] == 80
+    assert told["test_scores"]["grasps"] == 20
     assert told["test_scores"]["grasps_right"] >= 0.95
     assert told["test_scores"]["peak_force_error_percent"] < 15.0
     soft, rigid = model.tell(recording(arrays, 2)), model.tell(recording(arrays, 70))
@@ -333,12 +373,11 @@ def test_the_papers_formula_for_an_object_of_one_class():
 
 
 def test_intervals_of_a_design_without_grasps_to_spare_are_those_of_grasps_not_learnt(tmp_path):
-    """Trees grown to single samples tell of what they learnt from as if nothing were uncertain."""
+    """Trees grown to a few samples tell of what they learnt from as if nothing were uncertain."""
     few, one = tmp_path / "few.h5", tmp_path / "one.h5"
     make(read_spec(TEXT.replace("draws = 20", "draws = 5")), few, workers=1)
-    model, told = train(few, trees=40, jobs=1)
-    assert told["kept"] == 0
-    low, high = model.force_band(50.0)
+    model, _ = train(few, trees=40, jobs=1)
+    low, high = model.force_band(50.0, 0.1)
     assert low < 49.0 and high > 51.0
     single = TEXT.replace(', "15 kN/m"', "").replace("draws = 20", "draws = 1")
     make(read_spec(single), one, workers=1)
@@ -349,7 +388,7 @@ def test_intervals_of_a_design_without_grasps_to_spare_are_those_of_grasps_not_l
 def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["train", str(data), "--out", "model.h5", "--trees", "8", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["kept"] == 16
+    assert json.loads(capsys.readouterr().out)["unseen_scores"]["grasps"] == 80
     for k in (2, 3, 70, 71):
         recording(arrays, k).write(tmp_path / f"{'soft' if k < 40 else 'hard'}-{k}.h5")
     Path("evaluation.toml").write_text(
@@ -361,7 +400,7 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
     told = json.loads(capsys.readouterr().out)
     assert told == json.loads(Path("scores/evaluation.json").read_text())
     assert told["f1_grasps"] == 1.0 and told["f1_windows"] > 0.9
-    assert [row["grasps"] for row in told["learning_curve"]] == [64]
+    assert [row["grasps"] for row in told["learning_curve"]] == [80]
     assert told["learning_curve"][0]["f1_grasps"] == 1.0
     assert main(["evaluate", "model.h5", "soft-2.h5"]) == 0
     assert re.match(r"soft .*\n  stiffness .* N/m .*\n  peak grip", capsys.readouterr().out)

@@ -1,48 +1,61 @@
 """What a model's answers proved to be worth on grasps that it had not learnt from."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hannes.recognition.grasps import Grasps, held
+from hannes.recognition.grasps import Grasps, held, last_held
 from hannes.recognition.model import Band, Calibration, Model, grasp_peak, grasp_stiffness
 
-BINS = 6  # of an interval's width along the estimate
+BINS = 6  # of an interval's width
 FOLDS = 5
+Told = Callable[[np.ndarray, np.ndarray], np.ndarray]  # rows, grasp of each -> of each row
 GRID, WIDTH = np.round(np.arange(0.5, 0.71, 0.01), 2), 0.02  # of confidence
 
 
 @dataclass(frozen=True)
 class Answers:
-    """What a model tells of n grasps that it has not learnt from.
+    """What is told of n grasps by what has not learnt from them.
 
-    rigid: of its forest, by window, NaN where it is not scored, shape (n, windows); stiffness [N/m]
-    and peak force [N], shape (n,), NaN where nothing was held.
+    rigid: of the forest, by window, NaN where there is none, shape (n, windows); stiffness [N/m]
+    and peak force [N], and how far quartiles of its logarithm lie apart, shape (n,), NaN where
+    nothing was held.
     """
 
     rigid: np.ndarray
     stiffness: np.ndarray
     peak: np.ndarray
+    apart: np.ndarray
 
 
 def answers(model: Model, known: Grasps) -> Answers:
-    """What `model` tells of grasps."""
-    rigid = np.full(known.scored.shape, np.nan)
-    rigid[known.scored] = model.rigid(known.features[known.scored])
-    return Answers(rigid, *estimates(model, known))
+    """What `model` tells of grasps that it has not learnt from."""
+    return answered(
+        known,
+        lambda rows, owner: model.rigid(rows),
+        lambda rows, owner: model.stiffness(rows),
+        lambda rows, owner: model.force.quartiles(rows),
+    )
 
 
-def joined(parts: Sequence[Answers], places: Sequence[np.ndarray]) -> Answers:
-    """Answers on parts of some grasps as those on all; `places` say which each part is of."""
-    order = np.argsort(np.concatenate(places))
-    names = [each.name for each in fields(Answers)]
-    return Answers(*(np.concatenate([getattr(p, name) for p in parts])[order] for name in names))
+def answered(known: Grasps, rigid: Told, log_stiffness: Told, log_force: Told) -> Answers:
+    """Answers from what is told of rows of features, and of which grasp each is."""
+    there, some = ~np.isnan(known.features[..., 0]), held(known.features)
+    windows, logs = np.full(there.shape, np.nan), np.full(there.shape, np.nan)
+    windows[there] = rigid(known.features[there], np.nonzero(there)[0])
+    logs[some] = log_stiffness(known.features[some], np.nonzero(some)[0])
+    stiffness, peak, apart = (np.full(len(some), np.nan) for _ in range(3))
+    found, last = np.flatnonzero(some.any(axis=1)), last_held(known.features)
+    stiffness[found] = [grasp_stiffness(logs[k], some[k]) for k in found]
+    forces = log_force(known.features[found, last[found]], found)
+    peak[found], apart[found] = np.transpose([grasp_peak(each) for each in forces])
+    return Answers(windows, stiffness, peak, apart)
 
 
 def calibrated(model: Model, known: Grasps, told: Answers) -> Model:
     """The model with its probabilities and intervals as they proved on grasps not learnt from."""
-    used = known.scored
+    used = known.scored & np.isfinite(told.rigid)
     raw = told.rigid[used]
     classes = np.repeat(known.rigid, used.sum(axis=1)).astype(float)
     if np.unique(classes).size == 2:
@@ -51,8 +64,8 @@ def calibrated(model: Model, known: Grasps, told: Answers) -> Model:
         model = replace(model, calibration=points, sure=least_sure(raw, classes, owner))
     return replace(
         model,
-        stiffness_band=_band(told.stiffness, known.stiffness),
-        force_band=_band(told.peak, known.peak),
+        stiffness_band=_band(told.stiffness, known.stiffness, np.log(told.stiffness)),
+        force_band=_band(told.peak, known.peak, told.apart),
     )
 
 
@@ -89,20 +102,10 @@ def _least_share(right: np.ndarray, owner: np.ndarray) -> float:
     return float(share - 1.645 * np.sqrt((off**2).sum()) / right.size)
 
 
-def estimates(model: Model, known: Grasps) -> tuple[np.ndarray, np.ndarray]:
-    """Stiffness [N/m] and peak force [N] of each grasp, NaN where nothing was held."""
-    stiffness, peak = np.full(known.rigid.size, np.nan), np.full(known.rigid.size, np.nan)
-    for k, (rows, some) in enumerate(zip(known.features, held(known.features), strict=True)):
-        if some.any():
-            stiffness[k] = grasp_stiffness(model.stiffness(rows), some)
-            peak[k] = grasp_peak(model.force.median(rows), some)
-    return stiffness, peak
-
-
-def _band(estimate: np.ndarray, true: np.ndarray) -> Band:
-    """Where the truth lies about an estimate, from 2.5 to 97.5 %, along the estimate."""
+def _band(estimate: np.ndarray, true: np.ndarray, x: np.ndarray) -> Band:
+    """Where the truth lies about an estimate, from 2.5 to 97.5 %, along x."""
     found = np.isfinite(estimate)
-    at, off = np.log(estimate[found]), np.log(true[found] / estimate[found])
+    at, off = x[found], np.log(true[found] / estimate[found])
     bins = min(BINS, max(1, at.size // 40))
     order = np.argsort(at)
     parts = [part for part in np.array_split(order, bins) if part.size]

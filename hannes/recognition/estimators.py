@@ -12,12 +12,11 @@ from typing import Any, Self
 
 import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin, TransformerMixin
-from sklearn.ensemble import RandomForestClassifier
 
 from hannes.errors import BadInput
+from hannes.recognition.bagging import Rows, bagged
 from hannes.recognition.cut import Cut, Samples
 from hannes.recognition.features import NAMES
-from hannes.recognition.forest import Forest, of_sklearn
 
 SINCE = NAMES.index("since")
 
@@ -53,15 +52,16 @@ class WindowFeatures(TransformerMixin, BaseEstimator):
 class BaggedTrees(ClassifierMixin, BaseEstimator):
     """Bagged decision trees, each split among a random choice of features; a vote a window.
 
-    `trees`: how many; `leaf`: least windows of a leaf; `share`: of all windows, drawn for each
-    tree; `seed`; `jobs`: as scikit-learn's. A grasp's probability is the mean over its windows.
+    `trees`: how many; `leaf`: least windows of a leaf; `share`: of the windows of its grasps that a
+    tree learns from; `seed`; `jobs`: as joblib's. A grasp's probability is the mean over its
+    windows.
     """
 
     def __init__(
         self,
         trees: int = 100,
         leaf: int = 20,
-        share: float = 0.3,
+        share: float = 0.5,
         seed: int = 0,
         jobs: int | None = None,
     ) -> None:
@@ -76,29 +76,25 @@ class BaggedTrees(ClassifierMixin, BaseEstimator):
         if set(np.unique(labels)) - {0, 1}:
             raise BadInput("expected the classes 0 (soft) and 1 (rigid)")
         used = touched(X) if scored is None else np.asarray(scored) & ~np.isnan(X[..., 0])
-        rows, classes = X[used], np.repeat(labels, used.sum(axis=1))
+        owner = np.nonzero(used)[0]
+        classes = labels[owner].astype(float)
         if np.unique(classes).size < 2:
             raise BadInput("expected windows of soft and of rigid objects to learn from")
         self.classes_ = np.array([0, 1])
-        self.forest_ = RandomForestClassifier(
-            self.trees,
-            min_samples_leaf=self.leaf,
-            max_samples=self.share,
-            random_state=self.seed,
-            n_jobs=self.jobs,
-        ).fit(rows, classes)
+        rows = Rows(X[used], classes, np.ones(owner.size), owner)
+        how = {"min_samples_leaf": self.leaf, "max_features": "sqrt"}
+        self.bagged_ = bagged(
+            rows, labels.size, self.trees, self.share, self.seed, self.jobs, **how
+        )
+        self.forest_ = self.bagged_.forest()
         return self
-
-    def arrays(self) -> Forest:
-        """The fitted trees as plain arrays."""
-        return of_sklearn(self.forest_)
 
     def window_proba(self, X: np.ndarray) -> np.ndarray:
         """Probability of rigid in each window, shape (grasps, windows); NaN where there is none."""
         known = ~np.isnan(X[..., 0])
         told = np.full(X.shape[:2], np.nan)
         if known.any():
-            told[known] = self.forest_.predict_proba(X[known])[:, 1]
+            told[known] = self.forest_(X[known])
         return told
 
     def predict_proba(self, X: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Bagged trees as plain arrays, and their prediction compiled."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,13 +42,18 @@ def mean(starts, left, right, feature, threshold, value, rows, out):
 
 
 @entry
-def median(starts, left, right, feature, threshold, value, rows, out):
-    """Fill `out` (m,) with the median over trees of what they tell of rows (m, features)."""
+def quartiles(starts, left, right, feature, threshold, value, rows, out):
+    """Fill `out` (m, 3) with the quartiles over trees of what they tell of rows (m, features)."""
     told = np.empty(starts.size - 1)
     for row in range(rows.shape[0]):
         for tree in range(told.size):
             told[tree] = leaf(tree, starts, left, right, feature, threshold, value, rows[row])
-        out[row] = np.median(told)
+        told.sort()
+        for k in range(3):
+            place = 0.25 * (k + 1) * (told.size - 1)
+            low = int(place)
+            high = min(low + 1, told.size - 1)
+            out[row, k] = told[low] + (place - low) * (told[high] - told[low])
 
 
 @dataclass(frozen=True)
@@ -63,19 +69,19 @@ class Forest:
 
     def __call__(self, rows: np.ndarray) -> np.ndarray:
         """Mean over trees for rows (m, features), shape (m,): what scikit-learn predicts."""
-        return self._over(mean, rows)
+        return self._over(mean, rows, (len(rows),))
 
-    def median(self, rows: np.ndarray) -> np.ndarray:
-        """Median over trees for rows (m, features), shape (m,).
+    def quartiles(self, rows: np.ndarray) -> np.ndarray:
+        """Quartiles over trees for rows (m, features), shape (m, 3).
 
-        Trees grown to single samples spread as widely as what was learnt of such rows does, and a
+        Trees grown to a few samples spread as widely as what was learnt of such rows does, and a
         few that saw another kind do not pull their median (Meinshausen 2006).
         """
-        return self._over(median, rows)
+        return self._over(quartiles, rows, (len(rows), 3))
 
-    def _over(self, across: Any, rows: np.ndarray) -> np.ndarray:
+    def _over(self, across: Any, rows: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+        out = np.empty(shape)
         rows = np.ascontiguousarray(rows, np.float32)
-        out = np.empty(rows.shape[0])
         across(*(getattr(self, name) for name in FIELDS), rows, out)
         return out
 
@@ -115,23 +121,16 @@ FIELDS: dict[str, np.dtype] = {
 NODES = tuple(FIELDS)[1:]
 
 
-def of_sklearn(fitted: Any) -> Forest:
-    """The arrays of a fitted forest of scikit-learn: of a regressor, or of two classes 0 and 1."""
-    trees = [each.tree_ for each in fitted.estimators_]
+def of_sklearn(fitted: Sequence[Any]) -> Forest:
+    """The arrays of fitted regression trees of scikit-learn."""
+    trees = [each.tree_ for each in fitted]
     sizes = [tree.node_count for tree in trees]
-    values = [_value(tree.value) for tree in trees]
     joined = {
         "starts": np.concatenate([[0], np.cumsum(sizes)]),
         "left": np.concatenate([tree.children_left for tree in trees]),
         "right": np.concatenate([tree.children_right for tree in trees]),
         "feature": np.concatenate([np.maximum(tree.feature, 0) for tree in trees]),
         "threshold": np.concatenate([tree.threshold for tree in trees]),
-        "value": np.concatenate(values),
+        "value": np.concatenate([tree.value[:, 0, 0] for tree in trees]),
     }
     return Forest(**{name: joined[name].astype(kind) for name, kind in FIELDS.items()})
-
-
-def _value(value: np.ndarray) -> np.ndarray:
-    """Share of class 1 in a leaf, or a regressor's mean."""
-    single = value[:, 0, :]
-    return single[:, 0] if single.shape[1] == 1 else single[:, 1] / single.sum(axis=1)

@@ -33,17 +33,19 @@ class Calibration:
 
 @dataclass(frozen=True)
 class Band:
-    """95 % interval about an estimate: log offsets below and above it, by log estimate."""
+    """95 % interval about an estimate: log offsets below and above it, along `x`.
+
+    x rises: the logarithm of the estimate, or the distance of a forest's quartiles about it.
+    """
 
     x: np.ndarray
     low: np.ndarray
     high: np.ndarray
 
-    def __call__(self, estimate: float) -> tuple[float, float]:
+    def __call__(self, estimate: float, x: float) -> tuple[float, float]:
         """Ends of the interval about an estimate (> 0), in its unit."""
-        at = np.log(estimate)
-        ends = np.interp(at, self.x, self.low), np.interp(at, self.x, self.high)
-        return float(np.exp(at + ends[0])), float(np.exp(at + ends[1]))
+        ends = np.interp(x, self.x, self.low), np.interp(x, self.x, self.high)
+        return float(estimate * np.exp(ends[0])), float(estimate * np.exp(ends[1]))
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,7 @@ class Model:
 
     Force is the median over its trees: shape and place of what is held are unknown, and the few
     trees that saw a prism, which gives another force at the same current, do not pull a median.
+    Its interval goes by how far the trees' quartiles lie apart, that of stiffness by the stiffness.
     `sure`: probability from which a class is told; below it the answer is "don't know".
     """
 
@@ -115,10 +118,10 @@ class Model:
         held = touched & (rows[:, RISE] > HELD)
         rigid = self.windows(rows)
         so_far = running(rigid, touched, self.cut.hop)
-        force = self.force.median(rows)
+        force = self.force.quartiles(rows)
         last = int(np.flatnonzero(held)[-1]) if held.any() else -1
         return Told(
-            time, rigid, so_far, np.where(held, np.exp(force), 0.0), touched, held,
+            time, rigid, so_far, np.where(held, np.exp(force[:, 1]), 0.0), touched, held,
             float(so_far[last]) if held.any() else 0.5, self.sure,
             self._stiffness(rows, held), self._peak(force, held),
         )  # fmt: skip
@@ -126,10 +129,14 @@ class Model:
     def _stiffness(self, rows: np.ndarray, held: np.ndarray) -> Estimate | None:
         if not held.any():
             return None
-        return estimated(grasp_stiffness(self.stiffness(rows), held), self.stiffness_band)
+        value = grasp_stiffness(self.stiffness(rows), held)
+        return Estimate(value, *self.stiffness_band(value, np.log(value)))
 
     def _peak(self, force: np.ndarray, held: np.ndarray) -> Estimate | None:
-        return estimated(grasp_peak(force, held), self.force_band) if held.any() else None
+        if not held.any():
+            return None
+        value, apart = grasp_peak(force[held][-1])
+        return Estimate(value, *self.force_band(value, apart))
 
 
 def grasp_stiffness(told: np.ndarray, held: np.ndarray) -> float:
@@ -138,14 +145,12 @@ def grasp_stiffness(told: np.ndarray, held: np.ndarray) -> float:
     return float(np.exp(np.median(some[some.size // 2 :])))
 
 
-def grasp_peak(told: np.ndarray, held: np.ndarray) -> float:
-    """One peak force [N] from the logarithms that windows tell of the most so far: the last's."""
-    return float(np.exp(told[held][-1]))
+def grasp_peak(quartiles: np.ndarray) -> tuple[float, float]:
+    """One peak force [N] and how far quartiles lie apart, from those of log force, shape (3,).
 
-
-def estimated(value: float, band: Band) -> Estimate:
-    """An estimate in its interval."""
-    return Estimate(value, *band(value))
+    They are of the last window in which something is held.
+    """
+    return float(np.exp(quartiles[1])), float(quartiles[2] - quartiles[0])
 
 
 def running(rigid: np.ndarray, touched: np.ndarray, hop: float) -> np.ndarray:

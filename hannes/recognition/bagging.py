@@ -1,0 +1,98 @@
+"""Bagged trees whose bags are of whole grasps.
+
+Windows of one grasp resemble each other, so a bag of windows leaves nothing unseen. Of a bag of
+grasps the others are unseen: what trees tell of grasps that are not in their bags is what the model
+is worth, with nothing kept from learning (out-of-bag estimates, Breiman 1996).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hannes.recognition.forest import Forest, of_sklearn
+
+SHARE = 0.632  # of the grasps that a tree learns from: what a bootstrap would draw
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Windows to learn from: features (m, features), target and weight (m,), grasp of each (m,)."""
+
+    features: np.ndarray
+    target: np.ndarray
+    weight: np.ndarray
+    owner: np.ndarray
+
+
+@dataclass(frozen=True)
+class Bagged:
+    """Fitted regression trees of scikit-learn, and which grasps each has seen, (trees, grasps)."""
+
+    trees: list[Any]
+    seen: np.ndarray
+
+    def forest(self) -> Forest:
+        """All trees as plain arrays."""
+        return of_sklearn(self.trees)
+
+    def mean_unseen(self, rows: np.ndarray, owner: np.ndarray) -> np.ndarray:
+        """Mean over trees that have not seen the grasp of a row (m, features), shape (m,)."""
+        total, count = np.zeros(len(rows)), np.zeros(len(rows))
+        for apart, told in self._unseen(rows, owner):
+            total[apart] += told
+            count[apart] += 1.0
+        return total / np.where(count > 0.0, count, np.nan)
+
+    def quartiles_unseen(self, rows: np.ndarray, owner: np.ndarray) -> np.ndarray:
+        """The same, quartiles over trees, shape (m, 3)."""
+        from warnings import catch_warnings, simplefilter
+
+        every = np.full((len(self.trees), len(rows)), np.nan)
+        for tree, (apart, told) in zip(every, self._unseen(rows, owner), strict=True):
+            tree[apart] = told
+        with catch_warnings():
+            simplefilter("ignore", RuntimeWarning)  # a grasp in every bag: NaN
+            return np.nanpercentile(every, (25, 50, 75), axis=0).T
+
+    def _unseen(
+        self, rows: np.ndarray, owner: np.ndarray
+    ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        rows = np.ascontiguousarray(rows, np.float32)
+        for tree, seen in zip(self.trees, self.seen, strict=True):
+            apart = ~seen[owner]
+            yield apart, tree.predict(rows[apart]) if apart.any() else np.zeros(0)
+
+
+def bagged(
+    rows: Rows, grasps: int, trees: int, thin: float, seed: int, jobs: int | None, **how: Any
+) -> Bagged:
+    """Trees that each learn from some of `grasps`, and from a share `thin` of their windows.
+
+    how: further arguments of scikit-learn's DecisionTreeRegressor. Of targets 0 and 1 such a tree
+    is the classifier that splits by Gini's impurity, which is twice their variance.
+    """
+    from joblib import Parallel, delayed
+
+    seeds = np.random.SeedSequence(seed).spawn(trees)
+    found = Parallel(n_jobs=jobs, prefer="threads")(
+        delayed(_grown)(rows, grasps, thin, each, how) for each in seeds
+    )
+    return Bagged([tree for tree, _ in found], np.array([seen for _, seen in found]))
+
+
+def _grown(
+    rows: Rows, grasps: int, thin: float, seed: np.random.SeedSequence, how: dict[str, Any]
+) -> tuple[Any, np.ndarray]:
+    from sklearn.tree import DecisionTreeRegressor
+
+    rng = np.random.default_rng(seed)
+    seen = np.zeros(grasps, bool)
+    seen[rng.permutation(grasps)[: max(1, round(SHARE * grasps))]] = True
+    some = np.flatnonzero(seen[rows.owner])
+    if thin < 1.0:
+        some = np.sort(rng.permutation(some)[: max(1, round(thin * some.size))])
+    tree = DecisionTreeRegressor(random_state=int(rng.integers(2**31)), **how)
+    tree.fit(rows.features[some], rows.target[some], rows.weight[some])
+    return tree, seen
