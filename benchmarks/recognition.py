@@ -4,7 +4,9 @@ Trained on simulated grasps only (shipped data sets: `large`, which bounds are f
 paper's design, and `seated`, which knows the bench), scored on the ten objects of Fig. 4 as the
 independent truth grasps them: other hands, slack and a gear loss hidden, sensor noise. Windows
 count from contact to release, at 5 % of the peak force. A decision stands in time where it is right
-from 150 ms after contact until release. Intervals are 95 % (bootstrap over grasps). Beside it:
+from 150 ms after contact until release. Intervals are 95 % (bootstrap over grasps). How often
+intervals of the peak force hold is asked of ninety objects drawn at random too, a third of them
+prisms: ten objects tell little of that. Beside it:
 trainings by other seeds, what a diagnosis is worth, MuJoCo's rollout, runs killed or short of disk,
 a cluster, damaged files, a held grasp. What is made on the way stays in results/recognition.
 """
@@ -25,12 +27,14 @@ from benchmarks.truth import objects
 from hannes import Experiment, Hand, Reference, Target, simulate_many
 from hannes.dataset.make import make
 from hannes.dataset.spec import load_spec
+from hannes.errors import ComputationFailed
 from hannes.recognition import model_file
 from hannes.recognition.evaluate import CLASSES, Subject, evaluate, learning_curve
 from hannes.recognition.train import curve, train
 
 OUT = Path("results/recognition")
 GRASPS, SEED = 12, 2026  # of each object
+STRANGERS, FEWER, OTHER = 90, 4, 4052  # objects drawn at random, grasps of each, seed
 SETS = ("eighteen", "large", "seated")
 SHARES = ("f1_windows", "f1_grasps", "f1_worst", "stable_in_time")
 SECONDS, MEMORY = 60.0, 1024.0  # of work for 10,000 grasps; MiB
@@ -50,6 +54,18 @@ def subjects(quick: bool) -> list[Subject]:
         )
         for each in objects.things()
     ]
+
+
+def strangers(quick: bool) -> list[Subject]:
+    """Objects drawn at random: ten, of which three are prisms, tell little of an interval."""
+    found = []
+    for k, each in enumerate(objects.strangers(9 if quick else STRANGERS, OTHER)):
+        try:
+            made = tuple(objects.grasp(each, (OTHER, k, n)) for n in range(FEWER))
+        except ComputationFailed:  # no hand holds it
+            continue
+        found.append(Subject(each.name, CLASSES.index(each.label), made))
+    return found
 
 
 def spread(model: Any, chosen: Sequence[Subject]) -> dict[str, dict[str, float]]:
@@ -104,7 +120,9 @@ def built(name: str) -> None:
     print(json.dumps({"clock_s": clock, "processor_s": own + others, "peak_MiB": peak_mib()}))
 
 
-def scores(name: str, quick: bool, chosen: Sequence[Subject]) -> tuple[list[Row], dict[str, Any]]:
+def scores(
+    name: str, quick: bool, chosen: Sequence[Subject], others: Sequence[Subject]
+) -> tuple[list[Row], dict[str, Any]]:
     """Train on a data set and score; rows by object."""
     model, known = train(
         OUT / f"{name}.h5", trees=20 if quick else 80, most=1000 if quick else None
@@ -126,14 +144,21 @@ def scores(name: str, quick: bool, chosen: Sequence[Subject]) -> tuple[list[Row]
               **averages({k: ends[k][end] for k in ends})} for end in ("low", "high")]  # fmt: skip
     rows += [{"what": f"{name}: since the first newton",
               "stable_in_150_ms_%": 100 * told["stable_in_time_of_a_newton"]}]  # fmt: skip
-    rows.append({"what": f"{name}: peak force", "off_%": told["force"]["median_error_percent"],
-                 **interval(told["force"]["errors_percent"]),
-                 "interval_holds_%": 100 * told["force"]["interval_holds"]})  # fmt: skip
+    drawn = evaluate(model, others)
+    rows += [forces(f"{name}: peak force", told), forces(f"{name}: of objects drawn", drawn)]
     if "test_scores" in known:
         held = known["test_scores"]
         right = {"windows_right_%": held["windows_right"], "grasps_right_%": held["grasps_right"]}
         rows.append({"what": f"{name}: held back", **{key: 100 * x for key, x in right.items()}})
-    return rows, {**told, "interval": ends}
+    return rows, {**told, "interval": ends, "drawn": drawn}
+
+
+def forces(what: str, told: dict[str, Any]) -> Row:
+    """How far off peak forces are, and how often their intervals hold them."""
+    found = told["force"]
+    return {"what": what, "off_%": found["median_error_percent"],
+            **interval(found["errors_percent"]),
+            "interval_holds_%": 100 * found["interval_holds"]}  # fmt: skip
 
 
 def averages(shares: dict[str, float]) -> Row:
@@ -176,7 +201,8 @@ def bounds(told: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) ->
     def above(name: str, value: float, bound: float, **more: float) -> Row:
         return must_show(name, value, bound, value >= bound) | more
 
-    error, holds = force["median_error_percent"], 100 * force["interval_holds"]
+    error, drawn = force["median_error_percent"], told["drawn"]["force"]
+    holds = 100 * drawn["interval_holds"]
     return [
         above("F1 per window, average, %", 100 * told["f1_windows"], 95, **ends["f1_windows"]),
         above("F1 per grasp, average, %", 100 * told["f1_grasps"], 98, **ends["f1_grasps"]),
@@ -187,7 +213,8 @@ def bounds(told: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) ->
               **ends["stable_in_time"]),
         must_show("peak force, median error, %", error, 5, error <= 5)
         | interval(force["errors_percent"]),
-        must_show("its 95 % interval holds, % (90 to 98)", holds, 90, 90 <= holds <= 98),
+        must_show(f"its 95 % interval holds, {drawn['grasps']} grasps of objects drawn, %",
+                  holds, 90, 90 <= holds <= 98),
         must_show("10,000 grasps, processor seconds over two cores", cost["processor_s"] / 2,
                   SECONDS, cost["processor_s"] / 2 <= SECONDS),
         must_show("memory of it, MiB", cost["peak_MiB"], MEMORY, cost["peak_MiB"] < MEMORY),
@@ -199,24 +226,21 @@ def recognised(quick: bool) -> tuple[list[Row], list[Row]]:
     costs = {name: build(name) for name in SETS}
     chosen = subjects(quick)
     rows: list[Row] = [{"what": f"{name}: made", **cost} for name, cost in costs.items()]
-    told = {}
+    told, others = {}, strangers(quick)
     for name in SETS:
-        found, told[name] = scores(name, quick, chosen)
+        found, told[name] = scores(name, quick, chosen, others)
         rows += found
     rows += learning(quick, chosen)
     return rows, bounds(told["large"], told["eighteen"], costs["large"])
 
 
 def again(quick: bool) -> tuple[list[Row], list[Row]]:
-    """The same data sets learnt from with other seeds: what one training differs by from the next.
-
-    A seed also says which grasps are kept for calibration.
-    """
+    """The same data sets learnt from with other seeds: what one training differs by from others."""
     rows, chosen = [], subjects(quick)
     for name in ("large", "seated"):
         if not (OUT / f"{name}.h5").exists():
             build(name)
-        for seed in (1,) if quick else (1, 2, 3):
+        for seed in (1,) if quick else (1, 2):
             model, _ = train(OUT / f"{name}.h5", trees=20 if quick else 80, seed=seed)
             told = evaluate(model, chosen)
             force = told["force"]

@@ -26,7 +26,7 @@ from hannes.recognition.cut import Cut
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
 from hannes.recognition.evaluate import delay, f1
 from hannes.recognition.features import CHANNELS, NAMES
-from hannes.recognition.forest import of_sklearn
+from hannes.recognition.forest import QUANTILES, of_sklearn
 from hannes.recognition.model import FADE, UNFELT, decided, running
 from hannes.recognition.train import train
 from hannes.recording import Recording
@@ -133,8 +133,8 @@ def test_compiled_trees_equal_those_of_scikit_learn():
     forest = of_sklearn(line.estimators_).check(6)
     assert np.allclose(forest(rows), line.predict(rows), rtol=0.0, atol=1e-12)
     by_tree = np.array([each.predict(rows) for each in line.estimators_])
-    quartiles = np.percentile(by_tree, (25, 50, 75), axis=0).T
-    assert np.allclose(forest.quartiles(rows), quartiles, rtol=0.0, atol=1e-12)
+    quantiles = np.quantile(by_tree, QUANTILES, axis=0).T
+    assert np.allclose(forest.quantiles(rows), quantiles, rtol=0.0, atol=1e-12)
 
 
 def test_trees_of_classes_split_as_scikit_learns_classifier_does():
@@ -157,12 +157,12 @@ def test_what_is_told_unseen_is_told_by_trees_that_have_not_seen_the_grasp():
     rows = Rows(features, rng.standard_normal(40), np.ones(40), np.repeat(np.arange(20), 2))
     bag = bagged(rows, 20, 30, 1.0, 1, 1)
     told, owner = bag.mean_unseen(features, rows.owner), rows.owner
-    middle = bag.quartiles_unseen(features, owner)
+    middle = bag.quantiles_unseen(features, owner)
     for k in range(40):
         others = [t for t, seen in zip(bag.trees, bag.seen, strict=True) if not seen[owner[k]]]
         values = [t.predict(features[k : k + 1])[0] for t in others]
         assert 0 < len(values) < 30 and told[k] == pytest.approx(np.mean(values))
-        assert middle[k] == pytest.approx(np.percentile(values, (25, 50, 75)))
+        assert middle[k] == pytest.approx(np.quantile(values, QUANTILES))
     seen = np.mean([t.predict(features) for t in bag.trees], axis=0)
     miss, honest = (np.abs(each - rows.target).mean() for each in (seen, told))
     assert miss < 0.5 * honest  # trees grown to single samples know what they have seen
@@ -173,7 +173,7 @@ def test_the_peak_is_told_by_the_median_over_trees(arrays, trained):
     told = model.tell(grasp)
     rows = model.cut.features(model.cut.samples(grasp)[np.newaxis])[0]
     last = np.flatnonzero(told.held)[-1]
-    assert told.peak_force.value == np.exp(model.force.quartiles(rows)[last, 1])
+    assert told.peak_force.value == np.exp(model.force.quantiles(rows)[last, 1])
     means = np.exp(model.force(rows))[told.held]
     assert (means != told.force[told.held]).any()
 

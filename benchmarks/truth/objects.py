@@ -35,6 +35,7 @@ SEAT = 1.5e-3  # m, scatter of the object's place in x and y
 CENTRE = {"sphere": (4e-3, -47e-3), "cylinder": (14e-3, -47e-3), "prism": (14e-3, -47e-3)}  # m
 SLACK, GEAR = (0.5e-3, 3e-3), (0.01, 0.06)  # m; 1: hidden, uniform within
 MOST_DRAWS = 200
+BORDER = 5500.0  # N/m, between soft and rigid
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,28 @@ def _thing(table: Mapping[str, Any]) -> Thing:
         sides = [to_si(side, "m") for side in table["size"]]
         values |= {"half_x": sides[0] / 2, "half_y": sides[1] / 2}
     return Thing(table["name"], table["class"], {"shape": table["shape"], **values})
+
+
+def strangers(count: int, seed: int) -> list[Thing]:
+    """Objects drawn at random, shapes in turn: of the sizes and materials that a hand meets."""
+    rng = np.random.default_rng(seed)
+    return [_stranger(rng, number, ("sphere", "cylinder", "prism")[number % 3])
+            for number in range(count)]  # fmt: skip
+
+
+def _stranger(rng: np.random.Generator, number: int, shape: str) -> Thing:
+    ranges = {
+        "sphere": {"radius": (31.5e-3, 36.5e-3)},
+        "cylinder": {"radius": (17e-3, 30e-3)},
+        "prism": {"radius": (3e-3, 11e-3), "half_x": (16e-3, 23.5e-3), "half_y": (16e-3, 22.5e-3)},
+    }
+    values = {name: float(rng.uniform(*ends)) for name, ends in ranges[shape].items()}
+    values |= {
+        "stiffness": float(np.exp(rng.uniform(*np.log([500.0, 38e3])))),
+        "damping": float(np.exp(rng.uniform(*np.log([15.0, 190.0])))),
+    }
+    label = "rigid" if values["stiffness"] >= BORDER else "soft"
+    return Thing(f"{shape} {number}", label, {"shape": shape, **values})
 
 
 def grasp(

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hannes.recognition.forest import Forest, of_sklearn
+from hannes.recognition.forest import QUANTILES, Forest, of_sklearn
 
 SHARE = 0.632  # of the grasps that a tree learns from: what a bootstrap would draw
 
@@ -45,8 +45,8 @@ class Bagged:
             count[apart] += 1.0
         return total / np.where(count > 0.0, count, np.nan)
 
-    def quartiles_unseen(self, rows: np.ndarray, owner: np.ndarray) -> np.ndarray:
-        """The same, quartiles over trees, shape (m, 3)."""
+    def quantiles_unseen(self, rows: np.ndarray, owner: np.ndarray) -> np.ndarray:
+        """The same, QUANTILES over trees, shape (m, 3)."""
         from warnings import catch_warnings, simplefilter
 
         every = np.full((len(self.trees), len(rows)), np.nan)
@@ -54,7 +54,7 @@ class Bagged:
             tree[apart] = told
         with catch_warnings():
             simplefilter("ignore", RuntimeWarning)  # a grasp in every bag: NaN
-            return np.nanpercentile(every, (25, 50, 75), axis=0).T
+            return np.nanquantile(every, QUANTILES, axis=0).T
 
     def _unseen(
         self, rows: np.ndarray, owner: np.ndarray

@@ -19,8 +19,8 @@ class Answers:
     """What is told of n grasps by what has not learnt from them.
 
     rigid: of the forest, by window, NaN where there is none, shape (n, windows); stiffness [N/m]
-    and peak force [N], and how far quartiles of its logarithm lie apart, shape (n,), NaN where
-    nothing was held.
+    and peak force [N], and how far trees lie apart in its logarithm, shape (n,), NaN where nothing
+    was held.
     """
 
     rigid: np.ndarray
@@ -35,7 +35,7 @@ def answers(model: Model, known: Grasps) -> Answers:
         known,
         lambda rows, owner: model.rigid(rows),
         lambda rows, owner: model.stiffness(rows),
-        lambda rows, owner: model.force.quartiles(rows),
+        lambda rows, owner: model.force.quantiles(rows),
     )
 
 

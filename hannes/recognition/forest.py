@@ -11,6 +11,7 @@ from hannes.errors import BadInput
 
 MOST_TREES = 10_000
 MOST_NODES = 20_000_000
+QUANTILES = (0.1, 0.5, 0.9)  # over trees
 
 
 @inner
@@ -42,15 +43,15 @@ def mean(starts, left, right, feature, threshold, value, rows, out):
 
 
 @entry
-def quartiles(starts, left, right, feature, threshold, value, rows, out):
-    """Fill `out` (m, 3) with the quartiles over trees of what they tell of rows (m, features)."""
+def quantiles(starts, left, right, feature, threshold, value, rows, out):
+    """Fill `out` (m, 3) with QUANTILES over trees of what they tell of rows (m, features)."""
     told = np.empty(starts.size - 1)
     for row in range(rows.shape[0]):
         for tree in range(told.size):
             told[tree] = leaf(tree, starts, left, right, feature, threshold, value, rows[row])
         told.sort()
         for k in range(3):
-            place = 0.25 * (k + 1) * (told.size - 1)
+            place = QUANTILES[k] * (told.size - 1)
             low = int(place)
             high = min(low + 1, told.size - 1)
             out[row, k] = told[low] + (place - low) * (told[high] - told[low])
@@ -71,13 +72,13 @@ class Forest:
         """Mean over trees for rows (m, features), shape (m,): what scikit-learn predicts."""
         return self._over(mean, rows, (len(rows),))
 
-    def quartiles(self, rows: np.ndarray) -> np.ndarray:
-        """Quartiles over trees for rows (m, features), shape (m, 3).
+    def quantiles(self, rows: np.ndarray) -> np.ndarray:
+        """QUANTILES over trees for rows (m, features), shape (m, 3).
 
         Trees grown to a few samples spread as widely as what was learnt of such rows does, and a
         few that saw another kind do not pull their median (Meinshausen 2006).
         """
-        return self._over(quartiles, rows, (len(rows), 3))
+        return self._over(quantiles, rows, (len(rows), 3))
 
     def _over(self, across: Any, rows: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
         out = np.empty(shape)

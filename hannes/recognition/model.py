@@ -35,7 +35,7 @@ class Calibration:
 class Band:
     """95 % interval about an estimate: log offsets below and above it, along `x`.
 
-    x rises: the logarithm of the estimate, or the distance of a forest's quartiles about it.
+    x rises: the logarithm of the estimate, or how far a forest's outer quantiles lie apart there.
     """
 
     x: np.ndarray
@@ -90,7 +90,7 @@ class Model:
 
     Force is the median over its trees: shape and place of what is held are unknown, and the few
     trees that saw a prism, which gives another force at the same current, do not pull a median.
-    Its interval goes by how far the trees' quartiles lie apart, that of stiffness by the stiffness.
+    Its interval goes by how far the trees lie apart, that of stiffness by the stiffness.
     `sure`: probability from which a class is told; below it the answer is "don't know".
     """
 
@@ -118,7 +118,7 @@ class Model:
         held = touched & (rows[:, RISE] > HELD)
         rigid = self.windows(rows)
         so_far = running(rigid, touched, self.cut.hop)
-        force = self.force.quartiles(rows)
+        force = self.force.quantiles(rows)
         last = int(np.flatnonzero(held)[-1]) if held.any() else -1
         return Told(
             time, rigid, so_far, np.where(held, np.exp(force[:, 1]), 0.0), touched, held,
@@ -145,12 +145,12 @@ def grasp_stiffness(told: np.ndarray, held: np.ndarray) -> float:
     return float(np.exp(np.median(some[some.size // 2 :])))
 
 
-def grasp_peak(quartiles: np.ndarray) -> tuple[float, float]:
-    """One peak force [N] and how far quartiles lie apart, from those of log force, shape (3,).
+def grasp_peak(quantiles: np.ndarray) -> tuple[float, float]:
+    """One peak force [N] and how far trees lie apart, from quantiles of log force, shape (3,).
 
     They are of the last window in which something is held.
     """
-    return float(np.exp(quartiles[1])), float(quartiles[2] - quartiles[0])
+    return float(np.exp(quantiles[1])), float(quantiles[2] - quantiles[0])
 
 
 def running(rigid: np.ndarray, touched: np.ndarray, hop: float) -> np.ndarray:

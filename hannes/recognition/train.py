@@ -95,7 +95,7 @@ def _learnt(
         trained=f"{data.title}; fingerprint {data.digest}; seed {seed}",
     )
     unseen = answered(
-        known, made.rigid.mean_unseen, made.stiffness.mean_unseen, made.force.quartiles_unseen
+        known, made.rigid.mean_unseen, made.stiffness.mean_unseen, made.force.quantiles_unseen
     )
     return calibrated(model, known, unseen), unseen
 
