@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from benchmarks.study import Case
 
-SETS = {"development": 10_000_000, "quoted": 30_000_000}  # first seeds
+SETS = {"development": 10_000_000, "quoted": 40_000_000}  # first seeds
 APART = 10_000  # seeds between kinds
 
 
