@@ -166,7 +166,7 @@ def _second(found: Found, told: Told) -> Found:
     best = found.trials[0]
     needed = max(LIMIT, SHARE * best.gain)
     told("what is left")
-    guesses = _others(best.point, best.effects)
+    guesses = _others(best.point, best.effects, found.unit)
     if not guesses or guesses[0].gain < needed * found.unit:
         return replace(found, rest=guesses[0] if guesses else None)
     pairs = _paired(found, [(best, guess) for guess in guesses[:2]], told)
@@ -181,15 +181,15 @@ def _second(found: Found, told: Told) -> Found:
     pairs += _paired(found, [(each, second) for each in rivals[:2]], told)
     pairs.sort(key=lambda each: -each.gain)
     told("what is left after both")
-    after = _others(pairs[0].point, pairs[0].effects)
+    after = _others(pairs[0].point, pairs[0].effects, found.unit)
     rest = after[0] if after else None
     return replace(found, pair=pairs[0], other_pairs=tuple(pairs[1:]), rest=rest)
 
 
 def _refuted(best: Trial, guesses: list[Guess], pairs: list[Trial], unit: float) -> Guess | None:
-    """The best guess of what is left after the best effect, where refits beside it gain less."""
+    """The best of what is left after the best effect: refits beside it, guesses for all others."""
     gains = {each.effects[-1]: (each.gain - best.gain) * unit for each in pairs}
-    rest = [replace(g, gain=gains.get(g.effect, 0.0)) for g in guesses[:2]] + guesses[2:]
+    rest = [replace(g, gain=gains.get(g.effect, g.gain)) for g in guesses]
     return max(rest, key=lambda each: each.gain, default=None)
 
 
@@ -229,10 +229,11 @@ def _without_first(found: Found, pair: Trial, told: Told) -> Trial | None:
     return _with_likeness(found.base, found.guesses, [trial])[0]
 
 
-def _others(point: Point, present: tuple[str, ...]) -> list[Guess]:
+def _others(point: Point, present: tuple[str, ...], unit: float) -> list[Guess]:
     """Guesses for all other effects, the price of their parameters off their gain."""
     names = [name for name in point.ground.model.space.effects if name not in present]
-    found = [replace(g, gain=g.gain - PRICE * (len(g.places) - 1)) for g in screened(point, names)]
+    price = PRICE * unit
+    found = [replace(g, gain=g.gain - price * (len(g.places) - 1)) for g in screened(point, names)]
     return sorted(found, key=lambda each: -each.gain)
 
 

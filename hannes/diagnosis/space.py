@@ -159,6 +159,7 @@ def _span(parameter: Parameter) -> float:
 
     The mark of a count turns within less than one.
     """
-    if len(parameter.tried) > 1:
-        return float(np.diff(np.sort(parameter.tried)).min())
+    tried = np.unique(parameter.tried)
+    if tried.size > 1:
+        return float(np.diff(tried).min())
     return parameter.bounds[1] - parameter.bounds[0]

@@ -31,10 +31,10 @@ def train(
     jobs: int | None = -1,
     most: int | None = None,
 ) -> tuple[Model, dict[str, Any]]:
-    """Learn from a data set; the model, and what it is worth on grasps unseen.
+    """Learn from a data set; the model, and what its trees are worth on grasps unseen.
 
-    Calibration and intervals are of what trees tell of grasps that they have not learnt from.
-    `most` grasps are learnt from where that is given. Grasps of the role "test" are only reported
+    Those grasps calibrate it too: probabilities and intervals are of what trees tell of grasps that
+    they have not learnt from. `most` grasps are learnt from where that is given. Grasps of the role "test" are only reported
     on. Raises BadInput where the file is no data set, or has too few grasps of a class.
     """
     data, cut = read(path), cut or Cut()
@@ -78,7 +78,8 @@ def _learnt(
     known: Grasps, data: DataSet, cut: Cut, trees: int, seed: int, jobs: int | None
 ) -> tuple[Model, Answers]:
     """A calibrated model, and what was told of each grasp by trees that had not seen it."""
-    if np.bincount(known.rigid.astype(int), minlength=2).min() < 2:
+    some = held(known.features).any(axis=1)
+    if np.bincount(known.rigid[some].astype(int), minlength=2).min() < 2:
         raise BadInput(f"{data.path}: expected two grasps or more of soft and of rigid objects")
     made = _grown(known, trees, seed, jobs)
     none = np.zeros(1)
@@ -144,7 +145,8 @@ def _weight_of_force(known: Grasps, pressed: np.ndarray, seed: int) -> np.ndarra
 
 def worth(model: Model, known: Grasps, told: Answers) -> dict[str, float]:
     """Shares of right decisions, and errors, on grasps that were not learnt from."""
-    there = np.isfinite(told.rigid)
+    there = np.isfinite(told.rigid)  # nothing is told of a grasp that every tree has seen
+    scored = known.scored & there
     rigid = np.full(there.shape, 0.5)
     rigid[there] = model.calibration(told.rigid[there])
     windows = decided(rigid, model.sure) == known.rigid[:, np.newaxis]
@@ -155,9 +157,9 @@ def worth(model: Model, known: Grasps, told: Answers) -> dict[str, float]:
     stiff, miss = np.log(told.stiffness / known.stiffness), np.abs(told.peak / known.peak - 1.0)
     return {
         "grasps": int(known.rigid.size),
-        "windows_right": float(windows[known.scored].mean()),
-        "grasps_right": float(grasp[last >= 0].mean()),
-        "brier": float(np.mean((rigid - known.rigid[:, np.newaxis])[known.scored] ** 2)),
+        "windows_right": float(windows[scored].mean()),
+        "grasps_right": float(grasp[(last >= 0) & there.any(axis=1)].mean()),
+        "brier": float(np.mean((rigid - known.rigid[:, np.newaxis])[scored] ** 2)),
         "stiffness_factor": float(np.exp(np.nanmedian(np.abs(stiff)))),
         "peak_force_error_percent": float(100.0 * np.nanmedian(miss)),
     }
