@@ -34,8 +34,9 @@ def train(
     """Learn from a data set; the model, and what its trees are worth on grasps unseen.
 
     Those grasps calibrate it too: probabilities and intervals are of what trees tell of grasps that
-    they have not learnt from. `most` grasps are learnt from where that is given. Grasps of the role "test" are only reported
-    on. Raises BadInput where the file is no data set, or has too few grasps of a class.
+    they have not learnt from. `most` grasps are learnt from where that is given. Grasps of the role
+    "test" are only reported on. Raises BadInput where the file is no data set, or has too few
+    grasps of a class.
     """
     data, cut = read(path), cut or Cut()
     known = grasps(data, data.role("train"), cut)
