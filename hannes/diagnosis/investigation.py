@@ -28,6 +28,7 @@ PRICE = 6.0  # of each parameter of an effect beyond its first: the more it has,
 RIVAL = 10.0  # a rival within so much of the best gain is not told from it
 CLOSE = 0.04  # of the best gain: so near a rival may come by what no model has right
 SHARE = 0.02  # of the first effect's gain that a second one needs
+HOLLOW = 2.0  # gain by which a base found from elsewhere is another one
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 CLEAN = 1.3  # times the bins: what a whole model leaves at most
 
@@ -93,12 +94,24 @@ def investigate(
     ground = surveyed(ticking, base.x, base.slopes, FINE, seed)
     given = grounded(given, ground)
     base = settled(fitted(grounded(base, ground), 4), 3, ROUNDS)
-    names = list(space.effects)
+    found = _searched(given, base, told)
+    for _ in range(ROUNDS):
+        if not found.trials or found.trials[0].gain <= LIMIT:
+            return found
+        better = _back(found, told)
+        if better is None:
+            break
+        found = _searched(given, better, told)
+    return _second(found, told) if found.trials and found.trials[0].gain > LIMIT else found
+
+
+def _searched(given: Point, base: Point, told: Told) -> Found:
+    """Single effects beside a base: screened, the best of them refitted."""
     told("a look at every effect")
+    names = list(base.ground.model.space.effects)
     guesses = screened(base, names)
-    bent = base.misfit > BENT * base.miss.size
     starts = [(base, guess) for guess in guesses[:SHORT] if guess.gain > FAINT]
-    if bent:
+    if base.misfit > BENT * base.miss.size:
         large = screened(given, names, ALL_SIZES)[:SHORT]
         starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
         starts += [(given, guess) for guess in large]
@@ -108,8 +121,24 @@ def investigate(
         (replace(each, gain=priced(base, each, unit)) for each in trials),
         key=lambda each: -each.gain,
     )
-    found = Found(given, base, guesses, _with_likeness(base, guesses, trials), None, None, unit)
-    return _second(found, told) if trials and trials[0].gain > LIMIT else found
+    likely = _with_likeness(base, guesses, trials)
+    return Found(given, base, guesses, likely, None, None, unit)
+
+
+def _back(found: Found, told: Told) -> Point | None:
+    """The base refitted from where the best effect led, without it; None where that is no better.
+
+    Where fingers touch the misfit has more than one hollow: an effect may only have led out of one.
+    """
+    told("the base from there")
+    best, base = found.trials[0], found.base
+    x = best.point.x.copy()
+    x[base.ground.model.space.of(*best.effects)] = 0.0
+    point = base.moved(x, base.active)
+    if point is None:
+        return None
+    point = settled(point, 3, ROUNDS)
+    return point if base.misfit - point.misfit > HOLLOW * found.unit else None
 
 
 def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) -> list[Trial]:
