@@ -18,7 +18,7 @@ from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.fit import fitted
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import LIMIT, Trial, _second, investigate, joined
+from hannes.diagnosis.investigation import LIMIT, Trial, _back, _second, investigate, joined
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.screen import likeness, projected, screened, shapes
@@ -352,6 +352,15 @@ def test_the_base_is_where_nothing_pulls(investigated):
     assert step @ base.curvature @ step < 0.5
     assert base.misfit > 1.5 * base.miss.size  # an effect is missing
     assert investigated.trials[0].point.misfit < 1.2 * base.miss.size
+
+
+def test_a_base_beside_its_best_place_is_led_back_by_an_effect(investigated):
+    base = investigated.base
+    beside = base.moved(base.x + 3.0 * np.isin(np.arange(base.x.size), base.active), base.active)
+    assert beside.misfit > base.misfit + 20.0
+    back = _back(replace(investigated, base=beside), lambda text: None)
+    assert back.misfit == pytest.approx(base.misfit, abs=1.0)
+    assert _back(investigated, lambda text: None) is None
 
 
 def test_a_gain_is_of_what_was_not_fitted_too(investigated):
