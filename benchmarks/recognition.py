@@ -6,9 +6,9 @@ independent truth grasps them: other hands, slack and a gear loss hidden, sensor
 count from contact to release, at 5 % of the peak force. A decision stands in time where it is right
 from 150 ms after contact until release. Intervals are 95 % (bootstrap over grasps). How often
 intervals of the peak force hold is asked of ninety objects drawn at random too, a third of them
-prisms: ten objects tell little of that. Beside it:
-trainings by other seeds, what a diagnosis is worth, MuJoCo's rollout, runs killed or short of disk,
-a cluster, damaged files, a held grasp. What is made on the way stays in results/recognition.
+prisms: ten objects tell little of that. Beside it: trainings by other seeds, what a diagnosis is
+worth, MuJoCo's rollout, runs killed or short of disk, a cluster, damaged files, a held grasp. What
+is made on the way stays in results/recognition.
 """
 
 import json
