@@ -1,8 +1,8 @@
 """Which cases the study has, and their seeds.
 
 Seeds of cases that a method was developed on and of cases that are quoted differ: SETS. Those from
-20 and 30 million on were quoted once, and looked at when the method was changed after it. Cases told
-a wrong scatter are those of the first kinds again, by their seeds.
+20 and 30 million on were quoted once, and looked at when the method was changed after it. Cases
+told a wrong scatter are those of the first kinds again, by their seeds.
 """
 
 from dataclasses import dataclass

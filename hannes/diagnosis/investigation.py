@@ -95,14 +95,14 @@ def investigate(
     given = grounded(given, ground)
     base = settled(fitted(grounded(base, ground), 4), 3, ROUNDS)
     found = _searched(given, base, told)
-    for _ in range(ROUNDS):
-        if not found.trials or found.trials[0].gain <= LIMIT:
-            return found
-        better = _back(found, told)
-        if better is None:
-            break
+    while _enough(found) and (better := _back(found, told)) is not None:
         found = _searched(given, better, told)
-    return _second(found, told) if found.trials and found.trials[0].gain > LIMIT else found
+    return _second(found, told) if _enough(found) else found
+
+
+def _enough(found: Found) -> bool:
+    """Tell whether the best effect gains what a name needs."""
+    return bool(found.trials) and found.trials[0].gain > LIMIT
 
 
 def _searched(given: Point, base: Point, told: Told) -> Found:
@@ -117,10 +117,7 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
         starts += [(given, guess) for guess in large]
     trials = _refitted(base, starts, told)
     unit = max(1.0, min([base.misfit, *(t.point.misfit for t in trials)]) / base.miss.size)
-    trials = sorted(
-        (replace(each, gain=priced(base, each, unit)) for each in trials),
-        key=lambda each: -each.gain,
-    )
+    trials = sorted((priced(base, t, unit) for t in trials), key=lambda each: -each.gain)
     likely = _with_likeness(base, guesses, trials)
     return Found(given, base, guesses, likely, None, None, unit)
 
@@ -176,10 +173,10 @@ def _ticking(point: Point, name: str) -> Point:
     return point if there is None else fitted(there, 5)
 
 
-def priced(base: Point, trial: Trial, unit: float) -> float:
-    """Misfit that a trial has less than the base, less the price of its effects' parameters."""
+def priced(base: Point, trial: Trial, unit: float) -> Trial:
+    """The trial with its gain: misfit less than the base's, less the price of its parameters."""
     further = trial.point.active.size - base.active.size - len(trial.effects)
-    return (base.misfit - trial.point.misfit) / unit - PRICE * further
+    return replace(trial, gain=(base.misfit - trial.point.misfit) / unit - PRICE * further)
 
 
 def joined(start: Point, guess: Guess) -> Point | None:
@@ -231,7 +228,7 @@ def _paired(found: Found, starts: Sequence[tuple[Trial, Guess]], told: Told) -> 
         if point is not None:
             point = fitted(_ticking(fitted(point, 4), guess.effect), 4, anew=1)
             pair = Trial((*one.effects, guess.effect), point, 0.0)
-            pairs.append(replace(pair, gain=priced(found.base, pair, found.unit)))
+            pairs.append(priced(found.base, pair, found.unit))
     return sorted(pairs, key=lambda each: -each.gain)
 
 
@@ -253,8 +250,7 @@ def _without_first(found: Found, pair: Trial, told: Told) -> Trial | None:
     if point is None:
         return None
     point = fitted(point, 4, anew=1)
-    trial = Trial((second,), point, 0.0)
-    trial = replace(trial, gain=priced(found.base, trial, found.unit))
+    trial = priced(found.base, Trial((second,), point, 0.0), found.unit)
     return _with_likeness(found.base, found.guesses, [trial])[0]
 
 
