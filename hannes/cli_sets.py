@@ -206,7 +206,20 @@ def _scores(told: dict[str, Any]) -> str:
         f"{100 * row['f1_grasps']:8.1f} % {100 * row['stable_in_time']:12.0f} %"
         for row in told.get("learning_curve", ())
     ]
+    named = (("force", "peak force"), ("stiffness", "stiffness"))
+    lines += [_estimates(words, told[key]) for key, words in named if told[key]["told"]]
+    error = 100 * told["reliability"]["calibration_error"]
+    lines.append(f"  probabilities are off by {error:.1f} points on average")
     return "\n".join(lines)
+
+
+def _estimates(words: str, told: dict[str, Any]) -> str:
+    middle = told["median_error_percent"]
+    off = "by more than can be told" if middle is None else f"by {middle:.1f} %"
+    return (
+        f"  {words}: off {off} (median); told of {told['told']} of {told['grasps']} grasps, "
+        f"95 % intervals hold {100 * told['interval_holds']:.1f} % of all"
+    )
 
 
 def _print_json(content: Any) -> None:

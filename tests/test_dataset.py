@@ -14,7 +14,7 @@ import pytest
 
 from hannes.cli import main
 from hannes.dataset.draw import draw
-from hannes.dataset.make import Parts, make
+from hannes.dataset.make import Parts, make, numbered
 from hannes.dataset.part import Part, count, made, recorded
 from hannes.dataset.read import read
 from hannes.dataset.spec import load_spec, read_spec
@@ -134,6 +134,28 @@ def test_damaged_parts_are_found_and_redone(spec, whole, tmp_path):
     assert make(spec, path, workers=1, progress=False)["parts_simulated"] == 0
 
 
+@pytest.mark.parametrize("place", ["channels/time", "title", "channels/current.unit"])
+def test_damage_beside_the_parts_is_mended(spec, whole, tmp_path, place):
+    path = tmp_path / "set.h5"
+    data = bytearray(whole.read_bytes())
+    path.write_bytes(data)
+    with h5py.File(path, "r+") as file:
+        if place == "channels/time":
+            file[place][7] += 1e-3
+        else:
+            item, _, name = place.rpartition(".")
+            owner = file[item] if item else file
+            owner.attrs.modify(name, np.bytes_(b"?" * len(owner.attrs[name])))
+    assert path.read_bytes() != whole.read_bytes()
+    assert make(spec, path, workers=1, progress=False)["parts_simulated"] == 0
+    assert path.read_bytes() == whole.read_bytes()
+
+
+def test_a_worker_of_another_version_is_told(spec):
+    with pytest.raises(BadInput, match="another version"):
+        numbered(spec.text, 0, "the mark of another model")
+
+
 def test_a_damaged_part_of_an_unfinished_run_is_redone(spec, whole, tmp_path):
     parts = Parts(tmp_path / "set.h5", spec)
     for k in range(3):
@@ -207,11 +229,11 @@ def test_a_full_disk_is_told_and_the_run_goes_on_after(whole, tmp_path):
 @pytest.fixture
 def cluster():
     """A Dask scheduler and two workers, processes of their own over TCP."""
-    start = [sys.executable, "-c", "from distributed.cli.dask_scheduler import main; main()"]
+    start = [sys.executable, "-m", "dask", "scheduler"]
     common = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--dashboard-address", ":0"]
     scheduler = subprocess.Popen([*start, *common], stderr=subprocess.PIPE, text=True)
     address = next(x.split()[-1] for x in scheduler.stderr if "Scheduler at:" in x)
-    start = [sys.executable, "-c", "from distributed.cli.dask_worker import main; main()"]
+    start = [sys.executable, "-m", "dask", "worker"]
     how = ["--nworkers", "1", "--nthreads", "1", "--no-nanny", "--no-dashboard"]
     workers = [
         subprocess.Popen([*start, address, *how], stderr=subprocess.DEVNULL) for _ in range(2)
@@ -232,8 +254,16 @@ def test_a_cluster_gives_the_same_bytes_and_survives_a_killed_worker(cluster, wh
     while not list(tmp_path.glob(".parts*/*.part")) and run.poll() is None:
         time.sleep(0.02)
     workers[0].kill()
+    assert len(list(tmp_path.glob(".parts*/*.part"))) < 4  # it had work left
     assert run.wait(timeout=120) == 0
     assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
+
+
+def test_the_readme_tells_the_commands_of_a_cluster():
+    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    for words in ("`dask scheduler`", "`dask worker tcp://HOST:8786`", "pip install '.[cluster]'"):
+        assert words in text
+    assert "--backend dask --scheduler tcp://HOST:8786" in text
 
 
 def test_no_scheduler_is_told(spec, tmp_path):

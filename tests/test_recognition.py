@@ -23,11 +23,12 @@ from hannes.recognition import model_file
 from hannes.recognition.bagging import Rows, bagged
 from hannes.recognition.calibrated import _band, least_sure
 from hannes.recognition.cut import Cut
+from hannes.recognition.estimates import judged
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
 from hannes.recognition.evaluate import delay, f1
 from hannes.recognition.features import CHANNELS, NAMES
 from hannes.recognition.forest import QUANTILES, of_sklearn
-from hannes.recognition.model import FADE, UNFELT, decided, running
+from hannes.recognition.model import FADE, UNFELT, Estimate, decided, running
 from hannes.recognition.train import train
 from hannes.recording import Recording
 
@@ -240,8 +241,10 @@ def test_an_empty_hand_is_no_grasp(trained):
     times = np.arange(500) / 1000.0
     still = {name: np.zeros(500) for name in CHANNELS}
     units = {"time": "s", "current": "A", "position": "rad", "reference": "rad"}
-    told = model.tell(Recording({"time": times, **still}, units))
-    assert told.decision == "don't know" and told.stiffness is None and told.peak_force is None
+    for sure in (0.5, model.sure, 0.7):  # however ready a model is to tell a class
+        told = replace(model, sure=sure).tell(Recording({"time": times, **still}, units))
+        assert told.decision == "don't know"
+        assert told.stiffness is None and told.peak_force is None
 
 
 def test_the_same_seed_trains_the_same_bytes(data, trained, tmp_path):
@@ -393,17 +396,40 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
         recording(arrays, k).write(tmp_path / f"{'soft' if k < 40 else 'hard'}-{k}.h5")
     Path("evaluation.toml").write_text(
         'title = "two"\n[[object]]\nname = "a"\nclass = "soft"\nfile = "soft-*.h5"\n'
-        '[[object]]\nname = "b"\nclass = "rigid"\nfile = "hard-*.h5"\n'
+        '[[object]]\nname = "b"\nclass = "rigid"\nfile = "hard-*.h5"\nstiffness = "38.3 kN/m"\n'
     )
     more = ["--out", "scores", "--learning-curve", str(data), "--json"]
     assert main(["evaluate", "model.h5", "evaluation.toml", *more]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told == json.loads(Path("scores/evaluation.json").read_text())
     assert told["f1_grasps"] == 1.0 and told["f1_windows"] > 0.9
+    assert told["from_contact"]["f1_windows"] <= told["f1_windows"]
+    assert 0.0 < told["stable_after_s"] < 0.2
+    counted = {word: sum(told["confusion"][word].values()) for word in ("soft", "rigid")}
+    assert counted == {row["class"]: row["windows"] for row in told["objects"]} and sum(
+        row["windows"] for row in told["reliability"]["rows"]
+    ) == sum(counted.values())
+    assert 0.0 <= told["reliability"]["calibration_error"] < 0.2
+    assert told["force"]["grasps"] == told["force"]["told"] == 4
+    assert told["stiffness"]["grasps"] == 2  # only one object's is known
     assert [row["grasps"] for row in told["learning_curve"]] == [80]
     assert told["learning_curve"][0]["f1_grasps"] == 1.0
     assert main(["evaluate", "model.h5", "soft-2.h5"]) == 0
     assert re.match(r"soft .*\n  stiffness .* N/m .*\n  peak grip", capsys.readouterr().out)
+    assert main(["evaluate", "model.h5", "evaluation.toml"]) == 0
+    said = capsys.readouterr().out
+    assert "told of 4 of 4 grasps" in said and "stiffness: off" in said
+
+
+def test_a_grasp_of_which_nothing_is_told_counts_as_missed():
+    sure, off = Estimate(10.0, 9.0, 12.0), Estimate(11.0, 10.5, 12.0)
+    told = judged([(10.0, sure), (10.0, off), (10.0, None)])
+    assert told["grasps"] == 3 and told["told"] == 2
+    assert told["median_error_percent"] == pytest.approx(10.0)  # of 0, 10 and anything
+    assert told["interval_holds"] == pytest.approx(1.0 / 3.0)
+    assert told["errors_percent"] == [0.0, 10.0, None]
+    assert judged([(10.0, sure), (10.0, None), (10.0, None)])["median_error_percent"] is None
+    assert judged([(10.0, None)]) == {"grasps": 1, "told": 0}
 
 
 def test_bad_recordings_are_told_in_one_line(file, arrays, tmp_path, capsys):

@@ -157,6 +157,7 @@ def evaluation(chosen: Sequence[Thing]) -> str:
     """TOML that lists objects, classes and files."""
     blocks = [
         f'[[object]]\nname = "{each.name}"\nclass = "{each.label}"\nfile = "{each.stem}-*.h5"\n'
+        f'stiffness = "{each.values["stiffness"]:g} N/m"\n'
         for each in chosen
     ]
     return (

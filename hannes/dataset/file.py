@@ -68,13 +68,17 @@ def write(path: Path, spec: Spec, parts: Iterable[Part]) -> None:
 
 
 def _head(file: Any, spec: Spec) -> None:
+    for key, text in _texts(spec).items():
+        set_attribute(file, key, text)
+    file.attrs["seed"], file.attrs["border"] = spec.seed, spec.border
+
+
+def _texts(spec: Spec) -> dict[str, str]:
+    """Root attributes that are text."""
     named = {"schema": SCHEMA, "title": spec.title, "specification": spec.text}
     named |= {"groups": json.dumps([group.name for group in spec.groups])}
     named |= {"shapes": json.dumps([group.shape for group in spec.groups])}
-    named |= {"roles": json.dumps(ROLES), "fingerprint": fingerprint(spec)}
-    for key, text in named.items():
-        set_attribute(file, key, text)
-    file.attrs["seed"], file.attrs["border"] = spec.seed, spec.border
+    return named | {"roles": json.dumps(ROLES), "fingerprint": fingerprint(spec)}
 
 
 def _empty(file: Any, spec: Spec) -> dict[str, Any]:
@@ -109,6 +113,26 @@ def _told(path: Path) -> Iterator[None]:
                 "same again: what was simulated is kept"
             ) from None
         raise
+
+
+def well_headed(path: Path, spec: Spec) -> bool:
+    """Tell whether all beside the parts is as `write` leaves it: times, attributes, units."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            told = {key: file.attrs[key] for key in (*_texts(spec), "seed", "border")}
+            wanted = {key: text.encode() for key, text in _texts(spec).items()}
+            channels = file["channels"]
+            return (
+                told == {**wanted, "seed": spec.seed, "border": spec.border}
+                and np.array_equal(channels["time"][:], spec.base.times)
+                and all(channels[n].attrs["unit"] == UNITS[n].encode() for n in spec.channels)
+                and file["grasps"].attrs["units"].tolist() == [x.encode() for x in units(spec)]
+                and file["grasps"].attrs["meanings"] == json.dumps(MEANINGS).encode()
+            )
+    except (OSError, RuntimeError, KeyError, ValueError):
+        return False
 
 
 def salvaged(path: Path, spec: Spec) -> Iterator[tuple[int, Part]]:

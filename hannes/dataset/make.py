@@ -4,6 +4,7 @@ Each part goes to a file of its own as soon as it is done, so that a run that wa
 goes on where it was; the data set itself appears under its name only when it is whole.
 """
 
+import functools
 import os
 import shutil
 from collections.abc import Iterator
@@ -14,7 +15,7 @@ from typing import Any
 from hannes.dataset import file
 from hannes.dataset.draw import draw
 from hannes.dataset.part import SIZE, Part, count, simulated
-from hannes.dataset.spec import Spec
+from hannes.dataset.spec import Spec, read_spec
 from hannes.errors import BadInput, ComputationFailed, Interrupted
 from hannes.files import write_bytes
 
@@ -102,6 +103,7 @@ class Parts:
         if self.target.exists():
             sound = [part.failed for _, part in file.salvaged(self.target, self.spec)]
             self.whole, self.failed = len(sound) == count(self.spec), sum(sound)
+            self.whole = self.whole and file.well_headed(self.target, self.spec)
             if self.whole:
                 return []
             for k, part in file.salvaged(self.target, self.spec):
@@ -174,12 +176,23 @@ def _quiet(progress: bool | None) -> bool | None:
 def _tasks(spec: Spec, numbers: list[int]) -> Iterator[Any]:
     from joblib import delayed
 
-    return (delayed(numbered)(spec.text, k) for k in numbers)
+    mark = file.fingerprint(spec)
+    return (delayed(numbered)(spec.text, k, mark) for k in numbers)
 
 
-def numbered(text: str, number: int) -> tuple[int, bytes]:
-    """A part with its number."""
+def numbered(text: str, number: int, mark: str) -> tuple[int, bytes]:
+    """A part with its number; BadInput where this process would make other bytes of it."""
+    if _mark(text) != mark:
+        raise BadInput(
+            "a worker has another version of hannes or of its packages than this machine: "
+            "install the same on all"
+        )
     return number, simulated(text, number)
+
+
+@functools.lru_cache(maxsize=4)
+def _mark(text: str) -> str:
+    return file.fingerprint(read_spec(text))
 
 
 def _make_ready(spec: Spec) -> None:
@@ -234,7 +247,7 @@ def _cluster(address: str) -> Iterator[Any]:
         from distributed import Client
     except ImportError:
         raise BadInput(
-            "the dask backend needs the package distributed: pip install hannes[cluster]"
+            "the dask backend needs the package distributed: pip install '.[cluster]' in a checkout"
         ) from None
     try:
         client = Client(address, timeout=ANSWER)

@@ -80,7 +80,9 @@ class Told:
 
     @property
     def decision(self) -> str:
-        """Of the grasp as a whole: soft, rigid or don't know."""
+        """Of the grasp as a whole: soft, rigid or don't know; that too where nothing was felt."""
+        if not self.held.any():
+            return WORDS[UNKNOWN]
         return WORDS[int(decided(np.array([self.probability]), self.sure)[0])]
 
 

@@ -63,8 +63,8 @@ ABOUT = {
     "recognition": (
         "Rigid or soft",
         "A classifier trained on simulated grasps alone, on recordings of ten virtual objects that "
-        "the second implementation of the hand grasped: other hands, a slack leader and a gear "
-        "that rubs under load, none of which the classifier was told.",
+        "the second implementation of the hand grasped: other hands, a leader slack of lengths "
+        "that it learnt from too, and a gear that rubs under load, which it was never told.",
     ),
 }
 RUN = {"recognition": "not scored in this run; `make run` records the objects and scores them"}
