@@ -37,8 +37,8 @@ def cheapest(hand: Hand, experiment: Experiment, exact: Trajectory) -> tuple[Lau
         run = same.launch(hand, experiment, "Euler", every, True)
         off = worst(replace(exact, states=same.states(run())), exact)
         if off <= GOOD:
-            break
-    return run, off
+            return run, off
+    raise RuntimeError(f"no step of MuJoCo's is within {GOOD:g} % of the trace")
 
 
 def rolled(run: Launch) -> Callable[[int], None]:
@@ -86,6 +86,8 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
         own = worst(simulate(hand, experiment, rtol=rtol).require(), exact)
         if own <= off:
             break
+    else:
+        raise RuntimeError(f"no tolerance of ours is as good as {off:g} %")
     roll, run = rolled(theirs), ours(hand, experiment, rtol)
     roll(1), run(10)
     rates = [(rate(run, 400), rate(roll, 10)) for _ in range(3 if quick else 9)]

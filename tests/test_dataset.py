@@ -1,5 +1,6 @@
 """Data sets: each grasp hangs on its seed alone, nothing is lost, the bytes are always the same."""
 
+import json
 import re
 import resource
 import signal
@@ -99,6 +100,10 @@ def test_it_reads_with_h5py_alone_and_says_what_is_what(whole):
         assert units["object.stiffness"] == "N/m" and units["contact"] == "s"
         assert read_spec(file.attrs["specification"].decode()).count == 310
         assert file.attrs["seed"] == 3
+        told = json.loads(file.attrs["meanings"])
+        assert set(told) <= {*file.attrs, *file} and told["border"].startswith("N/m")
+        own = set(table.dtype.names) - set(json.loads(table.attrs["meanings"]))
+        assert all("." in name for name in own)  # the others are parameters by full name
 
 
 def test_the_five_lines_of_the_readme_read_it(whole, capsys):

@@ -179,10 +179,21 @@ def test_the_peak_is_told_by_the_median_over_trees(arrays, trained):
     assert (means != told.force[told.held]).any()
 
 
+def test_stiffness_is_told_with_an_interval_by_its_trees(arrays, trained):
+    model, grasp = trained[0], recording(arrays, 11)
+    told = model.tell(grasp)
+    rows = model.cut.features(model.cut.samples(grasp)[np.newaxis])[0][told.held]
+    later = model.stiffness.quantiles(rows)[len(rows) // 2 :]
+    value, apart = np.exp(np.median(later[:, 1])), np.median(later[:, 2] - later[:, 0])
+    assert told.stiffness.value == pytest.approx(value)
+    assert (told.stiffness.low, told.stiffness.high) == model.stiffness_band(value, apart)
+
+
 def test_an_interval_is_wider_where_trees_lie_further_apart():
     rng = np.random.default_rng(0)
     apart, true = rng.uniform(0.1, 1.0, 4000), np.full(4000, 20.0)
-    band = _band(true * np.exp(-0.3 * apart * rng.standard_normal(4000)), true, apart)
+    told = true * np.exp(-0.3 * apart * rng.standard_normal(4000))
+    band = _band(np.stack([told, apart], axis=1), true)
     for x in (0.3, 0.8):
         low, high = band(20.0, x)
         assert np.log(high / low) == pytest.approx(2.0 * 1.96 * 0.3 * x, rel=0.1)

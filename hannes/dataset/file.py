@@ -5,8 +5,7 @@
     /grasps          a row a grasp: what was drawn and what came of it; attribute units, by field
     /digests         SHA-256 of each part of rows and chunks, by which damage is found
 
-Root attributes: schema, title, specification (TOML, resolved), seed, border [N/m] from which an
-object counts as rigid, groups and roles (names by number), fingerprint of text and model.
+Attributes `meanings` of the root and of the table say in JSON what is what (ROOT, MEANINGS).
 """
 
 import errno
@@ -31,10 +30,25 @@ from hannes.versions import versions
 
 SCHEMA = "hannes-dataset-1"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+ROOT = {
+    "specification": "TOML, resolved: all that was asked for",
+    "seed": "of all random numbers; a grasp's are its own, by its number",
+    "border": "N/m: an object counts as rigid from this object.stiffness on",
+    "groups": "names, by the number in the column group",
+    "shapes": "of the groups' objects",
+    "roles": "names, by the number in the column role",
+    "fingerprint": "SHA-256 of specification, model and versions: equal ones make equal bytes",
+    "channels": "a row a grasp, a column a sample; position and reference at the output shaft",
+    "digests": "SHA-256 of each hundred grasps, rows and chunks, by which damage is found",
+}
 MEANINGS = {
     "number": "place in the data set, and key of the grasp's random numbers beside the seed",
+    "noise_seed": "of the noise on the grasp's channels",
+    "group": "place in the root's groups",
+    "role": "place in the root's roles: to train on, or to test with",
     "contact": "first sample above 5 % of the peak of total force, and 1 N; no number without one",
     "release": "last such sample",
+    "peak_force": "largest total normal force",
     "completed": "1 where the simulation ended; else its samples after the failure are no numbers",
 }
 
@@ -78,7 +92,8 @@ def _texts(spec: Spec) -> dict[str, str]:
     named = {"schema": SCHEMA, "title": spec.title, "specification": spec.text}
     named |= {"groups": json.dumps([group.name for group in spec.groups])}
     named |= {"shapes": json.dumps([group.shape for group in spec.groups])}
-    return named | {"roles": json.dumps(ROLES), "fingerprint": fingerprint(spec)}
+    named |= {"roles": json.dumps(ROLES), "meanings": json.dumps(ROOT)}
+    return named | {"fingerprint": fingerprint(spec)}
 
 
 def _empty(file: Any, spec: Spec) -> dict[str, Any]:

@@ -19,14 +19,13 @@ class Answers:
     """What is told of n grasps by what has not learnt from them.
 
     rigid: of the forest, by window, NaN where there is none, shape (n, windows); stiffness [N/m]
-    and peak force [N], and how far trees lie apart in its logarithm, shape (n,), NaN where nothing
-    was held.
+    and peak force [N], each with how far trees lie apart in its logarithm, shape (n, 2), NaN where
+    nothing was held.
     """
 
     rigid: np.ndarray
     stiffness: np.ndarray
     peak: np.ndarray
-    apart: np.ndarray
 
 
 def answers(model: Model, known: Grasps) -> Answers:
@@ -34,7 +33,7 @@ def answers(model: Model, known: Grasps) -> Answers:
     return answered(
         known,
         lambda rows, owner: model.rigid(rows),
-        lambda rows, owner: model.stiffness(rows),
+        lambda rows, owner: model.stiffness.quantiles(rows),
         lambda rows, owner: model.force.quantiles(rows),
     )
 
@@ -42,15 +41,16 @@ def answers(model: Model, known: Grasps) -> Answers:
 def answered(known: Grasps, rigid: Told, log_stiffness: Told, log_force: Told) -> Answers:
     """Answers from what is told of rows of features, and of which grasp each is."""
     there, some = ~np.isnan(known.features[..., 0]), held(known.features)
-    windows, logs = np.full(there.shape, np.nan), np.full(there.shape, np.nan)
+    windows, logs = np.full(there.shape, np.nan), np.full((*some.shape, 3), np.nan)
     windows[there] = rigid(known.features[there], np.nonzero(there)[0])
     logs[some] = log_stiffness(known.features[some], np.nonzero(some)[0])
-    stiffness, peak, apart = (np.full(len(some), np.nan) for _ in range(3))
+    stiffness, peak = (np.full((len(some), 2), np.nan) for _ in range(2))
     found, last = np.flatnonzero(some.any(axis=1)), last_held(known.features)
-    stiffness[found] = [grasp_stiffness(logs[k], some[k]) for k in found]
-    forces = log_force(known.features[found, last[found]], found)
-    peak[found], apart[found] = np.transpose([grasp_peak(each) for each in forces])
-    return Answers(windows, stiffness, peak, apart)
+    stiffness[found] = [grasp_stiffness(logs[k][some[k]]) for k in found]
+    peak[found] = [
+        grasp_peak(each) for each in log_force(known.features[found, last[found]], found)
+    ]
+    return Answers(windows, stiffness, peak)
 
 
 def calibrated(model: Model, known: Grasps, told: Answers) -> Model:
@@ -64,8 +64,8 @@ def calibrated(model: Model, known: Grasps, told: Answers) -> Model:
         model = replace(model, calibration=points, sure=least_sure(raw, classes, owner))
     return replace(
         model,
-        stiffness_band=_band(told.stiffness, known.stiffness, np.log(told.stiffness)),
-        force_band=_band(told.peak, known.peak, told.apart),
+        stiffness_band=_band(told.stiffness, known.stiffness),
+        force_band=_band(told.peak, known.peak),
     )
 
 
@@ -102,10 +102,11 @@ def _least_share(right: np.ndarray, owner: np.ndarray) -> float:
     return float(share - 1.645 * np.sqrt((off**2).sum()) / right.size)
 
 
-def _band(estimate: np.ndarray, true: np.ndarray, x: np.ndarray) -> Band:
-    """Where the truth lies about an estimate, from 2.5 to 97.5 %, along x."""
-    found = np.isfinite(estimate)
-    at, off = x[found], np.log(true[found] / estimate[found])
+def _band(told: np.ndarray, true: np.ndarray) -> Band:
+    """Where the truth lies about what is told, shape (n, 2), from 2.5 to 97.5 %."""
+    found = np.isfinite(told[:, 0])
+    estimate, at = told[found].T
+    off = np.log(true[found] / estimate)
     bins = min(BINS, max(1, at.size // 40))
     order = np.argsort(at)
     parts = [part for part in np.array_split(order, bins) if part.size]

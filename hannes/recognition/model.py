@@ -35,7 +35,7 @@ class Calibration:
 class Band:
     """95 % interval about an estimate: log offsets below and above it, along `x`.
 
-    x rises: the logarithm of the estimate, or how far a forest's outer quantiles lie apart there.
+    x rises: how far a forest's outer quantiles lie apart, in the estimate's logarithm.
     """
 
     x: np.ndarray
@@ -92,7 +92,7 @@ class Model:
 
     Force is the median over its trees: shape and place of what is held are unknown, and the few
     trees that saw a prism, which gives another force at the same current, do not pull a median.
-    Its interval goes by how far the trees lie apart, that of stiffness by the stiffness.
+    So is stiffness. Intervals go by how far the trees lie apart.
     `sure`: probability from which a class is told; below it the answer is "don't know".
     """
 
@@ -131,8 +131,8 @@ class Model:
     def _stiffness(self, rows: np.ndarray, held: np.ndarray) -> Estimate | None:
         if not held.any():
             return None
-        value = grasp_stiffness(self.stiffness(rows), held)
-        return Estimate(value, *self.stiffness_band(value, np.log(value)))
+        value, apart = grasp_stiffness(self.stiffness.quantiles(rows[held]))
+        return Estimate(value, *self.stiffness_band(value, apart))
 
     def _peak(self, force: np.ndarray, held: np.ndarray) -> Estimate | None:
         if not held.any():
@@ -141,10 +141,14 @@ class Model:
         return Estimate(value, *self.force_band(value, apart))
 
 
-def grasp_stiffness(told: np.ndarray, held: np.ndarray) -> float:
-    """One stiffness [N/m] from the logarithms that windows tell: the median of the later half."""
-    some = told[held]
-    return float(np.exp(np.median(some[some.size // 2 :])))
+def grasp_stiffness(quantiles: np.ndarray) -> tuple[float, float]:
+    """One stiffness [N/m] and how far trees lie apart, from quantiles of its logarithm, (n, 3).
+
+    They are of the windows in which the object is held; medians over the later half of these.
+    """
+    later = quantiles[len(quantiles) // 2 :]
+    value, apart = np.median(later[:, 1]), np.median(later[:, 2] - later[:, 0])
+    return float(np.exp(value)), float(apart)
 
 
 def grasp_peak(quantiles: np.ndarray) -> tuple[float, float]:

@@ -21,7 +21,7 @@ from hannes.recognition.forest import FIELDS, MOST_NODES, Forest
 from hannes.recognition.model import Band, Calibration, Model
 from hannes.recording_hdf5 import OWN_FILTERS, set_attribute, text_attribute
 
-SCHEMA = "hannes-recogniser-5"
+SCHEMA = "hannes-recogniser-6"
 FORESTS = ("rigid", "stiffness", "force")
 CURVES = {"calibration": 2, "stiffness_band": 3, "force_band": 3}
 NUMBERS = ("window", "hop", "sampling", "border", "sure")

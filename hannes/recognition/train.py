@@ -97,7 +97,10 @@ def _learnt(
         trained=f"{data.title}; fingerprint {data.digest}; seed {seed}",
     )
     unseen = answered(
-        known, made.rigid.mean_unseen, made.stiffness.mean_unseen, made.force.quantiles_unseen
+        known,
+        made.rigid.mean_unseen,
+        made.stiffness.quantiles_unseen,
+        made.force.quantiles_unseen,
     )
     return calibrated(model, known, unseen), unseen
 
@@ -155,7 +158,8 @@ def worth(model: Model, known: Grasps, told: Answers) -> dict[str, float]:
     touched = np.nan_to_num(known.features[..., SINCE]) > 0.0
     whole = running(rigid, touched, model.cut.hop)[np.arange(last.size), last]
     grasp = decided(whole, model.sure) == known.rigid
-    stiff, miss = np.log(told.stiffness / known.stiffness), np.abs(told.peak / known.peak - 1.0)
+    stiff = np.log(told.stiffness[:, 0] / known.stiffness)
+    miss = np.abs(told.peak[:, 0] / known.peak - 1.0)
     return {
         "grasps": int(known.rigid.size),
         "windows_right": float(windows[scored].mean()),
