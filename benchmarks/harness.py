@@ -87,8 +87,11 @@ def main(
 
     A benchmark with `parts` is also told which of them: `measure(quick, only)`.
     """
+    from threadpoolctl import threadpool_limits  # not where the memory of small processes counts
+
     asked = arguments(doc, module, parts)
-    rows, bounds = measure(asked.quick, asked.only) if parts else measure(asked.quick)
+    with threadpool_limits(1, "blas"):
+        rows, bounds = measure(asked.quick, asked.only) if parts else measure(asked.quick)
     stream = sys.stderr if asked.json == "-" else sys.stdout
     print(table(rows), "\n", table(aligned(bounds)), sep="\n", file=stream)
     if asked.json:

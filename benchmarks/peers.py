@@ -3,12 +3,15 @@
 Runners, in one process, on one thread (nothing timed calls BLAS), by processor time, in turn,
 repeated:
 
-- hannes: `simulate` at several tolerances
+- hannes: its compiled steps at several tolerances, as batches run them; and through scipy's
+  solve_ivp, as `simulate` does, which the bounds do not ask for and other rows tell
 - our equations in MuJoCo: its bodies and integrators, our forces in a compiled callback, at
   several steps of every integrator it has
-- the same, linearised: with an expert's help, see benchmarks/mujoco/same.py
+- the same, linearised: with an expert's help, see benchmarks/mujoco/same.py; it makes MuJoCo's
+  semi-implicit Euler hold at far longer steps
 - MuJoCo's own elements (benchmarks/mujoco/elements.py): every integrator, wires as springs or as
-  limits; with the impedance that comes nearest to our traces, and with its default one
+  limits; with the impedance of contacts that comes nearest to our traces, and with a stiffer one,
+  a little further off and cheaper
 
 All run the 1.15 s of one experiment and record its state at 1 kHz; compiled code steps MuJoCo.
 Force and tension follow from the states, on all sides outside the clock (the row "force and
@@ -35,6 +38,7 @@ from benchmarks.mujoco.cases import (
     CALLED,
     IDIOMS,
     LINEARISED,
+    LOOP,
     OURS,
     OWN,
     Case,
@@ -93,8 +97,8 @@ def judged(case: Case) -> Row:
 
 def timed(cases: Sequence[Case], rounds: int) -> Times:
     """Milliseconds of processor time; hannes runs again before each way of every other runner."""
-    mine = [case for case in cases if case.runner == OURS]
-    others = [case for case in cases if case.runner != OURS]
+    mine = [case for case in cases if case.runner in (LOOP, OURS)]
+    others = [case for case in cases if case.runner not in (LOOP, OURS)]
     ways = itertools.groupby(others, lambda case: (case.runner, case.way))
     order = [case for _, way in ways for case in (*mine, *way)]
     spent: Times = {case: [] for case in cases}
@@ -129,18 +133,24 @@ class Race:
         costs = [(cost(points, error), way) for way, points in ways.items()]
         return min(costs, key=lambda each: each[0] if np.isfinite(each[0]) else np.inf)
 
-    def contest(self, runner: str, key: str, error: float, bound: float) -> Row:
+    def contest(self, runner: str, key: str, error: float, bound: float, mine: str = LOOP) -> Row:
         """A runner's time to an error over ours; 95 % interval over repeats (bootstrap)."""
         ratios = [
-            self.time(medians, runner, key, error)[0] / self.time(medians, OURS, key, error)[0]
+            self.time(medians, runner, key, error)[0] / self.time(medians, mine, key, error)[0]
             for medians in (self.medians, *self.resampled)
         ]
         low, high = np.percentile(ratios[1:], (2.5, 97.5))
-        name = f"time over that of hannes at {error:g} {key.replace('_', ' ')}: {runner}"
+        name = f"time over that of {mine} at {error:g} {key.replace('_', ' ')}: {runner}"
         theirs, way = self.time(self.medians, runner, key, error)
-        ms = {"ms": theirs, "hannes_ms": self.time(self.medians, OURS, key, error)[0]}
+        ms = {"ms": theirs, "hannes_ms": self.time(self.medians, mine, key, error)[0]}
         row = must_show(name, ratios[0], bound, ratios[0] >= bound)
         return {**row, "low": float(low), "high": float(high), **ms, "way": way}
+
+    def through_scipy(self, runner: str, key: str, error: float, bound: float) -> Row:
+        """The same over `simulate`, as a row beside the others."""
+        row = self.contest(runner, key, error, bound, OURS)
+        told = {"runner": row["name"], "way": row["way"], "ms": row["ms"]}
+        return {**told, "ratio": row["value"], "low": row["low"], "high": row["high"]}
 
     def rows(self) -> list[Row]:
         """One row for each case."""
@@ -166,7 +176,8 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     found = {case: judged(case) for case in tqdm(cases, "errors", leave=False)}
     race = Race(timed(cases, 2 if quick else 5), found)
     unraced = [{"runner": name, "note": why} for name, why in NOT_RACED.items()]
-    rows = [*race.rows(), *apart(exact, limits), outputs(exact), *unraced]
+    rows = [*race.rows(), *apart(exact, limits), outputs(exact)]
+    rows += [*(race.through_scipy(*asked) for asked in CONTESTS), *unraced]
     return aligned(rows), [race.contest(*asked) for asked in CONTESTS]
 
 
@@ -195,7 +206,7 @@ def outputs(exact: Trajectory) -> Row:
         exact.time, exact.states, exact.parameters, exact.knots, exact.holds
     )
     ms = 1e3 * (time.perf_counter() - clock)
-    return {"runner": OURS, "way": "force and tension", "step": "all samples", "ms": ms}
+    return {"runner": LOOP, "way": "force and tension", "step": "all samples", "ms": ms}
 
 
 if __name__ == "__main__":

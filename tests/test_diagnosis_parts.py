@@ -1,0 +1,176 @@
+"""The parts of a deep diagnosis: slopes, base, gains, drift, noise, shapes, settings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sled import (
+    KNOWN,
+    TURBULENCE,
+    WAVES,
+    WAVES_OF_23,
+    Sled,
+    found,
+    recordings,
+)
+
+from hannes.alike import alike, told
+from hannes.axis import Axis
+from hannes.catalogue import effects
+from hannes.diagnosis.drift import drifts
+from hannes.diagnosis.groups import grouped
+from hannes.diagnosis.heldout import held_out
+from hannes.diagnosis.investigation import LIMIT, _back, investigate
+from hannes.diagnosis.noise import Noise, of_repeats, white_levels
+from hannes.diagnosis.point import differenced
+from hannes.diagnosis.screen import likeness, projected, screened, shapes
+from hannes.diagnosis.settings import Settings, read_settings
+from hannes.errors import BadInput
+from hannes.table import Table
+
+
+@pytest.fixture(scope="module")
+def investigated():
+    """What an investigation of hidden turbulence finds."""
+    entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
+    return investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+
+
+def test_slopes_are_those_of_the_simulation(investigated):
+    base = investigated.base
+    model, x = base.ground.model, base.x
+    vectors, slopes = differenced(model, x, base.active, False)
+    moved = x.copy()
+    moved[0] += 0.1
+    for group, vector, slope in zip(model.groups, vectors, slopes, strict=True):
+        there = model.vectors(group, moved[np.newaxis], False)[0]
+        moves = 0.1 * slope[0]
+        assert there - vector == pytest.approx(moves, abs=0.03 * np.abs(moves).max())
+
+
+def test_the_base_is_where_nothing_pulls(investigated):
+    base = investigated.base
+    step = np.linalg.solve(base.curvature, base.pull)
+    assert step @ base.curvature @ step < 0.5
+    assert base.misfit > 1.5 * base.miss.size  # an effect is missing
+    assert investigated.trials[0].point.misfit < 1.2 * base.miss.size
+
+
+def test_a_base_beside_its_best_place_is_led_back_by_an_effect(investigated):
+    base = investigated.base
+    beside = base.moved(base.x + 3.0 * np.isin(np.arange(base.x.size), base.active), base.active)
+    assert beside.misfit > base.misfit + 20.0
+    back = _back(replace(investigated, base=beside), lambda text: None)
+    assert back.misfit == pytest.approx(base.misfit, abs=1.0)
+    assert _back(investigated, lambda text: None) is None
+
+
+def test_a_gain_is_of_what_was_not_fitted_too(investigated):
+    base, best = investigated.base, investigated.trials[0].point
+    seen, unseen = ([0b011] * 2, [0b100] * 2)
+    assert held_out(base, best, seen, unseen) > LIMIT
+    assert held_out(base, base, seen, unseen) == 0.0
+    assert held_out(base, best, seen, [0, 0]) == 0.0
+
+
+def test_what_grows_from_run_to_run_is_no_clean_name():
+    verdict = found(1, ((TURBULENCE, 0.02),), growth=1.0)
+    assert verdict.verdict in ("unknown", "named_with_remainder")
+    assert "from run to run" in verdict.reason
+
+
+def test_what_does_not_grow_does_not_drift(investigated):
+    best = investigated.trials[0].point
+    assert drifts(best, investigated.guesses).gain < LIMIT
+    assert drifts(investigated.base, investigated.guesses).gain < 0.95 * investigated.trials[0].gain
+
+
+def test_a_guess_agrees_with_the_refit_where_an_effect_is_small():
+    entries = [e for e in recordings(1, ((TURBULENCE, 0.5),)) if e.role != "show"]
+    small = investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    guess = next(each for each in small.guesses if each.effect == "turbulence")
+    trial = next(each for each in small.trials if each.effects == ("turbulence",))
+    assert guess.gain == pytest.approx(trial.gain * small.unit, rel=0.1)
+    again = {g.effect: g.gain for g in screened(trial.point, ["hardening"])}
+    assert again["hardening"] < LIMIT
+
+
+def test_what_parameters_can_do_is_no_mark_of_an_effect(investigated):
+    base = investigated.base
+    row = base.columns[:1]
+    _, curvature = projected(base, row)
+    assert curvature[0, 0] < 1.01  # as much as the given value's own spread leaves of it
+    assert likeness(base, row, row) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_noise_that_hangs_together_is_found_and_is_a_covariance():
+    groups = grouped(Sled(), recordings(1))
+    rng = np.random.default_rng(5)
+    for group in groups:
+        white = rng.standard_normal((group.count, group.part.size + 9))
+        smooth = np.apply_along_axis(np.convolve, 1, white, np.ones(10) / np.sqrt(10.0), "valid")
+        group.measured = 1e-2 * smooth
+    none = [np.zeros((1, group.part.size)) for group in groups]
+    calm = [each[0] for each in none]
+    noise = Noise(groups, *of_repeats(groups, calm, none, 1.0), calm, none, 1.0)
+    for group in groups:
+        covariance = noise.covariance(group)
+        assert np.linalg.eigvalsh(covariance).min() > 0.0
+        near = np.diag(covariance, 1)[: group.bins - 1] / np.diag(covariance)[: group.bins - 1]
+        assert 0.6 < near.mean() < 1.0
+        assert np.sqrt(np.diag(covariance)).mean() == pytest.approx(1e-2, rel=0.3)
+
+
+def test_noise_without_repeats_is_how_rough_samples_are():
+    groups = grouped(Sled(), [recordings(1)[0], recordings(1)[4]])
+    levels = white_levels(groups[0], {})
+    per_bin = 2e-3 / np.sqrt(groups[0].recording.time.size / groups[0].bins)
+    assert levels["position"] == pytest.approx(per_bin, rel=0.15)
+
+
+def test_a_shape_that_is_a_count_is_found():
+    verdict = found(1, ((WAVES_OF_23, 0.05),), {"washboard": WAVES})
+    assert verdict.effects == ["washboard"]
+    assert verdict.parameters["washboard.count"]["value"] == pytest.approx(23.0, abs=0.2)
+
+
+def test_shapes_lie_inside_the_bounds():
+    for each in effects().values():
+        for shape in shapes(each):
+            for name, value in shape.items():
+                low, high = next(
+                    p.bounds for p in each.parameters if each.full_name(p.name) == name
+                )
+                assert low <= value <= high
+        assert shapes(each)
+
+
+def test_a_plant_with_nothing_uncertain_is_not_told_how_much_of_it():
+    with pytest.raises(BadInput, match="does not say what is uncertain"):
+        read_settings(Table({"scatter": "2 %"}, "campaign.toml", (), "diagnose."), Axis())
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ({"scatter": "2"}, "scatter"),
+        ({"scatter": "80 %"}, "between 0 and 50 %"),
+        ({"scater": "2 %"}, "scatter"),
+        ({"start_time": "2 mm"}, "start_time"),
+        ({"start_time": "-1 ms"}, "not negative"),
+    ],
+)
+def test_what_a_campaign_says_of_its_machine_is_checked(content, message):
+    with pytest.raises(BadInput, match=message):
+        read_settings(Table(content, "campaign.toml", (), "diagnose."), Sled())
+
+
+def test_what_is_easily_confused_was_measured_both_ways():
+    for effect in effects():
+        for recorded, others in alike(effect).items():
+            assert list(others.values()) == sorted(others.values(), reverse=True)
+            for other, cosine in others.items():
+                assert 0.0 < cosine <= 1.0
+                assert alike(other)[recorded][effect] == pytest.approx(cosine, abs=2e-3)
+    assert "capstan" in told("gear_load")
+    assert told("nobody_knows") == ""
