@@ -48,6 +48,25 @@ def same(found, run):
     return all(equal) and np.array_equal(found.time, run.time)
 
 
+def test_progress_counts_every_grasp(monkeypatch):
+    told = []
+
+    class Bar:
+        def __init__(self, *, total, disable, **how):
+            told.append((total, disable))
+
+        def update(self, count):
+            told.append(count)
+
+        def close(self):
+            told.append("closed")
+
+    monkeypatch.setattr("tqdm.tqdm", Bar)
+    given = Hand(), grasp(duration=0.05), COLUMNS
+    list(simulate_many(*given, channels=CHANNELS, workers=2, progress=True))
+    assert told[0] == (COUNT, False) and told[-1] == "closed" and sum(told[1:-1]) == COUNT
+
+
 # --- the same bits ----------------------------------------------------------------------------
 
 

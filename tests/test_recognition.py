@@ -189,6 +189,12 @@ def test_stiffness_is_told_with_an_interval_by_its_trees(arrays, trained):
     assert (told.stiffness.low, told.stiffness.high) == model.stiffness_band(value, apart)
 
 
+def test_an_interval_reaches_half_way_to_the_next_value_that_was_learnt(trained):
+    between = 0.5 * np.log(38.3e3 / 800.0) / 3.0  # of four values
+    band = trained[0].stiffness_band
+    assert (band.low <= -between).all() and (band.high >= between).all()
+
+
 def test_an_interval_is_wider_where_trees_lie_further_apart():
     rng = np.random.default_rng(0)
     apart, true = rng.uniform(0.1, 1.0, 4000), np.full(4000, 20.0)

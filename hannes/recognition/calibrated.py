@@ -64,7 +64,7 @@ def calibrated(model: Model, known: Grasps, told: Answers) -> Model:
         model = replace(model, calibration=points, sure=least_sure(raw, classes, owner))
     return replace(
         model,
-        stiffness_band=_band(told.stiffness, known.stiffness),
+        stiffness_band=_widened(_band(told.stiffness, known.stiffness), known.stiffness),
         force_band=_band(told.peak, known.peak),
     )
 
@@ -100,6 +100,13 @@ def _least_share(right: np.ndarray, owner: np.ndarray) -> float:
     share = right.mean()
     off = np.bincount(owner, right - share)
     return float(share - 1.645 * np.sqrt((off**2).sum()) / right.size)
+
+
+def _widened(band: Band, values: np.ndarray) -> Band:
+    """The band, wider by half the distance of the values learnt: a few tell nothing in between."""
+    levels = np.unique(np.log(values))
+    between = 0.5 * float(np.ptp(levels)) / max(levels.size - 1, 1)
+    return Band(band.x, band.low - between, band.high + between)
 
 
 def _band(told: np.ndarray, true: np.ndarray) -> Band:
