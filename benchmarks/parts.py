@@ -1,7 +1,7 @@
 """Parts of a step: nanoseconds of the rates, of the Jacobian, of its factors and of a solution.
 
 Along the states of a dynamometer grasp, of the hand alone and with its whole catalogue at small
-amplitudes; processor time, the least of several turns. An accepted step takes one Jacobian, and by
+amplitudes; processor time, medians over turns and the distance of their quartiles. An accepted step takes one Jacobian, and by
 Rodas4P2 six rates and solutions, by Rodas3 three and four; each attempt takes new factors.
 """
 
@@ -50,8 +50,8 @@ def turns(compiled: Compiled) -> Any:
     return run
 
 
-def spent(ran: Trajectory, repeats: int) -> list[float]:
-    """Nanoseconds of each part in turn."""
+def spent(ran: Trajectory, repeats: int) -> np.ndarray:
+    """Nanoseconds of each part, shape (parts, turns): what a turn took with it less without."""
     run = turns(ran.compiled)
     given = ran.time[::10], ran.states[::10].copy(), ran.parameters, ran.knots, ran.holds[0].copy()
     sums: list[list[float]] = [[] for _ in PARTS]
@@ -60,8 +60,8 @@ def spent(ran: Trajectory, repeats: int) -> list[float]:
             clock = time.process_time()
             run(depth + 1, *given, ROUNDS)
             sums[depth].append(time.process_time() - clock)
-    least = [1e9 * min(each[1:]) / (ROUNDS * given[0].size) for each in sums]
-    return list(np.diff(least, prepend=0.0))
+    each = 1e9 * np.array(sums)[:, 1:] / (ROUNDS * given[0].size)
+    return np.diff(each, axis=0, prepend=0.0)
 
 
 def measure(quick: bool) -> tuple[list[Row], list[Row]]:
@@ -71,10 +71,11 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     rows = []
     for name, hand in hands.items():
         ran = simulate(hand, grasp(), rtol=1e-3).require()
-        parts = dict(
-            zip((f"{part}_ns" for part in PARTS), spent(ran, 5 if quick else 50), strict=True)
-        )
-        rows.append({"hand": name, "states": ran.states.shape[1], **parts})
+        row: Row = {"hand": name, "states": ran.states.shape[1]}
+        for part, took in zip(PARTS, spent(ran, 5 if quick else 50), strict=True):
+            low, middle, high = np.percentile(took, (25, 50, 75))
+            row |= {f"{part}_ns": float(middle), f"{part}_spread": float(high - low)}
+        rows.append(row)
     return aligned(rows), []
 
 
