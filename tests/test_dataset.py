@@ -15,6 +15,7 @@ import pytest
 
 from hannes.cli import main
 from hannes.dataset.draw import draw
+from hannes.dataset.file import write
 from hannes.dataset.make import Parts, make, numbered
 from hannes.dataset.part import Part, count, made, recorded
 from hannes.dataset.read import read
@@ -229,6 +230,20 @@ def test_a_full_disk_is_told_and_the_run_goes_on_after(whole, tmp_path):
     assert not (tmp_path / "set.h5").exists() and list(tmp_path.glob(".parts*/*.part"))
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.parametrize("error", [
+    OSError(28, "No space left on device"),
+    OSError("Can't write data (file write failed: errno = 28, error message = 'No space')"),
+    RuntimeError("Unspecified error (errno = 122, error message = 'Disk quota exceeded')"),
+])  # fmt: skip
+def test_a_full_disk_is_told_however_hdf5_words_it(spec, tmp_path, error):
+    def parts():
+        raise error
+        yield
+
+    with pytest.raises(BadInput, match="no space left on the disk"):
+        write(tmp_path / "set.h5", spec, parts())
 
 
 @pytest.fixture

@@ -50,30 +50,40 @@ def test_same_run_same_bytes(page, tmp_path):
     assert (tmp_path / "again" / "index.html").read_text(encoding="utf-8") == text
 
 
-def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys):
-    monkeypatch.setenv("HANNES_MEASURED", str(tmp_path / "nowhere"))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    assert main(["reproduce", "--out", str(tmp_path / "out"), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert all(row["holds"] for row in told["must_show"])
-    text = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
-    assert "DATA_EMPS.mat" in text and "HANNES_MEASURED" in text
-
-
-def test_table_3_stands_beside_the_papers(tmp_path):
-    from hannes.errors import BadInput
-    from hannes.report import recognition
-
-    names = ("Sponge", "Hand dynamometer")
+def evaluation(worst):
+    """What `hannes evaluate` writes, of two objects."""
     share = {"f1_windows": 0.96, "f1_grasps": 1.0, "stable_in_time": 0.9}
+    names = ("Sponge", "Hand dynamometer")
     objects = [{"name": n, "class": "soft", **share, "stiffness_N_per_m": 900.0} for n in names]
-    told = {"objects": objects, **share, "f1_worst": 0.8}
+    told = {"objects": objects, **share, "f1_worst": worst}
     told["learning_curve"] = [{"grasps": 500, "f1_worst": 0.7, **share}]
     told["confusion"] = {"soft": {"soft": 3, "rigid": 0, "don't know": 1}}
     told |= {"reliability": {"calibration_error": 0.021}, "stable_after_s": 0.05}
     told["force"] = {"grasps": 4, "told": 3, "median_error_percent": 5.0}
     told["force"] |= {"interval_holds": 0.75, "interval_width": 1.5}
     told["stiffness"] = {"grasps": 4, "told": 0}
+    return told
+
+
+def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("HANNES_MEASURED", str(tmp_path / "nowhere"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    (tmp_path / "evaluation.json").write_text(json.dumps(evaluation(0.9)))
+    more = ["--recognition", str(tmp_path), "--json"]
+    assert main(["reproduce", "--out", str(tmp_path / "out"), *more]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert all(row["holds"] for row in told["must_show"])
+    assert sum("ten virtual objects" in row["name"] for row in told["must_show"]) == 3
+    text = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+    assert "DATA_EMPS.mat" in text and "HANNES_MEASURED" in text
+    assert "Table III: rigid or soft" in text and "What windows were told" in text
+
+
+def test_table_3_stands_beside_the_papers(tmp_path):
+    from hannes.errors import BadInput
+    from hannes.report import recognition
+
+    told = evaluation(0.8)
     (tmp_path / "evaluation.json").write_text(json.dumps(told))
     read = recognition.read(tmp_path)
     assert [row["holds"] for row in recognition.checks(read)] == [True, True, False]
