@@ -187,6 +187,8 @@ def _grasp(told: dict[str, Any]) -> str:
         if each := told[key]:
             ends = f"{each['low']:.3g} to {each['high']:.3g}"
             lines.append(f"  {words} {each['value']:.3g} {each['unit']} (95 %: {ends})")
+    if told["peak_force"] is None:
+        lines.append("  the motor felt nothing, so neither stiffness nor grip force is told")
     return "\n".join(lines)
 
 

@@ -436,6 +436,9 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
     assert main(["evaluate", "model.h5", "evaluation.toml"]) == 0
     said = capsys.readouterr().out
     assert "told of 4 of 4 grasps" in said and "stiffness: off" in said
+    recording(arrays, 2, current=np.zeros(arrays[2].size)).write(tmp_path / "still.h5")
+    assert main(["evaluate", "model.h5", "still.h5"]) == 0
+    assert re.match(r"don't know .*\n.*felt nothing", capsys.readouterr().out)
 
 
 def test_a_grasp_of_which_nothing_is_told_counts_as_missed():
