@@ -205,10 +205,13 @@ def effect_costs(quick: bool) -> tuple[list[Row], list[Row]]:
     present = ratio(spent[f"{most} effects present",].processor, base)
     absent = ratio(spent[LEFT_OUT,].processor, base)
     same = hands[LEFT_OUT].compiled() is Hand().compiled()
-    name = f"{most} effects left out over none (one machine code: {'yes' if same else 'no'})"
+    name = f"machine code of {most} effects left out is that of none (1: yes)"
+    rows.append({"what": "effects left out over none, time", **absent})
+    larger = ratio(spent[f"{most} effects present, ten times as large",].processor, base)
     return rows, [
         must_show(f"{most} effects present over none", 0.0, 1.5, present["value"] <= 1.5) | present,
-        must_show(name, 0.0, 1.0, same) | absent,
+        must_show("the same, ten times as large", 0.0, 1.5, larger["value"] <= 1.5) | larger,
+        must_show(name, float(same), 1.0, same),
     ]
 
 

@@ -10,8 +10,8 @@ repeated:
 - the same, linearised: with an expert's help, see benchmarks/mujoco/same.py; it makes MuJoCo's
   semi-implicit Euler hold at far longer steps
 - MuJoCo's own elements (benchmarks/mujoco/elements.py): every integrator, wires as springs or as
-  limits; with the impedance of contacts that comes nearest to our traces, and with a stiffer one,
-  a little further off and cheaper
+  limits; with the impedance of contacts that comes nearest to our traces, and with one near
+  its default, a little further off and cheaper
 
 All run the 1.15 s of one experiment and record its state at 1 kHz; compiled code steps MuJoCo.
 Force and tension follow from the states, on all sides outside the clock (the row "force and

@@ -30,7 +30,7 @@ def by_object(name: str, told: Told) -> list[Row]:
 
 def in_all(name: str, told: Told, ends: Mapping[str, Mapping[str, float]]) -> list[Row]:
     """Averages with intervals, then what else windows and grasps tell."""
-    begun, trust, late = told["from_contact"], told["reliability"], told["stable_after_s"]
+    begun, trust = told["from_contact"], told["reliability"]
     return [
         {"what": f"{name}: average", **averages({k: 100 * told[k] for k in ends})},
         *({"what": f"{name}: its 95 % interval, {end}",
@@ -41,7 +41,9 @@ def in_all(name: str, told: Told, ends: Mapping[str, Mapping[str, float]]) -> li
          "stable_in_150_ms_%": 100 * told["stable_in_time_of_a_newton"]},
         *(confused(name, *each) for each in told["confusion"].items()),
         {"what": f"{name}: probabilities", "off_%": 100 * trust["calibration_error"]},
-        {"what": f"{name}: decided for good, median", "ms": 1e3 * late if late else np.inf},
+        *({"what": f"{name}: {word} objects decided for good, median",
+           "ms": "never" if late is None else 1e3 * late}
+          for word, late in told["stable_after_s"].items()),
     ]  # fmt: skip
 
 
@@ -60,6 +62,8 @@ def averages(shares: Mapping[str, float]) -> Row:
 
 def estimates(what: str, found: Told) -> Row:
     """How far off estimates are, how often intervals hold, and their upper end over their lower."""
+    if not found["told"]:
+        return {"what": what, "grasps": found["grasps"], "told": 0}
     return {"what": what, "grasps": found["grasps"], "told": found["told"],
             "off_%": found["median_error_percent"], **errors(found),
             "interval_holds_%": 100 * found["interval_holds"],

@@ -54,7 +54,8 @@ evaluation.toml, whose recordings have the force that tells contact from release
   [[object]]
   name = "Ball"
   class = "soft"                           # or "rigid"
-  file = "ball-*.h5"                       # one or more grasps of it""",
+  file = "ball-*.h5"                       # one or more grasps of it
+  stiffness = "800 N/m"                    # where it is known""",
 }
 
 

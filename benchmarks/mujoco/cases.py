@@ -42,7 +42,7 @@ OURS, LOOP = "hannes through solve_ivp", "hannes"
 CALLED, LINEARISED = "our equations in MuJoCo", "the same, linearised for it"
 OWN = {  # by impedance of its contacts: the one nearest to our traces, and a cheaper one
     0.7: "MuJoCo's own elements, nearest",
-    0.9: "MuJoCo's own elements, stiffer",
+    0.9: "MuJoCo's own elements, near its default",
 }
 IDIOMS = tuple(Idiom(impedance, limits) for impedance in OWN for limits in (False, True))
 

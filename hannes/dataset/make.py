@@ -181,11 +181,11 @@ def _tasks(spec: Spec, numbers: list[int]) -> Iterator[Any]:
 
 
 def numbered(text: str, number: int, mark: str) -> tuple[int, bytes]:
-    """A part with its number; BadInput where this process would make other bytes of it."""
+    """A part with its number; BadInput where this process is of another version than `mark`."""
     if _mark(text) != mark:
         raise BadInput(
-            "a worker has another version of hannes or of its packages than this machine: "
-            "install the same on all"
+            "a worker has another version of hannes, Python or a package than this machine: install "
+            "the same on all, and start workers anew after that"
         )
     return number, simulated(text, number)
 

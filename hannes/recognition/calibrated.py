@@ -103,7 +103,7 @@ def _least_share(right: np.ndarray, owner: np.ndarray) -> float:
 
 
 def _widened(band: Band, values: np.ndarray) -> Band:
-    """The band, wider by half the distance of the values learnt: a few tell nothing in between."""
+    """The band, wider by half the mean distance of the values learnt: few tell nothing between."""
     levels = np.unique(np.log(values))
     between = 0.5 * float(np.ptp(levels)) / max(levels.size - 1, 1)
     return Band(band.x, band.low - between, band.high + between)

@@ -23,12 +23,13 @@ from hannes.errors import BadInput
 from hannes.files import atomic_folder
 from hannes.recognition.estimates import judged
 from hannes.recognition.grasps import scored
-from hannes.recognition.model import RIGID, WORDS, Model, decided, plain
+from hannes.recognition.model import RIGID, UNKNOWN, WORDS, Model, decided, plain
 from hannes.recording import Recording
 from hannes.table import Table, read_text
 
 CLASSES = WORDS[:2]
 STABLE = 0.15  # s from contact
+LEAST, MOST = 1.0, 1e9  # N/m, of an object
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,8 @@ def f1(right: float) -> float:
 def read_subjects(path: str | Path) -> tuple[str, list[Subject]]:
     """Title and objects of an evaluation.toml; files are relative to it, globs allowed."""
     root = Table.parse(read_text(Path(path)), str(path), ("title", "object"))
-    root.require("object", '[{ name = "Ball", class = "soft", file = "ball-*.h5" }]')
+    if not root.require("object", '[{ name = "Ball", class = "soft", file = "ball-*.h5" }]'):
+        root.refuse("object", "is empty: expected one object or more")
     made = [_subject(root, k) for k in range(len(root.items("object")))]
     return root.text("title", Path(path).stem), made
 
@@ -69,8 +71,8 @@ def _subject(root: Table, k: int) -> Subject:
         _require_force(each, recording)
     name = table.text("name", f"object {k + 1}")
     stiffness = table.quantity("stiffness", "N/m") if "stiffness" in table else None
-    if stiffness is not None and not stiffness > 0.0:
-        table.refuse("stiffness", "expected more than 0 N/m")
+    if stiffness is not None and not LEAST <= stiffness <= MOST:
+        table.refuse("stiffness", f"= {stiffness:g} N/m: expected from {LEAST:g} to {MOST:g} N/m")
     return Subject(name, CLASSES.index(table.choice("class", CLASSES)), recordings, stiffness)
 
 
@@ -95,7 +97,10 @@ def evaluate(model: Model, subjects: Sequence[Subject]) -> dict[str, Any]:
             "f1_windows": float(np.mean([row["f1_from_contact"] for row in rows])),
             "f1_worst": min(row["f1_from_contact"] for row in rows),
         },
-        "stable_after_s": _finite(np.median([found["delay"] for found in every])),
+        "stable_after_s": {
+            word: _after([found["delay"] for own, found in grasps if own.label == label])
+            for label, word in enumerate(CLASSES)
+        },
         "stable_in_time": float(np.mean([found["delay"] <= STABLE for found in every])),
         "stable_in_time_of_a_newton": float(np.mean([x["since_newton"] <= STABLE for x in every])),
         "stable_s": STABLE,
@@ -132,6 +137,7 @@ def _grasp(model: Model, subject: Subject, recording: Recording) -> dict[str, An
     during = (told.time >= contact) & (told.time <= release)
     right = decided(told.running, model.sure) == subject.label
     first, _ = touching(recording.time, force, share=0.0)
+    right &= told.decision != WORDS[UNKNOWN]  # what is held and never felt is only guessed
     return {
         "windows": decided(told.rigid, model.sure)[inside],
         "from_contact": decided(told.rigid, model.sure)[during],
@@ -171,14 +177,16 @@ def _row(subject: Subject, grasps: list[dict[str, Any]]) -> dict[str, Any]:
         "f1_windows": f1(float(np.mean(windows == subject.label))),
         "f1_from_contact": f1(float(np.mean(begun == subject.label))),
         "f1_grasps": f1(float(np.mean(whole == subject.label))),
-        "stable_after_s": _finite(np.median(delays)),
+        "stable_after_s": _after(delays.tolist()),
         "stable_in_time": float(np.mean(delays <= STABLE)),
         "stiffness_N_per_m": float(np.median(stiffness)) if stiffness else None,
     }
 
 
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def _after(delays: Sequence[float]) -> float | None:
+    """Median time to a decision that stands [s]; None where half have none."""
+    middle = float(np.median(delays)) if len(delays) else np.inf
+    return middle if np.isfinite(middle) else None
 
 
 def _confusion(grasps: Sequence[tuple[Subject, dict[str, Any]]]) -> dict[str, dict[str, int]]:

@@ -23,6 +23,7 @@ from hannes.recording_hdf5 import OWN_FILTERS, set_attribute, text_attribute
 
 SCHEMA = "hannes-recogniser-6"
 FORESTS = ("rigid", "stiffness", "force")
+LARGEST = 100.0  # of the logarithm of an estimate: any real one is far below
 CURVES = {"calibration": 2, "stiffness_band": 3, "force_band": 3}
 NUMBERS = ("window", "hop", "sampling", "border", "sure")
 OF_CUT = NUMBERS[:3]
@@ -83,6 +84,8 @@ def _model(file: Any) -> Model:
     curves = {name: _curve(file, name, rows) for name, rows in CURVES.items()}
     if (forests["rigid"].value < 0.0).any() or (forests["rigid"].value > 1.0).any():
         raise BadInput("a probability is not between 0 and 1")
+    if max(np.abs(forests[name].value).max() for name in ("stiffness", "force")) > LARGEST:
+        raise BadInput(f"the logarithm of an estimate is beyond {LARGEST:g}")
     if not 0.5 <= sure <= 1.0:
         raise BadInput(f"attribute sure = {sure:g}: expected 0.5 to 1")
     return Model(

@@ -37,8 +37,10 @@ def read(folder: str | Path) -> dict[str, Any]:
         told: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         found(told)
         checks(told)
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        raise BadInput(f"{file} is not written by `hannes evaluate`: {error}") from None
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+        raise BadInput(
+            f"{file} is not written by this version's `hannes evaluate`: {error}; evaluate again"
+        ) from None
     return told
 
 
@@ -91,11 +93,11 @@ def _confusion(told: dict[str, Any]) -> Table:
         shares = [decimals(100.0 * answers[word] / whole, 1) for word in WORDS]
         rows.append((true, str(sum(answers.values())), *shares))
     error = decimals(100.0 * told["reliability"]["calibration_error"], 1)
-    late = told["stable_after_s"]
-    since = number(1e3 * late if late is not None else float("nan"), 2)
+    since = {word: number(1e3 * _known(late), 2) for word, late in told["stable_after_s"].items()}
     note = (
         f"Probabilities are {error} points off on average (expected calibration error over "
-        f"tenths); half of all grasps are decided for good within {since} ms of contact."
+        f"tenths). Half of the soft objects' grasps are decided for good {since['soft']} ms after "
+        f"contact, of the rigid ones' {since['rigid']} ms: what is not yet felt is taken for soft."
     )
     columns = ("Object is", "Windows", *(f"Told {word} [%]" for word in WORDS))
     return Table("confusion", "What windows were told", columns, tuple(rows), note)
