@@ -92,7 +92,10 @@ def test_table_3_stands_beside_the_papers(tmp_path):
     assert [row["holds"] for row in recognition.checks(read)] == [True, True, False]
     table, confusion, estimates, learning = recognition.found(read).tables
     assert confusion.rows == (("soft", "4", "75.0", "0.0", "25.0"),)
-    assert "2.1 points" in confusion.note and "good 50.0 ms" in confusion.note
+    assert (
+        "2.1 points" in confusion.note
+        and "soft objects 50 ms after contact, rigid ones never" in confusion.note
+    )
     assert estimates.rows == (("Peak grip force", "3 of 4", "5.0", "75.0", "1.5"),)
     assert learning.rows == (("500", "96.0", "100.0", "70.0", "90.0"),)
     assert table.rows[0][:4] == ("Sponge", "soft", "99.0", "96.0")

@@ -184,8 +184,8 @@ def numbered(text: str, number: int, mark: str) -> tuple[int, bytes]:
     """A part with its number; BadInput where this process is of another version than `mark`."""
     if _mark(text) != mark:
         raise BadInput(
-            "a worker has another version of hannes, Python or a package than this machine: install "
-            "the same on all, and start workers anew after that"
+            "a worker has another version of hannes, Python or a package than this machine: "
+            "install the same on all, and start workers anew after that"
         )
     return number, simulated(text, number)
 

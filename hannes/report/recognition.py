@@ -93,11 +93,14 @@ def _confusion(told: dict[str, Any]) -> Table:
         shares = [decimals(100.0 * answers[word] / whole, 1) for word in WORDS]
         rows.append((true, str(sum(answers.values())), *shares))
     error = decimals(100.0 * told["reliability"]["calibration_error"], 1)
-    since = {word: number(1e3 * _known(late), 2) for word, late in told["stable_after_s"].items()}
+    since = {
+        word: "never" if late is None else f"{number(1e3 * late, 2)} ms after contact"
+        for word, late in told["stable_after_s"].items()
+    }
     note = (
         f"Probabilities are {error} points off on average (expected calibration error over "
-        f"tenths). Half of the soft objects' grasps are decided for good {since['soft']} ms after "
-        f"contact, of the rigid ones' {since['rigid']} ms: what is not yet felt is taken for soft."
+        f"tenths). Decided for good, median: soft objects {since['soft']}, rigid ones "
+        f"{since['rigid']}; what is not yet felt is taken for soft."
     )
     columns = ("Object is", "Windows", *(f"Told {word} [%]" for word in WORDS))
     return Table("confusion", "What windows were told", columns, tuple(rows), note)
