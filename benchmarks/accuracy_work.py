@@ -168,11 +168,10 @@ def _bounds(rows: list[Row]) -> list[Row]:
     fast = [row for row in rows if row["method"] == "Rodas"]
     grasp = next(float(row["ms"]) for row in fast if row["rtol"] == "0.0001")
     dearer = max(float(row["ms"]) / float(row["alone_ms"]) for row in fast)
-    shown = [
+    return [
         must_show("dynamometer grasp at rtol 1e-4 [ms]", grasp, 30.0, grasp <= 30.0),
         must_show("solve_ivp over the compiled steps alone", dearer, 1.5, dearer <= 1.5),
     ]
-    return shown
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ from hannes.report.formats import decimals, number
 from hannes.report.paper import TABLE_3, TABLE_3_AVERAGE
 from hannes.report.tables import Table
 
-WORDS = ("soft", "rigid", "don't know")
 BOUNDS = (5.0, 2.0, 15.0)  # % that F1 may lack: of windows, of grasps, of the worst object
 NOTE = (
     "F1 by the paper's formula, in which the names of precision and recall are swapped; for an "
@@ -87,11 +86,11 @@ def _table(told: dict[str, Any]) -> Table:
 
 def _confusion(told: dict[str, Any]) -> Table:
     """Windows by class and by what was told, and how far probabilities can be trusted."""
-    rows = []
+    words, rows = list(next(iter(told["confusion"].values()))), []
     for true, answers in told["confusion"].items():
-        whole = max(1, sum(answers.values()))
-        shares = [decimals(100.0 * answers[word] / whole, 1) for word in WORDS]
-        rows.append((true, str(sum(answers.values())), *shares))
+        whole = sum(answers.values())
+        shares = [decimals(100.0 * answers[word] / max(1, whole), 1) for word in words]
+        rows.append((true, str(whole), *shares))
     error = decimals(100.0 * told["reliability"]["calibration_error"], 1)
     since = {
         word: "never" if late is None else f"{number(1e3 * late, 2)} ms after contact"
@@ -102,7 +101,7 @@ def _confusion(told: dict[str, Any]) -> Table:
         f"tenths). Decided for good, median: soft objects {since['soft']}, rigid ones "
         f"{since['rigid']}; what is not yet felt is taken for soft."
     )
-    columns = ("Object is", "Windows", *(f"Told {word} [%]" for word in WORDS))
+    columns = ("Object is", "Windows", *(f"Told {word} [%]" for word in words))
     return Table("confusion", "What windows were told", columns, tuple(rows), note)
 
 
