@@ -188,7 +188,7 @@ class HandPlant:
 
     def noisy(self, recording: Recording, count: int) -> dict[str, np.ndarray]:
         """Columns for `many` that let the firmware read noisy currents, see hannes/hand_runs.py."""
-        return hand_runs.noisy(recording, count)
+        return hand_runs.noisy(self.hand, posed(recording), recording, count)
 
     firmware = hand_runs.FIRMWARE
 

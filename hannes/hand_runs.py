@@ -79,17 +79,27 @@ def many(
     ]
 
 
-def noisy(recording: Recording, count: int) -> dict[str, np.ndarray]:
+def noisy(
+    hand: Hand, experiment: Experiment, recording: Recording, count: int
+) -> dict[str, np.ndarray]:
     """Columns that let the firmware of each of `count` runs read its current with other noise.
 
-    As much as the recorded current has from sample to sample.
+    As much as makes the current as rough as the recorded one. Noise in the loop moves the motor,
+    which makes it rougher than the noise alone; rounding does too.
     """
     if "current" not in recording:
         return {}
-    return {
-        "controller.current_noise": np.full(count, roughness(recording["current"])),
-        "controller.noise_seed": np.arange(1.0, count + 1.0),
-    }
+    recorded = roughness(recording["current"])
+    columns = _noise(np.array([0.0, recorded]))
+    runs = many(hand, experiment, recording, columns, ("current",), exact=True)
+    quiet, loud = (0.0 if run is None else roughness(run["current"]) for run in runs)
+    noise = max(recorded**2 - quiet**2, 0.0) / max(loud**2 - quiet**2, 1e-30)
+    return _noise(np.full(count, recorded * min(1.0, float(np.sqrt(noise)))))
+
+
+def _noise(levels: np.ndarray) -> dict[str, np.ndarray]:
+    seeds = np.arange(1.0, levels.size + 1.0)
+    return {"controller.current_noise": levels, "controller.noise_seed": seeds}
 
 
 def unrounded(count: int) -> dict[str, np.ndarray]:

@@ -16,6 +16,7 @@ class Parameter:
     `off` is the value at which an effect vanishes exactly; None for what has no such value.
     `tried` are values at which a search begins that knows nothing of it; none are spread over the
     bounds. A count needs them: between whole numbers an effect may leave no mark.
+    `turns`, added to it, turns the sign of its effect, as half a turn does of a phase.
     """
 
     name: str
@@ -26,6 +27,7 @@ class Parameter:
     source: str = "choice"
     off: float | None = None
     tried: tuple[float, ...] = ()
+    turns: float | None = None
 
     def __post_init__(self) -> None:
         low, high = self.bounds

@@ -113,8 +113,13 @@ def empties(cases: Cases) -> list[Row]:
 def outsiders(cases: Cases) -> list[Row]:
     """Effects that no catalogue has, where an oracle sees them at all."""
     some = detectable([c for c in cases if c["what"] == "outside"])
-    found = [at_least("outside the catalogue: unknown or remainder",
-                      share(some, "unknown", "remainder"), 0.90)] if some else []  # fmt: skip
+    if not some:
+        return []
+    name, good = "outside the catalogue: unknown or remainder", ("unknown", "remainder")
+    found = [at_least(name, share(some, *good), 0.90)]
+    if sure := clear(some):
+        found.append({"study": f"the same, at {CLEAR:g} u or more", **share(sure, *good)})
+        found.append({"study": "the same: a clean name", **share(sure, "wrong")})
     return found
 
 

@@ -11,6 +11,7 @@ from hannes.diagnosis.remainder import hangs_together
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
 AGAINST = 4.0  # misfit of recordings held out that a name may add to
+DOUBT = 9.5  # gain of an effect too little to name it, but more than chance leaves
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
@@ -51,6 +52,10 @@ def _nothing(found: Found, best: Trial | None) -> Choice:
         return Choice("unknown", (), f"{_told(found, drift)}, and {least}", found.base)
     if more := _more(found.base, found.bins):
         return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
+    if gain >= DOUBT:
+        name = _names(found.trials[0])
+        reason = f"{name} lowers the misfit by {gain:.0f}, where a name needs {LIMIT:.0f}"
+        return Choice("unknown", (), reason, found.base)
     if found.given.misfit <= FIT * found.bins:
         return Choice("no_gap", (), f"as given it leaves what is expected, and {least}", found.base)
     per_bin = found.base.misfit / found.bins

@@ -16,18 +16,18 @@ from hannes.diagnosis.space import Space
 from hannes.effect import Effect
 from hannes.plant import Plant
 
-ROUGH, FINE = Care(10.0, 3), Care(2.0, 10)  # by the one a fit finds its way, by the other it ends
+ROUGH, FINE = Care(10.0, 3), Care(2.0, 40)  # by the one a fit finds its way, by the other it ends
 ROUNDS = 3  # of slopes anew, at most, until the base has settled
 SHORT = 5  # effects of each screening that are refitted
 FINAL = 3  # of these, refitted with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
-FAINT = 8.0  # a guess that gains less is not refitted
+FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
-LIMIT = 16.0  # gain of an effect that is named; of 24 empty hands one reached 12.5
+LIMIT = 13.0  # gain of an effect that is named
 PRICE = 6.0  # of each parameter of an effect beyond its first: the more it has, the more it fits
 RIVAL = 10.0  # a rival within so much of the best gain is not told from it
-CLOSE = 0.04  # of the best gain: so near a rival may come by what no model has right
-SHARE = 0.02  # of the first effect's gain that a second one needs
+CLOSE = 0.08  # of the best gain: so near a rival may come by what no model has right
+SHARE = 0.04  # of the first effect's gain that a second one needs
 HOLLOW = 2.0  # gain by which a base found from elsewhere is another one
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 CLEAN = 1.3  # times the bins: what a whole model leaves at most

@@ -15,9 +15,11 @@ from hannes.diagnosis.groups import Group
 from hannes.roughness import roughness
 
 REACH = 0.6  # s, over which noise hangs together
-LEAST = 0.1  # of the mean eigenvalue: a covariance from few runs has none that is surely less
-FAINT = 0.2  # of a channel's roughness, that is surely not simulated
+LEAST = 0.03  # of the mean eigenvalue: a covariance from few runs has none that is surely less
+FAINT = 0.1  # of a channel's roughness, that is surely not simulated
 NEAR = 5  # bins on each side, over which simulations tell how noisy a bin is
+MANY = 20  # simulations that tell how noise hangs together at each time of a run,
+SHARE = 0.7  # and the weight of what they tell, against what holds on average over all runs
 TYPICAL = 0.4549  # median of a squared standard normal number
 Levels = dict[str, float]  # channel -> standard deviation of a bin mean
 
@@ -49,6 +51,7 @@ class Noise:
             for group, each in zip(groups, strays, strict=True)
             if len(each)
         }
+        self._strays = {id(group): each for group, each in zip(groups, strays, strict=True)}
         self._lagged = self._correlations(strays)
         self._correlated: dict[tuple, np.ndarray] = {}
         self.more: Levels = {}
@@ -74,7 +77,11 @@ class Noise:
         kind = group.width, group.names, group.bins
         if kind not in self._correlated:
             self._correlated[kind] = self._correlation(group)
-        return self._correlated[kind] * np.outer(self._profile(group), self._profile(group))
+        usual = self._correlated[kind] * np.outer(self._profile(group), self._profile(group))
+        strays = self._strays.get(id(group))
+        if strays is None or len(strays) < MANY:
+            return usual
+        return SHARE * _local(strays, len(group.names)) + (1.0 - SHARE) * usual
 
     def _correlation(self, group: Group) -> np.ndarray:
         width = min(self._lagged, key=lambda each: abs(each - group.width))
@@ -115,6 +122,19 @@ class Noise:
                     ratio = (rest / level)[group.of(name)] ** 2
                     squares.setdefault(name, []).append(float(np.median(ratio)) / TYPICAL)
         return {name: max(1.0, float(np.sqrt(np.mean(each)))) for name, each in squares.items()}
+
+
+def _local(strays: np.ndarray, channels: int) -> np.ndarray:
+    """Covariance of strays, shape (m, n), each pair of bins with the pairs that lie as near.
+
+    A loop that moves the motor hangs together otherwise than one that friction holds.
+    """
+    rows = strays.reshape(len(strays), channels, -1)
+    bins = np.arange(rows.shape[2])
+    around = [np.clip(bins + shift, 0, bins[-1]) for shift in range(-NEAR, NEAR + 1)]
+    moved = np.concatenate([rows[:, :, each] for each in around])
+    stacked = moved.reshape(len(moved), -1)
+    return stacked.T @ stacked / len(stacked)
 
 
 def _profile(group: Group, strays: np.ndarray) -> np.ndarray:

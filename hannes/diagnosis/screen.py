@@ -48,9 +48,10 @@ def screened(point: Point, effects: Sequence[str], sizes: Sequence[float] = SMAL
     if not trials:
         return []
     for (name, shape, size), rows in zip(trials, _columns(point, trials), strict=True):
-        found = _guess(point, name, shape, rows, size)
-        if name not in guesses or found.gain > guesses[name].gain:
-            guesses[name] = found
+        for twin, side in _twins(point.ground.model.space.effects[name], shape):
+            found = _guess(point, name, twin, side * rows, size)
+            if name not in guesses or found.gain > guesses[name].gain:
+                guesses[name] = found
     return sorted(guesses.values(), key=lambda each: -each.gain)
 
 
@@ -70,6 +71,12 @@ def shapes(effect: Effect) -> list[dict[str, float]]:
     ]
     names = [effect.full_name(each.name) for each in free]
     return [dict(zip(names, map(float, values), strict=True)) for values in product(*tried)]
+
+
+def _twins(effect: Effect, shape: dict[str, float]) -> list[tuple[dict[str, float], float]]:
+    """A shape, and those whose marks are its mark with the sign turned; with the sign of each."""
+    turned = {effect.full_name(p.name): p.turns for p in effect.parameters if p.turns is not None}
+    return [(shape, 1.0), *(({**shape, n: shape[n] + by}, -1.0) for n, by in turned.items())]
 
 
 def _spread(low: float, high: float, count: int) -> np.ndarray:

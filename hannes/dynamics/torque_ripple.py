@@ -9,7 +9,7 @@ from hannes.parameter import Parameter
 WHOLE = tuple(
     float(count) for count in range(1, 13)
 )  # in a turn; more are too quick for recordings
-QUARTERS = tuple(k * math.pi / 2.0 for k in range(-1, 3))
+QUARTERS = (0.0, math.pi / 2.0)
 
 
 @kernel
@@ -26,7 +26,11 @@ EFFECT = Effect(
     parameters=(
         Parameter("amplitude", 0.0, "N m", (0.0, 0.01), "motor side", off=0.0),
         Parameter("cycles", 4.0, "1", (0.5, 100.0), "periods in a motor turn", tried=WHOLE),
-        Parameter("phase", 0.0, "rad", (-6.3, 6.3), "at the motor's angle 0", tried=QUARTERS),
+        Parameter(
+            *("phase", 0.0, "rad", (-6.3, 6.3), "at the motor's angle 0"),
+            tried=QUARTERS,
+            turns=math.pi,
+        ),
     ),
     terms=(Term(ripple, writes=("motor_torque",), unit="N m"),),
 )
