@@ -84,12 +84,14 @@ def test_noise_of_a_sensor_is_white_and_the_same_again():
 
 
 def test_noisy_firmware_reads_noise_and_moves_the_hand():
-    recording, run = recorded("sampled")
-    noise = 10e-3 * np.random.default_rng(1).standard_normal(len(recording))
-    measured = replace(
-        recording, channels={**recording.channels, "current": run["current"] + noise}
-    )
+    recording, _ = recorded("sampled")
     plant = HandPlant()
+    drawn = {
+        "controller.current_noise": np.array([10e-3]),
+        "controller.noise_seed": np.array([7.0]),
+    }
+    (run,) = plant.many(drawn, recording, ("current",), exact=True)
+    measured = replace(recording, channels={**recording.channels, "current": run["current"]})
     columns = plant.noisy(measured, 30)
     assert columns["controller.current_noise"] == pytest.approx(np.full(30, 10e-3), rel=0.15)
     runs = plant.many(columns, measured, ("current", "position"), exact=True)

@@ -15,11 +15,11 @@ from hannes.diagnosis.groups import Group
 from hannes.roughness import roughness
 
 REACH = 0.6  # s, over which noise hangs together
-LEAST = 0.03  # of the mean eigenvalue: a covariance from few runs has none that is surely less
+LEAST = 0.05  # of the mean eigenvalue: a covariance from few runs has none that is surely less
 FAINT = 0.1  # of a channel's roughness, that is surely not simulated
 NEAR = 5  # bins on each side, over which simulations tell how noisy a bin is
 MANY = 20  # simulations that tell how noise hangs together at each time of a run,
-SHARE = 0.7  # and the weight of what they tell, against what holds on average over all runs
+SHARE = 0.5  # and the weight of what they tell, against what holds on average over all runs
 TYPICAL = 0.4549  # median of a squared standard normal number
 Levels = dict[str, float]  # channel -> standard deviation of a bin mean
 
