@@ -14,16 +14,18 @@ from sled import (
     recordings,
 )
 
+from hannes._jit import plain
 from hannes.alike import alike, told
 from hannes.axis import Axis
 from hannes.catalogue import effects
+from hannes.diagnosis.choice import DOUBT, chosen
 from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import LIMIT, _back, investigate
-from hannes.diagnosis.noise import Noise, of_repeats, white_levels
+from hannes.diagnosis.investigation import LIMIT, Trial, _back, investigate
+from hannes.diagnosis.noise import Noise, _local, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
-from hannes.diagnosis.screen import likeness, projected, screened, shapes
+from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes
 from hannes.diagnosis.settings import Settings, read_settings
 from hannes.errors import BadInput
 from hannes.table import Table
@@ -126,6 +128,39 @@ def test_noise_without_repeats_is_how_rough_samples_are():
     levels = white_levels(groups[0], {})
     per_bin = 2e-3 / np.sqrt(groups[0].recording.time.size / groups[0].bins)
     assert levels["position"] == pytest.approx(per_bin, rel=0.15)
+
+
+def test_noise_hangs_together_as_it_does_at_its_time():
+    rng = np.random.default_rng(5)
+    quick, slow = rng.standard_normal((2, 2000, 60))
+    slow = np.apply_along_axis(np.convolve, 1, slow, np.full(8, 8.0**-0.5), "same")
+    strays = np.hstack([quick[:, :30], slow[:, 30:]])  # alone first, then with its neighbours
+    found, beside = _local(strays, 1), np.arange(8, 22)
+    assert np.diag(found)[8:52] == pytest.approx(np.ones(44), abs=0.1)
+    assert found[beside, beside + 1] == pytest.approx(np.zeros(14), abs=0.1)
+    assert found[beside + 30, beside + 31] == pytest.approx(np.full(14, 7.0 / 8.0), abs=0.1)
+    assert np.linalg.eigvalsh(found).min() > -1e-12
+
+
+def test_a_phase_and_its_opposite_are_tried_by_one_mark():
+    ripple = effects()["torque_ripple"]
+    (quarter,) = [each for each in shapes(ripple) if list(each.values()) == [3.0, np.pi / 2.0]]
+    (same, as_is), (opposite, turned) = _twins(ripple, quarter)
+    assert (same, as_is, turned) == (quarter, 1.0, -1.0)
+    assert opposite["torque_ripple.phase"] == pytest.approx(1.5 * np.pi)
+    kernel = plain(ripple.terms[0].kernel)
+    marks = [kernel(0.7, 1e-3, *each.values()) for each in (quarter, opposite)]
+    assert marks[1] == pytest.approx(-marks[0], rel=1e-12)
+
+
+def test_what_is_too_faint_to_name_is_unknown():
+    entries = [e for e in recordings(3) if e.role != "show"]
+    empty = investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    for gain, kind in ((DOUBT - 0.1, "recalibrated"), (DOUBT, "unknown"), (LIMIT, "named")):
+        trial = Trial(("hardening",), empty.base, gain)
+        choice = chosen(replace(empty, trials=[trial]), [0b011] * 2, [0b100] * 2)
+        assert choice.kind == kind
+        assert ("where a name needs 13" in choice.reason) == (kind == "unknown")
 
 
 def test_a_shape_that_is_a_count_is_found():

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from runs import grasp
 
+from benchmarks.truth.bench import CURRENT
+from benchmarks.truth.campaign import make
+from benchmarks.truth.protocol import closures
 from hannes.campaign import Entry
 from hannes.catalogue import effects
 from hannes.control.sensor_noise import gaussian
@@ -17,6 +20,7 @@ from hannes.errors import BadInput
 from hannes.hand import Hand
 from hannes.hand_plant import HandPlant, posed
 from hannes.observe import observe
+from hannes.roughness import roughness
 from hannes.simulate import simulate
 from hannes.spec import load_experiment
 
@@ -102,6 +106,14 @@ def test_noisy_firmware_reads_noise_and_moves_the_hand():
     assert all((a["position"] == b).all() for a, b in zip(again, position, strict=True))
     quiet = plant.many(columns, measured, ("position",), exact=False)
     assert np.ptp([each["position"][-1] for each in quiet]) == 0.0
+
+
+def test_what_the_loop_makes_of_noise_is_no_noise():
+    made = make(closures(1), 11)
+    (recording,) = made.recordings.values()
+    assert roughness(recording["current"]) > 1.15 * CURRENT
+    columns = HandPlant().noisy(recording, 3)
+    assert columns["controller.current_noise"] == pytest.approx(np.full(3, CURRENT), rel=0.1)
 
 
 @pytest.mark.parametrize(
