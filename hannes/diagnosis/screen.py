@@ -75,8 +75,12 @@ def shapes(effect: Effect) -> list[dict[str, float]]:
 
 def _twins(effect: Effect, shape: dict[str, float]) -> list[tuple[dict[str, float], float]]:
     """A shape, and those whose marks are its mark with the sign turned; with the sign of each."""
-    turned = {effect.full_name(p.name): p.turns for p in effect.parameters if p.turns is not None}
-    return [(shape, 1.0), *(({**shape, n: shape[n] + by}, -1.0) for n, by in turned.items())]
+    found = [(shape, 1.0)]
+    for each in effect.parameters:
+        name = effect.full_name(each.name)
+        if each.turns is not None and shape[name] + each.turns <= each.bounds[1]:
+            found.append(({**shape, name: shape[name] + each.turns}, -1.0))
+    return found
 
 
 def _spread(low: float, high: float, count: int) -> np.ndarray:
