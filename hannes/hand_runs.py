@@ -1,7 +1,7 @@
 """Many simulations of one recording's run at once: what makes a deep diagnosis of a hand quick."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ TICKED = 1e-5  # with firmware: its ticks add up to 2e-4 of the peak at 1e-4
 FIRMWARE: tuple[str, ...] = ("reference_time", "sensed_current", "measured_current", "reading_age")
 FIRMWARE += ("delayed_position", "delayed_current", "duty")
 FINEST = 32.0  # bits of an encoder that rounds to a nanoradian
+NOISE = "controller.current_noise"
 Channels = dict[str, np.ndarray]
 
 
@@ -56,27 +57,57 @@ def many(
     """Channels at the recorded times for each row of `columns`, None where a run breaks down.
 
     `exact` runs the experiment's own controller, else the continuous one. All effects of the hand
-    are in the model, whatever their sizes.
+    are in the model, whatever their sizes. Rows with noisy sensors (`noisy`) lie near each other.
     """
     asked = experiment if exact else replace(experiment, controller="continuous")
-    effects: tuple[Effect, ...] = hand.effects
-    since = recording.time - recording.time[0]
-    if "reference" not in recording:
-        since = recording.time
-    return [
-        {name: np.interp(since, run.time, run[name]) for name in channels}
-        if run.outcome is Outcome.COMPLETED
-        else None
-        for run in simulate_many(
-            hand,
-            asked,
-            columns,
-            channels=tuple(channels),
-            rtol=TICKED if exact else TOLERANCE,
-            effects=effects,
-            progress=False,  # whoever asks for many of these tells how far it is
-        )
-    ]
+    runs = _Runs(hand, asked, recording, tuple(channels))
+    if exact and NOISE in columns:
+        return runs.near(columns)
+    return runs.of(columns, TICKED if exact else TOLERANCE)
+
+
+@dataclass(frozen=True)
+class _Runs:
+    hand: Hand
+    experiment: Experiment
+    recording: Recording
+    channels: tuple[str, ...]
+
+    def of(self, columns: Mapping[str, np.ndarray], rtol: float) -> list[Channels | None]:
+        """Channels at the recorded times for each row."""
+        effects: tuple[Effect, ...] = self.hand.effects
+        since = self.recording.time - self.recording.time[0]
+        if "reference" not in self.recording:
+            since = self.recording.time
+        return [
+            {name: np.interp(since, run.time, run[name]) for name in self.channels}
+            if run.outcome is Outcome.COMPLETED
+            else None
+            for run in simulate_many(
+                self.hand,
+                self.experiment,
+                columns,
+                channels=self.channels,
+                rtol=rtol,
+                effects=effects,
+                progress=False,  # whoever asks for many of these tells how far it is
+            )
+        ]
+
+    def near(self, columns: Mapping[str, np.ndarray]) -> list[Channels | None]:
+        """The same of rows that differ little, quick.
+
+        What ticks add up to at a wide tolerance is the same for all of them: one run in their
+        middle, of a firmware that rounds nothing, tells it.
+        """
+        middle = {name: np.atleast_1d(np.mean(column)) for name, column in columns.items()}
+        middle |= {NOISE: np.zeros(1), "controller.noise_seed": np.ones(1), **unrounded(1)}
+        fine, wide = (self.of(middle, rtol)[0] for rtol in (TICKED, TOLERANCE))
+        found = self.of(columns, TOLERANCE)
+        if fine is None or wide is None:
+            return found
+        more = {name: fine[name] - wide[name] for name in self.channels}
+        return [run and {name: run[name] + more[name] for name in run} for run in found]
 
 
 def noisy(
@@ -91,7 +122,7 @@ def noisy(
         return {}
     recorded = roughness(recording["current"])
     columns = _noise(np.array([0.0, recorded]))
-    runs = many(hand, experiment, recording, columns, ("current",), exact=True)
+    runs = _Runs(hand, experiment, recording, ("current",)).of(columns, TOLERANCE)
     quiet, loud = (0.0 if run is None else roughness(run["current"]) for run in runs)
     noise = max(recorded**2 - quiet**2, 0.0) / max(loud**2 - quiet**2, 1e-30)
     return _noise(np.full(count, recorded * min(1.0, float(np.sqrt(noise)))))
@@ -99,7 +130,7 @@ def noisy(
 
 def _noise(levels: np.ndarray) -> dict[str, np.ndarray]:
     seeds = np.arange(1.0, levels.size + 1.0)
-    return {"controller.current_noise": levels, "controller.noise_seed": seeds}
+    return {NOISE: levels, "controller.noise_seed": seeds}
 
 
 def unrounded(count: int) -> dict[str, np.ndarray]:

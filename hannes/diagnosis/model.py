@@ -55,6 +55,16 @@ class Marks:
         share = (at - low)[:, np.newaxis]
         return (1.0 - share) * self.rows[low] + share * self.rows[high]
 
+    @staticmethod
+    def of(place: int, tried: Sequence[tuple[int, float]], rows: np.ndarray) -> "Marks":
+        """Of the effect at a place; rows: none, and one for each place and size tried."""
+        known = [(0.0, np.nan_to_num(rows[0]))]  # where none breaks down, all are unknown
+        for (at, size), row in zip(tried, rows[1:], strict=True):
+            if at == place and np.isfinite(row).all():
+                known.append((size, row))
+        known.sort(key=lambda each: each[0])
+        return Marks(np.array([size for size, _ in known]), np.array([row for _, row in known]))
+
 
 class Model:
     """A plant, all runs it shall explain, and the effects on trial.
@@ -84,12 +94,11 @@ class Model:
         made._ticks = {key: dict(each) for key, each in self._ticks.items()}
         places = self.space.of(*(name for name in effects if self.in_loop(name)))
         unrounded: Unrounded | None = getattr(self.small, "unrounded", None)
-        if unrounded is None:
+        if unrounded is None or not places.size:
             return made
         for group in self.groups:
-            for place in places:
-                found = self._by_ticks(group, x, place, unrounded)
-                made._ticks.setdefault(id(group), {})[int(place)] = found
+            found = self._by_ticks(group, x, places, unrounded)
+            made._ticks.setdefault(id(group), {}).update(found)
         return made
 
     def of(self, groups: Sequence[Group], numbers: Sequence[int]) -> "Model":
@@ -108,21 +117,25 @@ class Model:
         written = {channel for term in effect.terms for channel in term.writes}
         return bool(written & set(firmware)) and len(effect.amplitudes) == len(effect.parameters)
 
-    def _by_ticks(self, group: Group, x: np.ndarray, place: int, unrounded: Unrounded) -> Marks:
-        """Change by ticks of a group's bin means at some sizes of an effect."""
+    def _by_ticks(
+        self, group: Group, x: np.ndarray, places: np.ndarray, unrounded: Unrounded
+    ) -> dict[int, Marks]:
+        """Change by ticks of a group's bin means, by place, at some sizes of each effect."""
+        tried = [(int(place), size) for place in places for size in self._sizes(x, place)]
+        rows = np.repeat(x[np.newaxis], 1 + len(tried), axis=0)
+        rows[:, places] = 0.0
+        for row, (place, size) in zip(rows[1:], tried, strict=True):
+            row[place] = size
+        runs = self.simulated(group, rows, True, True, unrounded(len(rows)))
+        apart = self._vectors(group, runs) - self._vectors(group, self.simulated(group, rows, True))
+        return {int(place): Marks.of(int(place), tried, apart - apart[0]) for place in places}
+
+    def _sizes(self, x: np.ndarray, place: int) -> np.ndarray:
+        """Sizes of an effect, other than none, at which ticks are looked at."""
         low, high = self.space.low[place], self.space.high[place]
         there = (float(x[place]) * share for share in AROUND_IT)
-        sizes = np.unique([0.0, *TICKED, *(-size for size in TICKED), *there])
-        sizes = sizes[(low <= sizes) & (sizes <= high)]
-        rows = np.repeat(x[np.newaxis], sizes.size, axis=0)
-        rows[:, place] = sizes
-        runs = self.simulated(group, rows, True, True, unrounded(sizes.size))
-        ticked = self._vectors(group, runs)
-        apart = ticked - self._vectors(group, self.simulated(group, rows, True))
-        known = np.isfinite(apart).all(axis=1)
-        if not known[sizes == 0.0].all():
-            return Marks(np.zeros(1), np.zeros((1, group.part.size)))
-        return Marks(sizes[known], (apart - apart[sizes == 0.0])[known])
+        sizes = np.unique([*TICKED, *(-size for size in TICKED), *there])
+        return sizes[(low <= sizes) & (sizes <= high) & (sizes != 0.0)]
 
     def simulated(
         self,
