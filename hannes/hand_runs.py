@@ -19,6 +19,7 @@ TICKED = 1e-5  # with firmware: its ticks add up to 2e-4 of the peak at 1e-4
 FIRMWARE: tuple[str, ...] = ("reference_time", "sensed_current", "measured_current", "reading_age")
 FIRMWARE += ("delayed_position", "delayed_current", "duty")
 FINEST = 32.0  # bits of an encoder that rounds to a nanoradian
+COUNTED = 1e-3  # of a step, by which a number that was written down may miss it
 NOISE = "controller.current_noise"
 Channels = dict[str, np.ndarray]
 
@@ -107,7 +108,19 @@ class _Runs:
         if fine is None or wide is None:
             return found
         more = {name: fine[name] - wide[name] for name in self.channels}
-        return [run and {name: run[name] + more[name] for name in run} for run in found]
+        return [run and self._logged({n: run[n] + more[n] for n in run}) for run in found]
+
+    def _logged(self, run: Channels) -> Channels:
+        """The run with its position in counts of the encoder, where the recording's is."""
+        step = 2.0 * np.pi / 2.0 ** self.hand.parameters["encoder.bits"]
+        if "position" in run and _in_steps(self.recording["position"], step):
+            run["position"] = step * np.round(run["position"] / step)
+        return run
+
+
+def _in_steps(values: np.ndarray, step: float) -> bool:
+    counts = values / step
+    return bool(np.all(np.abs(counts - np.round(counts)) < COUNTED))
 
 
 def noisy(

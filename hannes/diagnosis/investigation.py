@@ -16,7 +16,7 @@ from hannes.diagnosis.space import Space
 from hannes.effect import Effect
 from hannes.plant import Plant
 
-ROUGH, FINE = Care(10.0, 3), Care(2.0, 40)  # by the one a fit finds its way, by the other it ends
+ROUGH, FINE = Care(10.0, 3), Care(1.0, 40)  # by the one a fit finds its way, by the other it ends
 ROUNDS = 3  # of slopes anew, at most, until the base has settled
 SHORT = 5  # effects of each screening that are refitted
 FINAL = 3  # of these, refitted with all slopes anew,

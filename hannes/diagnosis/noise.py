@@ -11,15 +11,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from hannes.calibration.whitening import Whitening
+from hannes.diagnosis.antedependence import covariance
 from hannes.diagnosis.groups import Group
 from hannes.roughness import roughness
 
 REACH = 0.6  # s, over which noise hangs together
 LEAST = 0.05  # of the mean eigenvalue: a covariance from few runs has none that is surely less
-FAINT = 0.1  # of a channel's roughness, that is surely not simulated
+FAINT = 0.03  # of a channel's roughness, that is surely not simulated
+ALIKE = 1.05  # times a simulated roughness: it is known no better than so
 NEAR = 5  # bins on each side, over which simulations tell how noisy a bin is
-MANY = 20  # simulations that tell how noise hangs together at each time of a run,
-SHARE = 0.5  # and the weight of what they tell, against what holds on average over all runs
+MANY = 20  # simulations that tell how noise hangs together at each time of a run
 TYPICAL = 0.4549  # median of a squared standard normal number
 Levels = dict[str, float]  # channel -> standard deviation of a bin mean
 
@@ -54,6 +55,7 @@ class Noise:
         self._strays = {id(group): each for group, each in zip(groups, strays, strict=True)}
         self._lagged = self._correlations(strays)
         self._correlated: dict[tuple, np.ndarray] = {}
+        self._covariances: dict[int, np.ndarray] = {}
         self.more: Levels = {}
         self.more = self._compared([jerk * each for each in jerks], restless)
 
@@ -74,14 +76,18 @@ class Noise:
         """Covariance of what the sensors' noise makes the machine do, shape (n, n)."""
         if not self._lagged:
             return np.zeros((group.part.size, group.part.size))
+        strays = self._strays.get(id(group))
+        if strays is not None and len(strays) >= MANY:
+            return self._told(group, strays)
         kind = group.width, group.names, group.bins
         if kind not in self._correlated:
             self._correlated[kind] = self._correlation(group)
-        usual = self._correlated[kind] * np.outer(self._profile(group), self._profile(group))
-        strays = self._strays.get(id(group))
-        if strays is None or len(strays) < MANY:
-            return usual
-        return SHARE * _local(strays, len(group.names)) + (1.0 - SHARE) * usual
+        return self._correlated[kind] * np.outer(self._profile(group), self._profile(group))
+
+    def _told(self, group: Group, strays: np.ndarray) -> np.ndarray:
+        if id(group) not in self._covariances:
+            self._covariances[id(group)] = covariance(strays, len(group.names))
+        return self._covariances[id(group)]
 
     def _correlation(self, group: Group) -> np.ndarray:
         width = min(self._lagged, key=lambda each: abs(each - group.width))
@@ -122,19 +128,6 @@ class Noise:
                     ratio = (rest / level)[group.of(name)] ** 2
                     squares.setdefault(name, []).append(float(np.median(ratio)) / TYPICAL)
         return {name: max(1.0, float(np.sqrt(np.mean(each)))) for name, each in squares.items()}
-
-
-def _local(strays: np.ndarray, channels: int) -> np.ndarray:
-    """Covariance of strays, shape (m, n), each pair of bins with the pairs that lie as near.
-
-    A loop that moves the motor hangs together otherwise than one that friction holds.
-    """
-    rows = strays.reshape(len(strays), channels, -1)
-    bins = np.arange(rows.shape[2])
-    around = [np.clip(bins + shift, 0, bins[-1]) for shift in range(-NEAR, NEAR + 1)]
-    moved = np.concatenate([rows[:, :, each] for each in around])
-    stacked = moved.reshape(len(moved), -1)
-    return stacked.T @ stacked / len(stacked)
 
 
 def _profile(group: Group, strays: np.ndarray) -> np.ndarray:
@@ -205,7 +198,7 @@ def white_levels(group: Group, known: Levels) -> Levels:
     found = {}
     for name, rough in recorded_roughness(group).items():
         samples = group.views[0].samples(name)
-        more = np.sqrt(max(rough**2 - known.get(name, 0.0) ** 2, (FAINT * rough) ** 2))
+        more = np.sqrt(max(rough**2 - (ALIKE * known.get(name, 0.0)) ** 2, (FAINT * rough) ** 2))
         level = float(more) / np.sqrt(samples.size / group.bins)
         found[name] = max(level, 1e-6 * float(np.abs(samples).max()), 1e-12)
     return found

@@ -1,0 +1,57 @@
+"""Covariance of noise from few runs of it: each time told by the moments before it.
+
+Sums of what a control loop does to noise are small where it pulls back: a covariance that is cut
+off over lags, or averaged over times, fills up what that leaves out, and counts a slow change
+several times as likely as it is. A regression of every bin on the few before keeps it (Gabriel 1962;
+Pourahmadi 1999), is never singular, and may change along a run, as friction holds and lets go.
+"""
+
+import numpy as np
+
+BACK = 8  # bins, on which one depends,
+NEAR = 5  # from windows that begin so many bins earlier to so many later
+ROWS = 4  # windows for each coefficient, at least
+RIDGE = 1e-3  # of the regressors' mean square
+FLOOR = 1e-6  # of a channel's mean square, that nothing before tells
+
+
+def covariance(strays: np.ndarray, channels: int) -> np.ndarray:
+    """Of rows of noise, shape (m, channels n), one channel after the other; shape (n', n')."""
+    count = len(strays)
+    rows = strays.reshape(count, channels, -1).transpose(0, 2, 1)  # run, bin, channel
+    bins = rows.shape[1]
+    sizes = np.sqrt(np.mean(np.square(rows), axis=(0, 1)))
+    sizes = np.where(sizes > 0.0, sizes, 1.0)
+    back = max(1, min(BACK, count * (2 * NEAR + 1) // (ROWS * channels)))
+    spread = _spread([_regressed(rows / sizes, at, back) for at in range(bins)])
+    order = np.arange(bins * channels).reshape(bins, channels).T.ravel()
+    scale = np.repeat(sizes, bins)
+    return spread[np.ix_(order, order)] * np.outer(scale, scale)
+
+
+def _regressed(rows: np.ndarray, at: int, back: int) -> tuple[np.ndarray, np.ndarray]:
+    """How a bin follows from those before, oldest first, (channels, k); what they do not tell."""
+    back, bins, channels = min(back, at), rows.shape[1], rows.shape[2]
+    starts = [at + shift for shift in range(-NEAR, NEAR + 1) if back <= at + shift < bins]
+    told = np.concatenate([rows[:, each] for each in starts])
+    by = np.concatenate([rows[:, k - back : k].reshape(len(rows), -1) for k in starts])
+    products = by.T @ by
+    ridge = RIDGE * np.trace(products) / max(1, len(products)) + FLOOR
+    followed = np.linalg.solve(products + ridge * np.eye(len(products)), by.T @ told)
+    rest = told - by @ followed
+    free = max(len(told) - by.shape[1], len(told) // 2)
+    return followed.T, rest.T @ rest / free + FLOOR * np.eye(channels)
+
+
+def _spread(steps: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
+    """Covariance of all bins, (bins channels,) squared, bin after bin, from steps to each."""
+    from scipy.linalg import cholesky, solve_triangular
+
+    channels = len(steps[0][1])
+    apart, roots = np.eye(len(steps) * channels), np.zeros((len(steps) * channels,) * 2)
+    for at, (followed, rest) in enumerate(steps):
+        own = slice(at * channels, (at + 1) * channels)
+        apart[own, at * channels - followed.shape[1] : at * channels] = -followed
+        roots[own, own] = cholesky(rest, lower=True)
+    root = solve_triangular(apart, roots, lower=True, unit_diagonal=True)
+    return root @ root.T
