@@ -13,8 +13,8 @@ from hannes.recording import Recording
 from hannes.roughness import roughness
 from hannes.trajectory import Outcome
 
-TOLERANCE = 1e-4  # bin means are right to some 1e-5 of their peaks
-TICKED = 1e-5  # with firmware: its ticks add up to 2e-4 of the peak at 1e-4
+TOLERANCE = 1e-5  # slopes along what does little are right, which are mere noise at 1e-4
+WIDE = 1e-4  # for many runs near each other: firmware's ticks add up to 2e-4 of the peak
 # What firmware reads and puts out.
 FIRMWARE: tuple[str, ...] = ("reference_time", "sensed_current", "measured_current", "reading_age")
 FIRMWARE += ("delayed_position", "delayed_current", "duty")
@@ -64,7 +64,7 @@ def many(
     runs = _Runs(hand, asked, recording, tuple(channels))
     if exact and NOISE in columns:
         return runs.near(columns)
-    return runs.of(columns, TICKED if exact else TOLERANCE)
+    return runs.of(columns, TOLERANCE)
 
 
 @dataclass(frozen=True)
@@ -103,8 +103,8 @@ class _Runs:
         """
         middle = {name: np.atleast_1d(np.mean(column)) for name, column in columns.items()}
         middle |= {NOISE: np.zeros(1), "controller.noise_seed": np.ones(1), **unrounded(1)}
-        fine, wide = (self.of(middle, rtol)[0] for rtol in (TICKED, TOLERANCE))
-        found = self.of(columns, TOLERANCE)
+        fine, wide = (self.of(middle, rtol)[0] for rtol in (TOLERANCE, WIDE))
+        found = self.of(columns, WIDE)
         if fine is None or wide is None:
             return found
         more = {name: fine[name] - wide[name] for name in self.channels}
@@ -135,7 +135,7 @@ def noisy(
         return {}
     recorded = roughness(recording["current"])
     columns = _noise(np.array([0.0, recorded]))
-    runs = _Runs(hand, experiment, recording, ("current",)).of(columns, TOLERANCE)
+    runs = _Runs(hand, experiment, recording, ("current",)).of(columns, WIDE)
     quiet, loud = (0.0 if run is None else roughness(run["current"]) for run in runs)
     noise = max(recorded**2 - quiet**2, 0.0) / max(loud**2 - quiet**2, 1e-30)
     return _noise(np.full(count, recorded * min(1.0, float(np.sqrt(noise)))))

@@ -23,7 +23,8 @@ from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
 from hannes.diagnosis.investigation import LIMIT, Trial, _back, investigate
-from hannes.diagnosis.noise import Noise, _local, of_repeats, white_levels
+from hannes.diagnosis.antedependence import covariance
+from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes
 from hannes.diagnosis.settings import Settings, read_settings
@@ -133,13 +134,29 @@ def test_noise_without_repeats_is_how_rough_samples_are():
 def test_noise_hangs_together_as_it_does_at_its_time():
     rng = np.random.default_rng(5)
     quick, slow = rng.standard_normal((2, 2000, 60))
-    slow = np.apply_along_axis(np.convolve, 1, slow, np.full(8, 8.0**-0.5), "same")
-    strays = np.hstack([quick[:, :30], slow[:, 30:]])  # alone first, then with its neighbours
-    found, beside = _local(strays, 1), np.arange(8, 22)
-    assert np.diag(found)[8:52] == pytest.approx(np.ones(44), abs=0.1)
+    for bin in range(1, 60):  # alone first, then each after the one before
+        slow[:, bin] = 0.875 * slow[:, bin - 1] + np.sqrt(1.0 - 0.875**2) * slow[:, bin]
+    strays = np.hstack([quick[:, :30], slow[:, 30:]])
+    found, beside = covariance(strays, 1), np.arange(8, 22)
+    assert np.diag(found)[8:52] == pytest.approx(np.ones(44), abs=0.15)
     assert found[beside, beside + 1] == pytest.approx(np.zeros(14), abs=0.1)
-    assert found[beside + 30, beside + 31] == pytest.approx(np.full(14, 7.0 / 8.0), abs=0.1)
-    assert np.linalg.eigvalsh(found).min() > -1e-12
+    assert found[beside + 30, beside + 31] == pytest.approx(np.full(14, 0.875), abs=0.1)
+    assert np.linalg.eigvalsh(found).min() > 0.0
+
+
+def test_forty_runs_tell_how_little_a_loop_lets_slow_changes_be():
+    # Differences of white noise: their sum over a run is no more than one of them. Two channels,
+    # the second what the first was before.
+    rng = np.random.default_rng(6)
+    white = rng.standard_normal((40, 101))
+    one = np.diff(white)
+    strays = np.hstack([one, np.pad(one, ((0, 0), (1, 0)))[:, :-1]])
+    found = covariance(strays, 2)
+    slow = np.cos(np.pi * (np.arange(100) + 0.5) / 50.0) / np.sqrt(50.0)
+    told, usual = slow @ found[:100, :100] @ slow, 2.0
+    assert told < 0.05 * usual  # 0.001 if it were known; a taper of 0.6 s leaves 0.3
+    assert np.diag(found) == pytest.approx(np.full(200, usual), rel=0.4, abs=0.1)
+    assert found[10:90, 111:191].diagonal() == pytest.approx(np.full(80, usual), rel=0.4)
 
 
 def test_a_phase_and_its_opposite_are_tried_by_one_mark():
@@ -160,7 +177,7 @@ def test_what_is_too_faint_to_name_is_unknown():
         trial = Trial(("hardening",), empty.base, gain)
         choice = chosen(replace(empty, trials=[trial]), [0b011] * 2, [0b100] * 2)
         assert choice.kind == kind
-        assert ("where a name needs 13" in choice.reason) == (kind == "unknown")
+        assert (f"where a name needs {LIMIT:.0f}" in choice.reason) == (kind == "unknown")
 
 
 def test_a_shape_that_is_a_count_is_found():

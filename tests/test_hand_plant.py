@@ -116,6 +116,27 @@ def test_what_the_loop_makes_of_noise_is_no_noise():
     assert columns["controller.current_noise"] == pytest.approx(np.full(3, CURRENT), rel=0.1)
 
 
+def test_runs_near_each_other_are_as_right_as_one_by_one():
+    """At a wide tolerance firmware's ticks add up: what they add is taken away again."""
+    plant, recording = HandPlant(), recorded("sampled")[0]
+    one = {name: each[:1] for name, each in plant.unrounded(1).items()}
+    (fine,) = plant.many(one, recording, ("position", "current"), exact=True)
+    still = {"controller.current_noise": np.zeros(1), **one}
+    (near,) = plant.many(still, recording, ("position", "current"), exact=True)
+    for name, each in fine.items():
+        assert near[name] == pytest.approx(each, abs=1e-12 * np.ptp(each))
+
+
+def test_noisy_positions_are_counted_where_recorded_ones_are():
+    plant, step = HandPlant(), 2.0 * np.pi / 2.0**12
+    (counted,) = make(closures(1), 11).recordings.values()
+    smooth = recorded("sampled")[0]
+    for recording, is_counted in ((counted, True), (smooth, False)):
+        (run,) = plant.many(plant.noisy(recording, 1), recording, ("position",), exact=True)
+        counts = run["position"] / step
+        assert np.allclose(counts, np.round(counts), atol=1e-6) == is_counted
+
+
 @pytest.mark.parametrize(
     ("name", "steps"),
     [

@@ -11,8 +11,9 @@ from hannes.diagnosis.remainder import hangs_together
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
 AGAINST = 4.0  # misfit of recordings held out that a name may add to
-DOUBT = 10.5  # gain of an effect too little to name it, but more than chance leaves
+DOUBT = 9.0  # gain of an effect too little to name it, but more than chance leaves
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
+GROWN = 18.0  # gain of what grows from run to run, that is told
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
 
@@ -86,9 +87,9 @@ def _left(found: Found, trial: Trial) -> str:
 
 
 def _growing(found: Found, point: Point) -> Drift | None:
-    """What grows from run to run, where that lowers the misfit by as much as a name needs."""
+    """What grows from run to run, where that lowers the misfit by enough to tell it."""
     drift = drifts(point, found.guesses)
-    return drift if drift is not None and drift.gain > LIMIT * found.unit else None
+    return drift if drift is not None and drift.gain > GROWN * found.unit else None
 
 
 def _told(found: Found, drift: Drift) -> str:

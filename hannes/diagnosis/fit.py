@@ -10,7 +10,7 @@ KEPT = 0.3  # of what a whole step promises, that it must keep
 DAMPINGS = (0.0, 0.3, 3.0, 30.0, 300.0)  # of the steps that are tried together where it does not
 SHARES = (1.0, 0.35)  # of each
 SETTLED = 0.3  # of the misfit: a step that gains less is the last
-UNTOLD = 0.15  # of what is known already: a parameter of which recordings tell less stays
+UNTOLD = 0.4  # of what is known already: a parameter of which recordings tell less stays
 LIGHT = 1e-6  # lest the curvature has no inverse
 
 

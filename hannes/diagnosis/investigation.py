@@ -10,20 +10,21 @@ from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import TICKED, Model
 from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
-from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
+from hannes.diagnosis.screen import ALL_SIZES, Guess, amplitude_names, likeness, screened
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
 from hannes.effect import Effect
 from hannes.plant import Plant
 
 ROUGH, FINE = Care(10.0, 3), Care(1.0, 40)  # by the one a fit finds its way, by the other it ends
-ROUNDS = 3  # of slopes anew, at most, until the base has settled
+ROUNDS = 5  # of slopes anew, at most, until a fit has settled
+SHARES = (1.0, 0.5, 0.2, 0.05)  # of a guess, to start at the best of: where fingers touch none holds
 SHORT = 5  # effects of each screening that are refitted
 FINAL = 3  # of these, refitted with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
 FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
-LIMIT = 13.0  # gain of an effect that is named; of 33 empty hands none reached 5
+LIMIT = 12.0  # gain of an effect that is named; of 49 empty hands none reached 7
 PRICE = 6.0  # of each parameter of an effect beyond its first: the more it has, the more it fits
 RIVAL = 10.0  # a rival within so much of the best gain is not told from it
 CLOSE = 0.08  # of the best gain: so near a rival may come by what no model has right
@@ -115,7 +116,7 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
         large = screened(given, names, ALL_SIZES)[:SHORT]
         starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
         starts += [(given, guess) for guess in large]
-    trials = _refitted(base, starts, told)
+    trials = _refitted(given, base, starts, told)
     unit = max(1.0, min([base.misfit, *(t.point.misfit for t in trials)]) / base.miss.size)
     trials = sorted((priced(base, t, unit) for t in trials), key=lambda each: -each.gain)
     likely = _with_likeness(base, guesses, trials)
@@ -138,7 +139,9 @@ def _back(found: Found, told: Told) -> Point | None:
     return point if base.misfit - point.misfit > HOLLOW * found.unit else None
 
 
-def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) -> list[Trial]:
+def _refitted(
+    given: Point, base: Point, starts: Sequence[tuple[Point, Guess]], told: Told
+) -> list[Trial]:
     """Best fit with each effect from every start; the best few with all slopes had anew."""
     best: dict[str, Point] = {}
     for start, guess in starts:
@@ -149,18 +152,34 @@ def _refitted(base: Point, starts: Sequence[tuple[Point, Guess]], told: Told) ->
         point = _ticking(fitted(point, 5), guess.effect)
         if guess.effect not in best or point.misfit < best[guess.effect].misfit:
             best[guess.effect] = point
-    gains = {name: base.misfit - point.misfit for name, point in best.items()}
+    hoped = {guess.effect: guess.gain for _, guess in starts if guess.effect in best}
+    gains = {name: max(base.misfit - point.misfit, hoped[name]) for name, point in best.items()}
     enough = NEAR * max([LIMIT, *gains.values()])
     for name in sorted(gains, key=lambda each: -gains[each])[:FINAL]:
         if gains[name] > enough:
             told(f"{name.replace('_', ' ')}, once more")
-            best[name] = fitted(best[name], 3, anew=1)
+            best[name] = _from_both(best[name], given, name)
     # Where a search ended above the base it did not get there: the base is that effect at off.
     return [
         Trial((name,), p, base.misfit - p.misfit)
         for name, p in best.items()
         if p.misfit < base.misfit
     ]
+
+
+def _from_both(point: Point, given: Point, name: str) -> Point:
+    """The better of two fits: from a point, and from the machine as given with the effect there.
+
+    The base bends to hide an effect; where fingers touch a fit from there may stay bent.
+    """
+    found = settled(point, 2, ROUNDS)
+    places, ground = point.ground.model.space.of(name), point.ground
+    given = grounded(given, ground) if given.ground is not ground else given
+    there = placed(given, places, found.x[places])
+    if there is None:
+        return found
+    other = settled(there, 2, ROUNDS)
+    return min(found, other, key=lambda each: each.misfit)
 
 
 def _ticking(point: Point, name: str) -> Point:
@@ -180,11 +199,21 @@ def priced(base: Point, trial: Trial, unit: float) -> Trial:
 
 
 def joined(start: Point, guess: Guess) -> Point | None:
-    """The start with an effect at its guess, its directions active; None where that breaks down."""
+    """The start with an effect at the best share of its guess; None where that breaks down."""
+    space, rows = start.ground.model.space, np.repeat(start.x[np.newaxis], len(SHARES), axis=0)
+    rows[:, guess.places] = guess.x
+    amplitudes = [space.place(name) for name in amplitude_names(space.effects[guess.effect])]
+    rows[:, amplitudes] *= np.array(SHARES)[:, np.newaxis]
     active = np.union1d(start.active, guess.places)
+    best = rows[np.argmin(start.with_active(active).misfits(rows))]
+    return placed(start, guess.places, best[guess.places])
+
+
+def placed(start: Point, places: np.ndarray, values: np.ndarray) -> Point | None:
+    """The start with an effect's directions active and at these values of x."""
     x = start.x.copy()
-    x[guess.places] = guess.x
-    return start.with_active(active).moved(x, np.sort(guess.places))
+    x[places] = values
+    return start.with_active(np.union1d(start.active, places)).moved(x, np.sort(places))
 
 
 def _second(found: Found, told: Told) -> Found:
