@@ -18,12 +18,12 @@ from hannes._jit import plain
 from hannes.alike import alike, told
 from hannes.axis import Axis
 from hannes.catalogue import effects
+from hannes.diagnosis.antedependence import covariance
 from hannes.diagnosis.choice import DOUBT, chosen
 from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
 from hannes.diagnosis.investigation import LIMIT, Trial, _back, investigate
-from hannes.diagnosis.antedependence import covariance
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes

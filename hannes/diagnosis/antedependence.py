@@ -2,8 +2,9 @@
 
 Sums of what a control loop does to noise are small where it pulls back: a covariance that is cut
 off over lags, or averaged over times, fills up what that leaves out, and counts a slow change
-several times as likely as it is. A regression of every bin on the few before keeps it (Gabriel 1962;
-Pourahmadi 1999), is never singular, and may change along a run, as friction holds and lets go.
+several times as likely as it is. A regression of every bin on the few before keeps it (Gabriel
+1962; Pourahmadi 1999), is never singular, and may change along a run, as friction holds and lets
+go.
 """
 
 import numpy as np

@@ -18,10 +18,12 @@ from hannes.plant import Plant
 
 ROUGH, FINE = Care(10.0, 3), Care(1.0, 40)  # by the one a fit finds its way, by the other it ends
 ROUNDS = 5  # of slopes anew, at most, until a fit has settled
-SHARES = (1.0, 0.5, 0.2, 0.05)  # of a guess, to start at the best of: where fingers touch none holds
+SHARES = (1.0, 0.5, 0.2, 0.05)  # of a guess: a start is at the best, where fingers touch none holds
 SHORT = 5  # effects of each screening that are refitted
 FINAL = 3  # of these, refitted with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
+HELD = 0.7  # of what its guess promised: a fit that gains less was led astray,
+ASTRAY = 10.0  # or one that slopes had anew lower by so much more
 FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
 LIMIT = 12.0  # gain of an effect that is named; of 49 empty hands none reached 7
@@ -158,7 +160,7 @@ def _refitted(
     for name in sorted(gains, key=lambda each: -gains[each])[:FINAL]:
         if gains[name] > enough:
             told(f"{name.replace('_', ' ')}, once more")
-            best[name] = _from_both(best[name], given, name)
+            best[name] = _from_both(best[name], base, given, hoped[name])
     # Where a search ended above the base it did not get there: the base is that effect at off.
     return [
         Trial((name,), p, base.misfit - p.misfit)
@@ -167,18 +169,19 @@ def _refitted(
     ]
 
 
-def _from_both(point: Point, given: Point, name: str) -> Point:
-    """The better of two fits: from a point, and from the machine as given with the effect there.
+def _from_both(point: Point, base: Point, given: Point, hoped: float) -> Point:
+    """A fit with an effect settled; where it was led astray, from the machine as given too.
 
-    The base bends to hide an effect; where fingers touch a fit from there may stay bent.
+    The base bends to hide an effect; where fingers touch a fit from there may stay bent. It does
+    where it gains less than what was `hoped` for, or where it had far to go.
     """
     found = settled(point, 2, ROUNDS)
-    places, ground = point.ground.model.space.of(name), point.ground
-    given = grounded(given, ground) if given.ground is not ground else given
-    there = placed(given, places, found.x[places])
-    if there is None:
+    far = point.misfit - found.misfit > ASTRAY
+    if not far and base.misfit - found.misfit > HELD * hoped:
         return found
-    other = settled(there, 2, ROUNDS)
+    places = np.setdiff1d(point.active, base.active)
+    there = placed(grounded(given, point.ground), places, found.x[places])
+    other = found if there is None else settled(there, 2, ROUNDS)
     return min(found, other, key=lambda each: each.misfit)
 
 
