@@ -17,14 +17,15 @@ FLOOR = 1e-6  # of a channel's mean square, that nothing before tells
 
 
 def covariance(strays: np.ndarray, channels: int) -> np.ndarray:
-    """Of rows of noise, shape (m, channels n), one channel after the other; shape (n', n')."""
+    """Of rows of noise, shape (m, n), one channel after the other of as many bins; shape (n, n)."""
     count = len(strays)
     rows = strays.reshape(count, channels, -1).transpose(0, 2, 1)  # run, bin, channel
     bins = rows.shape[1]
     sizes = np.sqrt(np.mean(np.square(rows), axis=(0, 1)))
     sizes = np.where(sizes > 0.0, sizes, 1.0)
     back = max(1, min(BACK, count * (2 * NEAR + 1) // (ROWS * channels)))
-    spread = _spread([_regressed(rows / sizes, at, back) for at in range(bins)])
+    rows = rows / sizes
+    spread = _spread([_regressed(rows, at, back) for at in range(bins)])
     order = np.arange(bins * channels).reshape(bins, channels).T.ravel()
     scale = np.repeat(sizes, bins)
     return spread[np.ix_(order, order)] * np.outer(scale, scale)
