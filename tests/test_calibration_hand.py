@@ -204,6 +204,6 @@ def test_quick_runs_of_firmware_are_as_good_as_those_of_a_plant(monkeypatch):
         return np.mean([each["force"] for each in made], axis=0)
 
     used = mean_force()
-    monkeypatch.setattr(hand_runs, "TICKED", 1e-7)
+    monkeypatch.setattr(hand_runs, "TOLERANCE", 1e-7)
     exact = mean_force()
     assert np.sqrt(np.mean((used - exact) ** 2)) < 1.2e-4 * exact.max()

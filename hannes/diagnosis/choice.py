@@ -11,7 +11,7 @@ from hannes.diagnosis.remainder import hangs_together
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
 AGAINST = 4.0  # misfit of recordings held out that a name may add to
-DOUBT = 9.0  # gain of an effect too little to name it, but more than chance leaves
+DOUBT = 10.5  # gain of an effect too little to name it, but more than chance leaves
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
 GROWN = 18.0  # gain of what grows from run to run, that is told
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees

@@ -17,7 +17,8 @@ from hannes.roughness import roughness
 
 REACH = 0.6  # s, over which noise hangs together
 LEAST = 0.05  # of the mean eigenvalue: a covariance from few runs has none that is surely less
-FAINT = 0.03  # of a channel's roughness, that is surely not simulated
+FAINT = 0.03  # of a channel's roughness, that many simulations surely lack,
+FEW = 0.1  # and so much that few runs do
 ALIKE = 1.05  # times a simulated roughness: it is known no better than so
 NEAR = 5  # bins on each side, over which simulations tell how noisy a bin is
 MANY = 20  # simulations that tell how noise hangs together at each time of a run
@@ -45,7 +46,8 @@ class Noise:
     ) -> None:
         self.groups, self.jerk = groups, jerk
         self._white = {
-            id(group): white_levels(group, each) for group, each in zip(groups, roughs, strict=True)
+            id(group): white_levels(group, rough, FAINT if len(stray) >= MANY else FEW)
+            for group, rough, stray in zip(groups, roughs, strays, strict=True)
         }
         self._profiles = {
             id(group): _profile(group, each)
@@ -193,12 +195,15 @@ def _toeplitz(pairs: dict[tuple, np.ndarray], a: str, b: str, size: int) -> np.n
     return toeplitz(earlier, later)
 
 
-def white_levels(group: Group, known: Levels) -> Levels:
-    """Noise of each channel's bin means beyond one of a known roughness, were it white."""
+def white_levels(group: Group, known: Levels, least: float = FEW) -> Levels:
+    """Noise of each channel's bin means beyond one of a known roughness, were it white.
+
+    least: share of the roughness that is there however much is known.
+    """
     found = {}
     for name, rough in recorded_roughness(group).items():
         samples = group.views[0].samples(name)
-        more = np.sqrt(max(rough**2 - (ALIKE * known.get(name, 0.0)) ** 2, (FAINT * rough) ** 2))
+        more = np.sqrt(max(rough**2 - (ALIKE * known.get(name, 0.0)) ** 2, (least * rough) ** 2))
         level = float(more) / np.sqrt(samples.size / group.bins)
         found[name] = max(level, 1e-6 * float(np.abs(samples).max()), 1e-12)
     return found

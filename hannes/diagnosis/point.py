@@ -13,6 +13,7 @@ from hannes.diagnosis.settings import Settings
 from hannes.errors import ComputationFailed
 
 STEP = 0.5  # standard deviations of what is uncertain, to difference by
+REPEATED = 2.0  # times a stray inside a bin, at least, where only repeats tell how noisy runs are
 FINE = 0.3  # steps of an effect's parameter, to difference by
 
 
@@ -198,12 +199,17 @@ def surveyed(
     restless = [
         run_to_run(model, *each) for each in zip(model.groups, slopes, channels, strict=True)
     ]
-    strays, roughs = [each.strays for each in grains], [each.rough for each in grains]
+    strays, roughs, more = (
+        [each.strays for each in grains],
+        [each.rough for each in grains],
+        care.jerk,
+    )
     if not any(each.any() for each in strays):
-        strays, roughs = of_repeats(model.groups, jerks, restless, care.jerk)
-    noise = Noise(model.groups, strays, roughs, jerks, restless, care.jerk)
+        more = max(more, REPEATED)
+        strays, roughs = of_repeats(model.groups, jerks, restless, more)
+    noise = Noise(model.groups, strays, roughs, jerks, restless, more)
     covariances = [
-        (noise.covariance(group) + np.diag((care.jerk * jerk) ** 2) + rows.T @ rows) / group.count
+        (noise.covariance(group) + np.diag((more * jerk) ** 2) + rows.T @ rows) / group.count
         for group, jerk, rows in zip(model.groups, jerks, restless, strict=True)
     ]
     for covariance, group, grain in zip(covariances, model.groups, grains, strict=True):
