@@ -69,6 +69,8 @@ def many(
 
 @dataclass(frozen=True)
 class _Runs:
+    """Runs of a hand in an experiment, at the times of a recording of it."""
+
     hand: Hand
     experiment: Experiment
     recording: Recording
@@ -104,10 +106,10 @@ class _Runs:
         middle = {name: np.atleast_1d(np.mean(column)) for name, column in columns.items()}
         middle |= {NOISE: np.zeros(1), "controller.noise_seed": np.ones(1), **unrounded(1)}
         fine, wide = (self.of(middle, rtol)[0] for rtol in (TOLERANCE, WIDE))
+        more = dict.fromkeys(self.channels, 0.0)
+        if fine is not None and wide is not None:
+            more = {name: fine[name] - wide[name] for name in self.channels}
         found = self.of(columns, WIDE)
-        if fine is None or wide is None:
-            return found
-        more = {name: fine[name] - wide[name] for name in self.channels}
         return [run and self._logged({n: run[n] + more[n] for n in run}) for run in found]
 
     def _logged(self, run: Channels) -> Channels:

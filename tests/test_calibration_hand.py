@@ -207,3 +207,21 @@ def test_quick_runs_of_firmware_are_as_good_as_those_of_a_plant(monkeypatch):
     monkeypatch.setattr(hand_runs, "TOLERANCE", 1e-7)
     exact = mean_force()
     assert np.sqrt(np.mean((used - exact) ** 2)) < 1.2e-4 * exact.max()
+
+
+def test_slopes_along_what_does_little_are_no_noise(monkeypatch):
+    """Forty such parameters would let a base bend to anything."""
+    run = next(iter(virtual_recordings(shipped_runs("dynamometer-runs")).values()))
+    plant = hand_plant.HandPlant()
+    usual = plant.parameters["motor.inductance"]
+    columns = {"motor.inductance": usual * np.array([1.0, 1.015])}
+
+    def slope(tolerance):
+        monkeypatch.setattr(hand_runs, "TOLERANCE", tolerance)
+        runs = plant.many(columns, run, ("current",), exact=False)
+        return runs[1]["current"] - runs[0]["current"]
+
+    used, wide, right = map(slope, (hand_runs.TOLERANCE, hand_runs.WIDE, 1e-8))
+    size = np.linalg.norm(right)
+    assert np.linalg.norm(used - right) < 0.5 * size
+    assert np.linalg.norm(wide - right) > 2.0 * size

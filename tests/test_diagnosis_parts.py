@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from sled import (
+    HARDENING,
     KNOWN,
     TURBULENCE,
     WAVES,
@@ -23,7 +24,7 @@ from hannes.diagnosis.choice import DOUBT, chosen
 from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import LIMIT, Trial, _back, investigate
+from hannes.diagnosis.investigation import LIMIT, Trial, _back, investigate, joined, placed
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes
@@ -178,6 +179,16 @@ def test_what_is_too_faint_to_name_is_unknown():
         choice = chosen(replace(empty, trials=[trial]), [0b011] * 2, [0b100] * 2)
         assert choice.kind == kind
         assert (f"where a name needs {LIMIT:.0f}" in choice.reason) == (kind == "unknown")
+
+
+def test_a_guess_that_goes_too_far_is_begun_at_a_share():
+    entries = [e for e in recordings(3, ((HARDENING, 900.0),)) if e.role != "show"]
+    found = investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    base, (guess,) = found.base, [g for g in found.guesses if g.effect == "hardening"]
+    far = replace(guess, x=20.0 * guess.x)
+    whole, part = placed(base, far.places, far.x), joined(base, far)
+    assert part.misfit < 0.5 * whole.misfit
+    assert part.x[far.places] == pytest.approx(0.05 * far.x)
 
 
 def test_a_shape_that_is_a_count_is_found():

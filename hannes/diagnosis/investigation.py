@@ -26,7 +26,7 @@ HELD = 0.7  # of what its guess promised: a fit that gains less was led astray,
 ASTRAY = 10.0  # or one that slopes had anew lower by so much more
 FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
-LIMIT = 12.0  # gain of an effect that is named; of 49 empty hands none reached 7
+LIMIT = 12.0  # gain of an effect that is named: more than chance gives any of a catalogue
 PRICE = 6.0  # of each parameter of an effect beyond its first: the more it has, the more it fits
 RIVAL = 10.0  # a rival within so much of the best gain is not told from it
 CLOSE = 0.08  # of the best gain: so near a rival may come by what no model has right
@@ -154,7 +154,8 @@ def _refitted(
         point = _ticking(fitted(point, 5), guess.effect)
         if guess.effect not in best or point.misfit < best[guess.effect].misfit:
             best[guess.effect] = point
-    hoped = {guess.effect: guess.gain for _, guess in starts if guess.effect in best}
+    # A guess at the machine as given promises what refitting the base has brought already.
+    hoped = dict.fromkeys(best, 0.0) | {g.effect: g.gain for at, g in starts if at is base}
     gains = {name: max(base.misfit - point.misfit, hoped[name]) for name, point in best.items()}
     enough = NEAR * max([LIMIT, *gains.values()])
     for name in sorted(gains, key=lambda each: -gains[each])[:FINAL]:

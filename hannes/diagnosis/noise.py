@@ -19,7 +19,7 @@ REACH = 0.6  # s, over which noise hangs together
 LEAST = 0.05  # of the mean eigenvalue: a covariance from few runs has none that is surely less
 FAINT = 0.03  # of a channel's roughness, that many simulations surely lack,
 FEW = 0.1  # and so much that few runs do
-ALIKE = 1.05  # times a simulated roughness: it is known no better than so
+SAME = 1.05  # times a simulated roughness: it is known no better than so
 NEAR = 5  # bins on each side, over which simulations tell how noisy a bin is
 MANY = 20  # simulations that tell how noise hangs together at each time of a run
 TYPICAL = 0.4549  # median of a squared standard normal number
@@ -203,7 +203,7 @@ def white_levels(group: Group, known: Levels, least: float = FEW) -> Levels:
     found = {}
     for name, rough in recorded_roughness(group).items():
         samples = group.views[0].samples(name)
-        more = np.sqrt(max(rough**2 - (ALIKE * known.get(name, 0.0)) ** 2, (least * rough) ** 2))
+        more = np.sqrt(max(rough**2 - (SAME * known.get(name, 0.0)) ** 2, (least * rough) ** 2))
         level = float(more) / np.sqrt(samples.size / group.bins)
         found[name] = max(level, 1e-6 * float(np.abs(samples).max()), 1e-12)
     return found

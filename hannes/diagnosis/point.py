@@ -199,17 +199,14 @@ def surveyed(
     restless = [
         run_to_run(model, *each) for each in zip(model.groups, slopes, channels, strict=True)
     ]
-    strays, roughs, more = (
-        [each.strays for each in grains],
-        [each.rough for each in grains],
-        care.jerk,
-    )
+    strays, roughs = [each.strays for each in grains], [each.rough for each in grains]
+    times = care.jerk
     if not any(each.any() for each in strays):
-        more = max(more, REPEATED)
-        strays, roughs = of_repeats(model.groups, jerks, restless, more)
-    noise = Noise(model.groups, strays, roughs, jerks, restless, more)
+        times = max(times, REPEATED)
+        strays, roughs = of_repeats(model.groups, jerks, restless, times)
+    noise = Noise(model.groups, strays, roughs, jerks, restless, times)
     covariances = [
-        (noise.covariance(group) + np.diag((more * jerk) ** 2) + rows.T @ rows) / group.count
+        (noise.covariance(group) + np.diag((times * jerk) ** 2) + rows.T @ rows) / group.count
         for group, jerk, rows in zip(model.groups, jerks, restless, strict=True)
     ]
     for covariance, group, grain in zip(covariances, model.groups, grains, strict=True):
