@@ -106,11 +106,11 @@ class _Runs:
         middle = {name: np.atleast_1d(np.mean(column)) for name, column in columns.items()}
         middle |= {NOISE: np.zeros(1), "controller.noise_seed": np.ones(1), **unrounded(1)}
         fine, wide = (self.of(middle, rtol)[0] for rtol in (TOLERANCE, WIDE))
-        more = dict.fromkeys(self.channels, 0.0)
+        more: Channels = {}
         if fine is not None and wide is not None:
             more = {name: fine[name] - wide[name] for name in self.channels}
         found = self.of(columns, WIDE)
-        return [run and self._logged({n: run[n] + more[n] for n in run}) for run in found]
+        return [run and self._logged({n: run[n] + more.get(n, 0.0) for n in run}) for run in found]
 
     def _logged(self, run: Channels) -> Channels:
         """The run with its position in counts of the encoder, where the recording's is."""
