@@ -34,7 +34,7 @@ class Kind:
 
 KINDS = (
     Kind("closures", "closures", (12, 1)),
-    Kind("single", "poor", (80, 1)),
+    Kind("single", "poor", (60, 1)),
     Kind("single", "poor, duty", (40, 0)),
     Kind("single", "rich", (50, 1)),
     Kind("empty", "poor", (170, 1)),
@@ -43,10 +43,10 @@ KINDS = (
     Kind("outside", "rich", (15, 0)),
     Kind("pair", "poor", (12, 0)),
     Kind("pair", "rich", (15, 1)),
-    Kind("single", "poor", (25, 0), told=0.5),
-    Kind("single", "poor", (25, 0), told=2.0),
-    Kind("empty", "poor", (25, 0), told=0.5),
-    Kind("empty", "poor", (25, 0), told=2.0),
+    Kind("single", "poor", (15, 0), told=0.5),
+    Kind("single", "poor", (15, 0), told=2.0),
+    Kind("empty", "poor", (15, 0), told=0.5),
+    Kind("empty", "poor", (15, 0), told=2.0),
 )
 NAMED = {kind.name: kind for kind in KINDS}
 # The poor protocol's cases are the same with and without duty.

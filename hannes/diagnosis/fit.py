@@ -9,6 +9,7 @@ from hannes.diagnosis.point import Point
 KEPT = 0.3  # of what a whole step promises, that it must keep
 DAMPINGS = (0.0, 0.3, 3.0, 30.0, 300.0)  # of the steps that are tried together where it does not
 SHARES = (1.0, 0.35)  # of each
+STEPS = 5  # with slopes as they are mended, far quicker than slopes anew
 SETTLED = 0.3  # of the misfit: a step that gains less is the last
 UNTOLD = 0.4  # of what is known already: a parameter of which recordings tell less stays
 LIGHT = 1e-6  # lest the curvature has no inverse
@@ -26,12 +27,15 @@ def fitted(point: Point, steps: int, anew: int = 0) -> Point:
     return point
 
 
-def settled(point: Point, steps: int, rounds: int) -> Point:
-    """All slopes anew and some steps, until that gains no more; `rounds` times at most."""
+def settled(point: Point, rounds: int, little: float = SETTLED, below: float = np.inf) -> Point:
+    """All slopes anew and some steps, until that gains `little`; `rounds` times at most.
+
+    Ends too where a round gains less than is still to go until the misfit is `below` that.
+    """
     for _ in range(rounds):
-        found = _walked(relinearised(point), steps)
+        found = _walked(relinearised(point), STEPS)
         gained, point = point.misfit - found.misfit, found
-        if gained < SETTLED:
+        if gained < max(little, point.misfit - below):
             break
     return point
 

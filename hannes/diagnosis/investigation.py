@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hannes.campaign import Entry
-from hannes.diagnosis.fit import fitted, settled
+from hannes.diagnosis.fit import SETTLED, fitted, settled
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import TICKED, Model
 from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
@@ -23,7 +23,10 @@ SHORT = 5  # effects of each screening that are refitted
 FINAL = 3  # of these, refitted with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
 HELD = 0.7  # of what its guess promised: a fit that gains less was led astray,
-ASTRAY = 10.0  # or one that slopes had anew lower by so much more
+ASTRAY = 10.0  # or one that slopes had anew lower by so much more,
+FAR = 0.05  # and by this share of the gain
+CROSSED = 0.6  # of the best gain: a rival that gains this is fitted from the best one's machine too
+LITTLE = 0.005  # of the gain: a round of slopes that lowers the misfit by less is the last
 FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
 LIMIT = 12.0  # gain of an effect that is named: more than chance gives any of a catalogue
@@ -96,9 +99,12 @@ def investigate(
     ticking = base.ground.model.ticking(base.x, list(space.effects))
     ground = surveyed(ticking, base.x, base.slopes, FINE, seed)
     given = grounded(given, ground)
-    base = settled(fitted(grounded(base, ground), 4), 3, ROUNDS)
+    base = settled(fitted(grounded(base, ground), 4), ROUNDS)
     found = _searched(given, base, told)
     while _enough(found) and (better := _back(found, told)) is not None:
+        if found.base.misfit - better.misfit < SHARE * found.trials[0].gain * found.unit:
+            found = _rebased(found, better)
+            break
         found = _searched(given, better, told)
     return _second(found, told) if _enough(found) else found
 
@@ -137,8 +143,21 @@ def _back(found: Found, told: Told) -> Point | None:
     point = base.moved(x, base.active)
     if point is None:
         return None
-    point = settled(point, 3, ROUNDS)
+    little = _little(base.misfit - best.point.misfit)
+    point = settled(point, ROUNDS, little, base.misfit)
     return point if base.misfit - point.misfit > HOLLOW * found.unit else None
+
+
+def _rebased(found: Found, base: Point) -> Found:
+    """The same beside a base that is little better: all effects gain less by that."""
+    lost = (found.base.misfit - base.misfit) / found.unit
+    trials = [replace(each, gain=each.gain - lost) for each in found.trials]
+    return replace(found, base=base, trials=trials)
+
+
+def _little(gain: float) -> float:
+    """What a round may gain and be the last, where so much is gained in all."""
+    return max(SETTLED, LITTLE * gain)
 
 
 def _refitted(
@@ -162,6 +181,7 @@ def _refitted(
         if gains[name] > enough:
             told(f"{name.replace('_', ' ')}, once more")
             best[name] = _from_both(best[name], base, given, hoped[name])
+    best |= _crossed(best, base, told)
     # Where a search ended above the base it did not get there: the base is that effect at off.
     return [
         Trial((name,), p, base.misfit - p.misfit)
@@ -176,14 +196,34 @@ def _from_both(point: Point, base: Point, given: Point, hoped: float) -> Point:
     The base bends to hide an effect; where fingers touch a fit from there may stay bent. It does
     where it gains less than what was `hoped` for, or where it had far to go.
     """
-    found = settled(point, 2, ROUNDS)
-    far = point.misfit - found.misfit > ASTRAY
-    if not far and base.misfit - found.misfit > HELD * hoped:
+    found = settled(point, ROUNDS, _little(base.misfit - point.misfit))
+    gain = base.misfit - found.misfit
+    far = point.misfit - found.misfit > max(ASTRAY, FAR * gain)
+    if not far and gain > HELD * hoped:
         return found
     places = np.setdiff1d(point.active, base.active)
     there = placed(grounded(given, point.ground), places, found.x[places])
-    other = found if there is None else settled(there, 2, ROUNDS)
+    other = found if there is None else settled(there, ROUNDS, _little(gain), found.misfit)
     return min(found, other, key=lambda each: each.misfit)
+
+
+def _crossed(best: dict[str, Point], base: Point, told: Told) -> dict[str, Point]:
+    """Rivals that gain nearly as much as the best effect, fitted from its machine as well.
+
+    Where fingers touch, fits that went other ways may differ by more than their effects do.
+    """
+    first = min(best.values(), key=lambda each: each.misfit, default=base)
+    gain, found = base.misfit - first.misfit, dict[str, Point]()
+    for name, point in best.items():
+        if point is not first and base.misfit - point.misfit > CROSSED * max(gain, LIMIT):
+            told(f"{name.replace('_', ' ')}, from there")
+            x = point.x.copy()
+            x[base.active] = first.x[base.active]
+            there = point.moved(x, np.setdiff1d(point.active, base.active))
+            if there is not None:
+                other = settled(there, ROUNDS, _little(gain), point.misfit)
+                found[name] = min(point, other, key=lambda each: each.misfit)
+    return found
 
 
 def _ticking(point: Point, name: str) -> Point:
