@@ -8,6 +8,7 @@ from sled import (
     HARDENING,
     KNOWN,
     TURBULENCE,
+    TWIN,
     WAVES,
     WAVES_OF_23,
     Sled,
@@ -19,12 +20,22 @@ from hannes._jit import plain
 from hannes.alike import alike, told
 from hannes.axis import Axis
 from hannes.catalogue import effects
+from hannes.diagnosis import fit
 from hannes.diagnosis.antedependence import covariance
 from hannes.diagnosis.choice import DOUBT, chosen
 from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import LIMIT, Trial, _back, investigate, joined, placed
+from hannes.diagnosis.investigation import (
+    LIMIT,
+    Trial,
+    _back,
+    _crossed,
+    _rebased,
+    investigate,
+    joined,
+    placed,
+)
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes
@@ -67,6 +78,41 @@ def test_a_base_beside_its_best_place_is_led_back_by_an_effect(investigated):
     back = _back(replace(investigated, base=beside), lambda text: None)
     assert back.misfit == pytest.approx(base.misfit, abs=1.0)
     assert _back(investigated, lambda text: None) is None
+
+
+def test_beside_a_better_base_every_effect_gains_less(investigated):
+    better = replace(investigated.base, miss=0.999 * investigated.base.miss)
+    rebased = _rebased(investigated, better)
+    lost = (investigated.base.misfit - better.misfit) / investigated.unit
+    gains = [each.gain for each in investigated.trials]
+    assert [each.gain for each in rebased.trials] == pytest.approx([g - lost for g in gains])
+    assert lost > 0.0 and rebased.base is better
+
+
+def test_a_rival_that_went_astray_starts_from_the_machine_of_the_best():
+    entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
+    both = investigate(Sled(), entries, [TURBULENCE, TWIN], Settings(0.02, 0.005), 0)
+    base, space = both.base, both.base.ground.model.space
+    points = {each.effects[0]: each.point for each in both.trials}
+    twin = points["twin"]
+    moved = twin.x + 0.5 * np.isin(np.arange(twin.x.size), base.active)
+    points["twin"] = astray = twin.moved(moved, space.of("twin"))
+    assert twin.misfit + 2.0 < astray.misfit < 0.5 * (twin.misfit + base.misfit)
+    again = _crossed(points, base, lambda text: None)
+    assert list(again) == ["twin"]
+    assert again["twin"].misfit == pytest.approx(twin.misfit, abs=0.5)
+
+
+def test_rounds_of_slopes_end_where_they_cannot_arrive(investigated, monkeypatch):
+    rounds, relinearised = [], fit.relinearised
+    monkeypatch.setattr(fit, "relinearised", lambda at: rounds.append(at) or relinearised(at))
+    base = investigated.base
+    beside = base.moved(base.x + 3.0 * np.isin(np.arange(base.x.size), base.active), base.active)
+    fit.settled(beside, 5)
+    assert len(rounds) > 1
+    rounds.clear()
+    fit.settled(beside, 5, below=base.misfit - 2.0 * (beside.misfit - base.misfit))
+    assert len(rounds) == 1
 
 
 def test_a_gain_is_of_what_was_not_fitted_too(investigated):
