@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from hannes._jit import cache_folder, entry, folded, inner, plain, routine
+from hannes._jit import cache_folder, entry, folded, inner, plain, provider, routine
 from hannes.files import write_text
 
 # Functions that Python calls, and long ones that compiled code calls from several places.
@@ -21,10 +21,11 @@ OPEN = "rates|jacobian|differences|tick|steps_on|look_up|grasps|observe"
 CLOSED = (
     "equations|linearise|decompose|resolve|"
     "joints|contact|press|inertia|factor_rest|"
-    "workspace|first_step|sample_pieces|fill_outputs"
+    "advance|first_step|sample_pieces"
 )
+PROVIDING = "workspace|fill_outputs"  # what allocates
 # Functions with one caller: a level of calls less is optimised once less.
-FOLDED = "grasp|advance|step|attempt|keep_piece|finite|keep"
+FOLDED = "grasp|step|attempt|keep_piece|finite|keep"
 
 
 def fingerprint(names: Mapping[str, Any]) -> str:
@@ -121,7 +122,9 @@ def _loaded(name: str, path: Path, given: dict[str, Any]) -> ModuleType:
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None
     loaded = importlib.util.module_from_spec(spec)
-    vars(loaded).update(given, inner=inner, routine=routine, folded=folded, entry=entry)
+    vars(loaded).update(
+        given, inner=inner, routine=routine, provider=provider, folded=folded, entry=entry
+    )
     sys.modules[name] = loaded
     spec.loader.exec_module(loaded)
     return loaded
@@ -129,7 +132,8 @@ def _loaded(name: str, path: Path, given: dict[str, Any]) -> ModuleType:
 
 def _decorated(text: str) -> str:
     """Mark entry points, what stays a function of its own, what goes into its caller, kernels."""
-    for mark, names in (("entry", OPEN), ("routine", CLOSED), ("folded", FOLDED)):
+    marks = {"entry": OPEN, "routine": CLOSED, "provider": PROVIDING, "folded": FOLDED}
+    for mark, names in marks.items():
         text = re.sub(rf"^def ({names})\(", rf"@{mark}\ndef \1(", text, flags=re.MULTILINE)
-    bare = r"^(?<!@entry\n)(?<!@routine\n)(?<!@folded\n)def "
+    bare = r"^(?<!@entry\n)(?<!@routine\n)(?<!@provider\n)(?<!@folded\n)def "
     return re.sub(bare, "@inner\ndef ", text, flags=re.MULTILINE)

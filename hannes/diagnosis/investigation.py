@@ -182,6 +182,8 @@ def _refitted(
             told(f"{name.replace('_', ' ')}, once more")
             best[name] = _from_both(best[name], base, given, hoped[name])
     best |= _crossed(best, base, told)
+    if (name := min(best, key=lambda each: best[each].misfit, default="")) and gains[name] > enough:
+        best[name] = settled(best[name], ROUNDS)  # its parameters are told: no rival's are
     # Where a search ended above the base it did not get there: the base is that effect at off.
     return [
         Trial((name,), p, base.misfit - p.misfit)
