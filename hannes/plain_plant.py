@@ -114,12 +114,15 @@ def _bound(
 ) -> Callable[[tuple[float, ...]], float]:
     """Return a term's share of one channel as a function of what is read."""
     function: Callable[..., Any] = plain(term.kernel)
-    several = len(term.writes) > 1
+    several, names = len(term.writes) > 1, term.arguments
+    given = [fixed.get(name) for name in names]
+    late = [(k, reads.index(name)) for k, name in enumerate(names) if name in reads]
 
     def call(now: tuple[float, ...]) -> float:
-        known = dict(zip(reads, now, strict=True))
+        for k, read in late:
+            given[k] = now[read]
         try:
-            found = function(*(known.get(name, fixed.get(name)) for name in term.arguments))
+            found = function(*given)
         except (ArithmeticError, ValueError):  # plain Python stops where compiled code goes on
             return math.nan
         return float(found[place] if several else found)
