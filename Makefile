@@ -31,7 +31,7 @@ run: env  ## the paper's experiments and a first diagnosis: pages in results/
 	    --recognition results/rigid-or-soft
 
 test: lint  ## format, lint, types, direction of imports, tests on all cores
-	$(bin)/python -m pytest -n auto --dist loadfile
+	$(bin)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
 
 lint: env  ## all of `make test` but the tests
 	$(bin)/ruff format --check

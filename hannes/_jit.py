@@ -26,7 +26,7 @@ def kernel(function: Callable[..., Any]) -> Any:
 def inner(function: Callable[..., Any]) -> Any:
     """Compile a formula into its callers; cannot be called from Python, which halves its cost.
 
-    It may not allocate: references to arrays are not counted in it, which took an eighth of a step.
+    It may not allocate: references to arrays are not counted in it, which takes a lock each time.
     """
     options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
     return numba.njit(nogil=True, error_model="numpy", _nrt=False, **options)(function)

@@ -10,3 +10,9 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # A first call compiles, which says nothing about the function.
 settings.register_profile("compiled", deadline=None)
 settings.load_profile("compiled")
+
+
+def pytest_collection_modifyitems(items):
+    """Files with slow tests first: each goes to one worker, and the last one would end alone."""
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: item.path not in slow)

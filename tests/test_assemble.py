@@ -84,6 +84,7 @@ def short(hand):
     return simulate(hand, experiment, rtol=1e-8, effects=hand.effects).require()
 
 
+@pytest.mark.slow
 def test_an_own_effect_over_all_joints_works(dressed):
     """Springs stiffened by the effect equal springs that are stiffer."""
     mine = short(dressed.with_values({"stiff_springs.share": 0.5}))

@@ -145,6 +145,7 @@ def test_the_compiled_loop_takes_the_steps_of_solve_ivp():
 WAYS = np.array([0.0, 0.0, 1.0, 0.0, 2.0, 0.0])  # the third and the fifth break at 0.05 s
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("controller", ["continuous", "sampled"])
 def test_a_grasp_that_breaks_has_a_named_outcome_and_leaves_the_others_whole(controller):
     hand, experiment = Hand().with_effects(BREAK), grasp(duration=0.1, controller=controller)

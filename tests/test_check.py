@@ -65,6 +65,7 @@ def test_shipped_experiments_raise_no_alarm(name, noisy):
     assert alarms(clean.shipped(name, noisy), HandPlant()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("run", [1, 2, 3, 4])
 @pytest.mark.parametrize("seed", [1, 2])
 def test_closures_of_the_truth_raise_no_alarm(seed, run):

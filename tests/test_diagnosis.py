@@ -67,6 +67,7 @@ def test_a_machine_as_given_has_no_gap():
     assert verdict.verdict == "no_gap"
 
 
+@pytest.mark.slow
 def test_two_effects_are_both_named():
     verdict = found(3, ((HARDENING, 900.0), (TURBULENCE, 2.0)))
     assert verdict.verdict == "named" and sorted(verdict.effects) == ["hardening", "turbulence"]

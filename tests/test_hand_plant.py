@@ -137,6 +137,7 @@ def test_noisy_positions_are_counted_where_recorded_ones_are():
         assert np.allclose(counts, np.round(counts), atol=1e-6) == is_counted
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "steps"),
     [

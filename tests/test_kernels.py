@@ -177,6 +177,7 @@ def close(mine, expected):
     return (np.abs(mine - expected) <= 1e-12 * np.where(size > 0.0, size, 1.0)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sampled", [False, True])
 def test_compiled_rates_equal_plain_python(both, sampled):
     model, given, found = both

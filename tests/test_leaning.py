@@ -76,6 +76,7 @@ def searched(link, shape, pose, height):
     return min(found.fun, gaps.min())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", SHAPES)
 def test_distance_of_a_link_against_solid_geometry(shape):
     """Exact for cylinders; flat sides are arched by a hundredth of their half length."""

@@ -350,6 +350,7 @@ def test_the_grasp_is_the_whole_of_it():
     assert run["position"].max() > 5.0 and run["position"][-1] < 0.1 * run["position"].max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("column, name", list(enumerate(TRACES)))
 def test_traces_agree_with_mujoco(case, column, name):

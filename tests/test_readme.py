@@ -35,6 +35,7 @@ def test_the_figure_is_todays():
         assert np.abs(apart).max() < 0.5, "run `make docs`"
 
 
+@pytest.mark.slow
 def test_the_python_runs(tmp_path, monkeypatch, capsys):
     """The block in the section for library users, on a campaign of the axis."""
     from test_diagnose import campaign

@@ -113,6 +113,7 @@ def converged(name):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", STANDARD)
 @pytest.mark.parametrize("machine", [False, True], ids=["plain", "compiled"])
 def test_standard_stiff_problems_against_radau(name, machine):

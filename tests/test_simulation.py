@@ -114,6 +114,7 @@ def test_an_effect_at_off_is_left_out():
     assert dressed.equations() == bare.equations()
 
 
+@pytest.mark.slow
 def test_an_effect_compiled_in_at_off_changes_no_bit():
     """One is compiled here; that none moves a rate, test_structure.py shows of each."""
     hand = Hand().with_effects("leader_slack")

@@ -24,6 +24,7 @@ def forces(stiffness, hand):
     return np.array([each.require()["force"] for each in made])
 
 
+@pytest.mark.slow
 def test_a_held_grasp_keeps_its_force_for_ten_seconds():
     hand = Hand(["stiction"]).with_values({"stiction.share": 1.0})
     force = forces([800.0, 5000.0, 38300.0], hand)[:, HELD]

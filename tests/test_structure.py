@@ -241,6 +241,7 @@ def held(case, known):
     compared(hand, "cylinder", (1e3, 1e5), known)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["none", "catalogue"])
 def test_jacobian_and_solution_against_plain_differences_and_numpy(case):
     held(case, grasped())
@@ -325,6 +326,7 @@ def test_what_does_not_fit_is_said():
     assert "slower to simulate" not in str(posed(("bristle",)))
 
 
+@pytest.mark.slow
 def test_a_coupled_hand_moves_like_with_a_stock_method():
     hand = posed(("coupled",))
     experiment = Experiment("coupled", 0.4, reference(GRASP), Target("cylinder"))
