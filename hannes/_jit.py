@@ -19,14 +19,17 @@ from hannes.cache import cache_home
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """Compile a formula into its callers; runs as plain Python under NUMBA_DISABLE_JIT=1."""
-    return numba.njit(nogil=True, error_model="numpy", forceinline=True)(function)
+    """Compile a formula into its callers; runs as plain Python under NUMBA_DISABLE_JIT=1.
+
+    It may allocate, whoever calls it: without `_nrt` it would be as its caller is (see `inner`).
+    """
+    return numba.njit(nogil=True, error_model="numpy", forceinline=True, _nrt=True)(function)
 
 
 def inner(function: Callable[..., Any]) -> Any:
     """Compile a formula into its callers; cannot be called from Python, which halves its cost.
 
-    It may not allocate: references to arrays are not counted in it, which takes a lock each time.
+    Nor may it allocate: it does not count references to arrays, as each count takes a lock.
     """
     options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
     return numba.njit(nogil=True, error_model="numpy", _nrt=False, **options)(function)

@@ -56,7 +56,8 @@ def crossing(y, data):
 
 def gather(data, columns):
     """Copy df/dy."""
-    columns[:] = data[1]
+    for i in range(columns.shape[0]):
+        copy_to(columns[i], data[1][i])
 
 
 def workspace(y, p, reference, hold):

@@ -61,12 +61,12 @@ def _refuses(kernel: Callable[..., Any]) -> bool:
     """Tell whether numba refuses a kernel by itself, all its arguments being numbers."""
     import inspect
 
-    from hannes._jit import inner, plain
+    from hannes import _jit
 
-    function = plain(kernel)
+    function = _jit.plain(kernel)
     numbers = ", ".join("float64" for _ in inspect.signature(function).parameters)
     try:
-        inner(function).compile(f"({numbers},)")
+        _jit.kernel(function).compile(f"({numbers},)")
     except Exception:  # numba's errors have no common class
         return True
     return False

@@ -80,7 +80,14 @@ class PlainPlant:
             for term in effect.terms
             if channel in term.writes
         ]
-        return lambda *now: sum((call(now) for call in calls), 0.0)
+
+        def all_of(*now: float) -> float:
+            if len(now) != len(reads):
+                what = f"the effects at {channel} are given {len(now)} values"
+                raise BadInput(f"{what}: expected {', '.join(reads)}, as `open` lists them")
+            return sum((call(now) for call in calls), 0.0)
+
+        return all_of
 
     def _names(self, effect: Effect) -> dict[str, str]:
         """A kernel's argument names for parameters -> their full names."""

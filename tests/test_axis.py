@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 
 from hannes import measured
+from hannes._jit import kernel
 from hannes.assemble import assemble
 from hannes.axis import EQUATIONS, Axis, start_state
 from hannes.axis_record import load
 from hannes.catalogue import effect
+from hannes.effect import Effect, Term
 from hannes.errors import BadInput, MissingRecording
+from hannes.parameter import Parameter
 from hannes.recording import Recording
 
 
@@ -66,6 +69,35 @@ def test_constant_speed_takes_the_published_force():
     expected = p["motor.dry_friction"] + 0.1 * p["motor.viscous_friction"] + p["axis.offset"]
     simulated = Axis().simulate({}, record)["drive"][-500:]
     assert simulated == pytest.approx(expected / p["axis.force_gain"], rel=1e-6)
+
+
+SPEEDS, FORCES = np.array([0.0, 0.05, 0.2, 1.0]), np.array([0.0, 1.0, 0.7, 0.6])
+
+
+@kernel
+def tabled(motor_speed, size):
+    """Friction that was measured at some speeds; allocates [N]."""
+    shares = np.zeros(2)
+    shares[0] = np.interp(abs(motor_speed), SPEEDS, FORCES)
+    return size * np.sign(motor_speed) * shares.sum()
+
+
+def test_a_kernel_may_look_up_a_table_and_allocate():
+    amount = Parameter("size", 0.0, "N", (0.0, 50.0), "how much", off=0.0)
+    term = Term(tabled, writes=("gear_friction",))
+    mine = Effect("tabled", "made for a test", "table", "none (2026)", (amount,), (term,))
+    axis = Axis().with_effects(mine)
+    fast = assemble(EQUATIONS, (mine,)).fast
+    p, hold = axis.parameters.with_values({"tabled.size": 10.0}).vector(), np.zeros(4)
+    reference, y = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([0.0, 0.1])
+    bare = fast.rates(0.0, y, axis.parameters.vector(), reference, hold)
+    made = fast.rates(0.0, y, p, reference, hold)
+    expected = -10.0 * np.interp(0.1, SPEEDS, FORCES) / axis.parameters["axis.mass"]
+    assert made[1] - bare[1] == pytest.approx(expected, rel=1e-9)
+    slopes, differences = (
+        each(0.0, y, p, reference, hold) for each in (fast.jacobian, fast.differences)
+    )
+    assert slopes == pytest.approx(differences, rel=1e-4, abs=1e-6)
 
 
 def test_direction_friction_acts_by_direction():

@@ -26,7 +26,8 @@ from sled import (
 from hannes.campaign import Campaign, Entry
 from hannes.diagnose import diagnose
 from hannes.diagnosis.fit import fitted
-from hannes.diagnosis.investigation import Trial, _second, investigate, joined
+from hannes.diagnosis.investigation import Trial, _second, investigate
+from hannes.diagnosis.refits import joined
 from hannes.diagnosis.settings import Settings
 from hannes.effect import Term
 from hannes.parameter import Parameter

@@ -20,24 +20,16 @@ from hannes._jit import plain
 from hannes.alike import alike, told
 from hannes.axis import Axis
 from hannes.catalogue import effects
-from hannes.diagnosis import fit
+from hannes.diagnosis import fit, refits
 from hannes.diagnosis.antedependence import covariance
 from hannes.diagnosis.choice import DOUBT, chosen
 from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import (
-    LIMIT,
-    Trial,
-    _back,
-    _crossed,
-    _rebased,
-    investigate,
-    joined,
-    placed,
-)
+from hannes.diagnosis.investigation import LIMIT, Trial, _back, _rebased, investigate
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
+from hannes.diagnosis.refits import _crossed, joined, placed
 from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes
 from hannes.diagnosis.settings import Settings, read_settings
 from hannes.errors import BadInput
@@ -89,18 +81,24 @@ def test_beside_a_better_base_every_effect_gains_less(investigated):
     assert lost > 0.0 and rebased.base is better
 
 
-def test_a_rival_that_went_astray_starts_from_the_machine_of_the_best():
+def test_a_rival_that_went_astray_starts_from_the_machine_of_the_best(monkeypatch):
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
     both = investigate(Sled(), entries, [TURBULENCE, TWIN], Settings(0.02, 0.005), 0)
     base, space = both.base, both.base.ground.model.space
     points = {each.effects[0]: each.point for each in both.trials}
-    twin = points["twin"]
+    twin, first = points["twin"], points["turbulence"]
     moved = twin.x + 0.5 * np.isin(np.arange(twin.x.size), base.active)
-    points["twin"] = astray = twin.moved(moved, space.of("twin"))
-    assert twin.misfit + 2.0 < astray.misfit < 0.5 * (twin.misfit + base.misfit)
-    again = _crossed(points, base, lambda text: None)
-    assert list(again) == ["twin"]
+    points["twin"] = twin.moved(moved, space.of("twin"))
+    starts, settled = [], refits.settled
+    monkeypatch.setattr(refits, "settled", lambda at, *how: starts.append(at) or settled(at, *how))
+    again = _crossed(points, base, LIMIT, lambda text: None)
     assert again["twin"].misfit == pytest.approx(twin.misfit, abs=0.5)
+    assert again["turbulence"] is first
+    assert np.array_equal(starts[0].x[base.active], first.x[base.active])
+    assert starts[0].x[space.of("twin")] == twin.x[space.of("twin")]
+    starts.clear()
+    _crossed(points, base, 2.0 * base.misfit, lambda text: None)
+    assert not starts  # none gains as much as that
 
 
 def test_rounds_of_slopes_end_where_they_cannot_arrive(investigated, monkeypatch):

@@ -152,6 +152,16 @@ def test_an_effect_that_runs_away_gives_no_number_as_compiled_code_does():
     assert math.isnan(cart.added("friction", {})(0.0, 1e200))
 
 
+def test_effects_are_given_all_that_may_be_read_and_no_more():
+    cart = find_plant("cart:Cart", EXAMPLE)
+    cart = cart.with_effects(effect("rail.py:RAIL_FRICTION", EXAMPLE))
+    reads = cart.open["friction"]
+    assert cart.added("friction", {})(*(0.0 for _ in reads)) == 0.0
+    for count in (len(reads) - 1, len(reads) + 1):
+        with pytest.raises(BadInput, match=f"given {count} values: expected {', '.join(reads)}"):
+            cart.added("friction", {})(*(0.0 for _ in range(count)))
+
+
 def test_the_page_names_files_that_exist():
     page = (ROOT / "docs" / "own-plant.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`((?:hannes|examples)/[\w./]+)`", page))

@@ -28,9 +28,9 @@ def fitted(point: Point, steps: int, anew: int = 0) -> Point:
 
 
 def settled(point: Point, rounds: int, little: float = SETTLED, below: float = np.inf) -> Point:
-    """All slopes anew and some steps, until that gains `little`; `rounds` times at most.
+    """All slopes anew and some steps, until that gains less than `little`; `rounds` times at most.
 
-    Ends too where a round gains less than is still to go until the misfit is `below` that.
+    Gives up where a round gains less than the misfit still lies above `below`.
     """
     for _ in range(rounds):
         found = _walked(relinearised(point), STEPS)

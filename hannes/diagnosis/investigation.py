@@ -1,32 +1,24 @@
 """From recordings to what is missing: the base refitted, a short list refitted, a second effect."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from hannes.campaign import Entry
-from hannes.diagnosis.fit import SETTLED, fitted, settled
+from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.model import TICKED, Model
+from hannes.diagnosis.model import Model
 from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
-from hannes.diagnosis.screen import ALL_SIZES, Guess, amplitude_names, likeness, screened
+from hannes.diagnosis.refits import ROUNDS, Told, joined, little, refitted, ticked
+from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
 from hannes.effect import Effect
 from hannes.plant import Plant
 
 ROUGH, FINE = Care(10.0, 3), Care(1.0, 40)  # by the one a fit finds its way, by the other it ends
-ROUNDS = 5  # of slopes anew, at most, until a fit has settled
-SHARES = (1.0, 0.5, 0.2, 0.05)  # of a guess: a start is at the best, where fingers touch none holds
 SHORT = 5  # effects of each screening that are refitted
-FINAL = 3  # of these, refitted with all slopes anew,
-NEAR = 0.5  # where they gain this share of the most, and of what a name needs
-HELD = 0.7  # of what its guess promised: a fit that gains less was led astray,
-ASTRAY = 10.0  # or one that slopes had anew lower by so much more,
-FAR = 0.05  # and by this share of the gain
-CROSSED = 0.6  # of the best gain: a rival that gains this is fitted from the best one's machine too
-LITTLE = 0.005  # of the gain: a round of slopes that lowers the misfit by less is the last
 FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
 LIMIT = 12.0  # gain of an effect that is named: more than chance gives any of a catalogue
@@ -37,8 +29,6 @@ SHARE = 0.04  # of the first effect's gain that a second one needs
 HOLLOW = 2.0  # gain by which a base found from elsewhere is another one
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 CLEAN = 1.3  # times the bins: what a whole model leaves at most
-
-Told = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -60,9 +50,9 @@ class Found:
     """Everything that came of an investigation.
 
     given: with everything as given; base: the base refitted; trials: single effects, best first;
-    guesses: of the whole catalogue, linear, at the base; pair: two effects, where one leaves
-    more, and other_pairs that were refitted beside it; rest: the best guess of what is left after
-    the last of them
+    guesses: of the whole catalogue, linear, at the base that was searched from; pair: two effects,
+    where one leaves more, and other_pairs that were refitted beside it; rest: the best guess of
+    what is left after the last of them
     unit: by how much misfits are divided: the noise is never less than what the best model leaves
     """
 
@@ -124,9 +114,12 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
         large = screened(given, names, ALL_SIZES)[:SHORT]
         starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
         starts += [(given, guess) for guess in large]
-    trials = _refitted(given, base, starts, told)
-    unit = max(1.0, min([base.misfit, *(t.point.misfit for t in trials)]) / base.miss.size)
-    trials = sorted((priced(base, t, unit) for t in trials), key=lambda each: -each.gain)
+    fits = refitted(given, base, starts, LIMIT, told)
+    unit = max(1.0, min([base.misfit, *(each.misfit for each in fits.values())]) / base.miss.size)
+    trials = [priced(base, Trial((name,), point, 0.0), unit) for name, point in fits.items()]
+    trials.sort(key=lambda each: -each.gain)
+    if trials and trials[0].gain > LIMIT:
+        trials[0] = _whole(base, trials[0], unit)
     likely = _with_likeness(base, guesses, trials)
     return Found(given, base, guesses, likely, None, None, unit)
 
@@ -143,123 +136,31 @@ def _back(found: Found, told: Told) -> Point | None:
     point = base.moved(x, base.active)
     if point is None:
         return None
-    little = _little(base.misfit - best.point.misfit)
-    point = settled(point, ROUNDS, little, base.misfit)
-    return point if base.misfit - point.misfit > HOLLOW * found.unit else None
+    point = settled(point, ROUNDS, little(base.misfit - best.point.misfit), base.misfit)
+    better = base.misfit - point.misfit > HOLLOW * found.unit
+    return settled(point, ROUNDS) if better else None
 
 
 def _rebased(found: Found, base: Point) -> Found:
     """The same beside a base that is little better: all effects gain less by that."""
     lost = (found.base.misfit - base.misfit) / found.unit
-    trials = [replace(each, gain=each.gain - lost) for each in found.trials]
+    trials = [
+        replace(each, gain=each.gain - lost)
+        for each in found.trials
+        if each.point.misfit < base.misfit
+    ]
     return replace(found, base=base, trials=trials)
 
 
-def _little(gain: float) -> float:
-    """What a round may gain and be the last, where so much is gained in all."""
-    return max(SETTLED, LITTLE * gain)
-
-
-def _refitted(
-    given: Point, base: Point, starts: Sequence[tuple[Point, Guess]], told: Told
-) -> list[Trial]:
-    """Best fit with each effect from every start; the best few with all slopes had anew."""
-    best: dict[str, Point] = {}
-    for start, guess in starts:
-        told(guess.effect.replace("_", " "))
-        point = joined(start, guess)
-        if point is None:
-            continue
-        point = _ticking(fitted(point, 5), guess.effect)
-        if guess.effect not in best or point.misfit < best[guess.effect].misfit:
-            best[guess.effect] = point
-    # A guess at the machine as given promises what refitting the base has brought already.
-    hoped = dict.fromkeys(best, 0.0) | {g.effect: g.gain for at, g in starts if at is base}
-    gains = {name: max(base.misfit - point.misfit, hoped[name]) for name, point in best.items()}
-    enough = NEAR * max([LIMIT, *gains.values()])
-    for name in sorted(gains, key=lambda each: -gains[each])[:FINAL]:
-        if gains[name] > enough:
-            told(f"{name.replace('_', ' ')}, once more")
-            best[name] = _from_both(best[name], base, given, hoped[name])
-    best |= _crossed(best, base, told)
-    if (name := min(best, key=lambda each: best[each].misfit, default="")) and gains[name] > enough:
-        best[name] = settled(best[name], ROUNDS)  # its parameters are told: no rival's are
-    # Where a search ended above the base it did not get there: the base is that effect at off.
-    return [
-        Trial((name,), p, base.misfit - p.misfit)
-        for name, p in best.items()
-        if p.misfit < base.misfit
-    ]
-
-
-def _from_both(point: Point, base: Point, given: Point, hoped: float) -> Point:
-    """A fit with an effect settled; where it was led astray, from the machine as given too.
-
-    The base bends to hide an effect; where fingers touch a fit from there may stay bent. It does
-    where it gains less than what was `hoped` for, or where it had far to go.
-    """
-    found = settled(point, ROUNDS, _little(base.misfit - point.misfit))
-    gain = base.misfit - found.misfit
-    far = point.misfit - found.misfit > max(ASTRAY, FAR * gain)
-    if not far and gain > HELD * hoped:
-        return found
-    places = np.setdiff1d(point.active, base.active)
-    there = placed(grounded(given, point.ground), places, found.x[places])
-    other = found if there is None else settled(there, ROUNDS, _little(gain), found.misfit)
-    return min(found, other, key=lambda each: each.misfit)
-
-
-def _crossed(best: dict[str, Point], base: Point, told: Told) -> dict[str, Point]:
-    """Rivals that gain nearly as much as the best effect, fitted from its machine as well.
-
-    Where fingers touch, fits that went other ways may differ by more than their effects do.
-    """
-    first = min(best.values(), key=lambda each: each.misfit, default=base)
-    gain, found = base.misfit - first.misfit, dict[str, Point]()
-    for name, point in best.items():
-        if point is not first and base.misfit - point.misfit > CROSSED * max(gain, LIMIT):
-            told(f"{name.replace('_', ' ')}, from there")
-            x = point.x.copy()
-            x[base.active] = first.x[base.active]
-            there = point.moved(x, np.setdiff1d(point.active, base.active))
-            if there is not None:
-                other = settled(there, ROUNDS, _little(gain), point.misfit)
-                found[name] = min(point, other, key=lambda each: each.misfit)
-    return found
-
-
-def _ticking(point: Point, name: str) -> Point:
-    """Refitted with firmware's ticks as they are at the size at which an effect was found."""
-    model, places = point.ground.model, point.ground.model.space.of(name)
-    if not model.in_loop(name) or np.abs(point.x[places]).max() <= TICKED[0]:
-        return point
-    ground = replace(point.ground, model=model.ticking(point.x, [name]))
-    there = replace(point, ground=ground).moved(point.x, places)
-    return point if there is None else fitted(there, 5)
+def _whole(base: Point, trial: Trial, unit: float) -> Trial:
+    """The trial with its fit gone on to its end: what it tells of parameters is for the user."""
+    return priced(base, replace(trial, point=settled(trial.point, ROUNDS)), unit)
 
 
 def priced(base: Point, trial: Trial, unit: float) -> Trial:
     """The trial with its gain: misfit less than the base's, less the price of its parameters."""
     further = trial.point.active.size - base.active.size - len(trial.effects)
     return replace(trial, gain=(base.misfit - trial.point.misfit) / unit - PRICE * further)
-
-
-def joined(start: Point, guess: Guess) -> Point | None:
-    """The start with an effect at the best share of its guess; None where that breaks down."""
-    space, rows = start.ground.model.space, np.repeat(start.x[np.newaxis], len(SHARES), axis=0)
-    rows[:, guess.places] = guess.x
-    amplitudes = [space.place(name) for name in amplitude_names(space.effects[guess.effect])]
-    rows[:, amplitudes] *= np.array(SHARES)[:, np.newaxis]
-    active = np.union1d(start.active, guess.places)
-    best = rows[np.argmin(start.with_active(active).misfits(rows))]
-    return placed(start, guess.places, best[guess.places])
-
-
-def placed(start: Point, places: np.ndarray, values: np.ndarray) -> Point | None:
-    """The start with an effect's directions active and at these values of x."""
-    x = start.x.copy()
-    x[places] = values
-    return start.with_active(np.union1d(start.active, places)).moved(x, np.sort(places))
 
 
 def _second(found: Found, told: Told) -> Found:
@@ -281,6 +182,7 @@ def _second(found: Found, told: Told) -> Found:
     rivals = [each for each in near(best, found.trials) if second.effect not in each.effects]
     pairs += _paired(found, [(each, second) for each in rivals[:2]], told)
     pairs.sort(key=lambda each: -each.gain)
+    pairs[0] = _whole(found.base, pairs[0], found.unit)
     told("what is left after both")
     after = _others(pairs[0].point, pairs[0].effects, found.unit)
     rest = after[0] if after else None
@@ -301,7 +203,7 @@ def _paired(found: Found, starts: Sequence[tuple[Trial, Guess]], told: Told) -> 
         told(f"{one.effects[0]} and {guess.effect}".replace("_", " "))
         point = joined(one.point, guess)
         if point is not None:
-            point = fitted(_ticking(fitted(point, 4), guess.effect), 4, anew=1)
+            point = fitted(ticked(fitted(point, 4), guess.effect), 4, anew=1)
             pair = Trial((*one.effects, guess.effect), point, 0.0)
             pairs.append(priced(found.base, pair, found.unit))
     return sorted(pairs, key=lambda each: -each.gain)
@@ -324,8 +226,7 @@ def _without_first(found: Found, pair: Trial, told: Told) -> Trial | None:
     point = pair.point.with_active(active).moved(x, space.of(second))
     if point is None:
         return None
-    point = fitted(point, 4, anew=1)
-    trial = priced(found.base, Trial((second,), point, 0.0), found.unit)
+    trial = _whole(found.base, Trial((second,), point, 0.0), found.unit)
     return _with_likeness(found.base, found.guesses, [trial])[0]
 
 
