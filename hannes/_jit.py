@@ -17,13 +17,17 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from hannes.cache import cache_home
 
+# Options of all compiled code, and of what only compiled code calls.
+_COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+_WITHIN = _COMMON | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a formula into its callers; runs as plain Python under NUMBA_DISABLE_JIT=1.
 
     It may allocate, whoever calls it: without `_nrt` it would be as its caller is (see `inner`).
     """
-    return numba.njit(nogil=True, error_model="numpy", forceinline=True, _nrt=True)(function)
+    return numba.njit(**_COMMON, forceinline=True, _nrt=True)(function)
 
 
 def inner(function: Callable[..., Any]) -> Any:
@@ -31,31 +35,27 @@ def inner(function: Callable[..., Any]) -> Any:
 
     Nor may it allocate: it does not count references to arrays, as each count takes a lock.
     """
-    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
-    return numba.njit(nogil=True, error_model="numpy", _nrt=False, **options)(function)
+    return numba.njit(**_WITHIN, forceinline=True, _nrt=False)(function)
 
 
 def routine(function: Callable[..., Any]) -> Any:
     """Like `inner` for a function that stays one, long and called from several places."""
-    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return numba.njit(nogil=True, error_model="numpy", _nrt=False, **options)(function)
+    return numba.njit(**_WITHIN, _nrt=False)(function)
 
 
 def provider(function: Callable[..., Any]) -> Any:
     """Like `routine` for a function that allocates."""
-    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return numba.njit(nogil=True, error_model="numpy", **options)(function)
+    return numba.njit(**_WITHIN, _nrt=True)(function)
 
 
 def folded(function: Callable[..., Any]) -> Any:
     """Like `inner`, put into its caller before types are known: cheap where there is only one."""
-    options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "inline": "always"}
-    return numba.njit(nogil=True, error_model="numpy", **options)(function)
+    return numba.njit(**_WITHIN, inline="always")(function)
 
 
 def entry(function: Callable[..., Any]) -> Any:
     """Compile an entry point with all that it calls, and keep its machine code on disk."""
-    dispatcher = numba.njit(nogil=True, error_model="numpy", cache=True)(function)
+    dispatcher = numba.njit(**_COMMON, cache=True)(function)
     if compiles():
         dispatcher.compile = functools.partial(_compiled, dispatcher.compile)
     return dispatcher

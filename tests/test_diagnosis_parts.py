@@ -106,10 +106,10 @@ def test_rounds_of_slopes_end_where_they_cannot_arrive(investigated, monkeypatch
     monkeypatch.setattr(fit, "relinearised", lambda at: rounds.append(at) or relinearised(at))
     base = investigated.base
     beside = base.moved(base.x + 3.0 * np.isin(np.arange(base.x.size), base.active), base.active)
-    fit.settled(beside, 5)
+    fit.settled(beside)
     assert len(rounds) > 1
     rounds.clear()
-    fit.settled(beside, 5, below=base.misfit - 2.0 * (beside.misfit - base.misfit))
+    fit.settled(beside, below=base.misfit - 2.0 * (beside.misfit - base.misfit))
     assert len(rounds) == 1
 
 

@@ -9,6 +9,7 @@ from hannes.diagnosis.point import Point
 KEPT = 0.3  # of what a whole step promises, that it must keep
 DAMPINGS = (0.0, 0.3, 3.0, 30.0, 300.0)  # of the steps that are tried together where it does not
 SHARES = (1.0, 0.35)  # of each
+ROUNDS = 5  # of slopes anew, at most, until a fit has settled
 STEPS = 5  # with slopes as they are mended, far quicker than slopes anew
 SETTLED = 0.3  # of the misfit: a step that gains less is the last
 UNTOLD = 0.4  # of what is known already: a parameter of which recordings tell less stays
@@ -27,12 +28,12 @@ def fitted(point: Point, steps: int, anew: int = 0) -> Point:
     return point
 
 
-def settled(point: Point, rounds: int, little: float = SETTLED, below: float = np.inf) -> Point:
-    """All slopes anew and some steps, until that gains less than `little`; `rounds` times at most.
+def settled(point: Point, little: float = SETTLED, below: float = np.inf) -> Point:
+    """All slopes anew and some steps, until that gains less than `little`; a few times at most.
 
     Gives up where a round gains less than the misfit still lies above `below`.
     """
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         found = _walked(relinearised(point), STEPS)
         gained, point = point.misfit - found.misfit, found
         if gained < max(little, point.misfit - below):

@@ -10,7 +10,7 @@ from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
-from hannes.diagnosis.refits import ROUNDS, Told, joined, little, refitted, ticked
+from hannes.diagnosis.refits import Told, joined, little, refitted, ticked
 from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
@@ -89,7 +89,7 @@ def investigate(
     ticking = base.ground.model.ticking(base.x, list(space.effects))
     ground = surveyed(ticking, base.x, base.slopes, FINE, seed)
     given = grounded(given, ground)
-    base = settled(fitted(grounded(base, ground), 4), ROUNDS)
+    base = settled(fitted(grounded(base, ground), 4))
     found = _searched(given, base, told)
     while _enough(found) and (better := _back(found, told)) is not None:
         if found.base.misfit - better.misfit < SHARE * found.trials[0].gain * found.unit:
@@ -136,9 +136,9 @@ def _back(found: Found, told: Told) -> Point | None:
     point = base.moved(x, base.active)
     if point is None:
         return None
-    point = settled(point, ROUNDS, little(base.misfit - best.point.misfit), base.misfit)
+    point = settled(point, little(base.misfit - best.point.misfit), base.misfit)
     better = base.misfit - point.misfit > HOLLOW * found.unit
-    return settled(point, ROUNDS) if better else None
+    return settled(point) if better else None
 
 
 def _rebased(found: Found, base: Point) -> Found:
@@ -154,7 +154,7 @@ def _rebased(found: Found, base: Point) -> Found:
 
 def _whole(base: Point, trial: Trial, unit: float) -> Trial:
     """The trial with its fit gone on to its end: what it tells of parameters is for the user."""
-    return priced(base, replace(trial, point=settled(trial.point, ROUNDS)), unit)
+    return priced(base, replace(trial, point=settled(trial.point)), unit)
 
 
 def priced(base: Point, trial: Trial, unit: float) -> Trial:

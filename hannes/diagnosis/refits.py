@@ -10,7 +10,6 @@ from hannes.diagnosis.model import TICKED
 from hannes.diagnosis.point import Point, grounded
 from hannes.diagnosis.screen import Guess, amplitude_names
 
-ROUNDS = 5  # of slopes anew, at most, until a fit has settled
 SHARES = (1.0, 0.5, 0.2, 0.05)  # of a guess: a start is at the best, where fingers touch none holds
 FINAL = 3  # fits that are had with all slopes anew,
 NEAR = 0.5  # where they gain this share of the most, and of what a name needs
@@ -64,14 +63,14 @@ def _from_both(point: Point, base: Point, given: Point, hoped: float) -> Point:
     The base bends to hide an effect; where fingers touch a fit from there may stay bent. It does
     where it gains less than what was `hoped` for, or where it had far to go.
     """
-    found = settled(point, ROUNDS, little(base.misfit - point.misfit))
+    found = settled(point, little(base.misfit - point.misfit))
     gain = base.misfit - found.misfit
     far = point.misfit - found.misfit > max(ASTRAY, FAR * gain)
     if not far and gain > HELD * hoped:
         return found
     places = np.setdiff1d(point.active, base.active)
     there = placed(grounded(given, point.ground), places, found.x[places])
-    other = found if there is None else settled(there, ROUNDS, little(gain), found.misfit)
+    other = found if there is None else settled(there, little(gain), found.misfit)
     return min(found, other, key=lambda each: each.misfit)
 
 
@@ -102,7 +101,7 @@ def _from_machine(other: Point, point: Point, base: Point, gain: float) -> Point
     there = point.moved(x, np.setdiff1d(point.active, base.active))
     if there is None:
         return point
-    found = settled(there, ROUNDS, little(gain), point.misfit)
+    found = settled(there, little(gain), point.misfit)
     return min(point, found, key=lambda each: each.misfit)
 
 
