@@ -114,7 +114,7 @@ def _where(diagnosis: "Diagnosis") -> Drawn:
         figure, (axes,) = style.panels(1, 0.5 + 0.22 * len(rows))
         axes.barh(names, sizes, color=style.VERMILLION, height=0.6)
         axes.axvline(1.0, **style.MARK)
-        axes.set_xlabel("RMS of what the refitted base leaves, times the floor")
+        axes.set_xlabel("RMS the refitted base leaves, in floors")
         axes.grid(axis="y", visible=False)
         return figure
 
