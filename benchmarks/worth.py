@@ -27,15 +27,20 @@ from hannes.recognition.train import train
 
 HIDDEN = {"leader_slack.length": 4e-3}  # m
 SEED, GRASPS, TRAININGS, REPEATS = 5, 6, 3, 500
-SLACK = '"leader_slack.length" = { uniform = ["0 mm", "3 mm"] }\n'
+DRAWN = (
+    '"leader_slack.length" = { uniform = ["0 mm", "3 mm"] }\n',
+    '"gear_load.coefficient" = { uniform = ["0", "0.1"] }\n',
+)
 
 
 def specification(hand: str, share: float, seed: int) -> str:
-    """The shipped large data set for another hand, a share as large, no slack drawn."""
-    text = find("large").read_text(encoding="utf-8").replace(SLACK, "")
+    """The shipped large data set for another hand, a share as large, no effects drawn."""
+    text = find("large").read_text(encoding="utf-8")
+    for line in DRAWN:
+        text = text.replace(line, "")
     text = text.replace("seed = 1\n", f"seed = {seed}\n")
     text = text.replace('hand = "hannes"', f'hand = "{hand}"')
-    text = text.replace('effects = ["leader_slack"]', "effects = []")
+    text = text.replace('effects = ["leader_slack", "gear_load"]', "effects = []")
     for draws in (3600, 3400, 3000):
         text = text.replace(f"draws = {draws}", f"draws = {int(draws * share)}")
     return text

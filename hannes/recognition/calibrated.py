@@ -30,16 +30,23 @@ class Answers:
 
 def answers(model: Model, known: Grasps) -> Answers:
     """What `model` tells of grasps that it has not learnt from."""
+    peak = model.peak
     return answered(
         known,
         lambda rows, owner: model.rigid(rows),
         lambda rows, owner: model.stiffness.quantiles(rows),
         lambda rows, owner: model.force.quantiles(rows),
+        lambda rows, owner: peak(rows) if peak else np.full(len(rows), np.nan),
     )
 
 
-def answered(known: Grasps, rigid: Told, log_stiffness: Told, log_force: Told) -> Answers:
-    """Answers from what is told of rows of features, and of which grasp each is."""
+def answered(
+    known: Grasps, rigid: Told, log_stiffness: Told, log_force: Told, log_peak: Told
+) -> Answers:
+    """Answers from what is told of rows of features, and of which grasp each is.
+
+    log_peak tells of rows of whole grasps; where that is NaN, or a grasp still held, log_force.
+    """
     there, some = ~np.isnan(known.features[..., 0]), held(known.features)
     windows, logs = np.full(there.shape, np.nan), np.full((*some.shape, 3), np.nan)
     windows[there] = rigid(known.features[there], np.nonzero(there)[0])
@@ -50,6 +57,9 @@ def answered(known: Grasps, rigid: Told, log_stiffness: Told, log_force: Told) -
     peak[found] = [
         grasp_peak(each) for each in log_force(known.features[found, last[found]], found)
     ]
+    free = known.let_go()
+    finer = np.exp(log_peak(known.whole[free], free))
+    peak[free, 0] = np.where(np.isnan(finer), peak[free, 0], finer)
     return Answers(windows, stiffness, peak)
 
 

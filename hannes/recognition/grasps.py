@@ -9,20 +9,29 @@ from hannes.errors import BadInput
 from hannes.recognition.cut import Cut
 from hannes.recognition.features import CHANNELS
 from hannes.recognition.model import HELD, RISE, SINCE
+from hannes.recognition.passages import WHOLE, of_grasp
 
 WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
 
 
 @dataclass(frozen=True)
 class Grasps:
-    """Features (n, windows, features), what is known of each grasp, and its force by window [N]."""
+    """Features (n, windows, features), what is known of each grasp, and its force by window [N].
+
+    whole: features of the grasp as a whole (n, WHOLE), NaN where it is not let go or never felt.
+    """
 
     features: np.ndarray
+    whole: np.ndarray
     force: np.ndarray
     rigid: np.ndarray
     stiffness: np.ndarray
     peak: np.ndarray
     scored: np.ndarray
+
+    def let_go(self) -> np.ndarray:
+        """Which grasps were felt and let go, ascending."""
+        return np.flatnonzero(np.isfinite(self.whole).all(axis=1))
 
     def some(self, which: np.ndarray) -> "Grasps":
         return Grasps(*(each[which] for each in vars(self).values()))
@@ -45,15 +54,26 @@ def grasps(data: DataSet, which: np.ndarray, cut: Cut) -> Grasps:
     rate = 1.0 / float(np.median(np.diff(data.time)))
     if abs(rate / cut.sampling - 1.0) > 1e-6:
         raise BadInput(f"{data.path}: sampled at {rate:g} Hz, expected {cut.sampling:g} Hz")
-    features, force = [], []
+    features, whole, force = [], [], []
     ends = cut.ends(data.time.size) - 1
     for block in data.blocks(rows, (*CHANNELS, "force")):
         features.append(cut.features(block[..., :3]))
+        whole.append(wholes(block[..., :3], features[-1], cut))
         force.append(block[:, ends, 3])
     table = data.table[rows]
     inside = scored(cut.times(data.time.size), cut, table["contact"], table["release"])
     known = (data.rigid[rows], table["object.stiffness"], table["peak_force"], inside)
-    return Grasps(np.concatenate(features), np.concatenate(force), *known)
+    seen = (np.concatenate(features), np.concatenate(whole), np.concatenate(force))
+    return Grasps(*seen, *known)
+
+
+def wholes(samples: np.ndarray, features: np.ndarray, cut: Cut) -> np.ndarray:
+    """Features of whole grasps, shape (n, WHOLE), from their samples and those of their windows."""
+    last = last_held(features)
+    found = np.full((len(last), WHOLE), np.nan)
+    for k in np.flatnonzero(last >= 0):
+        found[k] = of_grasp(samples[k], features[k, last[k]], cut.sampling)
+    return found
 
 
 def held(features: np.ndarray) -> np.ndarray:

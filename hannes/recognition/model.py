@@ -8,6 +8,8 @@ import numpy as np
 from hannes.recognition.cut import Cut
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import Forest
+from hannes.recognition.passages import of_grasp
+from hannes.recognition.smooth import Smooth
 from hannes.recording import Recording
 
 SINCE, RISE = NAMES.index("since"), NAMES.index("rise")
@@ -92,7 +94,9 @@ class Model:
 
     Force is the median over its trees: shape and place of what is held are unknown, and the few
     trees that saw a prism, which gives another force at the same current, do not pull a median.
-    So is stiffness. Intervals go by how far the trees lie apart.
+    So is stiffness. The peak force (log N) is told by `peak` once a grasp is let go, from how it
+    was closed and opened; where there are too few grasps to learn that from (None), or the grasp is
+    still held, by the forest. Intervals go by how far the trees lie apart.
     `sure`: probability from which a class is told; below it the answer is "don't know".
     """
 
@@ -102,6 +106,7 @@ class Model:
     rigid: Forest
     stiffness: Forest
     force: Forest
+    peak: Smooth | None
     calibration: Calibration
     stiffness_band: Band
     force_band: Band
@@ -125,7 +130,7 @@ class Model:
         return Told(
             time, rigid, so_far, np.where(held, np.exp(force[:, 1]), 0.0), touched, held,
             float(so_far[last]) if held.any() else 0.5, self.sure,
-            self._stiffness(rows, held), self._peak(force, held),
+            self._stiffness(rows, held), self._peak(samples, rows, force, held),
         )  # fmt: skip
 
     def _stiffness(self, rows: np.ndarray, held: np.ndarray) -> Estimate | None:
@@ -134,10 +139,15 @@ class Model:
         value, apart = grasp_stiffness(self.stiffness.quantiles(rows[held]))
         return Estimate(value, *self.stiffness_band(value, apart))
 
-    def _peak(self, force: np.ndarray, held: np.ndarray) -> Estimate | None:
+    def _peak(
+        self, samples: np.ndarray, rows: np.ndarray, force: np.ndarray, held: np.ndarray
+    ) -> Estimate | None:
         if not held.any():
             return None
         value, apart = grasp_peak(force[held][-1])
+        whole = of_grasp(samples, rows[held][-1], self.cut.sampling)
+        if self.peak and np.isfinite(whole).all():
+            value = float(np.exp(self.peak(whole[np.newaxis])[0]))
         return Estimate(value, *self.force_band(value, apart))
 
 

@@ -3,6 +3,7 @@
 attributes    schema, trained (text), window [s], hop [s], sampling [Hz], border [N/m], sure [1],
               features
 /rigid, /stiffness, /force    the arrays of a forest (forest.py)
+/peak         those of a curve (smooth.py), where enough grasps were let go to learn one
 /calibration (2, n), /stiffness_band (3, n), /force_band (3, n)
 """
 
@@ -15,13 +16,15 @@ import numpy as np
 
 from hannes import files
 from hannes.errors import BadInput
+from hannes.recognition import smooth
 from hannes.recognition.cut import Cut
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import FIELDS, MOST_NODES, Forest
 from hannes.recognition.model import Band, Calibration, Model
+from hannes.recognition.passages import WHOLE
 from hannes.recording_hdf5 import OWN_FILTERS, set_attribute, text_attribute
 
-SCHEMA = "hannes-recogniser-6"
+SCHEMA = "hannes-recogniser-7"
 FORESTS = ("rigid", "stiffness", "force")
 LARGEST = 100.0  # of the logarithm of an estimate: any real one is far below
 CURVES = {"calibration": 2, "stiffness_band": 3, "force_band": 3}
@@ -45,15 +48,19 @@ def write(path: str | Path, model: Model) -> None:
         for key in NUMBERS:
             file.attrs[key] = float(getattr(model.cut if key in OF_CUT else model, key))
         for name in FORESTS:
-            getattr(model, name).check(len(NAMES))
-            for field, kind in FIELDS.items():
-                array = getattr(getattr(model, name), field).astype(kind)
-                place = f"{name}/{field}"
-                file.create_dataset(place, data=array, compression="gzip", track_times=False)
+            _put(file, name, getattr(model, name).check(len(NAMES)), FIELDS)
+        if model.peak:
+            _put(file, "peak", model.peak.check(WHOLE), smooth.FIELDS)
         for name in CURVES:
             points = np.stack(list(vars(getattr(model, name)).values()))
             file.create_dataset(name, data=points, dtype="<f8", track_times=False)
     files.write_bytes(path, memory.getvalue())
+
+
+def _put(file: Any, name: str, made: Any, fields: dict[str, np.dtype]) -> None:
+    for field, kind in fields.items():
+        array = getattr(made, field).astype(kind)
+        file.create_dataset(f"{name}/{field}", data=array, compression="gzip", track_times=False)
 
 
 def read(path: str | Path) -> Model:
@@ -86,6 +93,9 @@ def _model(file: Any) -> Model:
         raise BadInput("a probability is not between 0 and 1")
     if max(np.abs(forests[name].value).max() for name in ("stiffness", "force")) > LARGEST:
         raise BadInput(f"the logarithm of an estimate is beyond {LARGEST:g}")
+    peak = _curve_of_peak(file).check(WHOLE) if "peak" in file else None
+    if peak and np.abs(peak.ends).max() > LARGEST:
+        raise BadInput(f"the logarithm of a peak force is beyond {LARGEST:g}")
     if not 0.5 <= sure <= 1.0:
         raise BadInput(f"attribute sure = {sure:g}: expected 0.5 to 1")
     return Model(
@@ -93,6 +103,7 @@ def _model(file: Any) -> Model:
         border,
         sure,
         **forests,
+        peak=peak,
         calibration=Calibration(*curves["calibration"]),
         stiffness_band=Band(*curves["stiffness_band"]),
         force_band=Band(*curves["force_band"]),
@@ -115,6 +126,16 @@ def _forest(file: Any, name: str) -> Forest:
         **{
             field: _array(file, f"{name}/{field}", kind, MOST_NODES + 1)
             for field, kind in FIELDS.items()
+        }
+    )
+
+
+def _curve_of_peak(file: Any) -> smooth.Smooth:
+    most = WHOLE * smooth.MOST_POINTS
+    return smooth.Smooth(
+        **{
+            field: _array(file, f"peak/{field}", kind, most, 2 if field == "points" else 1)
+            for field, kind in smooth.FIELDS.items()
         }
     )
 

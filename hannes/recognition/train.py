@@ -14,6 +14,8 @@ from hannes.recognition.calibrated import Answers, answered, answers, calibrated
 from hannes.recognition.cut import Cut
 from hannes.recognition.grasps import Grasps, grasps, held, last_held
 from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, running
+from hannes.recognition.smooth import FEWEST as FEWEST_LET_GO
+from hannes.recognition.smooth import Smooth, learnt
 
 LEAST = 0.5  # N, of the force that is learnt
 EARLIER = 0.03  # share that force is learnt from of the windows before a grasp's last
@@ -82,7 +84,7 @@ def _learnt(
     some = held(known.features).any(axis=1)
     if np.bincount(known.rigid[some].astype(int), minlength=2).min() < 2:
         raise BadInput(f"{data.path}: expected two grasps or more of soft and of rigid objects")
-    made = _grown(known, trees, seed, jobs)
+    made, (peak, of_peak) = _grown(known, trees, seed, jobs), _peak(known, seed)
     none = np.zeros(1)
     model = Model(
         cut,
@@ -91,6 +93,7 @@ def _learnt(
         made.rigid.forest(),
         made.stiffness.forest(),
         made.force.forest(),
+        peak,
         Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0])),
         Band(none, none, none),
         Band(none, none, none),
@@ -101,8 +104,18 @@ def _learnt(
         made.rigid.mean_unseen,
         made.stiffness.quantiles_unseen,
         made.force.quantiles_unseen,
+        lambda rows, owner: of_peak[owner],
     )
     return calibrated(model, known, unseen), unseen
+
+
+def _peak(known: Grasps, seed: int) -> tuple[Smooth | None, np.ndarray]:
+    """The curve of the peak force (log N), and what it tells of each grasp unseen; shape (n,)."""
+    free, unseen = known.let_go(), np.full(known.peak.size, np.nan)
+    if free.size < FEWEST_LET_GO:
+        return None, unseen
+    peak, unseen[free] = learnt(known.whole[free], np.log(known.peak[free]), seed)
+    return peak, unseen
 
 
 def _grown(known: Grasps, trees: int, seed: int, jobs: int | None) -> _Forests:
