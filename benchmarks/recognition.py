@@ -2,14 +2,15 @@
 
 Trained on simulated grasps only (shipped data sets: `large`, which bounds are for, `eighteen`, the
 paper's design, and `seated`, which knows the bench), scored on the ten objects of Fig. 4 as the
-independent truth grasps them: other hands, a gear loss hidden, slack as it was learnt, sensor
-noise. Windows count from contact to release, at 5 % of the peak force. A decision stands in time
-where it is right from 150 ms after contact until release; a grasp that is never felt counts as not
-decided, not told of, and held by no interval. Intervals are 95 % (bootstrap over grasps). How often
-intervals of the peak force hold is asked of ninety objects drawn at random too, a third of them
-prisms: ten objects tell little of that. Beside it: trainings by other seeds, what a diagnosis is
-worth, MuJoCo's rollout, runs killed or short of disk, a cluster, damaged files, a held grasp. What
-is made on the way stays in results/recognition.
+independent truth grasps them: other hands, each with a slack leader and a gear that loses load
+(`large` and `seated` draw both, more widely; `eighteen` knows neither), sensor noise. Windows count
+from contact to release, at 5 % of the peak force. A decision stands in time where it is right from
+150 ms after contact until release; a grasp that is never felt counts as not decided, not told of,
+and held by no interval. Intervals are 95 % (bootstrap over grasps). How often intervals of the peak
+force hold is asked of ninety objects drawn at random too, a third of them prisms: ten objects tell
+little of that. Beside it: trainings by other seeds, what a diagnosis is worth, MuJoCo's rollout,
+runs killed or short of disk, a cluster, damaged files, a held grasp. What is made on the way stays
+in results/recognition.
 """
 
 import json
