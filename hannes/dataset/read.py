@@ -16,6 +16,7 @@ from hannes.recording_hdf5 import OWN_FILTERS, text_attribute
 
 MOST_FIELDS = 2000
 DENSEST = 1100  # times that deflate can shrink anything
+LARGEST = 1e12  # N/m or N: any real one is far below
 BLOCK = 500  # grasps in memory at a time
 NEEDED = ("role", "completed", "contact", "release", "peak_force", "object.stiffness")
 
@@ -84,8 +85,11 @@ def _check(told: DataSet) -> None:
         raise BadInput(f"{told.path}: expected the roles train and test, got {told.roles!r:.60}")
     if not (np.isfinite(told.time).all() and (np.diff(told.time) > 0.0).all()):
         raise BadInput(f"{told.path}: channels/time does not increase")
-    if not np.isfinite(told.table["object.stiffness"]).all():
-        raise BadInput(f"{told.path}: an object's stiffness is no number")
+    stiffness, peak = told.table["object.stiffness"], told.table["peak_force"][told.usable]
+    if not ((stiffness > 0.0) & (stiffness <= LARGEST)).all():
+        raise BadInput(f"{told.path}: an object's stiffness is no number above 0")
+    if not (np.abs(peak) <= LARGEST).all():
+        raise BadInput(f"{told.path}: a peak force is no number")
 
 
 @contextmanager

@@ -121,7 +121,7 @@ def _widened(band: Band, values: np.ndarray) -> Band:
 
 def _band(told: np.ndarray, true: np.ndarray) -> Band:
     """Where the truth lies about what is told, shape (n, 2), from 2.5 to 97.5 %."""
-    found = np.isfinite(told[:, 0])
+    found = np.isfinite(told).all(axis=1)
     estimate, at = told[found].T
     off = np.log(true[found] / estimate)
     bins = min(BINS, max(1, at.size // 40))

@@ -9,7 +9,7 @@ from hannes.errors import BadInput
 from hannes.recognition.cut import Cut
 from hannes.recognition.features import CHANNELS
 from hannes.recognition.model import HELD, RISE, SINCE
-from hannes.recognition.passages import WHOLE, of_grasp
+from hannes.recognition.passages import of_grasp
 
 WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
 
@@ -18,7 +18,7 @@ WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
 class Grasps:
     """Features (n, windows, features), what is known of each grasp, and its force by window [N].
 
-    whole: features of the grasp as a whole (n, WHOLE), NaN where it is not let go or never felt.
+    whole: features of each grasp as a whole, NaN where it is not let go or never felt.
     """
 
     features: np.ndarray
@@ -68,12 +68,9 @@ def grasps(data: DataSet, which: np.ndarray, cut: Cut) -> Grasps:
 
 
 def wholes(samples: np.ndarray, features: np.ndarray, cut: Cut) -> np.ndarray:
-    """Features of whole grasps, shape (n, WHOLE), from their samples and those of their windows."""
+    """Features of whole grasps, as in `of_grasp`, from their samples and those of their windows."""
     last = last_held(features)
-    found = np.full((len(last), WHOLE), np.nan)
-    for k in np.flatnonzero(last >= 0):
-        found[k] = of_grasp(samples[k], features[k, last[k]], cut.sampling)
-    return found
+    return np.array([of_grasp(*each, cut) for each in zip(samples, features, last, strict=True)])
 
 
 def held(features: np.ndarray) -> np.ndarray:

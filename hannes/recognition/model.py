@@ -8,8 +8,8 @@ import numpy as np
 from hannes.recognition.cut import Cut
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import Forest
+from hannes.recognition.gaussian_process import ProcessMean
 from hannes.recognition.passages import of_grasp
-from hannes.recognition.smooth import Smooth
 from hannes.recording import Recording
 
 SINCE, RISE = NAMES.index("since"), NAMES.index("rise")
@@ -96,7 +96,8 @@ class Model:
     trees that saw a prism, which gives another force at the same current, do not pull a median.
     So is stiffness. The peak force (log N) is told by `peak` once a grasp is let go, from how it
     was closed and opened; where there are too few grasps to learn that from (None), or the grasp is
-    still held, by the forest. Intervals go by how far the trees lie apart.
+    still held, by the forest. Intervals go by how far the trees lie apart; that of a grasp still
+    held is as wide as if it had been let go, which nothing calibrates.
     `sure`: probability from which a class is told; below it the answer is "don't know".
     """
 
@@ -106,7 +107,7 @@ class Model:
     rigid: Forest
     stiffness: Forest
     force: Forest
-    peak: Smooth | None
+    peak: ProcessMean | None
     calibration: Calibration
     stiffness_band: Band
     force_band: Band
@@ -144,8 +145,9 @@ class Model:
     ) -> Estimate | None:
         if not held.any():
             return None
-        value, apart = grasp_peak(force[held][-1])
-        whole = of_grasp(samples, rows[held][-1], self.cut.sampling)
+        last = int(np.flatnonzero(held)[-1])
+        value, apart = grasp_peak(force[last])
+        whole = of_grasp(samples, rows, last, self.cut)
         if self.peak and np.isfinite(whole).all():
             value = float(np.exp(self.peak(whole[np.newaxis])[0]))
         return Estimate(value, *self.force_band(value, apart))

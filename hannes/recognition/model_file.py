@@ -1,9 +1,9 @@
 """A model as a file: plain HDF5 arrays. Nothing in it is ever executed; all of it is checked.
 
 attributes    schema, trained (text), window [s], hop [s], sampling [Hz], border [N/m], sure [1],
-              features
+              features (of a window, then of a grasp), peak ("let go", or "held": see Model)
 /rigid, /stiffness, /force    the arrays of a forest (forest.py)
-/peak         those of a curve (smooth.py), where enough grasps were let go to learn one
+/peak         those of gaussian_process.py, if `peak` says so: enough grasps were let go to learn
 /calibration (2, n), /stiffness_band (3, n), /force_band (3, n)
 """
 
@@ -16,15 +16,18 @@ import numpy as np
 
 from hannes import files
 from hannes.errors import BadInput
-from hannes.recognition import smooth
+from hannes.recognition import gaussian_process
 from hannes.recognition.cut import Cut
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import FIELDS, MOST_NODES, Forest
+from hannes.recognition.gaussian_process import MOST_POINTS as MOST_PROCESS_POINTS
+from hannes.recognition.gaussian_process import ProcessMean
 from hannes.recognition.model import Band, Calibration, Model
 from hannes.recognition.passages import WHOLE
 from hannes.recording_hdf5 import OWN_FILTERS, set_attribute, text_attribute
 
 SCHEMA = "hannes-recogniser-7"
+LET_GO, STILL_HELD = "let go", "held"
 FORESTS = ("rigid", "stiffness", "force")
 LARGEST = 100.0  # of the logarithm of an estimate: any real one is far below
 CURVES = {"calibration": 2, "stiffness_band": 3, "force_band": 3}
@@ -42,18 +45,21 @@ def write(path: str | Path, model: Model) -> None:
 
     memory = io.BytesIO()
     with h5py.File(memory, "w", libver=("v108", "v110")) as file:
-        texts = {"schema": SCHEMA, "trained": model.trained, "features": json.dumps(NAMES)}
+        texts = {"schema": SCHEMA, "trained": model.trained, "features": json.dumps(WHOLE)}
+        texts["peak"] = LET_GO if model.peak else STILL_HELD
         for key, text in texts.items():
             set_attribute(file, key, text)
         for key in NUMBERS:
             file.attrs[key] = float(getattr(model.cut if key in OF_CUT else model, key))
         for name in FORESTS:
-            _put(file, name, getattr(model, name).check(len(NAMES)), FIELDS)
+            _put(file, name, getattr(model, name), FIELDS)
         if model.peak:
-            _put(file, "peak", model.peak.check(WHOLE), smooth.FIELDS)
+            _put(file, "peak", model.peak, gaussian_process.FIELDS)
         for name in CURVES:
             points = np.stack(list(vars(getattr(model, name)).values()))
             file.create_dataset(name, data=points, dtype="<f8", track_times=False)
+    with h5py.File(io.BytesIO(memory.getvalue()), "r") as file:
+        _model(file)
     files.write_bytes(path, memory.getvalue())
 
 
@@ -84,7 +90,7 @@ def read(path: str | Path) -> Model:
 def _model(file: Any) -> Model:
     if (schema := text_attribute(file, "schema")) != SCHEMA:
         raise BadInput(f"its schema is {schema!r:.60}, expected {SCHEMA!r}")
-    if json.loads(text_attribute(file, "features")) != list(NAMES):
+    if json.loads(text_attribute(file, "features")) != list(WHOLE):
         raise BadInput("it was trained on other features than this version makes; train it anew")
     window, hop, sampling, border, sure = (_number(file, key) for key in NUMBERS)
     forests = {name: _forest(file, name).check(len(NAMES)) for name in FORESTS}
@@ -93,7 +99,7 @@ def _model(file: Any) -> Model:
         raise BadInput("a probability is not between 0 and 1")
     if max(np.abs(forests[name].value).max() for name in ("stiffness", "force")) > LARGEST:
         raise BadInput(f"the logarithm of an estimate is beyond {LARGEST:g}")
-    peak = _curve_of_peak(file).check(WHOLE) if "peak" in file else None
+    peak = _process(file).check(len(WHOLE)) if _let_go(file) else None
     if peak and np.abs(peak.ends).max() > LARGEST:
         raise BadInput(f"the logarithm of a peak force is beyond {LARGEST:g}")
     if not 0.5 <= sure <= 1.0:
@@ -130,12 +136,18 @@ def _forest(file: Any, name: str) -> Forest:
     )
 
 
-def _curve_of_peak(file: Any) -> smooth.Smooth:
-    most = WHOLE * smooth.MOST_POINTS
-    return smooth.Smooth(
+def _let_go(file: Any) -> bool:
+    if (how := text_attribute(file, "peak")) not in (LET_GO, STILL_HELD):
+        raise BadInput(f"attribute peak = {how!r:.60}: expected {LET_GO!r} or {STILL_HELD!r}")
+    return how == LET_GO
+
+
+def _process(file: Any) -> ProcessMean:
+    most = len(WHOLE) * MOST_PROCESS_POINTS
+    return ProcessMean(
         **{
             field: _array(file, f"peak/{field}", kind, most, 2 if field == "points" else 1)
-            for field, kind in smooth.FIELDS.items()
+            for field, kind in gaussian_process.FIELDS.items()
         }
     )
 

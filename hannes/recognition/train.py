@@ -12,14 +12,14 @@ from hannes.errors import BadInput
 from hannes.recognition.bagging import Bagged, Rows, bagged
 from hannes.recognition.calibrated import Answers, answered, answers, calibrated
 from hannes.recognition.cut import Cut
+from hannes.recognition.gaussian_process import FEWEST as FEWEST_LET_GO
+from hannes.recognition.gaussian_process import ProcessMean, learnt
 from hannes.recognition.grasps import Grasps, grasps, held, last_held
 from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, running
-from hannes.recognition.smooth import FEWEST as FEWEST_LET_GO
-from hannes.recognition.smooth import Smooth, learnt
 
 LEAST = 0.5  # N, of the force that is learnt
 EARLIER = 0.03  # share that force is learnt from of the windows before a grasp's last
-LAST = 30.0  # weight of that last, from which the peak is told: many times all earlier ones
+LAST = 30.0  # weight of that last: many times all earlier ones
 FEWEST = 30  # grasps of a learning curve
 FEW = 5000  # windows: with fewer each tree learns from all that its grasps have
 
@@ -109,8 +109,8 @@ def _learnt(
     return calibrated(model, known, unseen), unseen
 
 
-def _peak(known: Grasps, seed: int) -> tuple[Smooth | None, np.ndarray]:
-    """The curve of the peak force (log N), and what it tells of each grasp unseen; shape (n,)."""
+def _peak(known: Grasps, seed: int) -> tuple[ProcessMean | None, np.ndarray]:
+    """What tells the peak force (log N), and what is told of each grasp unseen; shape (n,)."""
     free, unseen = known.let_go(), np.full(known.peak.size, np.nan)
     if free.size < FEWEST_LET_GO:
         return None, unseen
@@ -150,7 +150,9 @@ def _weight_of_force(known: Grasps, pressed: np.ndarray, seed: int) -> np.ndarra
     """Weights of windows where force is learnt, 0 where it is not; shape (grasps, windows).
 
     How a hand lets go tells more of the peak than the moment of the peak does, hence the weight of
-    the last window; the earlier ones are for a grasp that is still held where its recording ends.
+    the last window: how far its trees lie apart says how wide the peak's interval is, and where
+    grasps are few they tell the peak itself. The earlier ones are for a grasp that is still held
+    where its recording ends.
     """
     drawn = np.random.default_rng(seed).random(pressed.shape) < EARLIER
     weight = (pressed & drawn).astype(float)

@@ -1,0 +1,118 @@
+"""Gaussian processes that learnt the peak force: their mean, as plain arrays.
+
+Trees tell of a grasp what a few of those that were learnt had. A force that rises smoothly with a
+current is told more finely by all of them together, each the more the more alike it is.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from hannes.errors import BadInput
+
+CLIP = 3.0  # scales from the centre: what lies further out is taken to lie there
+CONSTANT = 1e-5  # of a feature's size: what varies by less is rounding, and tells nothing
+NOISE = 0.02  # of the variance of what is learnt, and not told by the features
+FEWEST, MOST = 50, 9000  # grasps to learn from; the most take 2 GB of memory and half a minute
+FOLDS = 3
+MOST_POINTS = 100_000
+SMALLEST, LARGEST = 1e-9, 1e9  # of values in a model, which any real one stays far within
+
+
+@dataclass(frozen=True)
+class ProcessMean:
+    """Mean over FOLDS Gaussian processes of one covariance, each learnt from the others' rows.
+
+    `points` (n, features) are features less `centre`, over `scale`; two of them d apart have
+    covariance 1 / (1 + d^2 / (2 length^2)), rational quadratic (Rasmussen and Williams 2006,
+    equation 4.19, exponent 1), times the `weight` (n,) of one. `mean` is of what was learnt, and
+    nothing is told beyond `ends`, the least and the most of it.
+    """
+
+    centre: np.ndarray
+    scale: np.ndarray
+    points: np.ndarray
+    weight: np.ndarray
+    length: np.ndarray
+    mean: np.ndarray
+    ends: np.ndarray
+
+    def __call__(self, rows: np.ndarray) -> np.ndarray:
+        """What is told of rows of features (m, features), shape (m,)."""
+        told = [self._of(point) for point in standard(rows, self.centre, self.scale)]
+        return np.clip(np.array(told), *self.ends)
+
+    def _of(self, point: np.ndarray) -> float:
+        away = np.square(self.points - point).sum(axis=1, dtype=float)
+        covariance = 1.0 / (1.0 + away / (2.0 * self.length**2))
+        return float(self.mean[0] + self.weight @ covariance)
+
+    def check(self, features: int) -> "ProcessMean":
+        """Return itself where shapes fit and values can be reckoned with; BadInput otherwise."""
+        for name, shape in self._shapes(features).items():
+            values = getattr(self, name)
+            if values.shape != shape:
+                raise BadInput(f"peak/{name}: shape {values.shape}, expected {shape}")
+            if not (np.abs(values) <= LARGEST).all():
+                raise BadInput(f"peak/{name}: a value is not finite, or beyond {LARGEST:g}")
+        if min(self.scale.min(), self.length[0]) < SMALLEST or self.ends[0] > self.ends[1]:
+            raise BadInput("peak: scale, length or ends are out of order")
+        return self
+
+    def _shapes(self, features: int) -> dict[str, tuple[int, ...]]:
+        one, points = (features,), (self.weight.size, features)
+        shapes = {"centre": one, "scale": one, "points": points, "weight": points[:1]}
+        return shapes | {"length": (1,), "mean": (1,), "ends": (2,)}
+
+
+FIELDS = {
+    each.name: np.dtype("<f4" if each.name == "points" else "<f8") for each in fields(ProcessMean)
+}
+
+
+def standard(rows: np.ndarray, centre: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Rows as points, float32."""
+    return np.clip((rows - centre) / scale, -CLIP, CLIP).astype(np.float32)
+
+
+def learnt(rows: np.ndarray, target: np.ndarray, seed: int) -> tuple[ProcessMean, np.ndarray]:
+    """The mean of processes that learnt targets (n,) of rows (n, features).
+
+    Beside it what is told of each row by the process that has not learnt from it, shape (n,). Of
+    more than MOST rows, those beyond are told of by all and learnt from by none. The same rows give
+    the same values for any number of threads.
+    """
+    from threadpoolctl import threadpool_limits
+
+    centre, scale = np.median(rows, axis=0), rows.std(axis=0)
+    scale[scale <= CONSTANT * np.abs(rows).max(axis=0)] = LARGEST
+    some = np.random.default_rng(seed).permutation(target.size)[:MOST]
+    points, unseen = standard(rows[some], centre, scale), np.empty(target.size)
+    length = float(np.sqrt(points.var(axis=0, dtype=float).sum())) or 1.0
+    with threadpool_limits(1):  # sums of many threads end on other bits
+        weight, mean, unseen[some] = _crossed(points, target[some], length)
+    ends = np.array([target.min(), target.max()])
+    one = (np.array([length]), np.array([mean]))
+    made = ProcessMean(centre, scale, points, weight, *one, ends)
+    rest = np.setdiff1d(np.arange(target.size), some)
+    unseen[rest] = made(rows[rest])
+    return made, unseen
+
+
+def _crossed(
+    points: np.ndarray, target: np.ndarray, length: float
+) -> tuple[np.ndarray, float, np.ndarray]:
+    """Mean weights and mean of the folds' processes, and what each tells of its own fold."""
+    from sklearn.gaussian_process import GaussianProcessRegressor
+    from sklearn.gaussian_process.kernels import RationalQuadratic
+    from sklearn.model_selection import KFold
+
+    covariance = RationalQuadratic(length, alpha=1.0)
+    process = GaussianProcessRegressor(covariance, alpha=NOISE, optimizer=None, normalize_y=True)
+    weight, mean, unseen = np.zeros(target.size), 0.0, np.empty(target.size)
+    for others, part in KFold(FOLDS).split(points):
+        process.fit(points[others], target[others])
+        unseen[part] = process.predict(points[part])
+        weight[others] += process.alpha_ * target[others].std() / FOLDS
+        mean += target[others].mean() / FOLDS
+    return weight, mean, unseen
