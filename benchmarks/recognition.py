@@ -7,10 +7,10 @@ independent truth grasps them: other hands, each with a slack leader and a gear 
 from contact to release, at 5 % of the peak force. A decision stands in time where it is right from
 150 ms after contact until release; a grasp that is never felt counts as not decided, not told of,
 and held by no interval. Intervals are 95 % (bootstrap over grasps). How often intervals of the peak
-force hold is asked of ninety objects drawn at random too, a third of them prisms: ten objects tell
-little of that. Beside it: trainings by other seeds, what a diagnosis is worth, MuJoCo's rollout,
-runs killed or short of disk, a cluster, damaged files, a held grasp. What is made on the way stays
-in results/recognition.
+force hold is asked of ninety objects drawn at random too, a third of them prisms: 117 grasps of ten
+objects do not tell 98 from 100 % apart. Beside it: trainings by other seeds, what a diagnosis is
+worth, MuJoCo's rollout, runs killed or short of disk, a cluster, damaged files, a held grasp. What
+is made on the way stays in results/recognition.
 """
 
 import json
@@ -52,6 +52,7 @@ STRANGERS, FEWER, OTHER = 90, 4, 4052  # objects drawn at random, grasps of each
 SETS = ("eighteen", "large", "seated")
 SECONDS, MEMORY = 60.0, 1024.0  # of work for 10,000 grasps; MiB
 REPEATS = 500  # bootstrap
+HOLDS = (90.0, 98.0)  # %, of 95 % intervals
 DRIFT = 2.0  # %, of a held grasp's force in ten seconds
 
 
@@ -220,22 +221,23 @@ def bounds(told: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) ->
         above("F1 per window from contact on, worst object, %",
               100 * told["from_contact"]["f1_worst"], 85),
         must_show("peak force, median error, %", error, 5, error <= 5) | errors(force),
-        *held_between("its 95 % interval holds", force),
-        *held_between("its 95 % interval holds, objects drawn", drawn),
+        between("its 95 % interval holds", [force]),
+        between("its 95 % interval holds, objects drawn", [drawn]),
+        between("its 95 % interval holds, both, where it is told", [force, drawn], "told"),
         must_show("10,000 grasps, processor seconds over two cores", cost["processor_s"] / 2,
                   SECONDS, cost["processor_s"] / 2 <= SECONDS),
         must_show("memory of it and its workers, MiB", taken, MEMORY, taken < MEMORY),
     ]  # fmt: skip
 
 
-def held_between(name: str, found: dict[str, Any]) -> list[Row]:
-    """That intervals hold often enough: of all grasps; and not too often: of those told of."""
-    of_all = 100 * found["interval_holds"]
-    of_told = of_all * found["grasps"] / found["told"]
-    return [
-        must_show(f"{name}, of all {found['grasps']} grasps, %", of_all, 90, of_all >= 90),
-        must_show(f"{name}, of {found['told']} told of, % at most", of_told, 98, of_told <= 98),
-    ]
+def between(name: str, found: Sequence[dict[str, Any]], of: str = "grasps") -> Row:
+    """That intervals hold neither too seldom nor too often: of all grasps, or of those told of."""
+    held = sum(each["interval_holds"] * each["grasps"] for each in found)
+    count = sum(each[of] for each in found)
+    share = 100 * held / count
+    least, most = HOLDS
+    ok = least <= share <= most
+    return must_show(f"{name}, of {count} grasps, % (at most {most:g})", share, least, ok)
 
 
 def recognised(quick: bool) -> tuple[list[Row], list[Row]]:
