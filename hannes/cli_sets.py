@@ -145,7 +145,7 @@ def _train(chosen: argparse.Namespace) -> None:
         return
     print(f"learnt from {told['grasps']} grasps of {told['title']}")
     for key, words in (
-        ("unseen_scores", "grasps, each told by trees that had not seen it"),
+        ("unseen_scores", "grasps, each told by what had not seen it"),
         ("test_scores", "held-back grasps"),
     ):
         if found := told.get(key):

@@ -74,11 +74,13 @@ def bagged(
     is the classifier that splits by Gini's impurity, which is twice their variance.
     """
     from joblib import Parallel, delayed
+    from tqdm import tqdm
 
     seeds = np.random.SeedSequence(seed).spawn(trees)
-    found = Parallel(n_jobs=jobs, prefer="threads")(
+    growing = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")(
         delayed(_grown)(rows, grasps, thin, each, how) for each in seeds
     )
+    found = list(tqdm(growing, "growing trees", trees, delay=2.0, leave=False, disable=None))
     return Bagged([tree for tree, _ in found], np.array([seen for _, seen in found]))
 
 

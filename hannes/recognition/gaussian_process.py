@@ -106,11 +106,15 @@ def _crossed(
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RationalQuadratic
     from sklearn.model_selection import KFold
+    from tqdm import tqdm
 
     covariance = RationalQuadratic(length, alpha=1.0)
     process = GaussianProcessRegressor(covariance, alpha=NOISE, optimizer=None, normalize_y=True)
     weight, mean, unseen = np.zeros(target.size), 0.0, np.empty(target.size)
-    for others, part in KFold(FOLDS).split(points):
+    folds = KFold(FOLDS).split(points)
+    for others, part in tqdm(
+        folds, "Gaussian processes", FOLDS, delay=2.0, leave=False, disable=None
+    ):
         process.fit(points[others], target[others])
         unseen[part] = process.predict(points[part])
         weight[others] += process.alpha_ * target[others].std() / FOLDS

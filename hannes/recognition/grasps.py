@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from tqdm import tqdm
 
-from hannes.dataset.read import DataSet
+from hannes.dataset.read import BLOCK, DataSet
 from hannes.errors import BadInput
 from hannes.recognition.cut import Cut
 from hannes.recognition.features import CHANNELS
@@ -56,7 +57,8 @@ def grasps(data: DataSet, which: np.ndarray, cut: Cut) -> Grasps:
         raise BadInput(f"{data.path}: sampled at {rate:g} Hz, expected {cut.sampling:g} Hz")
     features, whole, force = [], [], []
     ends = cut.ends(data.time.size) - 1
-    for block in data.blocks(rows, (*CHANNELS, "force")):
+    blocks, count = data.blocks(rows, (*CHANNELS, "force")), -(-rows.size // BLOCK)
+    for block in tqdm(blocks, "reading grasps", count, delay=2.0, leave=False, disable=None):
         features.append(cut.features(block[..., :3]))
         whole.append(wholes(block[..., :3], features[-1], cut))
         force.append(block[:, ends, 3])

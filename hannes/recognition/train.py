@@ -33,12 +33,12 @@ def train(
     jobs: int | None = -1,
     most: int | None = None,
 ) -> tuple[Model, dict[str, Any]]:
-    """Learn from a data set; the model, and what its trees are worth on grasps unseen.
+    """Learn from a data set; the model, and what its parts are worth on grasps unseen.
 
-    Those grasps calibrate it too: probabilities and intervals are of what trees tell of grasps that
-    they have not learnt from. `most` grasps are learnt from where that is given. Grasps of the role
-    "test" are only reported on. Raises BadInput where the file is no data set, or has too few
-    grasps of a class.
+    Those grasps calibrate it too: probabilities and intervals are of what is told of grasps by
+    trees and processes that have not learnt from them. `most` grasps are learnt from where that is
+    given. Grasps of the role "test" are only reported on. Raises BadInput where the file is no data
+    set, or has too few grasps of a class.
     """
     data, cut = read(path), cut or Cut()
     known = grasps(data, data.role("train"), cut)
@@ -80,7 +80,7 @@ class _Forests:
 def _learnt(
     known: Grasps, data: DataSet, cut: Cut, trees: int, seed: int, jobs: int | None
 ) -> tuple[Model, Answers]:
-    """A calibrated model, and what was told of each grasp by trees that had not seen it."""
+    """A calibrated model, and what was told of each grasp by what had not seen it."""
     some = held(known.features).any(axis=1)
     if np.bincount(known.rigid[some].astype(int), minlength=2).min() < 2:
         raise BadInput(f"{data.path}: expected two grasps or more of soft and of rigid objects")
