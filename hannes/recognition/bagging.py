@@ -59,8 +59,12 @@ class Bagged:
     def _unseen(
         self, rows: np.ndarray, owner: np.ndarray
     ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        from tqdm import tqdm
+
         rows = np.ascontiguousarray(rows, np.float32)
-        for tree, seen in zip(self.trees, self.seen, strict=True):
+        every, count = zip(self.trees, self.seen, strict=True), len(self.trees)
+        bar = tqdm(every, "judging trees", count, delay=2.0, leave=False, disable=None)
+        for tree, seen in bar:
             apart = ~seen[owner]
             yield apart, tree.predict(rows[apart]) if apart.any() else np.zeros(0)
 
