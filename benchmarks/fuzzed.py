@@ -12,14 +12,18 @@ from hannes.dataset.read import read
 from hannes.errors import BadInput
 from hannes.recognition import model_file
 from hannes.recognition.features import CHANNELS, NAMES
+from hannes.recognition.passages import WHOLE
 
 BYTES = 6  # changed in a file
 Use = Callable[[Path], Any]
 
 
 def told(path: Path) -> None:
-    """Ask a model about windows."""
-    model_file.read(path).windows(np.zeros((3, len(NAMES))))
+    """Ask a model about windows, and about the peak of a grasp."""
+    model = model_file.read(path)
+    model.windows(np.zeros((3, len(NAMES))))
+    if model.peak:
+        model.peak(np.zeros((1, len(WHOLE))))
 
 
 def learnt(path: Path) -> None:

@@ -223,7 +223,9 @@ def bounds(told: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) ->
         must_show("peak force, median error, %", error, 5, error <= 5) | errors(force),
         between("its 95 % interval holds", [force]),
         between("its 95 % interval holds, objects drawn", [drawn]),
-        between("its 95 % interval holds, both, where it is told", [force, drawn], "told"),
+        *(between(f"its 95 % interval holds{which}, where it is told", found, "told")
+          for which, found in (("", [force]), (", objects drawn", [drawn]),
+                               (", both", [force, drawn]))),
         must_show("10,000 grasps, processor seconds over two cores", cost["processor_s"] / 2,
                   SECONDS, cost["processor_s"] / 2 <= SECONDS),
         must_show("memory of it and its workers, MiB", taken, MEMORY, taken < MEMORY),
@@ -273,10 +275,11 @@ def again(quick: bool) -> tuple[list[Row], list[Row]]:
 
 
 def damaged(quick: bool) -> tuple[list[Row], list[Row]]:
-    """Damage the files of the paper's design."""
+    """Damage the paper's design, and a model that has all parts: a hundred grasps are enough."""
     build("eighteen")
-    model_file.write(OUT / "eighteen-model.h5", train(OUT / "eighteen.h5", trees=20)[0])
-    return fuzzed.measure(quick, OUT / "eighteen-model.h5", OUT / "eighteen.h5")
+    build("large", 0.01)
+    model_file.write(OUT / "part-model.h5", train(OUT / "large-part.h5", trees=20)[0])
+    return fuzzed.measure(quick, OUT / "part-model.h5", OUT / "eighteen.h5")
 
 
 PARTS = {

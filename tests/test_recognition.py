@@ -9,27 +9,18 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from sklearn.ensemble import RandomForestRegressor
-from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import RationalQuadratic
 from sklearn.model_selection import GridSearchCV
 from sklearn.pipeline import Pipeline
-from sklearn.tree import DecisionTreeClassifier
-from threadpoolctl import threadpool_limits
 
 from hannes.cli import main
 from hannes.dataset.make import make
 from hannes.dataset.read import read
 from hannes.dataset.spec import read_spec
 from hannes.errors import BadInput
-from hannes.recognition import gaussian_process, model_file, passages
-from hannes.recognition.bagging import Rows, bagged
+from hannes.recognition import model_file, passages
 from hannes.recognition.cut import Cut
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
 from hannes.recognition.features import CHANNELS, NAMES
-from hannes.recognition.forest import QUANTILES, of_sklearn
-from hannes.recognition.grasps import wholes
-from hannes.recognition.passages import of_grasp
 from hannes.recognition.train import train
 from hannes.recording import Recording
 
@@ -133,48 +124,6 @@ def test_a_recording_of_another_sampling_is_understood(arrays, trained):
     assert np.array_equal(model.tell(late).rigid, model.tell(fine).rigid)
 
 
-def test_compiled_trees_equal_those_of_scikit_learn():
-    rng = np.random.default_rng(0)
-    rows = rng.standard_normal((3000, 6)).astype(np.float32)
-    line = RandomForestRegressor(21, random_state=1).fit(rows[:2000], rows[:2000, 3])
-    forest = of_sklearn(line.estimators_).check(6)
-    assert np.allclose(forest(rows), line.predict(rows), rtol=0.0, atol=1e-12)
-    by_tree = np.array([each.predict(rows) for each in line.estimators_])
-    quantiles = np.quantile(by_tree, QUANTILES, axis=0).T
-    assert np.allclose(forest.quantiles(rows), quantiles, rtol=0.0, atol=1e-12)
-
-
-def test_trees_of_classes_split_as_scikit_learns_classifier_does():
-    rng = np.random.default_rng(0)
-    features = rng.standard_normal((60, 50, 6)).astype(np.float32)
-    classes = (features[:, 0, 0] > 0.0).astype(int)
-    rows, owner = features.reshape(-1, 6), np.repeat(np.arange(60), 50)
-    known = Rows(rows, classes[owner].astype(float), np.ones(3000), owner)
-    bag = bagged(known, 60, 8, 1.0, 3, 1, max_depth=4)
-    for tree, seen in zip(bag.trees, bag.seen, strict=True):
-        assert seen.sum() == round(0.632 * 60)
-        again = DecisionTreeClassifier(max_depth=4, random_state=tree.random_state)
-        again.fit(features[seen].reshape(-1, 6), np.repeat(classes[seen], 50))
-        assert np.allclose(tree.predict(rows), again.predict_proba(rows)[:, 1], atol=1e-9)
-
-
-def test_what_is_told_unseen_is_told_by_trees_that_have_not_seen_the_grasp():
-    rng = np.random.default_rng(0)
-    features = rng.standard_normal((40, 3)).astype(np.float32)
-    rows = Rows(features, rng.standard_normal(40), np.ones(40), np.repeat(np.arange(20), 2))
-    bag = bagged(rows, 20, 30, 1.0, 1, 1)
-    told, owner = bag.mean_unseen(features, rows.owner), rows.owner
-    middle = bag.quantiles_unseen(features, owner)
-    for k in range(40):
-        others = [t for t, seen in zip(bag.trees, bag.seen, strict=True) if not seen[owner[k]]]
-        values = [t.predict(features[k : k + 1])[0] for t in others]
-        assert 0 < len(values) < 30 and told[k] == pytest.approx(np.mean(values))
-        assert middle[k] == pytest.approx(np.quantile(values, QUANTILES))
-    seen = np.mean([t.predict(features) for t in bag.trees], axis=0)
-    miss, honest = (np.abs(each - rows.target).mean() for each in (seen, told))
-    assert miss < 0.5 * honest  # trees grown to single samples know what they have seen
-
-
 def test_the_peak_of_a_grasp_still_held_is_told_by_the_median_over_trees(arrays, trained):
     model, grasp = trained[0], seen_until(recording(arrays, 11), 640)
     told = model.tell(grasp)
@@ -195,38 +144,6 @@ def test_the_peak_of_a_grasp_let_go_is_told_by_how_it_was_closed_and_opened(arra
     assert np.median(off[True]) < 0.8 * np.median(off[False]) < 0.02
 
 
-def grasp_of_a_spring(closing, opening, lead=0.1):
-    """A shaft that goes to 9 rad and back, with 0.2 A of friction and 0.5 A/rad from 7 rad on."""
-    time = np.arange(int(1000 * (lead + 9.0 / closing + 9.0 / opening))) / 1000.0 - lead
-    turn = 9.0 / closing
-    position = np.interp(time, [0.0, turn, turn + 9.0 / opening], [0.0, 9.0, 0.0])
-    current = 0.5 * np.maximum(position - 7.0, 0.0) + np.where(time < turn, 0.2, -0.2)
-    return np.stack([current, position, position], axis=1)
-
-
-@pytest.mark.parametrize(("closing", "opening"), [(3.0, 3.0), (15.0, 25.0)])
-def test_passages_are_of_the_same_angles_both_ways(closing, opening):
-    samples, cut = grasp_of_a_spring(closing, opening), Cut()
-    windows = cut.features(samples[np.newaxis])
-    (found,) = wholes(samples[np.newaxis], windows, cut)
-    told = dict(zip(passages.WHOLE, found, strict=True))
-    step = 0.5 * opening * 1e-3  # A, of one sample
-    assert told["farthest"] == pytest.approx(9.0, abs=2.0 * step)
-    assert told["squeeze"] == pytest.approx(2.0, abs=0.3)
-    assert told["farthest_since"] == pytest.approx(told["squeeze"] / closing, abs=0.03)
-    for short in passages.SHORT:
-        if short < 0.005 * opening:  # the mean over 10 ms reaches across the turn
-            continue
-        spring, name = 0.5 * (2.0 - short), f"{1e3 * short:.0f}_mrad"
-        going = told[f"closing_{name}"] + told["free_current"]
-        assert going == pytest.approx(spring + 0.2, abs=2.0 * step)
-        assert told[f"opening_{name}"] == pytest.approx(spring - 0.2, abs=2.0 * step)
-    assert np.isnan(of_grasp(samples, windows[0], -1, cut)).all()  # never felt
-    end = int(100 + 9000 / closing + 400 / opening)  # back by 0.4 rad, and still held
-    part = cut.features(samples[np.newaxis, :end])
-    assert np.isnan(wholes(samples[np.newaxis, :end], part, cut)).all()
-
-
 def test_the_peak_does_not_depend_on_how_long_the_hand_stood_still_before(arrays, trained):
     model = trained[0]
     for k in range(80, 100):
@@ -235,60 +152,6 @@ def test_the_peak_does_not_depend_on_how_long_the_hand_stood_still_before(arrays
         channels["time"] = np.arange(grasp.time.size + 300) / 1000.0
         late = model.tell(Recording(channels, grasp.units)).peak_force.value
         assert late == pytest.approx(model.tell(grasp).peak_force.value, rel=0.01)
-
-
-def test_the_mean_is_that_of_scikit_learns_gaussian_processes():
-    rng = np.random.default_rng(3)
-    rows = rng.standard_normal((120, 4)) * [1.0, 10.0, 0.1, 1e-7] + [0.0, 0.0, 0.0, 5.0]
-    target = np.sin(rows[:, 0]) + 0.05 * rows[:, 1]
-    made, unseen = gaussian_process.learnt(rows, target, seed=1)
-    points = gaussian_process.standard(rows, made.centre, made.scale)
-    order = np.random.default_rng(1).permutation(120)
-    told = np.zeros(120)
-    for part in (order[:40], order[40:80], order[80:]):
-        others = order[~np.isin(order, part)]
-        process = GaussianProcessRegressor(
-            RationalQuadratic(made.length[0], alpha=1.0),
-            alpha=gaussian_process.NOISE,
-            optimizer=None,
-            normalize_y=True,
-        ).fit(points[others], target[others])
-        assert unseen[part] == pytest.approx(process.predict(points[part]), abs=1e-6)
-        told += process.predict(points) / 3.0
-    inside = (told > target.min()) & (told < target.max())
-    assert made(rows)[inside] == pytest.approx(told[inside], abs=1e-5)
-    assert np.abs(unseen - target).mean() < 0.15
-    rounded = rows + np.array([0.0, 0.0, 0.0, 1e-6])  # ten times its spread: rounding is no feature
-    assert made(rounded) == pytest.approx(made(rows), abs=1e-6)
-    far = made(np.array([[50.0, 1e4, -3.0, 1.0]]))
-    assert target.min() <= far[0] <= target.max()
-
-
-def test_processes_learn_from_so_many_and_tell_of_the_others(monkeypatch):
-    monkeypatch.setattr(gaussian_process, "MOST", 60)
-    rows = np.random.default_rng(3).standard_normal((90, 2))
-    made, unseen = gaussian_process.learnt(rows, rows[:, 0], seed=1)
-    assert made.points.shape == (60, 2) and np.isfinite(unseen).all()
-    rest = np.random.default_rng(1).permutation(90)[60:]
-    assert unseen[rest] == pytest.approx(made(rows[rest]))
-
-
-def test_processes_are_the_same_for_any_number_of_threads():
-    rng = np.random.default_rng(3)
-    rows = rng.standard_normal((1500, 20))
-    target = rows @ rng.standard_normal(20)
-    made = []
-    for threads in (1, 2):
-        with threadpool_limits(threads):
-            made.append(gaussian_process.learnt(rows, target, seed=1)[0])
-    for name in gaussian_process.FIELDS:
-        assert np.array_equal(getattr(made[0], name), getattr(made[1], name))
-
-
-def test_rows_that_are_all_alike_tell_their_mean():
-    made, unseen = gaussian_process.learnt(np.ones((60, 3)), np.arange(60.0), seed=1)
-    assert made(np.ones((1, 3)))[0] == pytest.approx(29.5, abs=0.5)
-    assert np.isfinite(unseen).all()
 
 
 def test_few_trees_make_a_model_that_can_be_read(data, tmp_path):
