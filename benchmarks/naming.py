@@ -11,8 +11,9 @@ figures quoted are those of the set "quoted". An abstention counts as a case lik
 the one that the verdict suggests, and beside it one drawn from the rich protocol's.
 
 The whole study takes hours, which --resume spreads over as many calls as it takes; cases of all
-kinds take turns, so that --show tells of all kinds wherever it was cut. --quick takes some
-minutes. Times are those of a machine that does nothing else: --workers 1.
+kinds take turns, so that --show tells of all kinds wherever it was cut. What was measured of the
+quoted set stands in benchmarks/records. --quick takes some minutes. Times are those of a machine
+that does nothing else: --workers 1.
 """
 
 import argparse
@@ -30,6 +31,7 @@ from benchmarks.naming_study.score import marks, single
 from benchmarks.naming_study.work import worked
 
 FOLDER = Path("results/benchmarks")
+RECORDS = Path(__file__).parent / "records"  # of the quoted set: hours of work, part of the project
 FOLLOWED = "single, poor"  # the kind whose open cases get one more run
 CODE = ("hannes", "benchmarks.truth", "benchmarks.naming_study")  # what a case comes from
 
@@ -77,7 +79,8 @@ def one_more(case: Drawn, seed: int, verdict: dict[str, Any]) -> dict[str, str]:
 
 def kept(chosen: str, quick: bool) -> Path:
     """The file with a line for each case: one for each set, and for each frozen file of sizes."""
-    return FOLDER / f"naming-{chosen}{'-quick' if quick else ''}-{frozen.digest()}.jsonl"
+    folder = RECORDS if chosen == "quoted" and not quick else FOLDER
+    return folder / f"naming-{chosen}{'-quick' if quick else ''}-{frozen.digest()}.jsonl"
 
 
 def _arguments() -> argparse.Namespace:
@@ -87,7 +90,11 @@ def _arguments() -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--quick", action="store_true", help="few cases, for a first look")
-    parser.add_argument("--resume", action="store_true", help="keep the cases already measured")
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="keep the cases already measured, as the quoted set always does",
+    )
     parser.add_argument("--show", action="store_true",
                         help="measure nothing: tables of the cases already measured")  # fmt: skip
     parser.add_argument("--set", choices=SETS, default="development", dest="chosen",
@@ -113,7 +120,8 @@ def main() -> None:
     if asked.show:
         done = [row for row in study.read(file) if (row["kind"], row["seed"]) in set(wanted)]
     else:
-        done = study.run(file, wanted, measured, asked.resume, asked.workers)
+        resume = asked.resume or file.parent == RECORDS
+        done = study.run(file, wanted, measured, resume, asked.workers)
     if len({case.get("code") for case in done}) > 1:
         print("not all cases are of the same code; --resume kept them", file=sys.stderr)
     rows, bounds = summary.figures(done)

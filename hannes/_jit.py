@@ -5,21 +5,27 @@ only the file of the outermost function and would run stale code after an edit o
 """
 
 import functools
+import gc
 import hashlib
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
+from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.registry import cpu_target
 
 from hannes.cache import cache_home
 
 # Options of all compiled code, and of what only compiled code calls.
 _COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 _WITHIN = _COMMON | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+WRAPPED = "_ZN7cpython"  # how numba's names of what Python calls begin
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -64,15 +70,55 @@ def entry(function: Callable[..., Any]) -> Any:
 def _compiled(method: Callable[..., Any], signature: Any) -> Any:
     """Compile at LLVM's second level: a quarter less time than the third, and code as quick.
 
-    As measured on the hand (docs/speed.md). Under numba's own lock, for its level is global.
+    As measured on the hand (docs/speed.md), as is what `_Library` saves, and what it saves not to
+    look for garbage meanwhile, of which compiling leaves little. Under numba's own lock, for its
+    level and its libraries are global.
     """
-    with global_compiler_lock:
-        level = numba.config.OPT
+    with global_compiler_lock, _no_collection():
+        level, codegen = numba.config.OPT, cpu_target.target_context.codegen()
+        library = codegen._library_class
         numba.config.OPT = type(level)(min(int(level), 2))
+        codegen._library_class = _Library
         try:
             return method(signature)
         finally:
-            numba.config.OPT = level
+            numba.config.OPT, codegen._library_class = level, library
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Garbage is not looked for inside, where it was before."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
+
+
+class _Library(JITCodeLibrary):
+    """Machine code of one function: made better here only where Python calls it.
+
+    What only compiled code calls is inlined into its callers or linked to them, and made better
+    there; numba does it in each function, and again in all that call it.
+    """
+
+    def _optimize_final_module(self) -> None:
+        functions = self._final_module.functions
+        if any(each.name.startswith(WRAPPED) and not each.is_declaration for each in functions):
+            super()._optimize_final_module()
+            return
+        try:
+            manager, builder = self._codegen._module_pass_manager(
+                loop_vectorize=False,
+                slp_vectorize=False,
+                opt=self._codegen._opt_level,
+                cost="cheap",
+            )
+            manager.run(self._final_module, builder)
+        except (AttributeError, TypeError, ValueError):  # another numba: as it does it itself
+            super()._optimize_final_module()
 
 
 def plain(function: Any) -> Callable[..., Any]:

@@ -70,6 +70,12 @@ def hardening(size, position):
 
 
 @kernel
+def stiffer(size, position):
+    """Of the spring, as its stiffness is [N]."""
+    return -size * position
+
+
+@kernel
 def turbulence(size, speed):
     """Quadratic drag [N]."""
     return -size * speed * abs(speed)
@@ -108,7 +114,9 @@ def effect(name, function, largest, unit):
 
 
 HARDENING = effect("hardening", hardening, 6000.0, "N/m^3")
+STIFFER = effect("stiffer", stiffer, 40.0, "N/m")
 TURBULENCE = effect("turbulence", turbulence, 30.0, "N s^2/m^2")
+NARROW = effect("turbulence", turbulence, 1.0, "N s^2/m^2")  # of less than is hidden
 TWIN = effect("twin", turbulence, 30.0, "N s^2/m^2")
 WAVES = Effect(
     "washboard", "made for a test", "F += size sin(2 pi count x)", "none (2026)",

@@ -7,6 +7,8 @@ import pytest
 from sled import (
     HARDENING,
     KNOWN,
+    NARROW,
+    STIFFER,
     TURBULENCE,
     TWIN,
     WAVES,
@@ -22,17 +24,19 @@ from hannes.axis import Axis
 from hannes.catalogue import effects
 from hannes.diagnosis import fit, refits
 from hannes.diagnosis.antedependence import covariance
-from hannes.diagnosis.choice import DOUBT, chosen
+from hannes.diagnosis.choice import DOUBT, OUTSIDE, _at_end, chosen
 from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
 from hannes.diagnosis.investigation import LIMIT, Trial, _back, _rebased, investigate
+from hannes.diagnosis.nameless import EFFECT as ANYTHING
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
-from hannes.diagnosis.refits import _crossed, joined, placed
+from hannes.diagnosis.refits import _crossed, joined, placed, without
 from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes
 from hannes.diagnosis.settings import Settings, read_settings
 from hannes.errors import BadInput
+from hannes.hand_plant import HandPlant
 from hannes.table import Table
 
 
@@ -67,9 +71,69 @@ def test_a_base_beside_its_best_place_is_led_back_by_an_effect(investigated):
     base = investigated.base
     beside = base.moved(base.x + 3.0 * np.isin(np.arange(base.x.size), base.active), base.active)
     assert beside.misfit > base.misfit + 20.0
-    back = _back(replace(investigated, base=beside), lambda text: None)
+    best, unit = investigated.trials[0], investigated.unit
+    back = _back(beside, best, unit, lambda text: None)
     assert back.misfit == pytest.approx(base.misfit, abs=1.0)
-    assert _back(investigated, lambda text: None) is None
+    assert _back(base, best, unit, lambda text: None) is None
+
+
+def test_the_machine_takes_over_what_an_effect_did_that_it_can_do_itself():
+    """An effect that is one of the machine's parameters by another name leaves no trace."""
+    entries = [e for e in recordings(1) if e.role != "show"]
+    found = investigate(Sled(), entries, [HARDENING, STIFFER], Settings(0.02, 0.005), 0)
+    base, space = found.base, found.base.ground.model.space
+    place, own = (
+        space.place("stiffer.size"),
+        [d.name for d in space.directions].index("spring.stiffness"),
+    )
+    x = base.x.copy()
+    x[place], x[own] = 1.5 / space.directions[place].scale, base.x[own] - 1.5 / 0.8
+    bent = base.with_active(np.append(base.active, place)).moved(x, np.array([place]))
+    assert bent.misfit == pytest.approx(base.misfit, abs=5.0)
+    rows = without(fit.relinearised(bent), ("stiffer",))
+    as_it_is, half, whole = base.misfits(rows)
+    assert np.all(rows[:, place] == 0.0)
+    assert whole < half < as_it_is
+    assert whole - base.misfit < 0.01 * (as_it_is - base.misfit)
+
+
+def test_what_anything_explains_as_well_has_no_name(investigated):
+    best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
+    kinds = {}
+    for lost in (5.0, 0.5 * best.gain):
+        rival = Trial(("any_torque",), best.point, best.gain - lost)
+        kinds[lost] = chosen(replace(investigated, anything=rival), *masks)
+    assert [each.kind for each in kinds.values()] == ["unknown", "named"]
+    assert "something else may be there" in kinds[5.0].reason
+
+
+def test_an_effect_that_would_leave_its_range_has_no_name():
+    hidden = ((TURBULENCE, 2.0),)
+    assert found(1, hidden, {"turbulence": TURBULENCE}).verdict == "named"
+    verdict = found(1, hidden, {"turbulence": NARROW})
+    assert verdict.verdict == "unknown"
+    assert "turbulence's size at an end of its range and beyond" in verdict.reason
+
+
+def test_what_ends_nowhere_is_at_no_end():
+    ripple = {each.name: each for each in effects()["torque_ripple"].parameters}
+    ends = {name: [_at_end(each, end) for end in each.bounds] for name, each in ripple.items()}
+    assert ends == {
+        "amplitude": [False, True],
+        "cycles": [False, False],
+        "phase": [False, False],
+    }
+
+
+def test_anything_is_a_fourier_series_that_no_catalogue_has():
+    assert ANYTHING.name not in effects()
+    assert not HandPlant().accepts(ANYTHING)
+    sizes = {each.name: 0.1 * k for k, each in enumerate(ANYTHING.parameters, 1)}
+    turn, load = np.pi * 3.0 / 10.0, 0.2
+    free = sum(0.1 * k * np.cos(k * turn) for k in range(1, 6))
+    loaded = sum(0.1 * (k + 5) * np.cos(k * turn) for k in range(1, 5))
+    told = plain(ANYTHING.terms[0].kernel)(3.0 * 19.0, 19.0, load, **sizes)
+    assert told == pytest.approx(free + load * loaded, rel=1e-12)
 
 
 def test_beside_a_better_base_every_effect_gains_less(investigated):
@@ -223,6 +287,11 @@ def test_what_is_too_faint_to_name_is_unknown():
         choice = chosen(replace(empty, trials=[trial]), [0b011] * 2, [0b100] * 2)
         assert choice.kind == kind
         assert (f"where a name needs {LIMIT:.0f}" in choice.reason) == (kind == "unknown")
+    for gain, kind in ((OUTSIDE - 0.1, "recalibrated"), (OUTSIDE, "unknown")):
+        rival = Trial(("any_torque",), empty.base, gain)
+        choice = chosen(replace(empty, trials=[], anything=rival), [0b011] * 2, [0b100] * 2)
+        assert choice.kind == kind
+        assert choice.reason.startswith("any torque over") == (kind == "unknown")
 
 
 def test_a_guess_that_goes_too_far_is_begun_at_a_share():

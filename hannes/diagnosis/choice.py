@@ -3,17 +3,33 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from hannes.diagnosis.drift import Drift, drifts
+from hannes.diagnosis.fit import LIGHT
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial, near
+from hannes.diagnosis.investigation import (
+    CLEAN,
+    CLOSE,
+    LIMIT,
+    RIVAL,
+    SHARE,
+    Found,
+    Trial,
+    near,
+)
 from hannes.diagnosis.point import Point
 from hannes.diagnosis.remainder import hangs_together
+from hannes.parameter import Parameter
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
 AGAINST = 4.0  # misfit of recordings held out that a name may add to
 DOUBT = 10.5  # gain of an effect too little to name it, but more than chance leaves
+OUTSIDE = 8.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
 GROWN = 18.0  # gain of what grows from run to run, that is told
+BEYOND = 4.0  # of the misfit: what an effect would gain beyond the end of a range, to be doubted
+ANY = "any torque over the motor's angle and load"  # diagnosis/nameless.py
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
 
@@ -40,6 +56,8 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
         return Choice("unknown", (), reason, found.base)
     if any(seen) and any(unseen):
         told += f", that of recordings held out by {gain:.0f}"
+    if doubt := _doubted(found, trial):
+        return Choice("unknown", (), f"{told}, but {doubt}", found.base)
     left = _left(found, trial)
     if not left:
         return _clean(found, trial, told)
@@ -53,6 +71,9 @@ def _nothing(found: Found, best: Trial | None) -> Choice:
         return Choice("unknown", (), f"{_told(found, drift)}, and {least}", found.base)
     if more := _more(found.base, found.bins):
         return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
+    if found.anything and found.anything.gain >= OUTSIDE:
+        reason = f"{ANY} would lower the misfit by {found.anything.gain:.0f}, and {least}"
+        return Choice("unknown", (), reason, found.base)
     if gain >= DOUBT:
         name = _names(found.trials[0])
         reason = f"{name} lowers the misfit by {gain:.0f}, where a name needs {LIMIT:.0f}"
@@ -71,6 +92,43 @@ def _more(point: Point, bins: int) -> str:
     if slow := hangs_together(point):
         return f"more in {slow.where} than chance (p = {slow.chance:.1g})"
     return ""
+
+
+def _doubted(found: Found, trial: Trial) -> str:
+    """Why effects that explain much are not what is there, or an empty string."""
+    if name := _stretched(found, trial):
+        return f"only with {name} at an end of its range and beyond: something like it is there"
+    rival = found.anything
+    if rival is not None and trial.gain - rival.gain < max(RIVAL, CLOSE * trial.gain):
+        return f"{ANY} does by {rival.gain:.0f}: something else may be there"
+    return ""
+
+
+def _stretched(found: Found, trial: Trial) -> str:
+    """A parameter that would go beyond its physical range, in words, or an empty string."""
+    space = trial.point.ground.model.space
+    for effect in (space.effects[name] for name in trial.effects):
+        for each in effect.parameters:
+            place = space.place(effect.full_name(each.name))
+            value = float(space.directions[place].value(trial.point.x[place]))
+            if _at_end(each, value) and _beyond(trial.point, place) > BEYOND * found.unit:
+                return f"{effect.name}'s {each.name}".replace("_", " ")
+    return ""
+
+
+def _at_end(parameter: Parameter, value: float) -> bool:
+    """Tell whether a range ends there: `off` is no end, and what counts or turns has none."""
+    low, high = parameter.bounds
+    ends = [end for end in (low, high) if end != parameter.off]
+    endless = parameter.turns is not None or parameter.tried
+    return not endless and min(abs(value - end) for end in ends) <= 1e-9 * (high - low)
+
+
+def _beyond(point: Point, place: int) -> float:
+    """What a step along one direction would lower the misfit by, all else following."""
+    number = int(np.searchsorted(point.active, place))
+    inverse = np.linalg.inv(point.curvature + LIGHT * np.eye(point.active.size))
+    return float(point.pull[number] ** 2 * inverse[number, number])
 
 
 def _left(found: Found, trial: Trial) -> str:

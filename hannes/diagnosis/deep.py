@@ -11,6 +11,7 @@ from hannes.campaign import Campaign, Entry
 from hannes.diagnosis.choice import Choice, chosen
 from hannes.diagnosis.fit import deviations
 from hannes.diagnosis.investigation import LIMIT, PRICE, Found, investigate
+from hannes.diagnosis.nameless import EFFECT as ANYTHING
 from hannes.diagnosis.next_run import next_run
 from hannes.diagnosis.screen import amplitude_names, likeness, projected
 from hannes.diagnosis.settings import Settings
@@ -53,6 +54,8 @@ def deep(campaign: Campaign, settings: Settings, seed: int, told: Told) -> Resul
     known = campaign.of("fit", "select")
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]
+    taken = any(each.name == ANYTHING.name for each in usable)
+    usable += [] if taken or campaign.plant.accepts(ANYTHING) else [ANYTHING]
     found = investigate(campaign.plant, known, usable, settings, seed, told)
     choice = chosen(found, *(_masks(found, role) for role in ("fit", "select")))
     told("the recordings to show")
@@ -222,7 +225,8 @@ class _Closing:
             return None
         known = _entries(self.known)
         run = next_run(self.campaign.plant, self.found, known)
-        return run and {**run, "separates": [self.names[name] for name in run["separates"]]}
+        names = [self.names.get(name, name) for name in run["separates"]] if run else []
+        return run and {**run, "separates": names}
 
     def refitted(self) -> Plant:
         """The plant as it came, refitted, or refitted with the effects that were found."""

@@ -9,8 +9,9 @@ from hannes.campaign import Entry
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import Model
+from hannes.diagnosis.nameless import EFFECT as ANYTHING
 from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
-from hannes.diagnosis.refits import Told, joined, little, refitted, ticked
+from hannes.diagnosis.refits import Told, beside, joined, little, refitted, ticked, without
 from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
@@ -23,12 +24,15 @@ FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
 LIMIT = 12.0  # gain of an effect that is named: more than chance gives any of a catalogue
 PRICE = 6.0  # of each parameter of an effect beyond its first: the more it has, the more it fits
+NEARLY = 0.25  # of the best gain: one without a name that is guessed to gain this is refitted
+CHANCE = 1.5  # the same of what has no name: about what chance gives a parameter
 RIVAL = 10.0  # a rival within so much of the best gain is not told from it
 CLOSE = 0.08  # of the best gain: so near a rival may come by what no model has right
 SHARE = 0.04  # of the first effect's gain that a second one needs
 HOLLOW = 2.0  # gain by which a base found from elsewhere is another one
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 CLEAN = 1.3  # times the bins: what a whole model leaves at most
+NAMELESS = ANYTHING.name
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,7 @@ class Found:
     where one leaves more, and other_pairs that were refitted beside it; rest: the best guess of
     what is left after the last of them
     unit: by how much misfits are divided: the noise is never less than what the best model leaves
+    anything: the effect without a name refitted, where a guess says that this is worth while
     """
 
     given: Point
@@ -64,6 +69,7 @@ class Found:
     rest: Guess | None
     unit: float
     other_pairs: tuple[Trial, ...] = ()
+    anything: Trial | None = None
 
     @property
     def bins(self) -> int:
@@ -91,8 +97,8 @@ def investigate(
     given = grounded(given, ground)
     base = settled(fitted(grounded(base, ground), 4))
     found = _searched(given, base, told)
-    while _enough(found) and (better := _back(found, told)) is not None:
-        if found.base.misfit - better.misfit < SHARE * found.trials[0].gain * found.unit:
+    while (leader := _leading(found)) and (better := _back(found.base, leader, found.unit, told)):
+        if found.base.misfit - better.misfit < SHARE * leader.gain * found.unit:
             found = _rebased(found, better)
             break
         found = _searched(given, better, told)
@@ -104,11 +110,20 @@ def _enough(found: Found) -> bool:
     return bool(found.trials) and found.trials[0].gain > LIMIT
 
 
+def _leading(found: Found) -> Trial | None:
+    """What led the fit furthest: an effect that gains what a name needs, else whatever did."""
+    every = [*found.trials[:1], *([found.anything] if found.anything else [])]
+    named = found.trials[:1] if _enough(found) else every
+    best = max(named, key=lambda each: each.gain, default=None)
+    return best if best is not None and best.gain > FAINT else None
+
+
 def _searched(given: Point, base: Point, told: Told) -> Found:
     """Single effects beside a base: screened, the best of them refitted."""
     told("a look at every effect")
-    names = list(base.ground.model.space.effects)
-    guesses = screened(base, names)
+    every = screened(base, list(base.ground.model.space.effects))
+    guesses = [each for each in every if each.effect != NAMELESS]
+    names = [each.effect for each in guesses]
     starts = [(base, guess) for guess in guesses[:SHORT] if guess.gain > FAINT]
     if base.misfit > BENT * base.miss.size:
         large = screened(given, names, ALL_SIZES)[:SHORT]
@@ -121,23 +136,41 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
     if trials and trials[0].gain > LIMIT:
         trials[0] = _whole(base, trials[0], unit)
     likely = _with_likeness(base, guesses, trials)
-    return Found(given, base, guesses, likely, None, None, unit)
+    free = [each for each in every if each.effect == NAMELESS]
+    anything = _anything(base, free[0], trials, unit, told) if free else None
+    return Found(given, base, guesses, likely, None, None, unit, anything=anything)
 
 
-def _back(found: Found, told: Told) -> Point | None:
+def _anything(
+    base: Point, guess: Guess, trials: Sequence[Trial], unit: float, told: Told
+) -> Trial | None:
+    """The effect without a name, fitted where its guess gains more than chance, or a fair share.
+
+    From the base, and from the machine of the best effect; never before the others: what it bends
+    is not theirs.
+    """
+    best = trials[0] if trials and trials[0].gain > FAINT else None
+    share = max(FAINT, NEARLY * best.gain) if best else np.inf
+    if guess.gain / unit < min(share, CHANCE * len(guess.places)):
+        return None
+    told("anything else")
+    point = beside(base, guess, best.point if best else None)
+    return priced(base, Trial((NAMELESS,), point, 0.0), unit) if point else None
+
+
+def _back(base: Point, best: Trial, unit: float, told: Told) -> Point | None:
     """The base refitted from where the best effect led, without it; None where that is no better.
 
     Where fingers touch the misfit has more than one hollow: an effect may only have led out of one.
+    The machine's own values take over from it what they can.
     """
     told("the base from there")
-    best, base = found.trials[0], found.base
-    x = best.point.x.copy()
-    x[base.ground.model.space.of(*best.effects)] = 0.0
-    point = base.moved(x, base.active)
+    rows = without(best.point, best.effects)
+    point = base.moved(rows[np.argmin(base.misfits(rows))], base.active)
     if point is None:
         return None
     point = settled(point, little(base.misfit - best.point.misfit), base.misfit)
-    better = base.misfit - point.misfit > HOLLOW * found.unit
+    better = base.misfit - point.misfit > HOLLOW * unit
     return settled(point) if better else None
 
 
@@ -149,7 +182,8 @@ def _rebased(found: Found, base: Point) -> Found:
         for each in found.trials
         if each.point.misfit < base.misfit
     ]
-    return replace(found, base=base, trials=trials)
+    anything = found.anything and replace(found.anything, gain=found.anything.gain - lost)
+    return replace(found, base=base, trials=trials, anything=anything)
 
 
 def _whole(base: Point, trial: Trial, unit: float) -> Trial:
@@ -160,7 +194,8 @@ def _whole(base: Point, trial: Trial, unit: float) -> Trial:
 def priced(base: Point, trial: Trial, unit: float) -> Trial:
     """The trial with its gain: misfit less than the base's, less the price of its parameters."""
     further = trial.point.active.size - base.active.size - len(trial.effects)
-    return replace(trial, gain=(base.misfit - trial.point.misfit) / unit - PRICE * further)
+    price = CHANCE if trial.effects == (NAMELESS,) else PRICE
+    return replace(trial, gain=(base.misfit - trial.point.misfit) / unit - price * further)
 
 
 def _second(found: Found, told: Told) -> Found:
@@ -232,7 +267,8 @@ def _without_first(found: Found, pair: Trial, told: Told) -> Trial | None:
 
 def _others(point: Point, present: tuple[str, ...], unit: float) -> list[Guess]:
     """Guesses for all other effects, the price of their parameters off their gain."""
-    names = [name for name in point.ground.model.space.effects if name not in present]
+    away = (*present, NAMELESS)
+    names = [name for name in point.ground.model.space.effects if name not in away]
     price = PRICE * unit
     found = [replace(g, gain=g.gain - price * (len(g.places) - 1)) for g in screened(point, names)]
     return sorted(found, key=lambda each: -each.gain)

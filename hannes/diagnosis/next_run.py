@@ -27,9 +27,10 @@ def next_run(plant: Plant, found: Found, entries: Iterable[Entry]) -> dict | Non
     A plant may lack `proposals`.
     """
     proposals: Proposals | None = getattr(plant, "proposals", None)
-    if proposals is None or len(found.trials) < 2:
+    every = [*found.trials, *([found.anything] if found.anything else [])]
+    pair = sorted(every, key=lambda each: -each.gain)[:2]
+    if proposals is None or len(pair) < 2:
         return None
-    pair = found.trials[:2]
     told = {
         name: separation(found.base, Group(plant, [Entry(name, recording, name)]), *pair)
         for name, recording in proposals({e.condition: e.recording for e in entries}).items()

@@ -17,6 +17,7 @@ HELD = 0.7  # of what its guess promised: a fit that gains less was led astray,
 ASTRAY = 10.0  # or one that slopes had anew lower by so much more,
 FAR = 0.05  # and by this share of the gain
 CROSSED = 0.6  # of the best gain: a rival that gains this is fitted from the best one's machine too
+TAKEN = (0.0, 0.5, 1.0)  # of what an effect did: shares that all else takes over where it goes
 LITTLE = 0.005  # of the gain: a round of slopes that lowers the misfit by less is the last
 
 Told = Callable[[str], None]
@@ -105,6 +106,18 @@ def _from_machine(other: Point, point: Point, base: Point, gain: float) -> Point
     return min(point, found, key=lambda each: each.misfit)
 
 
+def beside(base: Point, guess: Guess, best: Point | None) -> Point | None:
+    """The best fit of a guess from the base, and from another fit's machine; None below neither."""
+    start = joined(base, guess)
+    if start is None:
+        return None
+    point = fitted(start, 5)
+    point = settled(point, little(base.misfit - point.misfit))
+    if best is not None:
+        point = _from_machine(best, point, base, base.misfit - best.misfit)
+    return point if point.misfit < base.misfit else None
+
+
 def ticked(point: Point, name: str) -> Point:
     """Refitted with firmware's ticks as they are at the size at which an effect was found."""
     model, places = point.ground.model, point.ground.model.space.of(name)
@@ -124,6 +137,23 @@ def joined(start: Point, guess: Guess) -> Point | None:
     active = np.union1d(start.active, guess.places)
     best = rows[np.argmin(start.with_active(active).misfits(rows))]
     return placed(start, guess.places, best[guess.places])
+
+
+def without(point: Point, effects: Sequence[str]) -> np.ndarray:
+    """Places without these effects: as it is else, and where all else takes their work over.
+
+    That by a linear guess, whole and by half; shape (3, size), within bounds.
+    """
+    space, rows = point.ground.model.space, np.repeat(point.x[np.newaxis], len(TAKEN), axis=0)
+    rows[:, space.of(*effects)] = 0.0
+    names = [name for each in effects for name in amplitude_names(space.effects[each])]
+    acting = np.isin(point.active, [space.place(name) for name in names])
+    kept = ~np.isin(point.active, space.of(*effects))
+    work = point.x[point.active[acting]] @ point.columns[acting]
+    pull = point.columns[kept] @ work + point.pull[kept]
+    step = np.linalg.solve(point.curvature[np.ix_(kept, kept)], pull)
+    rows[:, point.active[kept]] += np.outer(TAKEN, step)
+    return np.clip(rows, space.low, space.high)
 
 
 def placed(start: Point, places: np.ndarray, values: np.ndarray) -> Point | None:
