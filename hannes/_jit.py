@@ -63,11 +63,11 @@ def entry(function: Callable[..., Any]) -> Any:
     """Compile an entry point with all that it calls, and keep its machine code on disk."""
     dispatcher = numba.njit(**_COMMON, cache=True)(function)
     if compiles():
-        dispatcher.compile = functools.partial(_compiled, dispatcher.compile)
+        dispatcher.compile = functools.partial(_compiled, dispatcher, dispatcher.compile)
     return dispatcher
 
 
-def _compiled(method: Callable[..., Any], signature: Any) -> Any:
+def _compiled(dispatcher: Any, method: Callable[..., Any], signature: Any) -> Any:
     """Compile at LLVM's second level: a quarter less time than the third, and code as quick.
 
     As measured on the hand (docs/speed.md), as is what `_Library` saves, and what it saves not to
@@ -80,9 +80,13 @@ def _compiled(method: Callable[..., Any], signature: Any) -> Any:
         numba.config.OPT = type(level)(min(int(level), 2))
         codegen._library_class = _Library
         try:
-            return method(signature)
+            made = method(signature)
         finally:
             numba.config.OPT, codegen._library_class = level, library
+        for each in dispatcher.overloads.values():
+            for environment in each._find_referenced_environments():
+                codegen.set_env(environment.env_name, environment)
+        return made
 
 
 @contextmanager
@@ -97,28 +101,48 @@ def _no_collection() -> Iterator[None]:
             gc.enable()
 
 
-class _Library(JITCodeLibrary):
-    """Machine code of one function: made better here only where Python calls it.
+class _Nowhere:
+    """Takes the environment of a function of which no machine code is made."""
 
-    What only compiled code calls is inlined into its callers or linked to them, and made better
-    there; numba does it in each function, and again in all that call it.
+    @staticmethod
+    def set_env(name: str, environment: Any) -> None:
+        """An environment's place is told by machine code."""
+
+
+class _Library(JITCodeLibrary):
+    """Code of one function, which becomes machine code only where Python calls it.
+
+    What only compiled code calls is linked into its callers and made better there. Numba else does
+    so in each function, and again in all that call it; and of two machine codes of a function,
+    one alone and one in its caller, either may run.
     """
+
+    _called = True
+
+    @property
+    def codegen(self) -> Any:
+        return self._codegen if self._called else _Nowhere
 
     def _optimize_final_module(self) -> None:
         functions = self._final_module.functions
-        if any(each.name.startswith(WRAPPED) and not each.is_declaration for each in functions):
+        self._called = any(
+            each.name.startswith(WRAPPED) and not each.is_declaration for each in functions
+        )
+        if self._called:
             super()._optimize_final_module()
             return
-        try:
-            manager, builder = self._codegen._module_pass_manager(
-                loop_vectorize=False,
-                slp_vectorize=False,
-                opt=self._codegen._opt_level,
-                cost="cheap",
-            )
-            manager.run(self._final_module, builder)
-        except (AttributeError, TypeError, ValueError):  # another numba: as it does it itself
-            super()._optimize_final_module()
+        manager, builder = self._codegen._module_pass_manager(
+            loop_vectorize=False, slp_vectorize=False, opt=self._codegen._opt_level, cost="cheap"
+        )
+        manager.run(self._final_module, builder)
+
+    def _finalize_final_module(self) -> None:
+        if self._called:
+            super()._finalize_final_module()
+            return
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
 
 
 def plain(function: Any) -> Callable[..., Any]:

@@ -265,24 +265,6 @@ def test_the_answer_is_out_of_reach_until_the_verdict_is_on_disk():
     assert score.marks("single", found, case.effects)["outcome"] == "right"
 
 
-@pytest.mark.slow
-def test_verdicts_are_the_same_bytes_where_the_answer_is_absent(tmp_path):
-    import shutil
-
-    from benchmarks.truth.campaign import make
-    from benchmarks.truth.protocol import closures
-    from hannes.diagnose import diagnose
-
-    make(closures(3), 3, {"leader_slack.length": 3e-3}).write(tmp_path / "with")
-    shutil.copytree(tmp_path / "with", tmp_path / "without")
-    shutil.rmtree(tmp_path / "without" / "sealed")
-    verdicts = []
-    for name in ("with", "without"):
-        diagnose(tmp_path / name / "campaign.toml", out=tmp_path / name / "out", progress=False)
-        verdicts.append((tmp_path / name / "out" / "verdict.json").read_bytes())
-    assert verdicts[0] == verdicts[1]
-
-
 def made_up(kind, seed):
     return {"double": 2 * seed}
 

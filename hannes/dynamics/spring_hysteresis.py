@@ -30,13 +30,8 @@ EFFECT = Effect(
     source="Dahl (1968), solid friction, in proportion to the spring's torque",
     parameters=(
         Parameter("share", 0.0, "1", (0.0, 0.9), "of the nominal spring torque", off=0.0),
-        Parameter(
-            "width",
-            0.05,
-            "rad",
-            (1e-3, 0.3),
-            "of joint angle to turn; more and it is another spring",
-        ),
+        # Wider, it would not have turned within a grasp, and be another spring.
+        Parameter("width", 0.05, "rad", (1e-3, 0.3), "of joint angle for the torque to turn"),
     ),
     terms=(Term(rubbing, writes=("spring_torque",), states=("turned",)),),
     states=(Slot("turned", "1", "z, from -1 opening to 1 closing", "joint", 10, 1e-3),),
