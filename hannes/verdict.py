@@ -157,6 +157,6 @@ SENTENCES = {
     "named": _named,
     "one_of": _one_of,
     "named_with_remainder": _with_remainder,
-    "unknown": lambda result: "Something is missing, and no effect of the catalogue explains it.",
+    "unknown": lambda result: "Something is missing, and no effect can be named for it.",
     "undecided": lambda result: "These recordings do not decide it.",
 }
