@@ -265,6 +265,18 @@ def test_the_answer_is_out_of_reach_until_the_verdict_is_on_disk():
     assert score.marks("single", found, case.effects)["outcome"] == "right"
 
 
+def test_records_of_the_quoted_set_are_never_begun_anew(monkeypatch, tmp_path):
+    monkeypatch.setattr(naming, "RECORDS", tmp_path)
+    asked = []
+    monkeypatch.setattr(
+        study, "run", lambda file, *rest: asked.append((file.parent, rest[2])) or []
+    )
+    for chosen in ("quoted", "development"):
+        monkeypatch.setattr("sys.argv", ["naming", "--set", chosen])
+        naming.main()
+    assert asked == [(tmp_path, True), (naming.FOLDER, False)]
+
+
 def made_up(kind, seed):
     return {"double": 2 * seed}
 

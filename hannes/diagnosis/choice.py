@@ -8,16 +8,8 @@ import numpy as np
 from hannes.diagnosis.drift import Drift, drifts
 from hannes.diagnosis.fit import LIGHT
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import (
-    CLEAN,
-    CLOSE,
-    LIMIT,
-    RIVAL,
-    SHARE,
-    Found,
-    Trial,
-    near,
-)
+from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial, near
+from hannes.diagnosis.nameless import SPOKEN
 from hannes.diagnosis.point import Point
 from hannes.diagnosis.remainder import hangs_together
 from hannes.parameter import Parameter
@@ -29,7 +21,6 @@ OUTSIDE = 8.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
 GROWN = 18.0  # gain of what grows from run to run, that is told
 BEYOND = 4.0  # of the misfit: what an effect would gain beyond the end of a range, to be doubted
-ANY = "any torque over the motor's angle and load"  # diagnosis/nameless.py
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
 
@@ -72,7 +63,7 @@ def _nothing(found: Found, best: Trial | None) -> Choice:
     if more := _more(found.base, found.bins):
         return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
     if found.anything and found.anything.gain >= OUTSIDE:
-        reason = f"{ANY} would lower the misfit by {found.anything.gain:.0f}, and {least}"
+        reason = f"{SPOKEN} would lower the misfit by {found.anything.gain:.0f}, and {least}"
         return Choice("unknown", (), reason, found.base)
     if gain >= DOUBT:
         name = _names(found.trials[0])
@@ -98,9 +89,8 @@ def _doubted(found: Found, trial: Trial) -> str:
     """Why effects that explain much are not what is there, or an empty string."""
     if name := _stretched(found, trial):
         return f"only with {name} at an end of its range and beyond: something like it is there"
-    rival = found.anything
-    if rival is not None and trial.gain - rival.gain < max(RIVAL, CLOSE * trial.gain):
-        return f"{ANY} does by {rival.gain:.0f}: something else may be there"
+    if found.anything and near(trial, [found.anything]):
+        return f"{SPOKEN} does by {found.anything.gain:.0f}: something else may be there"
     return ""
 
 
@@ -125,7 +115,10 @@ def _at_end(parameter: Parameter, value: float) -> bool:
 
 
 def _beyond(point: Point, place: int) -> float:
-    """What a step along one direction would lower the misfit by, all else following."""
+    """What a step along one direction would lower the misfit by, all else following.
+
+    At an end of a range that is a step out of it: a fit that could go inward has gone.
+    """
     number = int(np.searchsorted(point.active, place))
     inverse = np.linalg.inv(point.curvature + LIGHT * np.eye(point.active.size))
     return float(point.pull[number] ** 2 * inverse[number, number])

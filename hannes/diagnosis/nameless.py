@@ -1,7 +1,9 @@
 """Any torque over the motor's angle, and any over it that goes with the load: a rival to all names.
 
 No catalogue has it. What it takes of the misfit as well as a named effect does, something else may
-have made too, and the name is not told; what it takes alone is `unknown`.
+have made too, and the name is not told; what it takes alone is `unknown`. That the load is in it
+was chosen on development cases of effects outside the catalogue: one of the angle alone does not
+see an eccentric pulley.
 """
 
 import math
@@ -10,6 +12,7 @@ from hannes._jit import kernel
 from hannes.effect import Effect, Term
 from hannes.parameter import Parameter
 
+SPOKEN = "any torque over the motor's angle and load"
 TRAVEL = 10.0  # rad, at the output shaft, in which the hand closes: beyond, waves are mirrored
 
 
