@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from benchmarks.harness import Row, must_show
+from benchmarks.harness import Row
 from benchmarks.truth import campaign, objects
 from benchmarks.truth.parameters import named
 from hannes.campaign import read_campaign
@@ -120,8 +120,7 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
         }
         for kind, each in shares.items()
     ]
-    name = "F1 gained by training on the diagnosed hand"
-    return rows, [must_show(name, 0.0, 0, True) | gained(shares)]
+    return [*rows, {"what": "gained by the diagnosis, points", **gained(shares)}], []
 
 
 def mean(shares: np.ndarray) -> float:

@@ -52,6 +52,9 @@ campaign.toml, after its [[recording]]s; all of it may be left out:
   loss = "soft_l1"                        # linear, soft_l1, huber, cauchy
   starts = 4                              # searches from different points
   scan = 64                               # points looked at before them
+  doubt = "2 %"                           # how far off all values may be that are not fitted
+  limit = "10 %"                          # half an interval beyond which nothing is identified
+  model_error = "1 %"                     # share of a channel in which no model is believed
   accept = ["gap", "saturated"]           # what `hannes check` finds, taken as it is
   [calibrate.spread]                      # how far off a given value may be, 1 deviation
   "motor.resistance" = "20 %"
@@ -62,7 +65,20 @@ campaign.toml, after its [[recording]]s; all of it may be left out:
   "motor.dry_friction" = "1 %\"""",
     "diagnose": """\
 hannes diagnose campaign.toml
-hannes diagnose campaign.toml --out results/verdict --json""",
+hannes diagnose campaign.toml --out results/verdict --json
+
+campaign.toml (docs/campaign.md has all of it):
+  plant = "hand"                          # or "axis", "finger", "module:Class" of your own
+  effects = ["my_effect.py:EFFECT"]       # beside those of `hannes effects`
+  [[recording]]
+  file = "void_*.csv"                     # repeats under one command
+  experiment = "void-closure"             # what was done: a shipped name, or a .toml
+  condition = "void, full speed"
+  role = "fit"                            # or select, show; drawn where absent
+  [diagnose]                              # standard deviations; may be left out
+  scatter = "2 %"                         # of given values (3 %)
+  run_scatter = "0.5 %"                   # of friction from run to run (1 %)
+  start_time = "0.2 ms"                   # of when a run starts (10 ms)""",
     **cli_data.EXAMPLES,
     **cli_sets.EXAMPLES,
 }

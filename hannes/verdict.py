@@ -7,15 +7,6 @@ from typing import Any
 
 from hannes.versions import versions
 
-VERDICTS = (
-    "no_gap",
-    "recalibrated",
-    "named",
-    "one_of",
-    "named_with_remainder",
-    "unknown",
-    "undecided",
-)
 FAINT = 0.2  # of a squared floor, mean over channels: a gap that is less above it is not seen
 _SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 
@@ -115,7 +106,7 @@ def untold(parameters: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 
 def _named(result: Verdict, rest: str = "") -> str:
-    """The effects with what carries their gain first; then what is not told from none."""
+    """The effects with what carries their gain first; then what may as well be none."""
     vague = untold(result.parameters)
     clear = [name for name in result.parameters if name not in vague] or vague
     named = " and ".join(_sized_effect(name, clear, result) for name in result.effects)
@@ -126,7 +117,8 @@ def _named(result: Verdict, rest: str = "") -> str:
     line = f"{named[:1].upper()}{named[1:]}, {verb} {share}{rest}."
     if not vague:
         return line
-    return f"{line} Not told from none: {', '.join(_told(name, result) for name in vague)}."
+    unclear = ", ".join(_told(name, result) for name in vague)
+    return f"{line} Not distinguishable from no effect: {unclear}."
 
 
 def _sized_effect(effect: str, clear: Sequence[str], result: Verdict) -> str:
@@ -153,7 +145,9 @@ def _one_of(result: Verdict) -> str:
 
 SENTENCES = {
     "no_gap": lambda result: "The simulation as given agrees with the recordings.",
-    "recalibrated": lambda result: "Parameters were off; refitted, nothing is missing.",
+    "recalibrated": lambda result: (
+        "Parameters were off; refitted, nothing that shows here is missing."
+    ),
     "named": _named,
     "one_of": _one_of,
     "named_with_remainder": _with_remainder,

@@ -67,7 +67,7 @@ def test_only_what_is_told_from_none_carries_the_gain(found):
     assert untold(result.verdict.parameters) == ["direction_friction.dry"]
     first, _, second = result.verdict.sentence.partition(". ")
     assert "viscous" in first and "dry" not in first
-    assert second.startswith("Not told from none: dry")
+    assert second.startswith("Not distinguishable from no effect: dry")
     assert "Told from none" in (out / "report.html").read_text(encoding="utf-8")
 
 
@@ -157,7 +157,7 @@ def test_the_sentence_of_each_verdict():
     assert both.startswith(
         "Gear load, size 2 (1.9 to 2.1) and leader slack, size 2 (1.9 to 2.1), ex"
     )
-    assert "nothing is missing" in verdict("recalibrated", effects=[]).sentence
+    assert "nothing that shows here is missing" in verdict("recalibrated", effects=[]).sentence
     near = {"drive": {"unit": "V", "as_given": 0.5, "before": 0.105, "after": 0.1, "floor": 0.1}}
     assert verdict("named", gap=near).sentence.endswith("it is less than what repeats differ by.")
     classed = verdict("one_of", effects=["leader_slack", "mine.py:gear_load"]).sentence
@@ -167,4 +167,5 @@ def test_the_sentence_of_each_verdict():
 def test_sizes_none_of_which_is_told_from_none_are_all_shown():
     size = {"value": 0.2, "unit": "1", "low": -0.1, "high": 0.3, "off": 0.0}
     told = verdict("named", parameters={"direction_friction.dry": size}).sentence
-    assert told.count("dry 0.2 (-0.1 to 0.3)") == 2 and "Not told from none: dry" in told
+    assert told.count("dry 0.2 (-0.1 to 0.3)") == 2
+    assert "Not distinguishable from no effect: dry" in told

@@ -116,4 +116,4 @@ def test_the_figures_of_the_real_axis_are_what_reproduce_prints():
         digits = {"dry": ".2g", "viscous": ".3g"}[share]
         low, value, high = (format(size[key], digits) for key in ("low", "value", "high"))
         assert f"{value} ({low} to {high})" in README
-    assert "Not told from none: dry" in result.verdict.sentence
+    assert "Not distinguishable from no effect: dry" in result.verdict.sentence

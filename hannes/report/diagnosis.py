@@ -60,8 +60,8 @@ def _sizes(diagnosis: "Diagnosis") -> Table:
         )
         for name, p in parameters.items()
     ]
-    columns = ("Parameter", "Value", "95 % interval", "Unit", "Told from none")
-    note = "Not told from none: the interval contains the value at which it does nothing."
+    columns = ("Parameter", "Value", "95 % interval", "Unit", "Distinguishable from no effect")
+    note = "The interval contains the value at which it does nothing."
     return Table("sizes", "Size of the effect", columns, tuple(rows), note if vague else "")
 
 

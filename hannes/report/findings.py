@@ -35,7 +35,7 @@ class Finding:
         return [
             f"{name} = {each['value']:.4g} {each['unit']} ({each['low']:.4g} to {each['high']:.4g})"
             + (
-                f": not told from none, the interval contains {each['off']:g}"
+                f": not distinguishable from no effect, the interval contains {each['off']:g}"
                 if name in vague
                 else ""
             )
