@@ -12,6 +12,8 @@ from typing import Any
 
 from tqdm import tqdm
 
+from hannes.files import write_text
+
 Case = tuple[str, int]  # kind and seed
 
 
@@ -29,6 +31,7 @@ def run(
     file.parent.mkdir(parents=True, exist_ok=True)
     if not resume:
         file.unlink(missing_ok=True)
+    _mend(file)
     done = {(row["kind"], row["seed"]): row for row in read(file)}
     left = [case for case in cases if case not in done]
     for (kind, seed), found in tqdm(_measured(left, measure, workers), "cases", len(left)):
@@ -37,6 +40,13 @@ def run(
             stream.write(json.dumps(row) + "\n")
         done[(kind, seed)] = row
     return [done[case] for case in cases]
+
+
+def _mend(file: Path) -> None:
+    """Take off what a killed study left of a last line, so that the next begins one."""
+    text = file.read_text(encoding="utf-8") if file.exists() else ""
+    if text and not text.endswith("\n"):
+        write_text(file, text[: text.rfind("\n") + 1])
 
 
 def _measured(
@@ -60,8 +70,6 @@ def read(file: Path) -> Iterable[dict[str, Any]]:
     if not file.exists():
         return
     text = file.read_text(encoding="utf-8")
-    if not text.endswith("\n") and text:
-        file.write_text(text[: text.rfind("\n") + 1], encoding="utf-8")
     for line in text.splitlines(keepends=True):
         if line.endswith("\n"):
             yield json.loads(line)

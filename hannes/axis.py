@@ -13,7 +13,7 @@ from hannes import axis_equations, slow_friction
 from hannes.assemble import Equations, assemble
 from hannes.axis_expected import EXPECTED
 from hannes.control import cascade
-from hannes.effect import Effect
+from hannes.effect import Effect, joined
 from hannes.errors import BadInput, ComputationFailed
 from hannes.layout import Layout, Slot
 from hannes.parameter import Parameter, ParameterSet, group
@@ -134,8 +134,7 @@ class Axis:
 
     def with_effects(self, *effects: Effect) -> "Axis":
         """Return an axis whose model has `effects` too."""
-        known = {each.name for each in self.effects}
-        grown = Axis((*self.effects, *(each for each in effects if each.name not in known)))
+        grown = Axis(joined(self.effects, effects))
         return grown.with_values(dict(self.parameters))
 
     def with_values(self, values: Mapping[str, float]) -> "Axis":

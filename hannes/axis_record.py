@@ -20,14 +20,14 @@ CHANNELS = {
 def load(path: str | Path) -> Recording:
     """Read DATA_EMPS.mat or DATA_EMPS_PULSES.mat; BadInput where it is no such file."""
     from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
 
     try:
         content = loadmat(path)
     except OSError as error:
         raise BadInput(f"cannot read {path}: {error.strerror or error}") from None
-    except (MatReadError, ValueError, TypeError, NotImplementedError) as error:
-        raise BadInput(f"{path} is no MATLAB recording: {error}") from None
+    except Exception as error:  # a damaged file raises nearly anything from inside the library
+        reason = " ".join(str(error).split())[:100]
+        raise BadInput(f"{path} is no MATLAB recording, or damaged: {reason}") from None
     found = {name: content[name] for name in CHANNELS if name in content}
     if missing := [name for name in ("t", "qg", "qm", "vir") if name not in found]:
         raise BadInput(f"{path} lacks {', '.join(missing)}: expected a recording of EMPS")

@@ -105,7 +105,9 @@ def _told(
     try:
         told("intervals", found.misfit)
         halves = sides(found, width, workers)
-        held_out, fitted = gap("show"), gap("fit", "select")
+        apart = bool(campaign.of("fit", "select"))
+        held_out = gap("show") if apart else {}
+        fitted = gap("fit", "select") if apart else gap("show")
     except KeyboardInterrupt:  # then intervals are as wide above as below, and gaps not known
         found = replace(found, interrupted=True)
     return Calibration(

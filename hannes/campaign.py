@@ -10,9 +10,11 @@ import numpy as np
 from hannes import library, measured
 from hannes.axis_record import load as load_mat
 from hannes.catalogue import effect, effects
-from hannes.effect import Effect
+from hannes.effect import Effect, joined
 from hannes.errors import BadInput, nearest
-from hannes.plant import Plant, find_plant, own_catalogue, require_usable
+from hannes.hand_file import own_catalogue
+from hannes.matching import is_pattern, matching
+from hannes.plant import Plant, find_plant, require_usable
 from hannes.plant_file import base_name, with_plant_file
 from hannes.recording import Recording
 from hannes.table import Table, read_text
@@ -27,12 +29,16 @@ _SLICE = re.compile(r"(\d*):(\d*)(?::(\d*))?")
 
 @dataclass(frozen=True)
 class Entry:
-    """One recording of a campaign; entries of one `condition` are repeats."""
+    """One recording of a campaign; entries of one `condition` are repeats.
+
+    `number`: how many recordings of the campaign come before it, as they were made.
+    """
 
     name: str
     recording: Recording
     condition: str
     role: str = ""
+    number: int = 0
 
 
 @dataclass(frozen=True)
@@ -65,6 +71,8 @@ def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
     Absent roles are drawn with `seed`. Raises BadInput with one line for whatever cannot be used:
     nothing is computed before every recording is known to be sound.
     """
+    if seed < 0:
+        raise BadInput(f"seed = {seed}: expected 0 or more")
     path = campaign_file(path)
     return _campaign(Table.parse(read_text(path), str(path), KEYS), path, seed)
 
@@ -99,7 +107,7 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
     return Campaign(
         plant,
         shipped,
-        with_roles(entries, seed),
+        with_roles(_in_order(root, entries), seed),
         Path(root.text("out", f"results/{path.stem}")),  # in the current folder
         _effects(root, folder, plant),
         root.text("title", path.stem),
@@ -107,6 +115,15 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
         root.table("calibrate"),
         root.table("diagnose"),
     )
+
+
+def _in_order(root: Table, entries: list[Entry]) -> list[Entry]:
+    """The same, numbered; no recording is there twice, for then one copy may be fitted."""
+    names = [each.name for each in entries]
+    for name in names:
+        if names.count(name) > 1:
+            root.refuse("recording", f'lists "{name}" twice: leave it out of one of them')
+    return [replace(each, number=number) for number, each in enumerate(entries)]
 
 
 def _plant(root: Table, name: str, folder: Path) -> Plant:
@@ -140,7 +157,12 @@ def _effects(root: Table, folder: Path, plant: Plant) -> dict[str, Effect]:
             own[_rooted(name, folder)] = effect(name, folder)
         except BadInput as error:
             root.refuse("effects", f"cannot be used: {error}")
-    return {**effects(), **own_catalogue(plant), **own}
+    found = {**effects(), **own_catalogue(plant), **own}
+    try:
+        joined((), found.values())
+    except BadInput as error:
+        root.refuse("effects", f"cannot be used: {error}")
+    return found
 
 
 def _rooted(name: str, folder: Path) -> str:
@@ -160,7 +182,7 @@ def _entries(row: Table, folder: Path, plant: Plant) -> list[Entry]:
         if planned is not None:
             recording = replace(recording, experiment=planned)
         _check(recording, plant, path)
-        made.append(Entry(run, recording, condition or path.name, role))
+        made.append(Entry(run, recording, condition or run, role))
     return made
 
 
@@ -173,7 +195,11 @@ def _recordings(
         found = [(path, list(read_runs(path, plant).items())[wanted]) for path in paths]
         if not any(runs for _, runs in found):
             row.refuse("runs", f'= "{row.text("runs", ":")}": selects no run of these files')
-        return [(path, run, recording) for path, runs in found for run, recording in runs]
+        return [
+            (path, _run_name(path, run, folder), recording)
+            for path, runs in found
+            for run, recording in runs
+        ]
     from hannes.virtual import virtual_recordings
 
     experiment = name.removeprefix(SIMULATED)
@@ -184,11 +210,17 @@ def _recordings(
         row.refuse("file", f"cannot be simulated: {error}")
 
 
+def _run_name(path: Path, run: str, folder: Path) -> str:
+    """A file that is one run is named by its place in the folder, where it lies there."""
+    inside = run == path.name and path.is_relative_to(folder)
+    return path.relative_to(folder).as_posix() if inside else run
+
+
 def _wanted(row: Table) -> slice:
     """Which runs of each file: `runs = "1::5"` is every fifth from the second, as Python slices."""
     text = row.text("runs", ":")
     found = _SLICE.fullmatch(text)
-    if not found or found[3] == "0":
+    if not found or (found[3] and int(found[3]) == 0):
         row.refuse("runs", f'= "{text}": expected start:stop:step, counted from 0, such as "1::5"')
     return slice(*(int(part) if part else None for part in found.groups()))
 
@@ -203,10 +235,12 @@ def _paths(row: Table, name: str, folder: Path) -> list[Path]:
     if name.startswith(MEASURED):
         group, _, name = name.removeprefix(MEASURED).partition("/")
         folder = measured.folder(group)
-    if not any(sign in name for sign in "*?["):
+    if not is_pattern(name):
         return [_existing(row, "file", folder / name)]
-    root = Path(name).anchor
-    found = sorted(Path(root or folder).glob(name.removeprefix(root)))
+    try:
+        found = matching(name, folder)
+    except BadInput as error:
+        row.refuse("file", f"cannot be used: {error}")
     if not found:
         row.refuse("file", f'= "{name}" matches no file in {folder}')
     return found

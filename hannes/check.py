@@ -55,20 +55,32 @@ def subjects(
     `plant` and `experiment` are names, for a recording that does not tell them itself. Raises
     BadInput for what cannot be read.
     """
-    from hannes.campaign import read_campaign, read_recording
+    from hannes.campaign import read_campaign, read_recording, read_runs
 
     if Path(path).suffix in (".toml", ""):
+        if plant or experiment:
+            raise BadInput(f"{path}: a campaign tells plant and experiments itself: leave them out")
         campaign = read_campaign(path)
         return [(each.name, each.recording, campaign.plant) for each in campaign.entries]
-    recording = read_recording(Path(path))
-    found = find_plant(plant or recording.plant or "hand", Path(path).parent)
+    if plant:
+        found = find_plant(plant, Path(path).parent)
+        runs = read_runs(Path(path), found)
+    else:
+        alone = read_recording(Path(path))
+        found, runs = find_plant(alone.plant or "hand", Path(path).parent), {"": alone}
     if experiment is not None:
-        recording = replace(recording, experiment=experiment_text(experiment))
+        told = experiment_text(experiment)
+        runs = {name: replace(each, experiment=told) for name, each in runs.items()}
+    for each in runs.values():
+        _expect(each, found, path)
+    return [(name if len(runs) > 1 else str(path), each, found) for name, each in runs.items()]
+
+
+def _expect(recording: Recording, plant: Plant, path: str | Path) -> None:
     try:
-        recording.expect(found.channels, what=f"the plant {found.name}")
+        recording.expect(plant.channels, what=f"the plant {plant.name}")
     except BadInput as error:
         raise BadInput(f"{path}: {error}; name another plant with --plant") from None
-    return [(str(path), recording, found)]
 
 
 def refuse_faults(named: Iterable[tuple[str, Sequence[Finding]]]) -> None:

@@ -244,7 +244,8 @@ def _effects(chosen: argparse.Namespace) -> None:
     from pathlib import Path
 
     from hannes import alike, catalogue
-    from hannes.plant import find_plant, own_catalogue
+    from hannes.hand_file import own_catalogue
+    from hannes.plant import find_plant
 
     found = find_plant(chosen.plant, Path.cwd()) if chosen.plant else None
     known = catalogue.effects() if found is None else own_catalogue(found)

@@ -75,7 +75,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     train = command("train", _train, "learn rigid from soft, stiffness and force from a data set")
     train.add_argument("dataset", help="a data set made by `hannes dataset`")
     train.add_argument("--out", metavar="MODEL.h5", help="the model (<dataset>-model.h5)")
-    train.add_argument("--trees", type=int, default=80, help="bagged trees (default 80)")
+    train.add_argument("--trees", type=int, help="bagged trees (default 80)")
     train.add_argument("--seed", type=int, default=0, help="of what is drawn (default 0)")
     train.add_argument("--window", default="50 ms", help="length of a window (default 50 ms)")
     train.add_argument("--hop", default="10 ms", help="from window to window (default 10 ms)")
@@ -103,9 +103,12 @@ def _dataset(chosen: argparse.Namespace) -> None:
     from hannes.dataset.make import make
     from hannes.dataset.part import recorded
     from hannes.dataset.spec import load_spec
+    from hannes.errors import BadInput
 
     spec, stem = load_spec(chosen.spec), f"results/{Path(chosen.spec).stem}"
     if chosen.grasp is not None:
+        if chosen.backend != "local" or chosen.scheduler or chosen.workers:
+            raise BadInput("--grasp makes one, here: leave out --backend, --scheduler, --workers")
         out = chosen.out or f"{stem}-{chosen.grasp}.h5"
         recorded(spec, chosen.grasp).write(out)
         told: dict[str, Any] = {"out": out, "grasp": chosen.grasp}
@@ -131,13 +134,14 @@ def _train(chosen: argparse.Namespace) -> None:
     from hannes.errors import BadInput
     from hannes.recognition import model_file
     from hannes.recognition.cut import Cut
-    from hannes.recognition.train import train
+    from hannes.recognition.train import TREES, train
     from hannes.units import quantity
 
-    if not 1 <= chosen.trees <= 2000:
-        raise BadInput(f"--trees {chosen.trees}: expected 1 to 2000")
+    trees = TREES if chosen.trees is None else chosen.trees
+    if not 1 <= trees <= 2000:
+        raise BadInput(f"--trees {trees}: expected 1 to 2000")
     cut = Cut(quantity(chosen.window, "s", "--window"), quantity(chosen.hop, "s", "--hop"))
-    model, told = train(chosen.dataset, trees=chosen.trees, seed=chosen.seed, cut=cut)
+    model, told = train(chosen.dataset, trees=trees, seed=chosen.seed, cut=cut)
     out = chosen.out or str(Path(chosen.dataset).with_suffix("")) + "-model.h5"
     model_file.write(out, model)
     if chosen.json:
@@ -157,6 +161,7 @@ def _train(chosen: argparse.Namespace) -> None:
 
 
 def _evaluate(chosen: argparse.Namespace) -> None:
+    from hannes.errors import BadInput
     from hannes.recognition import model_file
     from hannes.recognition.evaluate import (
         evaluate,
@@ -170,13 +175,18 @@ def _evaluate(chosen: argparse.Namespace) -> None:
 
     model = model_file.read(chosen.model)
     if not chosen.recordings.endswith(".toml"):
+        if chosen.out or chosen.learning_curve:
+            raise BadInput(
+                f"{chosen.recordings}: --out and --learning-curve are for an evaluation.toml"
+            )
         told = told_of(model, Recording.read(chosen.recordings))
         _print_json(told) if chosen.json else print(_grasp(told))
         return
     title, subjects = read_subjects(chosen.recordings)
     told = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
     if chosen.learning_curve:
-        told["learning_curve"] = learning_curve(curve(chosen.learning_curve), subjects)
+        models = curve(chosen.learning_curve, cut=model.cut)
+        told["learning_curve"] = learning_curve(models, subjects)
     if chosen.out:
         write(chosen.out, told)
     _print_json(told) if chosen.json else print(_scores(told))

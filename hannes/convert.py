@@ -14,7 +14,7 @@ from hannes.foreign.align import Shift, aligned
 from hannes.foreign.mapping import ColumnMap
 from hannes.foreign.mapping_file import read_mapping
 from hannes.foreign.rows import Run, read_runs
-from hannes.recording import SUFFIXES, Recording
+from hannes.recording import SUFFIXES, Recording, is_csv
 
 SIDECAR = ".conversion.json"  # beside a CSV, which has no room for what was done
 
@@ -75,10 +75,10 @@ def write(converted: Sequence[Converted], out: str | Path) -> list[Path]:
 
 
 def _write(each: Converted, target: Path) -> None:
-    if ".csv" in target.suffixes:
+    each.recording.write(target)
+    if is_csv(target):
         told = json.dumps(each.report, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
         files.write_text(target.with_name(target.name + SIDECAR), told)
-    each.recording.write(target)
 
 
 def _converted(path: Path, number: int, run: Run, mapping: ColumnMap) -> Converted:

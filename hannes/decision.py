@@ -53,10 +53,10 @@ def lacking(campaign: Campaign, pieces: Sequence[Piece], trials: Sequence[Trial]
             "record at least two more runs under the same command"
         )
     if not cutting.of(pieces, "select") or not cutting.of(pieces, "fit"):
+        longer = f", or one of at least {cutting.FEWEST_BLOCKS * campaign.plant.block:g} s"
         return (
             "no recording is left to choose by that was not fitted: record at least one more "
-            "run under the same command, or one of at least "
-            f"{cutting.FEWEST_BLOCKS * campaign.plant.block:g} s"
+            f"run under the same command{longer * cutting.halved(campaign.plant)}"
         )
     blocks = [trial.block_gains.size for trial in trials if trial.applicable]
     few = blocks and max(blocks) < FEWEST_BLOCKS

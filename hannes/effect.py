@@ -7,7 +7,7 @@ of `writes`, then the rate of each of its states.
 """
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,3 +89,16 @@ class Effect:
             lines.append(f"  {self.full_name(each.name)} [{each.unit}]: {each.doc}")
             lines.append(f"    {low:g} to {high:g}, {end}")
         return "\n".join(lines)
+
+
+def joined(present: Sequence[Effect], added: Iterable[Effect]) -> tuple[Effect, ...]:
+    """Effects of a model and those that join it; those that are in it already stay as they are.
+
+    Raises BadInput where two that join have one name: their parameters would be the same, too.
+    """
+    known = {each.name for each in present}
+    fresh = [each for each in added if each.name not in known]
+    for number, each in enumerate(fresh):
+        if each.name in (other.name for other in fresh[:number]):
+            raise BadInput(f'two effects have the name "{each.name}": rename one of them')
+    return (*present, *fresh)

@@ -33,7 +33,7 @@ _REASONS = {
     errno.EISDIR: "it is a folder; give the name of a file",
     errno.ENAMETOOLONG: "the name is too long",
 }
-_BODY_FAULTS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+BODY_FAULTS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 def write_text(path: str | Path, text: str) -> None:
@@ -58,7 +58,7 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
         _require_regular(target)
         temporary = _temporary(target)
     try:
-        with _explained(target, _BODY_FAULTS):
+        with _explained(target, BODY_FAULTS):
             yield temporary
         with _explained(target):
             _flush(temporary)
@@ -81,7 +81,7 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
         temporary = _temporary(target)
         temporary.mkdir()
     try:
-        with _explained(target, _BODY_FAULTS):
+        with _explained(target, BODY_FAULTS):
             yield temporary
         with _explained(target):
             _finish(temporary, target, kept)

@@ -12,7 +12,7 @@ from hannes.assemble import Compiled, Equations, assemble
 from hannes.catalogue import effect as find_effect
 from hannes.channels import LANES
 from hannes.contact.shapes import frame, sections
-from hannes.effect import Effect
+from hannes.effect import Effect, joined
 from hannes.layout import Layout
 from hannes.parameter import ParameterSet
 
@@ -36,9 +36,8 @@ class Hand:
     """A Hannes hand: immutable; `with_values` and `with_effects` return changed copies."""
 
     def __init__(self, effects: Iterable[Effect | str] = ()) -> None:
-        self.effects = tuple(
-            find_effect(each) if isinstance(each, str) else each for each in effects
-        )
+        found = [find_effect(each) if isinstance(each, str) else each for each in effects]
+        self.effects = joined((), found)
         own = (
             replace(each, name=effect.full_name(each.name))
             for effect in self.effects
@@ -52,9 +51,8 @@ class Hand:
 
     def with_effects(self, *effects: Effect | str) -> "Hand":
         """Return a copy whose model also has `effects`, at `off` until given a value."""
-        known = {each.name for each in self.effects}
         found = [find_effect(each) if isinstance(each, str) else each for each in effects]
-        grown = Hand((*self.effects, *(each for each in found if each.name not in known)))
+        grown = Hand(joined(self.effects, found))
         return self._copy(grown.effects, grown.parameters.with_values(dict(self.parameters)))
 
     def _copy(self, effects: tuple[Effect, ...], parameters: ParameterSet) -> "Hand":

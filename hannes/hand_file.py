@@ -96,13 +96,13 @@ def _expected(base: str, bases: Mapping[str, Any]) -> str:
 def changed(model: M, table: Table, folder: Path | None) -> M:
     """Return `model` with the `effects` and `[parameters]` of a table."""
     for name in table.texts("effects"):
-        model = model.with_effects(_effect(name, table, folder, own_effects(model)))
+        model = model.with_effects(_effect(name, table, folder, own_catalogue(model)))
     return model.with_values(values(table.table("parameters"), model))
 
 
-def own_effects(model: Model) -> Mapping[str, Effect]:
-    """Effects that only this kind of plant has: its `catalogue`, see hannes/plant.py."""
-    return getattr(model, "catalogue", {})
+def own_catalogue(plant: object) -> Mapping[str, Effect]:
+    """Effects that only this plant has; a plant may leave out the attribute `catalogue`."""
+    return getattr(plant, "catalogue", {})
 
 
 def _effect(name: str, table: Table, folder: Path | None, known: Mapping[str, Effect]) -> Effect:
@@ -175,7 +175,7 @@ def texts(model: Model, numbers: Mapping[str, float]) -> dict[str, str]:
 
 def effect_names(model: Model) -> list[str]:
     """Names under which a model's effects are found again: catalogue, or `file.py:EFFECT`."""
-    return [_effect_name(each, own_effects(model)) for each in model.effects]
+    return [_effect_name(each, own_catalogue(model)) for each in model.effects]
 
 
 def _effect_name(effect: Effect, known: Mapping[str, Effect]) -> str:

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from hannes import channels, hand_proposals, hand_runs
+from hannes.catalogue import laws
 from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.experiment import Experiment, Reference
@@ -15,6 +16,7 @@ from hannes.hand_expected import EXPECTED
 from hannes.parameter import ParameterSet
 from hannes.recording import Recording
 from hannes.simulate import simulate
+from hannes.table import Table
 
 # One standard deviation of what the given values of a real hand may be off, relative.
 SPREAD = 0.03
@@ -132,8 +134,15 @@ class HandPlant:
         return EQUATIONS.accepts(effect)
 
     def check(self, recording: Recording) -> None:
-        """Raise BadInput unless the recording tells what was asked of the hand."""
+        """Raise BadInput unless the recording tells what was asked of a hand such as this."""
         posed(recording)
+        own = {each.name for each in self.effects}
+        for name in _moving(recording.experiment) if recording.experiment else ():
+            if name not in own:
+                raise BadInput(
+                    f'the experiment has effects = ["{name}"], by which its object moves, and the '
+                    f'hand has not: base = a hand.toml with effects = ["{name}"] and its parameters'
+                )
 
     def simulate(
         self, parameters: Mapping[str, float], recording: Recording
@@ -206,7 +215,8 @@ class HandPlant:
 
     def proposals(self, recorded: Mapping[str, Recording]) -> dict[str, Recording]:
         """Runs that may be worth recording beside those of each condition that there are."""
-        return hand_proposals.proposals(recorded)
+        things = {name: self.own(recording)[0] for name, recording in recorded.items()}
+        return hand_proposals.proposals(recorded, things)
 
     def same_run(self, recording: Recording) -> bytes:
         """Equal where reference, times and experiment are."""
@@ -220,8 +230,7 @@ class HandPlant:
 
     def phases(self, recording: Recording) -> dict[str, np.ndarray]:
         """Start (first 0.1 s of motion), closing, holding, opening, by the reference."""
-        name = "reference" if "reference" in recording else "position"
-        speed = np.gradient(recording[name], recording.time)
+        speed = np.gradient(_motion(recording), recording.time)
         slow = 0.02 * max(np.abs(speed).max(), 1e-9)
         moving = np.flatnonzero(np.abs(speed) > slow)
         begun = recording.time[moving[0]] if moving.size else recording.time[0]
@@ -267,6 +276,27 @@ def _parsed(text: str) -> Experiment:
     from hannes.experiment_file import parse_experiment
 
     return parse_experiment(text)
+
+
+def _motion(recording: Recording) -> np.ndarray:
+    """What tells when the hand closes: what was asked, else what came [rad]."""
+    for name in ("reference", "position"):
+        if name in recording:
+            return recording[name]
+    return np.interp(recording.time, *posed(recording).reference.knots)
+
+
+def _moving(text: str) -> list[str]:
+    """Laws of an experiment by which its object moves: parts of the object, not of the hand."""
+    from hannes.experiment_file import KEYS
+
+    root = Table.parse(text, "experiment", KEYS)
+    moving = [
+        name
+        for name, law in laws().items()
+        if any(channel.startswith("object_") for term in law.terms for channel in term.writes)
+    ]
+    return [name for name in root.texts("effects") if name in moving]
 
 
 def recorded_reference(times: np.ndarray, values: np.ndarray) -> Reference:

@@ -18,13 +18,13 @@ BALL = "soft ball"
 RATE = 1000.0  # Hz, of what would be recorded
 
 
-def proposals(recorded: Mapping[str, Recording]) -> dict[str, Recording]:
+def proposals(recorded: Mapping[str, Recording], things: Mapping[str, str]) -> dict[str, Recording]:
     """Name of a run -> a recording of it that has times and a reference; channels are zero.
 
-    `recorded`: a recording of each condition there is.
+    `recorded`: a recording of each condition there is; `things`: what is handled in it.
     """
     found = {}
-    for name, recording in _plain(recorded).items():
+    for name, recording in _plain(recorded, things).items():
         if "reference" in recording:
             for change, shares in CHANGES.items():
                 found[f"{name}, {change}"] = _changed(recording, *shares)
@@ -32,15 +32,20 @@ def proposals(recorded: Mapping[str, Recording]) -> dict[str, Recording]:
     return {name: each for name, each in found.items() if name not in recorded}
 
 
-def _plain(recorded: Mapping[str, Recording]) -> dict[str, Recording]:
-    """One recording for each object: of those that handle the same, the shortest."""
-    found: dict[str, tuple[str, Recording]] = {}
-    for condition, recording in recorded.items():
-        thing = recording.experiment.partition("[object]")[2]
-        length = np.ptp(recording.time)
-        if thing not in found or length < np.ptp(found[thing][1].time):
-            found[thing] = condition.partition(",")[0], recording
-    return dict(found.values())
+def _plain(recorded: Mapping[str, Recording], things: Mapping[str, str]) -> dict[str, Recording]:
+    """One recording for each object: of those that handle the same, the shortest.
+
+    Named by its condition up to the comma, or the whole of it where that would be two objects'.
+    """
+    shortest: dict[str, str] = {}  # thing -> condition
+    for condition in sorted(recorded, key=lambda name: float(np.ptp(recorded[name].time))):
+        shortest.setdefault(things[condition], condition)
+    chosen = [name for name in recorded if name in shortest.values()]
+    short = [name.partition(",")[0] for name in chosen]
+    return {
+        brief if short.count(brief) == 1 else name: recorded[name]
+        for name, brief in zip(chosen, short, strict=True)
+    }
 
 
 def _changed(recording: Recording, speed: float, amplitude: float) -> Recording:

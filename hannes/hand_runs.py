@@ -33,15 +33,15 @@ def nominal(hand: Hand, experiment: Experiment) -> dict[str, float]:
 
 
 def own(experiment: Experiment) -> tuple[str, tuple[str, ...]]:
-    """The object of a run and the parameters that are its own, not those of the hand's object."""
-    thing = experiment.object
-    if thing is None:
+    """The object of a run, by all that its experiment says of it, and the parameters of it alone.
+
+    Two runs handle one object where its shape and every value given are the same.
+    """
+    if experiment.object is None:
         return "nothing", ()
-    given = [name for name in thing.values if name.startswith("object.")]
-    if len(given) < len(_FEATURES):
-        return "the hand's object", _FEATURES
-    values = ", ".join(f"{name}={thing.values[name]!r}" for name in sorted(given))
-    return f"{thing.shape} {values}", _FEATURES
+    given = sorted((n, v) for n, v in experiment.overrides().items() if n.startswith("object."))
+    values = ", ".join(f"{name}={value!r}" for name, value in given)
+    return f"{experiment.object.shape} {values or 'of the hand'}", _FEATURES
 
 
 _FEATURES = ("object.stiffness", "object.damping", "object.friction", "object.x", "object.y")

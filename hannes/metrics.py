@@ -18,7 +18,7 @@ DEFINITIONS = {
     "after the peak",
     "F_max": "peak of the sum of the phalanges' normal forces",
     "void current": "mean current over 0.15-0.30 s of a free closure",
-    "closing time": "time to 90 % of the final position of a free closure",
+    "closing time": "time to 90 % of the furthest position of a free closure",
 }
 
 
@@ -100,8 +100,14 @@ def void_current(time: np.ndarray, current: np.ndarray) -> float:
 
 
 def closing_time(time: np.ndarray, position: np.ndarray) -> float:
-    """Time [s] to 90 % of the final position of a free closure that ends closed."""
-    return float(time[np.argmax(position >= 0.9 * position[-1])])
+    """Time [s] to 90 % of the furthest position of a free closure, between samples.
+
+    NaN where it begins there.
+    """
+    level = 0.9 * position.max()
+    after = int(np.argmax(position >= level))
+    pair = slice(after - 1, after + 1)
+    return float(np.interp(level, position[pair], time[pair])) if after else float("nan")
 
 
 def relative_error(hannes: float, model: float) -> float:

@@ -32,12 +32,13 @@ class Piece:
 def cut(campaign: Campaign) -> tuple[list[Piece], str]:
     """Return the pieces and a sentence on how they were cut, empty where they are recordings.
 
-    Where no recording is left to choose by, long fitted ones give their second half for it.
+    Where no recording is left to choose by, long fitted ones give their second half for it, if
+    the plant allows.
     """
     plant = campaign.plant
     pieces = [Piece(e, e.role, plant.judged_part(e.recording)) for e in campaign.entries]
     long = [piece for piece in pieces if piece.role == "fit" and _blocks(piece, plant)]
-    if campaign.of("select") or not long:
+    if campaign.of("select") or not long or not halved(plant):
         return pieces, ""
     runs = {id(piece): _runs(piece, plant) for piece in long}
     made = [
@@ -53,6 +54,11 @@ def cut(campaign: Campaign) -> tuple[list[Piece], str]:
     if counts:
         note += f"; its command repeats, so that it was cut between two of {counts[0]} runs"
     return made, note
+
+
+def halved(plant: Plant) -> bool:
+    """Whether half a recording may choose: not where a diagnosis fits runs as wholes."""
+    return not getattr(plant, "uncertain", {})
 
 
 def _blocks(piece: Piece, plant: Plant) -> bool:

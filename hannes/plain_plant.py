@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from hannes._jit import plain
-from hannes.effect import Effect, Term
+from hannes.effect import Effect, Term, joined
 from hannes.errors import BadInput
 from hannes.parameter import Parameter, ParameterSet, group
 from hannes.recording import Recording
@@ -44,8 +44,7 @@ class PlainPlant:
 
     def with_effects(self, *effects: Effect) -> Self:
         """Return a plant whose model has `effects` too."""
-        known = {each.name for each in self.effects}
-        grown = type(self)((*self.effects, *(each for each in effects if each.name not in known)))
+        grown = type(self)(joined(self.effects, effects))
         return grown.with_values(dict(self.parameters))
 
     def with_values(self, values: Mapping[str, float]) -> Self:

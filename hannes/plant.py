@@ -183,11 +183,6 @@ def expectations(plant: Plant) -> Mapping[str, Expected]:
     return getattr(plant, "expected", {})
 
 
-def own_catalogue(plant: object) -> Mapping[str, Effect]:
-    """Effects that only this plant has; a plant may leave out the attribute `catalogue`."""
-    return getattr(plant, "catalogue", {})
-
-
 def robust(plant: Plant, channel: str) -> float:
     """Difference beyond which a sample pulls no harder; infinite where the plant says nothing."""
     return float(getattr(plant, "robust", {}).get(channel, np.inf))

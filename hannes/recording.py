@@ -58,7 +58,7 @@ class Recording:
     @classmethod
     def read(cls, path: str | Path) -> Self:
         """Read a .csv, .csv.gz, .h5 or .hdf5 file; BadInput names the file and the line."""
-        return cls.from_csv(path) if _is_csv(path) else cls.from_hdf5(path)
+        return cls.from_csv(path) if is_csv(path) else cls.from_hdf5(path)
 
     @classmethod
     def from_csv(cls, path: str | Path, **metadata: Any) -> Self:
@@ -84,7 +84,7 @@ class Recording:
 
     def write(self, path: str | Path) -> None:
         """Write a .csv, .csv.gz, .h5 or .hdf5 file, whole or not at all."""
-        if _is_csv(path):
+        if is_csv(path):
             self.to_csv(path)
         else:
             self.to_hdf5(path)
@@ -93,7 +93,7 @@ class Recording:
         """Write all channels with the digits that read back to the same floats."""
         from hannes import files, recording_csv
 
-        packed = str(path).endswith(".gz")
+        packed = str(path).lower().endswith(".gz")
         files.write_bytes(path, recording_csv.dump(self.channels, self.units, packed))
 
     def to_hdf5(self, path: str | Path) -> None:
@@ -179,7 +179,8 @@ class Recording:
         return f"Recording({origin}: {len(self)} samples, {span}; {columns})"
 
 
-def _is_csv(path: str | Path) -> bool:
+def is_csv(path: str | Path) -> bool:
+    """Tell CSV from HDF5 by the name; BadInput where it is neither's."""
     name = str(path).lower()
     if not name.endswith(SUFFIXES):
         raise BadInput(f"{path}: expected a recording named {', '.join(SUFFIXES)}")

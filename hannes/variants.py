@@ -29,7 +29,8 @@ class Variant:
     @property
     def file(self) -> str:
         """Name of its recording: recording.h5, or recording-<variant>.h5."""
-        slug = re.sub(r"[^a-z0-9.]+", "-", self.name.lower()).strip("-.")
+        signed = re.sub(r"(?<![a-z0-9.])-(?=[0-9.])", "minus ", self.name.lower())
+        slug = re.sub(r"[^a-z0-9.]+", "-", signed).strip("-.")
         return f"recording-{slug}.h5" if slug else "recording.h5"
 
 

@@ -172,7 +172,7 @@ def recordings(seed, hidden=(), growth=0.0):
                 for name, values in run.items()
             }
             recording = Recording({"time": TIMES, "drive": drive, **noisy}, UNITS)
-            made.append(Entry(f"{condition}_{number}", recording, condition, role))
+            made.append(Entry(f"{condition}_{number}", recording, condition, role, len(made)))
     return tuple(made)
 
 

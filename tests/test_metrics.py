@@ -100,7 +100,8 @@ def test_the_void_current_is_the_mean_of_its_window_alone():
 
 
 def test_the_closing_time_is_that_of_nine_tenths():
-    assert closing_time(T, np.minimum(10.0 * T + 1e-9, 8.0)) == 0.72
+    assert closing_time(T, np.minimum(10.0 * T, 8.0)) == pytest.approx(0.72, abs=1e-12)
+    assert np.isnan(closing_time(T, np.ones_like(T)))
 
 
 def test_equation_4_keeps_its_sign():

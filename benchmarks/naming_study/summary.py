@@ -100,7 +100,7 @@ def closures(cases: Cases) -> list[Row]:
 def empties(cases: Cases) -> list[Row]:
     """False alarms over all hands in which nothing is hidden, or nothing that could be named."""
     some = [c for c in cases if c["what"] == "empty" and c["told"] == 1.0]
-    hardly = [c for c in cases if c["what"] == "single" and c["times"] is None]
+    hardly = [c for c in cases if c["what"] == "single" and c["times"] is None and c["told"] == 1.0]
     rows = []
     if some:
         rows.append(at_most("nothing hidden: named", share(some, "named"), 0.02))

@@ -30,16 +30,9 @@ def _void_current(time: np.ndarray, channels: Channels) -> dict[str, float]:
 
 
 def _closing_time(time: np.ndarray, channels: Channels) -> dict[str, float]:
-    """To 90 % of the furthest position, between samples."""
     if "position" not in channels or _touches(channels):
         return {}
-    position = channels["position"]
-    level = 0.9 * position.max()
-    after = int(np.argmax(position >= level))
-    if after == 0:
-        return {}
-    pair = slice(after - 1, after + 1)
-    return {"closing time": float(np.interp(level, position[pair], time[pair]))}
+    return {"closing time": metrics.closing_time(time, channels["position"])}
 
 
 def _touches(channels: Channels) -> bool:

@@ -1,6 +1,7 @@
 """The result of a calibration, as plain data and as a sentence."""
 
 import json
+import re
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,6 +18,7 @@ from hannes.versions import versions
 
 APART = 0.5  # half-widths of an interval within which two starts found the same
 MOST_WARNINGS = 5  # in a terminal; files hold all
+_MILLI = re.compile(r"(N|m|s|A|V)(?![\w^²³])")  # units that a small value is told in thousandths of
 NO_WORSE = 1.01  # times the least misfit: a start that ended there ended as well
 
 
@@ -169,7 +171,7 @@ class Fit:
 
 def told(answer: Answer) -> str:
     """`18.083 mN m/A (18.071 to 18.095)`: as many digits as the interval bears."""
-    small = answer.unit.startswith(("N", "m", "s", "A", "V")) and 0.0 < abs(answer.value) < 0.1
+    small = bool(_MILLI.match(answer.unit)) and 0.0 < abs(answer.value) < 0.1
     factor, unit = (1e3, f"m{answer.unit}") if small else (1.0, answer.unit)
     value, low, high = (factor * each for each in (answer.value, answer.low, answer.high))
     width = max(high - low, 1e-12 * abs(value), 1e-300)

@@ -8,7 +8,6 @@
 Attributes `meanings` of the root and of the table say in JSON what is what (ROOT, MEANINGS).
 """
 
-import errno
 import hashlib
 import inspect
 import json
@@ -24,13 +23,13 @@ from hannes.dataset import draw, law, part
 from hannes.dataset.part import SIZE, STORED, Part, chunk, count, table_type, units
 from hannes.dataset.spec import ROLES, Spec
 from hannes.errors import BadInput
+from hannes.files import BODY_FAULTS
 from hannes.observe import UNITS, noisy
 from hannes.recording_hdf5 import set_attribute
 from hannes.versions import versions
 
 SCHEMA = "hannes-dataset-1"
 DRAWING = ("matplotlib",)  # packages on which no byte hangs
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 ROOT = {
     "specification": "TOML, resolved: all that was asked for",
     "seed": "of all random numbers; a grasp's are its own, by its number",
@@ -125,7 +124,7 @@ def _told(path: Path) -> Iterator[None]:
         yield
     except (OSError, RuntimeError) as error:
         number = getattr(error, "errno", None)
-        if number in FULL or any(f"errno = {each}," in str(error) for each in FULL):
+        if number in BODY_FAULTS or any(f"errno = {each}," in str(error) for each in BODY_FAULTS):
             raise BadInput(
                 f"cannot write {path.parent}: no space left on the disk; free some and run the "
                 "same again: what was simulated is kept"

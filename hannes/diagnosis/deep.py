@@ -54,8 +54,7 @@ def deep(campaign: Campaign, settings: Settings, seed: int, told: Told) -> Resul
     known = campaign.of("fit", "select")
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]
-    taken = any(each.name == ANYTHING.name for each in usable)
-    usable += [] if taken or campaign.plant.accepts(ANYTHING) else [ANYTHING]
+    usable += [] if campaign.plant.accepts(ANYTHING) else [ANYTHING]
     found = investigate(campaign.plant, known, usable, settings, seed, told)
     choice = chosen(found, *(_masks(found, role) for role in ("fit", "select")))
     told("the recordings to show")
@@ -92,7 +91,7 @@ class _Closing:
 
     def __init__(self, campaign: Campaign, found: Found, choice: Choice, seed: int) -> None:
         self.campaign, self.found, self.choice, self.seed = campaign, found, choice, seed
-        pieces, self.note = cutting.cut(campaign)
+        pieces, _ = cutting.cut(campaign)
         self.known, self.shown = (cutting.of(pieces, *r) for r in (("fit", "select"), ("show",)))
         self.floors, self.how = floors(campaign.plant, self.known)
         self.model = found.base.ground.model
@@ -123,7 +122,6 @@ class _Closing:
             seed=self.seed,
             gap_on="the recordings in role show, which were never fitted",
             floor_from=self.how,
-            cut=self.note,
             next_run=self.next_run(),
             smallest_detectable=self.detectable(),
             confusability=self.confusability(),

@@ -22,14 +22,12 @@ class Group:
     numbers: how many runs of the campaign came before each, shape (runs,)
     """
 
-    def __init__(
-        self, plant: Plant, entries: Sequence[Entry], numbers: Sequence[int] | None = None
-    ) -> None:
+    def __init__(self, plant: Plant, entries: Sequence[Entry]) -> None:
         channels = tuple(name for name in plant.judged if name in entries[0].recording)
         duration = float(np.ptp(entries[0].recording.time))
         self.width = round(max(BIN, duration / BINS), 6)
         self.entries = tuple(entries)
-        self.numbers = np.arange(len(entries)) if numbers is None else np.array(numbers)
+        self.numbers = np.array([each.number for each in entries])
         self.views = [View(each, plant, channels, (), self.width) for each in entries]
         self.recording = entries[0].recording
         self.names, self.part = self.views[0].channels, self.views[0].part
@@ -81,13 +79,10 @@ def given(plant: Plant, recording: object) -> tuple[dict[str, float], tuple[str,
 
 def grouped(plant: Plant, entries: Sequence[Entry]) -> list[Group]:
     """Groups of repeats in the order of the recordings."""
-    found: dict[tuple[bytes, tuple[str, ...], int], list[tuple[int, Entry]]] = {}
-    for number, entry in enumerate(entries):
+    found: dict[tuple[bytes, tuple[str, ...], int], list[Entry]] = {}
+    for entry in entries:
         recording = entry.recording
         names = tuple(name for name in plant.judged if name in recording)
         kind = plant.same_run(recording), names, len(recording)
-        found.setdefault(kind, []).append((number, entry))
-    return [
-        Group(plant, [entry for _, entry in each], [number for number, _ in each])
-        for each in found.values()
-    ]
+        found.setdefault(kind, []).append(entry)
+    return [Group(plant, each) for each in found.values()]

@@ -31,7 +31,6 @@ RARE = 4  # times longer than any other stretch of one value
 JUMP = 3.0  # times the fastest sustained move
 LEAST_JUMP = 0.01  # of the channel's range
 COARSE = 50.0  # steps in the range, below which resolution hurts
-LOUD = 4.0  # range over noise, below which a channel tells little
 
 
 def inspect(subject: Subject) -> Iterator[Finding]:

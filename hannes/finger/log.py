@@ -29,13 +29,18 @@ def is_log(path: Path) -> bool:
 
 def load(path: Path) -> dict[str, Recording]:
     """Return the trials in their order, by name; BadInput where a column or a number is missing."""
-    rows = csv.DictReader(io.StringIO(read_bytes(path).decode("utf-8-sig")))
-    wanted = ("Trial_Index", *COLUMNS)
-    if missing := [name for name in wanted if name not in (rows.fieldnames or ())]:
-        raise BadInput(f"{path}, line 1: lacks {', '.join(missing)}: expected a log of a finger")
     try:
+        text = read_bytes(path).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise BadInput(f"{path}: no UTF-8 text: {error.reason} at byte {error.start}") from None
+    rows = csv.DictReader(io.StringIO(text, newline=""))
+    wanted = ("Trial_Index", *COLUMNS)
+    try:
+        if missing := [name for name in wanted if name not in (rows.fieldnames or ())]:
+            lacks = ", ".join(missing)
+            raise BadInput(f"{path}, line 1: lacks {lacks}: expected a log of a finger")
         table = np.array([[float(row[name]) for name in wanted] for row in rows])
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, csv.Error) as error:
         raise BadInput(f"{path}, line {rows.line_num}: no number: {error}") from None
     if not table.size:
         raise BadInput(f"{path}: a header without rows")

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from hannes.assemble import Equations, assemble
-from hannes.effect import Effect
+from hannes.effect import Effect, joined
 from hannes.errors import BadInput, ComputationFailed
 from hannes.expected import Expected
 from hannes.finger import (
@@ -120,8 +120,7 @@ class Finger:
 
     def with_effects(self, *effects: Effect) -> "Finger":
         """Return a finger whose model has `effects` too."""
-        known = {each.name for each in self.effects}
-        grown = Finger((*self.effects, *(each for each in effects if each.name not in known)))
+        grown = Finger(joined(self.effects, effects))
         return grown.with_values(dict(self.parameters))
 
     def with_values(self, values: Mapping[str, float]) -> "Finger":

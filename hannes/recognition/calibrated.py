@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hannes.recognition.grasps import Grasps, held, last_held
-from hannes.recognition.model import Band, Calibration, Model, grasp_peak, grasp_stiffness
+from hannes.recognition.grasps import Grasps, last_held
+from hannes.recognition.model import Band, Calibration, Model, grasp_peak, grasp_stiffness, held
 
 BINS = 6  # of an interval's width
 FOLDS = 5

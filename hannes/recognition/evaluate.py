@@ -21,6 +21,7 @@ import numpy as np
 from hannes.dataset.part import touching
 from hannes.errors import BadInput
 from hannes.files import atomic_folder
+from hannes.matching import matching
 from hannes.recognition.estimates import judged
 from hannes.recognition.grasps import scored
 from hannes.recognition.model import RIGID, UNKNOWN, WORDS, Model, decided, plain
@@ -63,7 +64,10 @@ def _subject(root: Table, k: int) -> Subject:
     table = Table(given, root.where, ("name", "class", "file", "stiffness"), f"object[{k}].")
     table.require("file", '"ball-*.h5"')
     pattern = table.text("file", "")
-    files = sorted(Path(root.where).parent.glob(pattern)) if pattern else []
+    try:
+        files = matching(pattern, Path(root.where).parent) if pattern else []
+    except BadInput as error:
+        table.refuse("file", f"cannot be used: {error}")
     if not files:
         table.refuse("file", f'= "{pattern}": no such file')
     recordings = tuple(Recording.read(each) for each in files)
@@ -81,6 +85,10 @@ def _require_force(path: Path, recording: Recording) -> None:
         raise BadInput(
             f"{path}: has no force; contact and release are read from it (training needs none)"
         )
+    try:
+        recording.expect({**recording.units, "force": "N"}, ("force",))
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from None
 
 
 def evaluate(model: Model, subjects: Sequence[Subject]) -> dict[str, Any]:

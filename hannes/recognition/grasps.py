@@ -9,7 +9,7 @@ from hannes.dataset.read import BLOCK, DataSet
 from hannes.errors import BadInput
 from hannes.recognition.cut import Cut
 from hannes.recognition.features import CHANNELS
-from hannes.recognition.model import HELD, RISE, SINCE
+from hannes.recognition.model import held
 from hannes.recognition.passages import of_grasp
 
 WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
@@ -57,6 +57,11 @@ def grasps(data: DataSet, which: np.ndarray, cut: Cut) -> Grasps:
         raise BadInput(f"{data.path}: sampled at {rate:g} Hz, expected {cut.sampling:g} Hz")
     features, whole, force = [], [], []
     ends = cut.ends(data.time.size) - 1
+    if not ends.size:
+        raise BadInput(
+            f"a window of {cut.window:g} s is too long for grasps of {np.ptp(data.time):g} s: "
+            "features look back over two"
+        )
     blocks, count = data.blocks(rows, (*CHANNELS, "force")), -(-rows.size // BLOCK)
     for block in tqdm(blocks, "reading grasps", count, delay=2.0, leave=False, disable=None):
         features.append(cut.features(block[..., :3]))
@@ -73,11 +78,6 @@ def wholes(samples: np.ndarray, features: np.ndarray, cut: Cut) -> np.ndarray:
     """Features of whole grasps, as in `of_grasp`, from their samples and those of their windows."""
     last = last_held(features)
     return np.array([of_grasp(*each, cut) for each in zip(samples, features, last, strict=True)])
-
-
-def held(features: np.ndarray) -> np.ndarray:
-    """Windows in which an object is held, as far as the features tell."""
-    return (np.nan_to_num(features[..., SINCE]) > 0.0) & (features[..., RISE] > HELD)
 
 
 def last_held(features: np.ndarray) -> np.ndarray:

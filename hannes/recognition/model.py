@@ -21,6 +21,11 @@ SOFT, RIGID, UNKNOWN = 0, 1, 2
 WORDS = ("soft", "rigid", "don't know")
 
 
+def held(features: np.ndarray) -> np.ndarray:
+    """Windows in which an object is held, as far as the features (..., windows, n) tell."""
+    return (np.nan_to_num(features[..., SINCE]) > 0.0) & (features[..., RISE] > HELD)
+
+
 @dataclass(frozen=True)
 class Calibration:
     """What a forest says against what it was worth on grasps it had not seen: x rising, y."""
@@ -122,16 +127,15 @@ class Model:
         samples = self.cut.samples(recording)
         rows = self.cut.features(samples[np.newaxis])[0]
         time = recording.time[0] + self.cut.times(samples.shape[0])
-        touched = rows[:, SINCE] > 0.0
-        held = touched & (rows[:, RISE] > HELD)
+        touched, holds = rows[:, SINCE] > 0.0, held(rows)
         rigid = self.windows(rows)
         so_far = running(rigid, touched, self.cut.hop)
         force = self.force.quantiles(rows)
-        last = int(np.flatnonzero(held)[-1]) if held.any() else -1
+        last = int(np.flatnonzero(holds)[-1]) if holds.any() else -1
         return Told(
-            time, rigid, so_far, np.where(held, np.exp(force[:, 1]), 0.0), touched, held,
-            float(so_far[last]) if held.any() else 0.5, self.sure,
-            self._stiffness(rows, held), self._peak(samples, rows, force, held),
+            time, rigid, so_far, np.where(holds, np.exp(force[:, 1]), 0.0), touched, holds,
+            float(so_far[last]) if holds.any() else 0.5, self.sure,
+            self._stiffness(rows, holds), self._peak(samples, rows, force, holds),
         )  # fmt: skip
 
     def _stiffness(self, rows: np.ndarray, held: np.ndarray) -> Estimate | None:

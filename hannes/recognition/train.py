@@ -14,20 +14,21 @@ from hannes.recognition.calibrated import Answers, answered, answers, calibrated
 from hannes.recognition.cut import Cut
 from hannes.recognition.gaussian_process import FEWEST as FEWEST_LET_GO
 from hannes.recognition.gaussian_process import ProcessMean, learnt
-from hannes.recognition.grasps import Grasps, grasps, held, last_held
-from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, running
+from hannes.recognition.grasps import Grasps, grasps, last_held
+from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, held, running
 
 LEAST = 0.5  # N, of the force that is learnt
 EARLIER = 0.03  # share that force is learnt from of the windows before a grasp's last
 LAST = 30.0  # weight of that last: many times all earlier ones
 FEWEST = 30  # grasps of a learning curve
+TREES = 80
 FEW = 5000  # windows: with fewer each tree learns from all that its grasps have
 
 
 def train(
     path: str | Path,
     *,
-    trees: int = 100,
+    trees: int = TREES,
     seed: int = 0,
     cut: Cut | None = None,
     jobs: int | None = -1,
@@ -40,6 +41,8 @@ def train(
     given. Grasps of the role "test" are only reported on. Raises BadInput where the file is no data
     set, or has too few grasps of a class.
     """
+    if seed < 0:
+        raise BadInput(f"seed = {seed}: expected 0 or more")
     data, cut = read(path), cut or Cut()
     known = grasps(data, data.role("train"), cut)
     if most is not None:
@@ -54,18 +57,26 @@ def train(
 
 
 def curve(
-    path: str | Path, *, trees: int = 40, seed: int = 0, jobs: int | None = -1
+    path: str | Path,
+    *,
+    trees: int = 40,
+    seed: int = 0,
+    cut: Cut | None = None,
+    jobs: int | None = -1,
 ) -> Iterator[tuple[int, Model]]:
     """Models that learnt from ever more grasps, and from how many: a learning curve.
 
-    From all that `train` learns from down to a quarter, a quarter of that, and so on to some 30.
+    From all that `train` learns from down to a quarter, a quarter of that, and so on to some 30;
+    a part that lacks a class is passed over.
     """
-    data, cut = read(path), Cut()
+    data, cut = read(path), cut or Cut()
     known = grasps(data, data.role("train"), cut)
     order = np.random.default_rng(seed).permutation(known.rigid.size)
     steps = 1 + max(0, int(np.log(order.size / FEWEST) / np.log(4.0)))
     for count in [round(order.size / 4.0**k) for k in range(steps)][::-1]:
-        yield count, _learnt(known.some(order[:count]), data, cut, trees, seed, jobs)[0]
+        part = known.some(order[:count])
+        if np.unique(part.rigid).size == 2:
+            yield count, _learnt(part, data, cut, trees, seed, jobs)[0]
 
 
 @dataclass(frozen=True)

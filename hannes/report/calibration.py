@@ -120,13 +120,21 @@ def _runs(result: "Fit") -> Table:
     for each in result.plain()["runs"]:
         sizes = each["differs"]
         most = sorted(sizes, key=lambda name: -abs(sizes[name] / plan.nuisance[name]))[:2]
-        given = result.campaign.plant.parameters
-        told = [f"{name} {100.0 * sizes[name] / abs(given[name]):+.2g} %" for name in most]
+        told = [f"{name} {_off(result, name, sizes[name])}" for name in most]
         late = f"{1e3 * each['starts_late_s']:+.2f} ms"
         rows.append((each["file"], each["condition"], late, ", ".join(told) or "–"))
     columns = ("Recording", "Condition", "Starts late by", "Differs most in")
     note = "What each run most likely did by itself, given how much runs are taken to differ."
     return Table("runs", "Run by run", columns, tuple(rows), note)
+
+
+def _off(result: "Fit", name: str, size: float) -> str:
+    """How far a run is off in a parameter: as a share of the given value, where it has one."""
+    parameters = result.campaign.plant.parameters
+    if parameters[name]:
+        return f"{100.0 * size / abs(parameters[name]):+.2g} %"
+    unit = parameters.declared[name].unit
+    return f"{size:+.2g}" if unit == "1" else f"{size:+.2g} {unit}"
 
 
 def _doubted(result: "Fit") -> Table:

@@ -69,6 +69,10 @@ def _tried(diagnosis: "Diagnosis") -> Table:
     gains = {row["effect"]: row for row in diagnosis.verdict.candidates}
     rows = []
     unfit = [each["effect"] for each in diagnosis.verdict.tried if not each["applicable"]]
+    evidence, level = "Size / its deviation", "Each at a false-alarm level of"
+    if diagnosis.deep is not None:
+        evidence = "√ of the fall in misfit"
+        level = "A name on a machine that lacks nothing is to come with a chance of"
     for attempt in diagnosis.verdict.tried:
         if attempt["effect"] in unfit:
             continue
@@ -78,11 +82,9 @@ def _tried(diagnosis: "Diagnosis") -> Table:
         alike = ", ".join(row["confusable_with"]) if row else ""
         least = _least(diagnosis, attempt["effect"])
         rows.append((attempt["effect"], share, sigma, least, alike or "–", attempt["why"]))
-    columns = (
-        "Effect", "Explains", "Size / its deviation", "Smallest size seen", "Looks like", "Outcome",
-    )  # fmt: skip
+    columns = ("Effect", "Explains", evidence, "Smallest size seen", "Looks like", "Outcome")
     note = (
-        f"Each at a false-alarm level of {diagnosis.verdict.alpha:g}. Smallest size seen: with "
+        f"{level} {diagnosis.verdict.alpha:g}. Smallest size seen: with "
         "80 % power, were the fit linear; “none” where it lies beyond the physical bounds."
     )
     if unfit:

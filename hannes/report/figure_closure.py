@@ -24,7 +24,7 @@ def closure(run: Trajectory) -> Drawn:
         "fig6",
         "Fig. 6: free closure to the stops",
         f"The reference goes on until every finger is at its stop; the hand is closed (90 % of its "
-        f"final position) after {decimals(taken, 3)} s. The paper publishes that its model's "
+        f"furthest position) after {decimals(taken, 3)} s. The paper publishes that its model's "
         "closing time is within 1 % of the hand's, but not the time itself.",
         f"Output angle over time: the position follows the rising reference closely until the "
         f"fingers meet their stops near {number(float(run['position'][-1]))} rad.",
