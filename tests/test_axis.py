@@ -131,6 +131,20 @@ def test_a_file_that_is_no_record(tmp_path, content):
         load(path)
 
 
+def test_a_damaged_matlab_file_is_one_line(tmp_path):
+    from scipy.io import savemat
+
+    names = dict.fromkeys(("t", "qg", "qm", "vir"), np.arange(3000.0))
+    savemat(tmp_path / "r.mat", names, do_compression=True)
+    whole = (tmp_path / "r.mat").read_bytes()
+    for place in range(136, len(whole), 97):
+        (tmp_path / "r.mat").write_bytes(whole[:place] + b"\xff\x00" + whole[place + 2 :])
+        try:
+            load(tmp_path / "r.mat")
+        except BadInput as error:
+            assert "r.mat" in str(error)
+
+
 def test_a_matlab_file_with_other_names(tmp_path):
     from scipy.io import savemat
 

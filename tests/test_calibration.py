@@ -11,6 +11,7 @@ import pytest
 from hannes.calibrate import calibrate
 from hannes.calibration import least, search
 from hannes.calibration.features import measure
+from hannes.calibration.result import told
 from hannes.campaign import Campaign, Entry
 from hannes.errors import BadInput, ComputationFailed
 from hannes.recording import Recording
@@ -116,6 +117,29 @@ def test_runs_never_fitted_are_predicted_down_to_the_floor():
     for gap in found.gap.values():
         assert gap["after"] < 0.2 * gap["as_given"]
         assert gap["after"] < 2.0 * gap["floor"]
+
+
+def test_runs_to_show_alone_are_fitted_and_not_told_as_held_out():
+    made = oven.campaign(8, TRUE, runs=6, shown=6, parameters=THREE)
+    found = calibrate(made, progress=False)
+    assert found.gap == {} and set(found.fitted_gap) == {"heat", "glow"}
+
+
+def test_what_differs_by_itself_about_zero_is_told_in_its_unit(tmp_path):
+    asked = {"parameters": ["oven.gain"], "nuisance": {"oven.offset": "1 mm"}}
+    made = oven.campaign(8, TRUE, runs=6, **asked)
+    calibrate(made, out=tmp_path / "out", progress=False)
+    assert "oven.offset" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("unit", "shown"),
+    [("m", "0.500 mm (0.400 to 0.600)"), ("m^2", "0.000500 m^2 (0.000400 to 0.000600)")],
+)
+def test_thousandths_are_told_of_plain_units_alone(unit, shown):
+    found = calibrate(oven.campaign(1, TRUE, parameters=["oven.gain"]), progress=False)
+    answer = replace(found.answers[0], unit=unit, value=5e-4, low=4e-4, high=6e-4)
+    assert told(answer) == shown
 
 
 def test_one_run_alone_is_cut_into_stretches_and_says_so():

@@ -61,6 +61,21 @@ role = "show"
     assert {"leader_slack", "gear_load"} <= set(found.effects)
 
 
+def test_a_folder_for_each_run_makes_no_repeats_and_keeps_their_order(tmp_path):
+    for number in (10, 9):
+        (tmp_path / f"run {number}").mkdir()
+        recording().write(tmp_path / f"run {number}" / "log.h5")
+    found = read_campaign(campaign(tmp_path, '[[recording]]\nfile = "*/log.h5"\n')).entries
+    assert [each.name for each in found] == ["run 9/log.h5", "run 10/log.h5"]
+    assert [each.condition for each in found] == ["run 9/log.h5", "run 10/log.h5"]
+    assert [each.number for each in found] == [0, 1]
+
+
+def test_a_seed_below_zero_is_refused(tmp_path):
+    with pytest.raises(BadInput, match="seed = -1"):
+        read_campaign(campaign(tmp_path, ROW), seed=-1)
+
+
 def entries(**conditions):
     """Entries without role: so many of each condition."""
     return [
@@ -121,10 +136,15 @@ def test_a_shipped_campaign_is_found_by_name():
         (ROW + "[[recording]]\nfile = 'q.h5'", "recording 2.file = .*q.h5: there is no such file"),
         ("[[recording]]\nfile = 'v_*.h5'", 'recording 1.file = "v_\\*.h5" matches no file'),
         ("[[recording]]\nfile = '.'", "a folder; expected a file"),
+        ("[[recording]]\nfile = '**.h5'", "recording 1.file cannot be used: .* no pattern"),
+        (ROW + "runs = '::00'", 'recording 1.runs = "::00": expected start:stop:step'),
+        ("[[recording]]\nfile = '*.h5'\n" + ROW + "role = 'show'", 'recording lists "r.h5" twice'),
+        ("effects = ['own.py:MINE']\n" + ROW, 'two effects have the name "capstan": rename'),
     ],
 )
 def test_a_bad_campaign_is_one_line_with_its_name(tmp_path, text, said):
     file = campaign(tmp_path, text)
+    (tmp_path / "own.py").write_text("from hannes.dynamics.capstan import EFFECT as MINE\n")
     with pytest.raises(BadInput, match=said) as caught:
         read_campaign(file)
     assert str(tmp_path) in str(caught.value) and "\n" not in str(caught.value)
@@ -138,6 +158,10 @@ def test_a_bad_campaign_is_one_line_with_its_name(tmp_path, text, said):
         (recording(experiment='duration = "1 N"'), "experiment: "),
         (recording(experiment="sweeep = 1"), 'unknown key "sweeep"; did you mean "sweep"'),
         (recording(without=["current", "position"]), "has none of the channels current, position"),
+        (
+            recording(experiment=experiment_text("floating-cylinder")),
+            "its object moves, and the hand has not: base = a hand.toml with effects",
+        ),
     ],
 )
 def test_a_recording_that_cannot_be_simulated_is_named_before_any_work(tmp_path, spoilt, said):

@@ -1,6 +1,7 @@
 """What a diagnosis says of its recordings before it names anything."""
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from hannes.axis import Axis
 from hannes.campaign import read_campaign
 from hannes.cautions import cautions
+from hannes.decision import lacking
 from hannes.diagnose import diagnose
 from hannes.errors import BadInput
 from hannes.period import period
@@ -70,6 +72,17 @@ def test_a_command_that_repeats_gives_the_floor_and_the_cut(tmp_path):
     known = [piece for piece in pieces if piece.role != "show"]
     floor, how = floors(Axis(), known)
     assert floor["drive"] == pytest.approx(0.01, rel=0.1) and "whose command repeats" in how
+
+
+def test_a_machine_of_which_all_is_uncertain_is_never_judged_on_half_a_run(tmp_path):
+    """Its runs are fitted whole: a second half would be fitted, too, and hold nothing back."""
+    found = read_campaign(campaign(tmp_path, [swing(0, seconds=20.0), swing(1)], ["fit", "show"]))
+    plant = Axis()
+    plant.uncertain = {"axis.mass": 1.0}
+    pieces, note = cut(replace(found, plant=plant))
+    assert [piece.role for piece in pieces] == ["fit", "show"] and note == ""
+    assert lacking(replace(found, plant=plant), pieces, ()).endswith("under the same command")
+    assert lacking(found, pieces, ()).endswith(" s")
 
 
 @pytest.mark.parametrize("rate", [0.37, 0.003])

@@ -83,6 +83,8 @@ def test_the_version(capsys):
         (["run", "dynamometer", "--metod", "Rodas"], "unrecognized arguments: --metod"),
         (["effects", "leader_slak"], 'did you mean "leader_slack"?'),
         (["diagnose", "nowhere.toml"], "nowhere.toml: cannot be read"),
+        (["dataset", "large", "--grasp", "1", "--backend", "dask"], "--grasp makes one, here"),
+        (["check", "emps", "--plant", "axis"], "a campaign tells plant and experiments itself"),
         (["reproduce", "--slack", "nowhere"], "is no verdict of a diagnosis"),
     ],
 )

@@ -322,7 +322,7 @@ def refused(capsys, folder, file, mapping):
 def test_the_command_tells_what_it_did_and_keeps_it(tmp_path, capsys):
     file = table(tmp_path, "t,pos,cur", plain_rows())
     mapping = saved(tmp_path, 'experiment = "void-closure"\n' + PLAIN)
-    for name in ("run.csv", "run.h5"):
+    for name in ("run.csv", "RUN2.CSV", "run.h5"):
         out = tmp_path / name
         words = ["convert", str(file), "--mapping", str(mapping), "--out", str(out)]
         assert main(words) == 0
@@ -334,7 +334,7 @@ def test_the_command_tells_what_it_did_and_keeps_it(tmp_path, capsys):
         kept = Recording.read(out)
         sidecar = tmp_path / f"{name}{SIDECAR}"
         stored = kept.conversion or sidecar.read_text(encoding="utf-8")
-        assert json.loads(stored) == told and sidecar.exists() == (name == "run.csv")
+        assert json.loads(stored) == told and sidecar.exists() == (name != "run.h5")
         assert ("duration" in kept.experiment) == (name == "run.h5")
 
 

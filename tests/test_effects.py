@@ -10,6 +10,7 @@ from catalogued import AMPLITUDES, CATALOGUE, EVERYTHING, EXPERIMENTS, TABLE, ra
 from runs import grasp
 
 from benchmarks.truth import effects as second
+from hannes.errors import BadInput
 from hannes.experiment import Experiment, Target
 from hannes.hand import Hand
 from hannes.ledger import energy_ledger
@@ -161,3 +162,11 @@ def test_delayed_readings_are_the_same_by_another_method():
     )
     for name in ("current", "position", "duty"):
         assert np.abs(mine[name] - theirs[name]).max() < 1e-3 * np.ptp(theirs[name])
+
+
+def test_two_effects_of_one_name_are_refused():
+    """Else both are compiled in and share their parameters: twice the physics."""
+    one = CATALOGUE["capstan"]
+    with pytest.raises(BadInput, match='two effects have the name "capstan"'):
+        Hand([one, replace(one, meaning="another")])
+    assert Hand([one]).with_effects(one).effects == (one,)

@@ -9,6 +9,7 @@ import pytest
 
 from hannes import measured
 from hannes.campaign import read_campaign
+from hannes.check import subjects
 from hannes.cli import main
 from hannes.diagnose import diagnose
 from hannes.errors import BadInput, MissingRecording
@@ -194,6 +195,23 @@ def test_a_log_that_is_none_is_one_line(tmp_path, old, new, said):
     with pytest.raises(BadInput, match=said) as caught:
         Finger().read(file)
     assert "\n" not in str(caught.value) and file.name in str(caught.value)
+
+
+def test_a_log_in_another_encoding_is_one_line(tmp_path):
+    file = log(tmp_path, (1,))
+    text = gzip.decompress(file.read_bytes())
+    file.write_bytes(gzip.compress(text.replace(b",250,", b",\xb5250,", 1)))
+    with pytest.raises(BadInput, match="no UTF-8 text") as caught:
+        Finger().read(file)
+    assert file.name in str(caught.value)
+
+
+def test_the_check_reads_a_plants_own_log(tmp_path):
+    found = subjects(log(tmp_path, (1, 2)), "finger")
+    assert [name for name, *_ in found] == [f"speed 250, limit 500, trial {k}" for k in (1, 2)]
+    (tmp_path / "c.toml").touch()
+    with pytest.raises(BadInput, match="leave them out"):
+        subjects(tmp_path / "c.toml", "finger")
 
 
 @pytest.mark.slow

@@ -17,8 +17,11 @@ from hannes.diagnosis.model import Model
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
 from hannes.errors import BadInput
+from hannes.experiment import Target
 from hannes.hand import Hand
 from hannes.hand_plant import HandPlant, posed
+from hannes.hand_proposals import proposals
+from hannes.hand_runs import own
 from hannes.observe import observe
 from hannes.roughness import roughness
 from hannes.simulate import simulate
@@ -51,6 +54,32 @@ def test_the_two_controllers_differ_by_more_than_that():
 def test_a_recording_without_experiment_is_simulated_under_the_continuous_controller():
     recording = replace(recorded("sampled")[0], experiment="")
     assert posed(recording).controller == "continuous"
+
+
+def test_objects_that_are_given_otherwise_are_not_one_object():
+    """Else the values of the last would be taken for all."""
+    soft, stiff = (
+        grasp(Target("cylinder", {"object.stiffness": k}), DURATION) for k in (300.0, 40e3)
+    )
+    assert own(soft) == own(replace(soft, duration=1.0)) != own(stiff)
+    bare = grasp(Target("cylinder"), DURATION)
+    assert own(bare) != own(replace(bare, values={"object.radius": 0.03}))
+
+
+def test_phases_follow_the_experiment_where_no_motion_was_recorded():
+    recording, _ = recorded("continuous")
+    kept = {name: recording[name] for name in ("time", "current")}
+    blind = replace(recording, channels=kept, units={"time": "s", "current": "A"})
+    told, seen = (HandPlant().phases(each) for each in (blind, recording))
+    assert all(np.array_equal(told[name], seen[name]) for name in seen)
+
+
+def test_proposals_keep_objects_apart_whose_conditions_begin_alike():
+    recording, _ = recorded("continuous")
+    runs = {"grasp, rigid": recording, "grasp, soft": recording, "void, slow": recording}
+    found = proposals(runs, {"grasp, rigid": "a", "grasp, soft": "b", "void, slow": "c"})
+    for name in ("grasp, rigid, half speed", "grasp, soft, half speed", "void, half speed"):
+        assert name in found
 
 
 def test_a_recording_without_reference_and_experiment_is_refused():

@@ -202,7 +202,10 @@ def test_false_alarms_outsiders_and_pairs_have_their_bounds():
     done += [line(kinds["outside, rich"], 10, "silent", times=0.6)]
     done += [line(kinds["pair, rich"], k, "both" if k < 3 else "one") for k in range(7)]
     done += [line(kinds["pair, rich"], 7 + k, "wrong") for k in range(3)]
+    done += [line(kinds["single, poor"], k, "silent", None) for k in range(3)]
+    done += [line(kinds["single, poor, scatter told x0.5"], 0, "wrong", None)]
     found = shown(done)
+    assert found["nothing nameable hidden: wrong"]["cases"] == 3  # none of a scatter told wrong
     assert found["nothing hidden: named"]["value"] == 0.03
     assert not found["nothing hidden: named"]["holds"]
     assert found["nothing hidden: unknown"]["holds"]
@@ -291,6 +294,7 @@ def test_a_study_goes_on_where_it_was_killed(tmp_path, workers):
     file.write_text("\n".join([kept, *file.read_text().splitlines()[1:]]))
     found = study.run(file, cases, made_up, resume=True, workers=workers)
     assert [row["double"] for row in found] == [99, 4, 2]
+    assert len(file.read_text().splitlines()) == 3
     assert [row["double"] for row in study.run(file, cases, made_up, resume=False)] == [2, 4, 2]
 
 

@@ -167,6 +167,15 @@ def test_a_model_that_would_not_be_read_is_not_written(trained, tmp_path):
     assert not (tmp_path / "model.h5").exists()
 
 
+@pytest.mark.parametrize(
+    ("option", "said"), [("--seed=-1", "seed = -1"), ("--window=600 ms", "is too long for grasps")]
+)
+def test_what_cannot_be_learnt_is_one_line(data, tmp_path, capsys, option, said):
+    assert main(["train", str(data), "--out", str(tmp_path / "m.h5"), option]) == 2
+    told = capsys.readouterr().err
+    assert said in told and told.count("\n") == 1
+
+
 def test_a_damaged_force_is_refused_before_training(data, tmp_path):
     path = tmp_path / "set.h5"
     path.write_bytes(data.read_bytes())
@@ -382,6 +391,8 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
     said = capsys.readouterr().out
     assert "told of 4 of 4 grasps" in said and "stiffness: off" in said
     recording(arrays, 2, current=np.zeros(arrays[2].size)).write(tmp_path / "still.h5")
+    assert main(["evaluate", "model.h5", "still.h5", "--out", "x"]) == 2
+    assert "are for an evaluation.toml" in capsys.readouterr().err
     assert main(["evaluate", "model.h5", "still.h5"]) == 0
     assert re.match(r"don't know .*\n.*felt nothing", capsys.readouterr().out)
 
@@ -400,6 +411,11 @@ def test_bad_recordings_are_told_in_one_line(file, arrays, tmp_path, capsys):
     assert "schema" in capsys.readouterr().err
     assert main(["train", str(tmp_path / "part.h5")]) == 2
     assert "schema" in capsys.readouterr().err
+    milli = whole.with_channels({"force": 1e3 * whole.time}, {"force": "mN"})
+    milli.write(tmp_path / "milli.h5")
+    (tmp_path / "e.toml").write_text('[[object]]\nclass = "soft"\nfile = "milli.h5"\n')
+    assert main(["evaluate", str(file), str(tmp_path / "e.toml")]) == 2
+    assert 'channel "force" comes in mN, expected N' in capsys.readouterr().err
     with pytest.raises(BadInput, match="no numbers"):
         Cut().features(np.full((1, 300, 3), np.nan))
     with pytest.raises(BadInput, match="at least 4 samples"):

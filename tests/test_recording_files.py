@@ -327,3 +327,10 @@ def test_damaged_hdf5_is_refused(tmp_path: Path) -> None:
         expect_recording_or_bad_input(path, whole[:place] + bytes([byte]) + whole[place + 1 :])
     for junk in (b"time_s,x_A\n0,1\n", os.urandom(5000), b"\x89HDF\r\n\x1a\n" + b"\0" * 5000):
         expect_recording_or_bad_input(path, junk)
+
+
+def test_a_name_in_capitals_is_packed_as_it_is_read(tmp_path):
+    example().write(tmp_path / "R.CSV.GZ")
+    example().write(tmp_path / "r.csv")
+    assert Recording.read(tmp_path / "R.CSV.GZ") == Recording.read(tmp_path / "r.csv")
+    assert gzip.decompress((tmp_path / "R.CSV.GZ").read_bytes()).startswith(b"time_s,")

@@ -82,6 +82,11 @@ def test_a_sweep_is_one_run_for_each_value_in_order():
     assert stiffness == [300.0, 2000.0]
 
 
+def test_a_sweep_to_either_side_of_zero_is_one_run_for_each():
+    found = variants(BALL + '[sweep]\n"object.tilt_x" = ["-5 deg", "5 deg"]\n')
+    assert [each.file for each in found] == ["recording-minus-5-deg.h5", "recording-5-deg.h5"]
+
+
 def test_a_sweep_over_several_is_over_their_product():
     text = '[sweep]\ncontroller = ["continuous", "sampled"]\n'
     text += '"motor.resistance" = ["3 ohm", "4 ohm", "5 ohm"]\n'

@@ -1,0 +1,24 @@
+"""Which files a pattern means, and in which order."""
+
+import pytest
+
+from hannes.errors import BadInput
+from hannes.matching import matching
+
+
+def test_numbers_inside_names_are_in_order(tmp_path):
+    for name in ("void_10.csv", "void_2.csv", "a_3.csv", "void_2b.csv"):
+        (tmp_path / name).touch()
+    names = ["a_3.csv", "void_2.csv", "void_2b.csv", "void_10.csv"]
+    assert [each.name for each in matching("*.csv", tmp_path)] == names
+
+
+def test_a_pattern_may_be_absolute(tmp_path):
+    (tmp_path / "one.h5").touch()
+    assert matching(str(tmp_path / "*.h5"), tmp_path / "elsewhere") == [tmp_path / "one.h5"]
+
+
+@pytest.mark.parametrize("pattern", ["**.csv", ""])
+def test_what_is_no_pattern_is_said(tmp_path, pattern):
+    with pytest.raises(BadInput, match="no pattern of files"):
+        matching(pattern, tmp_path)
