@@ -68,7 +68,7 @@ def test_only_what_is_told_from_none_carries_the_gain(found):
     first, _, second = result.verdict.sentence.partition(". ")
     assert "viscous" in first and "dry" not in first
     assert second.startswith("Not distinguishable from no effect: dry")
-    assert "Told from none" in (out / "report.html").read_text(encoding="utf-8")
+    assert "Distinguishable from no effect" in (out / "report.html").read_text(encoding="utf-8")
 
 
 def test_gaps_on_recordings_that_were_never_fitted_are_told_as_such(found):

@@ -28,12 +28,16 @@ class Drift:
 
 
 def drifts(point: Point, guesses: Sequence[Guess]) -> Drift | None:
-    """The best of all; None where no command was repeated often enough to see."""
+    """The best of all; None where no command was repeated often enough to see, in a known order."""
     groups = point.ground.model.groups
-    if not any(group.count >= FEWEST for group in groups):
+    if not any(_ordered(group) for group in groups):
         return None
     found = [Drift(each.effect, _gain(point, row)) for each in guesses for row in each.columns]
     return max(found, key=lambda each: each.gain, default=None)
+
+
+def _ordered(group: Group) -> bool:
+    return group.count >= FEWEST and float(np.ptp(group.numbers)) > 0.0
 
 
 def _gain(point: Point, mark: np.ndarray) -> float:
@@ -72,7 +76,7 @@ def _spread(
     """Variance of runs along a mark without their trend, over what is told; at least 1."""
     squares, freedom = TOLD, TOLD
     for group, along, mark in zip(groups, runs, marks, strict=True):
-        if group.count >= FEWEST and (size := float(mark @ mark)) > 0.0:
+        if _ordered(group) and (size := float(mark @ mark)) > 0.0:
             order = group.numbers - group.numbers.mean()
             rest = along - order * (order @ along) / (order @ order)
             squares += float(rest @ rest) / size / group.count
