@@ -1,6 +1,7 @@
 """Reads a campaign: which recordings, of which plant, under which conditions, in which role."""
 
 import re
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -31,7 +32,7 @@ _SLICE = re.compile(r"(\d*):(\d*)(?::(\d*))?")
 class Entry:
     """One recording of a campaign; entries of one `condition` are repeats.
 
-    `number`: how many recordings of the campaign come before it, as they were made.
+    `number`: how many recordings of its campaign come before it, as they were made.
     """
 
     name: str
@@ -59,6 +60,10 @@ class Campaign:
     base: str = "hannes"
     calibrate: Table = field(default_factory=lambda: Table({}, "campaign", ()))
     diagnose: Table = field(default_factory=lambda: Table({}, "campaign", ()))
+
+    def __post_init__(self) -> None:
+        numbered = (replace(each, number=k) for k, each in enumerate(self.entries))
+        object.__setattr__(self, "entries", tuple(numbered))
 
     def of(self, *roles: str) -> tuple[Entry, ...]:
         """Entries in any of these roles."""
@@ -97,17 +102,17 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
     rows = root.items("recording")
     if not rows or not all(isinstance(row, dict) for row in rows):
         root.refuse("recording", "is missing: expected [[recording]] with file = ... below")
-    entries = [
-        entry
+    found = [
+        one
         for number, row in enumerate(rows, 1)
-        for entry in _entries(
+        for one in _entries(
             Table(row, root.where, RECORDING_KEYS, f"recording {number}."), folder, plant
         )
     ]
     return Campaign(
         plant,
         shipped,
-        with_roles(_in_order(root, entries), seed),
+        with_roles(_told_apart(root, found), seed),
         Path(root.text("out", f"results/{path.stem}")),  # in the current folder
         _effects(root, folder, plant),
         root.text("title", path.stem),
@@ -117,13 +122,17 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
     )
 
 
-def _in_order(root: Table, entries: list[Entry]) -> list[Entry]:
-    """The same, numbered; no recording is there twice, for then one copy may be fitted."""
-    names = [each.name for each in entries]
-    for name in names:
-        if names.count(name) > 1:
-            root.refuse("recording", f'lists "{name}" twice: leave it out of one of them')
-    return [replace(each, number=number) for number, each in enumerate(entries)]
+def _told_apart(root: Table, found: list[tuple[Path, str, Entry]]) -> list[Entry]:
+    """Entries with names of their own; none is there twice, for then one copy may be fitted."""
+    seen, names = set(), Counter(each.name for _, _, each in found)
+    for path, run, each in found:
+        if (key := (path.resolve(), run)) in seen:
+            root.refuse("recording", f'lists "{each.name}" twice: leave it out of one of them')
+        seen.add(key)
+    return [
+        replace(each, name=f"{path}, {each.name}") if names[each.name] > 1 else each
+        for path, _, each in found
+    ]
 
 
 def _plant(root: Table, name: str, folder: Path) -> Plant:
@@ -170,8 +179,8 @@ def _rooted(name: str, folder: Path) -> str:
     return str((folder / name).resolve()) if ".py:" in name else name
 
 
-def _entries(row: Table, folder: Path, plant: Plant) -> list[Entry]:
-    """The recordings of one [[recording]], each found fit to be simulated by `plant`."""
+def _entries(row: Table, folder: Path, plant: Plant) -> list[tuple[Path, str, Entry]]:
+    """Files, runs in them, recordings of one [[recording]], all fit to be simulated by `plant`."""
     row.require("file", '"void_01.csv"')
     name, experiment = row.text("file", ""), row.text("experiment", "")
     role = row.choice("role", ROLES) if "role" in row else ""
@@ -182,7 +191,9 @@ def _entries(row: Table, folder: Path, plant: Plant) -> list[Entry]:
         if planned is not None:
             recording = replace(recording, experiment=planned)
         _check(recording, plant, path)
-        made.append(Entry(run, recording, condition or run, role))
+        place = _place(path, folder)
+        name = place if run == path.name else run
+        made.append((path, run, Entry(name, recording, condition or place, role)))
     return made
 
 
@@ -195,11 +206,7 @@ def _recordings(
         found = [(path, list(read_runs(path, plant).items())[wanted]) for path in paths]
         if not any(runs for _, runs in found):
             row.refuse("runs", f'= "{row.text("runs", ":")}": selects no run of these files')
-        return [
-            (path, _run_name(path, run, folder), recording)
-            for path, runs in found
-            for run, recording in runs
-        ]
+        return [(path, run, recording) for path, runs in found for run, recording in runs]
     from hannes.virtual import virtual_recordings
 
     experiment = name.removeprefix(SIMULATED)
@@ -210,10 +217,9 @@ def _recordings(
         row.refuse("file", f"cannot be simulated: {error}")
 
 
-def _run_name(path: Path, run: str, folder: Path) -> str:
-    """A file that is one run is named by its place in the folder, where it lies there."""
-    inside = run == path.name and path.is_relative_to(folder)
-    return path.relative_to(folder).as_posix() if inside else run
+def _place(path: Path, folder: Path) -> str:
+    """A file's place in the campaign's folder, its name where it lies elsewhere."""
+    return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.name
 
 
 def _wanted(row: Table) -> slice:

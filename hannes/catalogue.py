@@ -28,6 +28,15 @@ def laws() -> dict[str, Effect]:
     return _found("LAW")
 
 
+def laws_of_objects() -> dict[str, Effect]:
+    """Laws by which an object moves: what an experiment handles, not the hand."""
+    return {
+        name: law
+        for name, law in laws().items()
+        if any(channel.startswith("object_") for term in law.terms for channel in term.writes)
+    }
+
+
 def named() -> dict[str, Effect]:
     """All that a file may name without a path: effects and laws."""
     return effects() | laws()

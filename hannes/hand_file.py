@@ -95,8 +95,12 @@ def _expected(base: str, bases: Mapping[str, Any]) -> str:
 
 def changed(model: M, table: Table, folder: Path | None) -> M:
     """Return `model` with the `effects` and `[parameters]` of a table."""
+    present = {each.name: each for each in model.effects}
     for name in table.texts("effects"):
-        model = model.with_effects(_effect(name, table, folder, own_catalogue(model)))
+        found = _effect(name, table, folder, own_catalogue(model))
+        if present.setdefault(found.name, found) != found:
+            table.refuse("effects", f'"{name}": another effect has the name "{found.name}"')
+        model = model.with_effects(found)
     return model.with_values(values(table.table("parameters"), model))
 
 

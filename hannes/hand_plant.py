@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from hannes import channels, hand_proposals, hand_runs
-from hannes.catalogue import laws
+from hannes.catalogue import laws_of_objects
 from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.experiment import Experiment, Reference
@@ -287,16 +287,11 @@ def _motion(recording: Recording) -> np.ndarray:
 
 
 def _moving(text: str) -> list[str]:
-    """Laws of an experiment by which its object moves: parts of the object, not of the hand."""
+    """Laws of an experiment by which its object moves."""
     from hannes.experiment_file import KEYS
 
-    root = Table.parse(text, "experiment", KEYS)
-    moving = [
-        name
-        for name, law in laws().items()
-        if any(channel.startswith("object_") for term in law.terms for channel in term.writes)
-    ]
-    return [name for name in root.texts("effects") if name in moving]
+    named = Table.parse(text, "experiment", KEYS).texts("effects")
+    return [name for name in named if name in laws_of_objects()]
 
 
 def recorded_reference(times: np.ndarray, values: np.ndarray) -> Reference:

@@ -19,6 +19,8 @@ def matching(pattern: str, folder: Path) -> list[Path]:
     BadInput where it is no pattern that can be matched.
     """
     root = Path(pattern).anchor
+    if any("**" in part and part != "**" for part in Path(pattern).parts):
+        raise BadInput(f'"{pattern}" is no pattern of files: ** stands alone between slashes')
     try:
         found = list(Path(root or folder).glob(pattern.removeprefix(root)))
     except (ValueError, NotImplementedError) as error:
@@ -26,6 +28,7 @@ def matching(pattern: str, folder: Path) -> list[Path]:
     return sorted(found, key=_counted)
 
 
-def _counted(path: Path) -> list[str | int]:
-    """A key that puts numbers inside of names in order."""
-    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", str(path))]
+def _counted(path: Path) -> tuple[list[str | int], str]:
+    """A key that puts numbers inside of names in order; 02 after 2."""
+    name = str(path)
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", name)], name

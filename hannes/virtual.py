@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+from hannes.catalogue import laws_of_objects
 from hannes.hand import Hand
 from hannes.observe import observe
 from hannes.recording import Recording
@@ -20,6 +21,13 @@ def virtual_recordings(name: str | Path) -> dict[str, Recording]:
     made = {}
     for each in load_experiment(name):
         recording = observe(each.hand, simulate(each.hand, each.experiment).require())
-        planned = experiment_toml(Hand(), replace(each.experiment, noise={}, seed=0))
+        planned = experiment_toml(_bare(each.hand), replace(each.experiment, noise={}, seed=0))
         made[each.file] = replace(recording, experiment=planned, hand="", seed=None)
     return made
+
+
+def _bare(hand: Hand) -> Hand:
+    """The shipped hand with those laws of `hand` that are its object's."""
+    moving = [each for each in hand.present_effects() if each.name in laws_of_objects()]
+    names = [each.full_name(own.name) for each in moving for own in each.parameters]
+    return Hand(moving).with_values({name: hand.parameters[name] for name in names})

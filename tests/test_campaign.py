@@ -1,13 +1,15 @@
 """Campaigns: what they hold, how roles are drawn, and one line for whatever cannot be used."""
 
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from hannes.campaign import Entry, campaign_file, read_campaign, with_roles
+from hannes.campaign import Campaign, Entry, campaign_file, read_campaign, with_roles
 from hannes.errors import BadInput
 from hannes.experiment_file import experiment_text
+from hannes.hand_plant import HandPlant
 from hannes.recording import Recording
 
 TIME = np.arange(0.0, 0.4, 2e-3)
@@ -69,6 +71,25 @@ def test_a_folder_for_each_run_makes_no_repeats_and_keeps_their_order(tmp_path):
     assert [each.name for each in found] == ["run 9/log.h5", "run 10/log.h5"]
     assert [each.condition for each in found] == ["run 9/log.h5", "run 10/log.h5"]
     assert [each.number for each in found] == [0, 1]
+
+
+def test_a_recording_is_not_taken_twice_by_two_spellings(tmp_path):
+    rows = [f'[[recording]]\nfile = "{name}"\n' for name in ("r.h5", "../here/r.h5")]
+    (tmp_path / "here").mkdir()
+    with pytest.raises(BadInput, match=r'lists "\.\./here/r\.h5" twice'):
+        read_campaign(campaign(tmp_path / "here", "".join(rows)))
+
+
+def test_runs_are_numbered_where_a_campaign_is_made_by_hand():
+    plant = HandPlant()
+    made = Campaign(plant, plant, tuple(entries(void=3)), Path("out"), {})
+    assert [each.number for each in made.entries] == [0, 1, 2]
+
+
+def test_what_is_simulated_keeps_how_its_object_moves(tmp_path):
+    text = '[[recording]]\nfile = "simulated:floating-cylinder"\n'
+    with pytest.raises(BadInput, match="by which its object moves"):
+        read_campaign(campaign(tmp_path, text))
 
 
 def test_a_seed_below_zero_is_refused(tmp_path):

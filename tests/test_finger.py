@@ -197,6 +197,18 @@ def test_a_log_that_is_none_is_one_line(tmp_path, old, new, said):
     assert "\n" not in str(caught.value) and file.name in str(caught.value)
 
 
+def test_trials_of_one_log_are_repeats_and_two_logs_of_one_name_are_told_apart(tmp_path):
+    for day in ("monday", "tuesday"):
+        (tmp_path / day).mkdir()
+        log(tmp_path / day, (1, 2))
+    text = 'plant = "finger"\n[[recording]]\nfile = "*/*.csv.gz"\nrole = "fit"\n'
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    found = read_campaign(tmp_path / "mine.toml").entries
+    days = [each.condition.partition("/")[0] for each in found]
+    assert days == ["monday", "monday", "tuesday", "tuesday"]
+    assert len({each.condition for each in found}) == 2 and len({each.name for each in found}) == 4
+
+
 def test_a_log_in_another_encoding_is_one_line(tmp_path):
     file = log(tmp_path, (1,))
     text = gzip.decompress(file.read_bytes())

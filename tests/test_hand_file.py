@@ -52,6 +52,13 @@ def test_files_that_build_on_one_another_in_a_circle_are_refused(tmp_path):
         load_hand(file)
 
 
+def test_two_effects_of_one_name_are_refused(tmp_path):
+    text = "from dataclasses import replace\nfrom hannes.dynamics.capstan import EFFECT\n"
+    written(tmp_path, text + 'MINE = replace(EFFECT, meaning="another")\n', "mine.py")
+    with pytest.raises(BadInput, match='another effect has the name "capstan"'):
+        load_hand(written(tmp_path, 'effects = ["capstan", "mine.py:MINE"]'))
+
+
 def test_an_effect_of_the_users_own_is_found_again(tmp_path):
     code = "@kernel\ndef rub(motor_speed, size):\n    return size * motor_speed\n"
     written(tmp_path, EFFECT.format(code=code), "mine.py")

@@ -9,7 +9,8 @@ from hannes.matching import matching
 def test_numbers_inside_names_are_in_order(tmp_path):
     for name in ("void_10.csv", "void_2.csv", "a_3.csv", "void_2b.csv"):
         (tmp_path / name).touch()
-    names = ["a_3.csv", "void_2.csv", "void_2b.csv", "void_10.csv"]
+    (tmp_path / "void_02.csv").touch()
+    names = ["a_3.csv", "void_02.csv", "void_2.csv", "void_2b.csv", "void_10.csv"]
     assert [each.name for each in matching("*.csv", tmp_path)] == names
 
 
@@ -18,7 +19,7 @@ def test_a_pattern_may_be_absolute(tmp_path):
     assert matching(str(tmp_path / "*.h5"), tmp_path / "elsewhere") == [tmp_path / "one.h5"]
 
 
-@pytest.mark.parametrize("pattern", ["**.csv", ""])
+@pytest.mark.parametrize("pattern", ["**.csv", "a**/b.csv", ""])
 def test_what_is_no_pattern_is_said(tmp_path, pattern):
     with pytest.raises(BadInput, match="no pattern of files"):
         matching(pattern, tmp_path)

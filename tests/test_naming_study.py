@@ -292,6 +292,10 @@ def test_a_study_goes_on_where_it_was_killed(tmp_path, workers):
         stream.write('{"kind": "b", "se')  # killed while it wrote
     kept = file.read_text().splitlines()[0].replace('"double": 2', '"double": 99')
     file.write_text("\n".join([kept, *file.read_text().splitlines()[1:]]))
+    before = file.read_bytes()
+    assert (
+        len(list(study.read(file))) == 2 and file.read_bytes() == before
+    )  # reading writes nothing
     found = study.run(file, cases, made_up, resume=True, workers=workers)
     assert [row["double"] for row in found] == [99, 4, 2]
     assert len(file.read_text().splitlines()) == 3

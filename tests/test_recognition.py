@@ -18,6 +18,7 @@ from hannes.dataset.read import read
 from hannes.dataset.spec import read_spec
 from hannes.errors import BadInput
 from hannes.recognition import model_file, passages
+from hannes.recognition import train as learning
 from hannes.recognition.cut import Cut
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
 from hannes.recognition.features import CHANNELS, NAMES
@@ -165,6 +166,12 @@ def test_a_model_that_would_not_be_read_is_not_written(trained, tmp_path):
     with pytest.raises(BadInput, match="logarithm of a peak force"):
         model_file.write(tmp_path / "model.h5", replace(trained[0], peak=far))
     assert not (tmp_path / "model.h5").exists()
+
+
+def test_a_learning_curve_passes_over_parts_with_too_few_of_a_class(data, monkeypatch):
+    monkeypatch.setattr(learning, "FEWEST", 2)  # parts of 1, 5, 20 and all 80 grasps
+    counts = [count for count, _ in learning.curve(data, trees=2, jobs=1)]
+    assert counts[-2:] == [20, 80] and 1 not in counts
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ def curve(
     """Models that learnt from ever more grasps, and from how many: a learning curve.
 
     From all that `train` learns from down to a quarter, a quarter of that, and so on to some 30;
-    a part that lacks a class is passed over.
+    a part with too few of a class is passed over.
     """
     data, cut = read(path), cut or Cut()
     known = grasps(data, data.role("train"), cut)
@@ -75,8 +75,14 @@ def curve(
     steps = 1 + max(0, int(np.log(order.size / FEWEST) / np.log(4.0)))
     for count in [round(order.size / 4.0**k) for k in range(steps)][::-1]:
         part = known.some(order[:count])
-        if np.unique(part.rigid).size == 2:
+        if count == order.size or _enough(part):
             yield count, _learnt(part, data, cut, trees, seed, jobs)[0]
+
+
+def _enough(known: Grasps) -> bool:
+    """Whether two grasps or more of each class are held."""
+    some = held(known.features).any(axis=1)
+    return int(np.bincount(known.rigid[some].astype(int), minlength=2).min()) >= 2
 
 
 @dataclass(frozen=True)
@@ -92,8 +98,7 @@ def _learnt(
     known: Grasps, data: DataSet, cut: Cut, trees: int, seed: int, jobs: int | None
 ) -> tuple[Model, Answers]:
     """A calibrated model, and what was told of each grasp by what had not seen it."""
-    some = held(known.features).any(axis=1)
-    if np.bincount(known.rigid[some].astype(int), minlength=2).min() < 2:
+    if not _enough(known):
         raise BadInput(f"{data.path}: expected two grasps or more of soft and of rigid objects")
     made, (peak, of_peak) = _grown(known, trees, seed, jobs), _peak(known, seed)
     none = np.zeros(1)

@@ -34,7 +34,7 @@ def closure(run: Trajectory) -> Drawn:
 
 def _draw_closure(run: Trajectory, taken: float) -> "Figure":
     figure, (axes,) = style.panels(1, 2.6)
-    reached = 0.9 * float(run["position"][-1])
+    reached = 0.9 * float(run["position"].max())
     axes.plot(run.time, run["reference"], label="reference", **style.THIRD)
     axes.plot(run.time, run["position"], label="ours", **style.FIRST)
     axes.plot([0.0, taken, taken], [reached, reached, 0.0], **style.MARK)
