@@ -233,6 +233,15 @@ def test_intervals_of_parameters_are_counted():
     assert not found["error of the effect's parameter"]["holds"]
 
 
+def test_the_error_of_a_parameter_stands_beside_what_the_oracles_power_bears():
+    off = {"leader_slack.length": {"error": 0.02, "covers": True}}
+    done = [line(plan.NAMED["single, rich"], k, "right", 2.0, parameters=off) for k in range(3)]
+    rows, _ = summary.figures(done)
+    (found,) = [row for row in rows if "as sharply as the oracle" in row.get("study", "")]
+    draws = 1.0 + np.random.default_rng(0).standard_normal(400_000) / (2.0 * 2.4865)
+    assert found["value"] == pytest.approx(np.median(np.abs(draws - 1.0)), rel=0.01)
+
+
 def test_confusion_counts_answers_by_what_is_hidden():
     kind = plan.NAMED["single, poor"]
     done = [line(kind, 1, "right"), line(kind, 2, "wrong", named=["capstan"])]
