@@ -70,6 +70,8 @@ def subjects(
         found, runs = find_plant(alone.plant or "hand", Path(path).parent), {"": alone}
     if experiment is not None:
         told = experiment_text(experiment)
+        if found.name == "hand":  # whose experiments these are
+            parse_experiment(told, experiment)
         runs = {name: replace(each, experiment=told) for name, each in runs.items()}
     for each in runs.values():
         _expect(each, found, path)

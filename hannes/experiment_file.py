@@ -42,8 +42,25 @@ def parse_experiment(
 
 
 def experiment_text(name: str, folder: Path | None = None) -> str:
-    """Return the TOML text of an experiment: a shipped name, or a .toml relative to `folder`."""
-    return read_text((folder or Path()) / library.find(name))
+    """Return the TOML text of an experiment: a shipped name, or a .toml relative to `folder`.
+
+    It needs no other file: a recorded reference stands in it point by point.
+    """
+    path = (folder or Path()) / library.find(name)
+    text = read_text(path)
+    reference = Table.parse(text, str(path), KEYS).table("reference", REFERENCE)
+    return _with_points(text, _recorded(reference, path.parent)) if "path" in reference else text
+
+
+def _with_points(text: str, reference: Reference) -> str:
+    import tomllib
+
+    import tomli_w
+
+    content = tomllib.loads(text)
+    points = [[f"{time!r} s", f"{angle!r} rad"] for time, angle in reference.knots.T.tolist()]
+    content["reference"] = {"kind": "file", "points": points}
+    return tomli_w.dumps(content)
 
 
 def read_experiment(root: Table, folder: Path | None) -> Experiment:
@@ -194,9 +211,10 @@ def _size(table: Table) -> dict[str, float]:
     size = table.table("size", SIZE)
     size.require("width", '"40 mm"')
     size.require("height", '"30 mm"')
-    rounding = _value(size, "rounding", "object.radius") if "rounding" in size else ROUNDING
     half_x = _value(size, "width", "object.half_x", 0.5)
     half_y = _value(size, "height", "object.half_y", 0.5)
+    usual = min(ROUNDING, half_x, half_y)
+    rounding = _value(size, "rounding", "object.radius") if "rounding" in size else usual
     if "rounding" in size and rounding > min(half_x, half_y):
         size.refuse("rounding", "is more than half of the smaller side; make it smaller")
     return {"object.half_x": half_x, "object.half_y": half_y, "object.radius": rounding}

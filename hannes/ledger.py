@@ -39,9 +39,10 @@ def energy_ledger(trajectory: Trajectory) -> dict[str, float]:
     """Integrate every power output of a run: name -> J, and the share that is unaccounted for.
 
     `electrical` is what the drive put into the motor. Every other entry is what went into one
-    part, stored or lost: copper, inductance, gear_friction, cart_friction, joint_friction,
-    wire_elastic, wire_damping, spring, stop, gravity, contact_normal, contact_tangential, object
-    (into the motion of one that floats), and `kinetic` of the hand from the states themselves.
+    part, stored or lost: copper, inductance, gear_friction, motor_torque (further torques on the
+    rotor), cart_friction, joint_friction, wire_elastic, wire_damping, wire_friction, spring, stop,
+    gravity, contact_normal, contact_tangential, object (into the motion of one that floats), and
+    `kinetic` of the hand from the states themselves.
     `residual` [1] is what remains of `electrical` after
     all of them, as a share of it. Energies come from trapezoids between the samples, so the
     run must be sampled at 4 kHz or more (20 kHz for 0.1 %); raises BadInput otherwise, and

@@ -55,9 +55,10 @@ def grasp_metrics(
     closing = size[(time >= 0.02) & (time < time[first])].mean() if time[first] > 0.02 else np.nan
     back = np.flatnonzero((position < 0.1 * position.max()) & (np.arange(time.size) > last))
     opening = size[last : back[0]].mean() if back.size else np.nan
+    let_go = last + 1 < time.size
     return GraspMetrics(
         float(time[first]),
-        float(time[last]),
+        float(time[last]) if let_go else np.nan,
         float(closing),
         float(opening),
         float(size[peak]),

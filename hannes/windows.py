@@ -73,6 +73,13 @@ class Asked:
         return max(1, min(MOST, fitting, shared))
 
 
+def _numbers(name: str, value: ArrayLike) -> np.ndarray:
+    try:
+        return np.asarray(value, float)
+    except (TypeError, ValueError):
+        raise BadInput(f"{name} = {value!r:.60}: expected numbers in SI units") from None
+
+
 @dataclass(frozen=True)
 class Table:
     """A hand in an experiment, whose values it has, with parameters in columns of `count` rows."""
@@ -86,7 +93,7 @@ class Table:
     def of(hand: Hand, experiment: Experiment, values: Mapping[str, ArrayLike]) -> "Table":
         """Check `values` and spread them to columns of one length."""
         posed = hand.with_values(experiment.overrides())
-        given = {name: np.asarray(value, float) for name, value in values.items()}
+        given = {name: _numbers(name, value) for name, value in values.items()}
         if "controller.sampled" in given:
             raise BadInput('controller.sampled is no column: give controller = "sampled" instead')
         for name, column in given.items():

@@ -171,6 +171,7 @@ def test_a_grasp_of_too_many_steps_is_named():
 REFUSED = {
     "stiffness": ({"values": {"object.stifness": 1.0}}, "object.stiffness"),
     "bounds": ({"values": {"object.stiffness": [1e3, -1.0]}}, "lower bound"),
+    "text": ({"values": {"object.stiffness": "8344 N/m"}}, "expected numbers in SI units"),
     "not finite": ({"values": {"object.stiffness": [1e3, np.nan]}}, "finite"),
     "lengths": ({"values": {"object.x": [0.0, 0.0], "object.y": [0.0] * 3}}, "one length"),
     "table": ({"values": {"object.x": np.zeros((2, 2))}}, "one length"),

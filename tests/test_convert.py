@@ -16,6 +16,7 @@ from hannes.cli import main
 from hannes.cli_data import EXAMPLES
 from hannes.convert import SIDECAR, convert, write
 from hannes.errors import BadInput, MissingRecording
+from hannes.experiment_file import parse_experiment
 from hannes.foreign.mapping_file import read_mapping
 from hannes.recording import Recording
 
@@ -108,6 +109,35 @@ def test_the_delimiter_is_found_out(tmp_path, delimiter):
     header = delimiter.join(["t", "pos", "cur"])
     made = one(tmp_path, table(tmp_path, header, plain_rows(), join=delimiter), PLAIN)
     assert np.array_equal(made.recording["position"], POSITION)
+
+
+def test_lines_may_end_in_a_tab(tmp_path):
+    rows = [[*row, ""] for row in plain_rows()]
+    made = one(tmp_path, table(tmp_path, "t\tpos\tcur", rows, join="\t"), PLAIN)
+    assert np.array_equal(made.recording["current"], CURRENT)
+
+
+def test_a_dataset_may_have_a_dot_in_its_name(tmp_path):
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        file["t"], file["motor.current"] = TIME, CURRENT
+    mapping = """
+        time = { column = "t", unit = "s" }
+        channels.current = { column = "motor.current", unit = "A" }
+        """
+    made = one(tmp_path, tmp_path / "log.h5", mapping).recording
+    assert np.array_equal(made["current"], CURRENT)
+
+
+def test_an_experiment_with_a_recorded_reference_needs_no_other_file(tmp_path):
+    """Nor does it matter from where the command is given."""
+    Recording({"time": TIME, "reference": 3.0 * TIME}, {"time": "s", "reference": "rad"}).write(
+        tmp_path / "asked.csv"
+    )
+    saved(tmp_path, '[reference]\nkind = "file"\npath = "asked.csv"\n', "mine.toml")
+    mapping = 'experiment = "mine.toml"\n' + PLAIN
+    made = one(tmp_path, table(tmp_path, "t,pos,cur", plain_rows()), mapping)
+    reference = parse_experiment(made.recording.experiment).reference
+    assert np.array_equal(reference.knots, [TIME, 3.0 * TIME])
 
 
 def test_hdf5_matlab_and_csv_give_one_recording(tmp_path):

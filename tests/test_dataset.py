@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -15,12 +16,13 @@ import pytest
 
 from hannes.cli import main
 from hannes.dataset.draw import draw
-from hannes.dataset.file import write
+from hannes.dataset.file import fingerprint, write
 from hannes.dataset.make import Parts, make, numbered
 from hannes.dataset.part import Part, count, made, recorded
 from hannes.dataset.read import read
 from hannes.dataset.spec import load_spec, read_spec
 from hannes.errors import BadInput
+from hannes.recording import Recording
 
 REFERENCE = """
 duration = "0.15 s"
@@ -323,8 +325,18 @@ def test_what_is_no_data_set_is_not_overwritten(spec, tmp_path):
     (tmp_path / "notes.h5").write_text("my notes")
     with pytest.raises(BadInput, match="holds something else"):
         make(spec, tmp_path / "notes.h5")
+    Recording({"time": [0.0, 1.0], "current": [0.0, 1.0]}, {"time": "s", "current": "A"}).write(
+        tmp_path / "measured.h5"
+    )
+    with pytest.raises(BadInput, match="holds something else"):
+        make(spec, tmp_path / "measured.h5")
     with pytest.raises(BadInput, match=r"named \.h5"):
         make(spec, tmp_path / "set.csv")
+
+
+def test_another_anatomy_is_another_data_set(spec):
+    longer = replace(spec, hand=spec.hand.with_values({"index.second_length": 50e-3}))
+    assert fingerprint(longer) != fingerprint(spec) == fingerprint(replace(spec))
 
 
 def test_the_shipped_ones_are_whole():

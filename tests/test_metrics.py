@@ -76,6 +76,7 @@ def test_what_has_no_sense_is_not_a_number():
     assert all(np.isnan(getattr(untouched, name)) for name in GraspMetrics.__annotations__)
     at_once = grasp(force=np.full_like(T, 2.0))
     assert np.isnan(at_once.I_avgc) and np.isnan(at_once.I_sc)
+    assert np.isnan(at_once.release)  # held to the end
 
 
 def test_smoothing_is_a_centred_mean_of_eleven_milliseconds():

@@ -189,6 +189,34 @@ def test_vectorised_and_arguments():
     assert found.y[:, -1] == pytest.approx(np.array([1.0, 2.0]) * math.exp(-3.0), rel=2e-3)
 
 
+@pytest.mark.parametrize("start", [0.0, 1.7e9])
+def test_it_asks_for_no_time_outside_and_late_clocks_cost_nothing(start):
+    """A clock may count from 1970: its last bit is 0.2 us."""
+    asked = []
+
+    def drawn(t, y):
+        asked.append(t)
+        return -50.0 * (y - np.cos(3.0 * (t - start)))
+
+    found = solve_ivp(drawn, (start, start + 2.0), [0.0], method=Rodas, rtol=1e-5)
+    assert found.success and start <= min(asked) and max(asked) <= start + 2.0
+    assert found.t.size < 400
+
+
+def test_states_that_a_user_keeps_or_changes_stay_their_own():
+    kept = []
+
+    def clipping(t, y):
+        kept.append((t, y))
+        rates = -y
+        y *= 0.0
+        return rates
+
+    found = solve_ivp(clipping, (0.0, 1.0), [1.0], method=Rodas, rtol=1e-6)
+    assert found.y[0, -1] == pytest.approx(math.exp(-1.0), rel=1e-5)
+    assert len({id(y) for _, y in kept}) == len(kept)
+
+
 def test_times_asked_for_and_steps_bounded():
     times = np.linspace(0.0, 2.0, 41)
     found = solve_ivp(decay, (0.0, 2.0), [0.0], Rodas, t_eval=times, rtol=1e-6, atol=1e-9)

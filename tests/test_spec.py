@@ -5,6 +5,7 @@ import pytest
 
 from hannes import library
 from hannes.errors import BadInput
+from hannes.experiment_file import parse_experiment
 from hannes.friction_curve import FrictionCurve
 from hannes.hand import Hand
 from hannes.hand_file import differences
@@ -85,6 +86,13 @@ def test_a_sweep_is_one_run_for_each_value_in_order():
 def test_a_sweep_to_either_side_of_zero_is_one_run_for_each():
     found = variants(BALL + '[sweep]\n"object.tilt_x" = ["-5 deg", "5 deg"]\n')
     assert [each.file for each in found] == ["recording-minus-5-deg.h5", "recording-5-deg.h5"]
+
+
+def test_a_thin_prism_reads_back_from_the_text_that_is_written():
+    thin = '[object]\nshape = "prism"\nsize = { width = "5 mm", height = "40 mm" }\n'
+    (only,) = variants(thin)
+    text = experiment_toml(only.hand, only.experiment)
+    assert parse_experiment(text).object.values["object.radius"] == 2.5e-3
 
 
 def test_a_sweep_over_several_is_over_their_product():

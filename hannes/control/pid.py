@@ -7,7 +7,7 @@ from hannes.parameter import Parameter, group
 PARAMETERS = (
     group(
         "position_pid",
-        Parameter("proportional", 0.0358, "A/rad", (0, 100), "on the motor-side error"),
+        Parameter("proportional", 0.0358, "A/rad", (1e-6, 100), "on the motor-side error"),
         Parameter("integral", 0.0, "A/(rad s)", (0, 1e4), "on the motor-side error"),
         Parameter("derivative", 1.95e-3, "A s/rad", (0, 10), "on the measured motor speed"),
         Parameter("filter", 2.5e-3, "s", (1e-5, 1), "of the measured speed, continuous form"),

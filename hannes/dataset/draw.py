@@ -76,7 +76,7 @@ def _made(spec: Spec, number: int, group: Group, values: dict[str, float]) -> Dr
         spec.base,
         title=f"{spec.title}, grasp {number}",
         reference=_commanded(spec.base.reference, values),
-        object=Target(group.shape, placed) if group.shape else None,
+        object=Target(group.shape, placed, "sensor" in spec.channels) if group.shape else None,
         noise={name: x for name, x in noise.items() if x > 0.0},
         seed=_seed(spec.seed, number),
     )

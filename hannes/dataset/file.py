@@ -18,7 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from hannes import clearance
+from hannes import anatomy, channels, clearance, experiment, hand
+from hannes.contact import shapes
 from hannes.dataset import draw, law, part
 from hannes.dataset.part import SIZE, STORED, Part, chunk, count, table_type, units
 from hannes.dataset.spec import ROLES, Spec
@@ -30,6 +31,18 @@ from hannes.versions import versions
 
 SCHEMA = "hannes-dataset-1"
 DRAWING = ("matplotlib",)  # packages on which no byte hangs
+HUNG_ON = (
+    law,
+    draw,
+    part,
+    clearance,
+    noisy,
+    anatomy,
+    channels,
+    experiment,
+    hand,
+    shapes,
+)  # sources
 ROOT = {
     "specification": "TOML, resolved: all that was asked for",
     "seed": "of all random numbers; a grasp's are its own, by its number",
@@ -57,9 +70,10 @@ MEANINGS = {
 def fingerprint(spec: Spec) -> str:
     """Digest of all that the bytes hang on: specification, model, drawing, packing, versions."""
     model = Path(str(spec.hand.compiled(spec.hand.effects).fast.__file__)).stem
-    sources = [inspect.getsource(each) for each in (law, draw, part, clearance, noisy)]
+    sources = [inspect.getsource(each) for each in HUNG_ON]
     hung = {name: each for name, each in versions().items() if name not in DRAWING}
-    known = json.dumps([SCHEMA, spec.text, model, sources, hung], sort_keys=True)
+    values = dict(spec.hand.parameters)
+    known = json.dumps([SCHEMA, spec.text, values, model, sources, hung], sort_keys=True)
     return hashlib.sha256(known.encode()).hexdigest()
 
 

@@ -18,6 +18,7 @@ from hannes.dataset.part import SIZE, Part, count, simulated
 from hannes.dataset.spec import Spec, read_spec
 from hannes.errors import BadInput, ComputationFailed, Interrupted
 from hannes.files import write_bytes
+from hannes.recording_hdf5 import text_attribute
 
 BACKENDS = ("local", "dask")
 ANSWER = 5  # s in which a scheduler must answer
@@ -55,19 +56,28 @@ def make(
 
 
 def _target(out: Path) -> Path:
-    """The real path; BadInput where it holds something that is no HDF5 file."""
+    """The real path; BadInput where it holds something that is no data set, whole or damaged."""
     if out.suffix not in (".h5", ".hdf5"):
         raise BadInput(f"{out}: expected a file named .h5 or .hdf5 for the data set")
     target = Path(os.path.realpath(out))
     if target.exists():
-        if not target.is_file() or not _begins_as_hdf5(target):
+        if not target.is_file() or not _may_be_ours(target):
             raise BadInput(f"{out}: holds something else than a data set; choose another name")
     return target
 
 
-def _begins_as_hdf5(path: Path) -> bool:
+def _may_be_ours(path: Path) -> bool:
+    """Whether a file is a data set, or too damaged to say: then it begins as HDF5 does."""
+    import h5py
+
     with path.open("rb") as stream:
-        return stream.read(4) in (b"\x89HDF", b"")
+        if stream.read(4) not in (b"\x89HDF", b""):
+            return False
+    try:
+        with h5py.File(path) as found:
+            return text_attribute(found, "schema") == file.SCHEMA
+    except Exception:  # a damaged file raises nearly anything from inside the library
+        return True
 
 
 def _check_cells(spec: Spec) -> None:

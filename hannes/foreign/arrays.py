@@ -30,7 +30,9 @@ class Arrays:
 
     def numbers(self, column: Column) -> FloatArray:
         """Values of a dataset or variable, shape (n,); BadInput where it is no row of numbers."""
-        name = str(column.name).replace(".", "/").strip("/")
+        name = str(column.name).strip("/")
+        if name not in self.names:
+            name = name.replace(".", "/").strip("/")
         if not isinstance(column.name, str) or name not in self.names:
             shown = ", ".join(self.names)
             hint = nearest(name, self.names)

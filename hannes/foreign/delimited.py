@@ -92,7 +92,7 @@ class Delimited:
         if number > len(lines):
             raise BadInput(f"{self.path}: has {len(lines)} lines, none with number {number}")
         line = lines[number - 1] if number else ""
-        return line.strip().removeprefix(self.rule.comment) if self.rule.comment else line
+        return line.strip(" ").removeprefix(self.rule.comment) if self.rule.comment else line
 
     def _guessed(self, line: str) -> str:
         taken = "," if self.rule.decimal == "," else ""
@@ -111,7 +111,7 @@ class Delimited:
         for row, line in enumerate(self.rows):
             plain = '"' not in line and self.delimiter != " "
             found = line.count(self.delimiter) + 1 if plain else len(self._cells(line))
-            ended = found == width + 1 and line.rstrip().endswith(self.delimiter.strip() or "\n")
+            ended = found == width + 1 and line.rstrip(" \r").endswith(self.delimiter)
             if found != width and not ended:
                 raise BadInput(f"{self.place(row)}: expected {width} columns, got {found}")
 

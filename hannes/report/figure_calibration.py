@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from hannes.calibration.result import Fit
 
-WIDE = 30.0  # %, beyond which an interval is drawn as an arrow
+WIDE = 30.0  # %, at which the bar of an interval is cut
 
 
 def figures(result: "Fit") -> list[Drawn]:
@@ -30,8 +30,8 @@ def _intervals(result: "Fit") -> Drawn:
         figure, (axes,) = style.panels(1, 0.7 + 0.26 * len(rows))
         for place, each in enumerate(rows):
             colour = style.BLUE if each.identified else style.GREY
-            _bar(axes, place + 0.12, _relative(each.value, each.low, each.high), colour, 3.0)
-            _bar(axes, place - 0.2, _relative(each.value, *each.textbook), style.ORANGE, 1.6)
+            _bar(axes, place + 0.12, _cut(each.value, each.low, each.high), colour, 3.0)
+            _bar(axes, place - 0.2, _cut(each.value, *each.textbook), style.ORANGE, 1.6)
         axes.set_yticks(range(len(rows)), names)
         axes.axvline(0.0, **style.MARK)
         axes.set_xlabel("distance from the fitted value [%]")
@@ -52,8 +52,13 @@ def _intervals(result: "Fit") -> Drawn:
 
 def _relative(value: float, low: float, high: float) -> tuple[float, float]:
     """Ends of an interval relative to its value [%]."""
-    ends = 100.0 * (low - value) / abs(value), 100.0 * (high - value) / abs(value)
-    return max(ends[0], -WIDE), min(ends[1], WIDE)
+    return 100.0 * (low - value) / abs(value), 100.0 * (high - value) / abs(value)
+
+
+def _cut(value: float, low: float, high: float) -> tuple[float, float]:
+    """The same as far as they are drawn."""
+    low, high = _relative(value, low, high)
+    return max(low, -WIDE), min(high, WIDE)
 
 
 def _bar(axes: "Axes", height: float, ends: tuple[float, float], colour: str, width: float) -> None:
@@ -92,7 +97,7 @@ def _traces(result: "Fit") -> list[Drawn]:
             below.set_xlabel("time [s]")
             return figure
 
-        caption = f"{told} Below: simulated minus measured; grey: how much runs differ."
+        caption = f"{told} Below: simulated minus measured; grey: {result.floor_from}."
         return drawn(f"calibration-{name}", f"{name.capitalize()}", caption, alt, draw)
 
     return [one(name) for name in result.found.plan.channels if name in recording]

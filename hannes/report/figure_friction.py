@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hannes._jit import plain
-from hannes.dynamics.friction import stribeck
+from hannes.friction_curve import friction as friction_of
 from hannes.hand import Hand
 from hannes.report import style
 from hannes.report.drawn import Drawn, drawn
@@ -14,14 +13,6 @@ from hannes.report.formats import number
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-_NAMES = ("breakaway_friction", "coulomb_friction", "breakaway_speed", "viscous_friction")
-
-
-def friction_curve(hand: Hand, part: str, speeds: np.ndarray) -> np.ndarray:
-    """Friction of `mcp`, `pip` or `cart` over speeds, shape (n,); N m over rad/s or N over m/s."""
-    values = [hand.parameters[f"{part}.{name}"] for name in _NAMES]
-    return np.array([plain(stribeck)(speed, *values) for speed in speeds])
 
 
 def friction(hand: Hand) -> Drawn:
@@ -56,11 +47,11 @@ def _curve(
     axes: "Axes", hand: Hand, part: str, label: str, reach: float, scale: float, line: dict
 ) -> None:
     speeds = np.linspace(-reach, reach, 801)
-    axes.plot(speeds * scale, friction_curve(hand, part, speeds) * 1e3, label=label, **line)
+    axes.plot(speeds * scale, friction_of(hand, part, speeds) * 1e3, label=label, **line)
     peak = np.array([hand.parameters[f"{part}.breakaway_speed"]])
     axes.plot(
         peak * scale,
-        friction_curve(hand, part, peak) * 1e3,
+        friction_of(hand, part, peak) * 1e3,
         "o",
         color=line["color"],
         markerfacecolor="white",

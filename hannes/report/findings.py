@@ -20,7 +20,6 @@ class Finding:
     missing: str = ""
     link: str = ""
     tables: tuple[Table, ...] = ()
-    svg: str = ""
 
     @property
     def sentence(self) -> str:
@@ -63,8 +62,8 @@ ABOUT = {
     "recognition": (
         "Rigid or soft",
         "A classifier trained on simulated grasps alone, on recordings of ten virtual objects that "
-        "the second implementation of the hand grasped: other hands, a leader slack of lengths "
-        "that it learnt from too, and a gear that rubs under load, which it was never told.",
+        "the second implementation of the hand grasped: other hands, a leader slack and a gear "
+        "that rubs under load, of sizes that it learnt from too.",
     ),
 }
 RUN = {"recognition": "not scored in this run; `make run` records the objects and scores them"}

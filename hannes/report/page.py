@@ -18,7 +18,7 @@ def render(template: str, content: Mapping[str, Any]) -> str:
 
 
 def environment() -> "jinja2.Environment":
-    """The templates with what they may call: `inline(svg, alt)` and `anchor(text)`."""
+    """The templates with what they may call: `inline(svg, alt)`."""
     import jinja2
 
     made = jinja2.Environment(

@@ -29,8 +29,8 @@ class Problem:
 class Plain:
     """A right-hand side in Python: `fun(t, y)`; `many(t, ys)`, ys (n, k); `jac(t, y)` or None.
 
-    `scale` (n,): sizes of the states below which a difference step does not shrink; `direction`
-    1 or -1 in time.
+    `scale` (n,): sizes of the states below which a difference step does not shrink; `interval`:
+    times between which it is asked for. It is given copies of the states, its own to keep.
     """
 
     def __init__(
@@ -39,30 +39,37 @@ class Plain:
         many: Function,
         jac: Function | None,
         scale: np.ndarray,
-        direction: float,
+        interval: tuple[float, float],
     ) -> None:
         n = scale.size
         self.fun, self.many, self.jac = fun, many, jac
-        self.scale, self.direction = scale, direction
+        self.scale, self.interval = scale, interval
         self.matrix, self.factors = np.zeros((n, n)), np.zeros((n, n))
         self.rows, self.data, self.sample = np.zeros(n, np.int64), (), step.sample_pieces
 
     def slope(self, t: float, y: np.ndarray, dy: np.ndarray, data: Any) -> None:
         """Fill dy with f(t, y)."""
-        dy[:] = self.fun(t, y)
+        dy[:] = self.fun(t, y.copy())
 
     def linearise(
         self, t: float, y: np.ndarray, rates: np.ndarray, drift: np.ndarray, data: Any
     ) -> None:
         """Keep df/dy, fill drift with df/dt."""
-        later = t + self.direction * NUDGE * max(abs(t), 1e-3)
-        drift[:] = (self.many(later, y[:, np.newaxis])[:, 0] - rates) / (later - t)
+        near = self._near(t)
+        drift[:] = (self.many(near, y[:, np.newaxis].copy())[:, 0] - rates) / (near - t)
         if self.jac is not None:
-            self.matrix[:] = self.jac(t, y)
+            self.matrix[:] = self.jac(t, y.copy())
             return
         nudges = y + NUDGE * np.maximum(np.abs(y), self.scale) - y
         moved = self.many(t, y[:, np.newaxis] + np.diag(nudges))
         self.matrix[:] = (moved - rates[:, np.newaxis]) / nudges
+
+    def _near(self, t: float) -> float:
+        """Another time inside the interval: later, or earlier at its end."""
+        start, end = self.interval
+        nudge = max(NUDGE * abs(end - start), 64.0 * float(np.spacing(abs(t))))
+        nudge = float(np.copysign(nudge, end - start))
+        return t + nudge if abs(t + nudge - start) <= abs(end - start) else t - nudge
 
     def decompose(self, shift: float, data: Any) -> None:
         """Factor shift I - df/dy."""

@@ -81,7 +81,8 @@ class Rodas(OdeSolver):
     def _plain(self, jac: Any) -> Plain:
         scale = np.maximum(self.atol / self.rtol, 1e-12)
         dense = _jacobian(jac, self.n)
-        return Plain(self.fun, self.fun_vectorized, dense, scale, self.direction)
+        interval = float(self.t), float(self.t_bound)
+        return Plain(self.fun, self.fun_vectorized, dense, scale, interval)
 
     def _step_impl(self) -> tuple[bool, str | None]:
         if self.counts[1] >= self.most:

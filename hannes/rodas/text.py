@@ -37,7 +37,7 @@ def source() -> str:
 
 
 def compiled(functions: Mapping[str, Any]) -> dict[str, Any]:
-    """The method over compiled `slope`, `linearise`, `decompose` and `resolve`, by name.
+    """The method over compiled functions of a problem, by name: see `problem.compiled`.
 
     Machine code lives as long as the process; the hand's own is kept on disk (assemble.py).
     """
