@@ -49,7 +49,9 @@ def experiment_text(name: str, folder: Path | None = None) -> str:
     path = (folder or Path()) / library.find(name)
     text = read_text(path)
     reference = Table.parse(text, str(path), KEYS).table("reference", REFERENCE)
-    return _with_points(text, _recorded(reference, path.parent)) if "path" in reference else text
+    if reference.content.get("kind") != "file" or "path" not in reference or "points" in reference:
+        return text
+    return _with_points(text, _recorded(reference, path.parent))
 
 
 def _with_points(text: str, reference: Reference) -> str:

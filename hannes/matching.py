@@ -19,13 +19,10 @@ def matching(pattern: str, folder: Path) -> list[Path]:
     BadInput where it is no pattern that can be matched.
     """
     root = Path(pattern).anchor
-    if any("**" in part and part != "**" for part in Path(pattern).parts):
-        raise BadInput(f'"{pattern}" is no pattern of files: ** stands alone between slashes')
-    try:
-        found = list(Path(root or folder).glob(pattern.removeprefix(root)))
-    except (ValueError, NotImplementedError) as error:
-        raise BadInput(f'"{pattern}" is no pattern of files: {error}') from None
-    return sorted(found, key=_counted)
+    inside = pattern.removeprefix(root)
+    if not inside or any("**" in part and part != "**" for part in Path(inside).parts):
+        raise BadInput(f'"{pattern}" is no pattern of files: expected a name, ** alone between /')
+    return sorted(Path(root or folder).glob(inside), key=_counted)
 
 
 def _counted(path: Path) -> tuple[list[str | int], str]:

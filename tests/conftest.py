@@ -2,7 +2,10 @@
 
 import signal
 
+import pytest
 from hypothesis import settings
+
+from hannes._jit import compiles
 
 # A shell's background jobs start with Ctrl-C ignored, and so would all that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -10,6 +13,13 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # A first call compiles, which says nothing about the function.
 settings.register_profile("compiled", deadline=None)
 settings.load_profile("compiled")
+
+
+@pytest.fixture(scope="session")
+def compiling():
+    """For tests of compiled code, which there is none of with NUMBA_DISABLE_JIT."""
+    if not compiles():
+        pytest.skip("nothing is compiled here")
 
 
 def pytest_collection_modifyitems(items):

@@ -5,8 +5,6 @@ import importlib.util
 
 import pytest
 
-from hannes._jit import compiles
-
 SOURCE = """\
 from hannes._jit import entry, routine
 
@@ -25,10 +23,8 @@ def asked(x):
 
 
 @pytest.fixture
-def module(tmp_path):
+def module(tmp_path, compiling):
     """A module outside the package, whose machine code is kept beside it."""
-    if not compiles():
-        pytest.skip("nothing is compiled here")
     file = tmp_path / "asked_for.py"
     file.write_text(SOURCE)
     spec = importlib.util.spec_from_file_location("asked_for", file)

@@ -82,9 +82,7 @@ def arguments(kernel, rng, bounds=None):
     return [draw(name, rng) for name in inspect.signature(plain(kernel)).parameters]
 
 
-def test_kernels_are_found():
-    if not compiles():
-        pytest.skip("nothing is compiled here")
+def test_kernels_are_found(compiling):
     assert len(KERNELS) >= 30
     assert {"onset.limited", "dynamics.friction.stribeck", "contact.penalty.sensed"} <= set(KERNELS)
 
@@ -141,10 +139,8 @@ def everything_on():
 
 
 @pytest.fixture(scope="module")
-def both(tmp_path_factory):
+def both(tmp_path_factory, compiling):
     """Results of the compiled model here and of plain Python in a process of its own."""
-    if not compiles():
-        pytest.skip("nothing is compiled here")
     folder = tmp_path_factory.mktemp("plain")
     hand, chosen = everything_on()
     experiment = grasp(duration=0.7, sampling=50.0)

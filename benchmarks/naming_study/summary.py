@@ -119,9 +119,11 @@ def outsiders(cases: Cases) -> list[Row]:
         return []
     name, good = "outside the catalogue: unknown or remainder", ("unknown", "remainder")
     found = [at_least(name, share(some, *good), 0.90)]
+    found.append({"study": "the same: a clean name", **share(some, "wrong")})
+    found.append({"study": "the same: nothing said to be missing", **share(some, "silent")})
     if sure := clear(some):
         found.append({"study": f"the same, at {CLEAR:g} u or more", **share(sure, *good)})
-        found.append({"study": "the same: a clean name", **share(sure, "wrong")})
+        found.append({"study": "the same, there: a clean name", **share(sure, "wrong")})
     return found
 
 

@@ -31,18 +31,10 @@ from hannes.versions import versions
 
 SCHEMA = "hannes-dataset-1"
 DRAWING = ("matplotlib",)  # packages on which no byte hangs
-HUNG_ON = (
-    law,
-    draw,
-    part,
-    clearance,
-    noisy,
-    anatomy,
-    channels,
-    experiment,
-    hand,
-    shapes,
-)  # sources
+HUNG_ON = (  # what draws, poses and packs, by its source; kernels and values are told by themselves
+    *(law, draw, part, clearance, noisy),
+    *(anatomy, channels, experiment, hand, shapes),
+)
 ROOT = {
     "specification": "TOML, resolved: all that was asked for",
     "seed": "of all random numbers; a grasp's are its own, by its number",
