@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from hannes._jit import fused
 from hannes.equations import equations
 from hannes.rodas.arrays import copy_to
 
@@ -90,9 +91,9 @@ def resolve(b, data):
     for i in range(SIZE):
         for n in range(SEEING):
             for f in range(5):
-                own[i, f] += lifts[i, SIZE + 1 + n, f] * b[CORE[SEEN[n]]]
+                own[i, f] = fused(lifts[i, SIZE + 1 + n, f], b[CORE[SEEN[n]]], own[i, f])
         for f in range(5):
-            own[i, f] += lifts[i, SIZE, f] * pulls[f]
+            own[i, f] = fused(lifts[i, SIZE, f], pulls[f], own[i, f])
     give_fingers(own, b)
 
 

@@ -7,9 +7,9 @@ from hannes.dynamics import carts, joints, motor, wires
 from hannes.layout import Slot
 from hannes.parameter import Parameter
 
-# Ten joints or phalanges are worked on as sixteen, in whole vector registers; what the last six
-# hold is finite and counts for nothing.
-LANES = 16
+# Ten joints or phalanges are worked on as twelve, in whole vector registers of four; what the last
+# two hold is finite and counts for nothing.
+LANES = 12
 SIZES = {"cart": 2, "finger": 5, "joint": 10, "phalanx": 10, "lane": LANES}
 
 

@@ -106,11 +106,13 @@ def _solve_fingers(order, full):
     for i, row in enumerate(order):
         lines.append(f"        z_{i} = b[{row}, f]")
         lines += [
-            f"        z_{i} -= lifts[{row}, {order[k]}, f] * z_{k}" for k in range(i) if full[i][k]
+            f"        z_{i} = fused(-lifts[{row}, {order[k]}, f], z_{k}, z_{i})"
+            for k in range(i)
+            if full[i][k]
         ]
     for i, row in reversed(list(enumerate(order))):
         lines += [
-            f"        z_{i} -= lifts[{row}, {order[k]}, f] * z_{k}"
+            f"        z_{i} = fused(-lifts[{row}, {order[k]}, f], z_{k}, z_{i})"
             for k in range(i + 1, size)
             if full[i][k]
         ]
@@ -144,7 +146,7 @@ def _triangles(full):
             if full[i][k]:
                 lines.append(f"    m_{i}_{k} *= m_{k}_{k}")
                 lines += [
-                    f"    m_{i}_{j} -= m_{i}_{k} * m_{k}_{j}"
+                    f"    m_{i}_{j} = fused(-m_{i}_{k}, m_{k}_{j}, m_{i}_{j})"
                     for j in range(k + 1, size)
                     if full[k][j]
                 ]
@@ -187,13 +189,16 @@ def _solve(pattern, takes, core):
         terms = ["0.0" if row < TENSIONS else targets[i]]
         for f in range(TENSIONS):
             if takes[row][f]:
-                terms.append(f"core[{count + f}, {row}] * taken[{f}]")
-                terms.append(f"core[{count + TENSIONS + f}, {row}] * rate[{f}]")
-        lines.append(f"    z_{i} = {' + '.join(terms)}")
-        lines += [f"    z_{i} -= lu[{places[i, k]}] * z_{k}" for k in range(i) if full[i][k]]
+                terms.append(f"core[{count + f}, {row}], taken[{f}]")
+                terms.append(f"core[{count + TENSIONS + f}, {row}], rate[{f}]")
+        lines.append(f"    z_{i} = {terms[0]}")
+        lines += [f"    z_{i} = fused({term}, z_{i})" for term in terms[1:]]
+        lines += [
+            f"    z_{i} = fused(-lu[{places[i, k]}], z_{k}, z_{i})" for k in range(i) if full[i][k]
+        ]
     for i in reversed(range(len(order))):
         lines += [
-            f"    z_{i} -= lu[{places[i, k]}] * z_{k}"
+            f"    z_{i} = fused(-lu[{places[i, k]}], z_{k}, z_{i})"
             for k in range(i + 1, len(order))
             if full[i][k]
         ]

@@ -83,7 +83,8 @@ def grasps(
     (w,) among outputs, then states, into `kept` (m, w, n). counts (m, 6): evaluations, Jacobians,
     factorings, rejected steps, failure or 0, samples before it. Ends early where stop[0].
     """
-    outputs = np.zeros((times.size, OUTPUTS))
+    wanted = columns.size > 0 and columns.min() < OUTPUTS
+    outputs = np.zeros((times.size if wanted else 0, OUTPUTS))
     for k in range(vectors.shape[0]):
         if stop[0]:
             return
@@ -162,10 +163,7 @@ def finite(rows, filled):
 
 def keep(p, reference, times, columns, rows, holds, outputs, kept, filled):
     """Fill `kept` (w, n) with what was asked for."""
-    wanted = False
-    for w in range(columns.size):
-        wanted = wanted or columns[w] < OUTPUTS
-    if wanted:
+    if outputs.size > 0:
         fill_outputs(times[:filled], rows, p, reference, holds, outputs)
     for w in range(columns.size):
         column = columns[w]

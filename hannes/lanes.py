@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from hannes._jit import kernel
+from hannes._jit import fused, kernel
 
 FAR = 40.0  # where exp(-x) is below the last digit of 1
 
@@ -18,10 +18,11 @@ def faded(x):
     """exp(-x) - 1 for x >= 0, to 1e-15 of itself: seven doublings of a series."""
     t = min(x, FAR) * (-1.0 / 128.0)
     q = t * t
-    low = (1.0 + t * (1.0 / 2.0)) + q * (1.0 / 6.0 + t * (1.0 / 24.0))
-    middle = (1.0 / 120.0 + t * (1.0 / 720.0)) + q * (1.0 / 5040.0 + t * (1.0 / 40320.0))
-    high = 1.0 / 362880.0 + t * (1.0 / 3628800.0) + q * (1.0 / 39916800.0)
-    g = t * (low + q * q * (middle + q * q * high))
+    low = fused(q, fused(t, 1.0 / 24.0, 1.0 / 6.0), fused(t, 1.0 / 2.0, 1.0))
+    middle = fused(t, 1.0 / 720.0, 1.0 / 120.0)
+    middle = fused(q, fused(t, 1.0 / 40320.0, 1.0 / 5040.0), middle)
+    high = fused(q, 1.0 / 39916800.0, fused(t, 1.0 / 3628800.0, 1.0 / 362880.0))
+    g = t * fused(q * q, fused(q * q, high, middle), low)
     g *= 2.0 + g
     g *= 2.0 + g
     g *= 2.0 + g
@@ -42,15 +43,20 @@ def lane_sign(x):
 @kernel
 def direction(angle):
     """Cosine and sine, to 1e-15: series at a quarter of the angle, doubled twice."""
-    turns = np.floor(angle / (2.0 * math.pi) + 0.5)  # math's refuses what is no number
-    t = 0.25 * (angle - 2.0 * math.pi * turns)
+    turns = np.floor(angle * (0.5 / math.pi) + 0.5)  # math's refuses what is no number
+    t = 0.25 * fused(-2.0 * math.pi, turns, angle)
     q = t * t
-    high = 1.0 - q * (1.0 / 110.0) * (1.0 - q * (1.0 / 156.0) * (1.0 - q * (1.0 / 210.0)))
-    high = 1.0 - q * (1.0 / 20.0) * (1.0 - q * (1.0 / 42.0) * (1.0 - q * (1.0 / 72.0) * high))
-    sine = t * (1.0 - q * (1.0 / 6.0) * high)
-    high = 1.0 - q * (1.0 / 182.0) * (1.0 - q * (1.0 / 240.0))
-    high = 1.0 - q * (1.0 / 90.0) * (1.0 - q * (1.0 / 132.0) * high)
-    high = 1.0 - q * (1.0 / 12.0) * (1.0 - q * (1.0 / 30.0) * (1.0 - q * (1.0 / 56.0) * high))
-    cosine = 1.0 - q * (1.0 / 2.0) * high
+    r = q * q
+    low = fused(q, 1.0 / 120.0, -1.0 / 6.0)
+    middle = fused(q, 1.0 / 362880.0, -1.0 / 5040.0)
+    high = fused(q, 1.0 / 6227020800.0, -1.0 / 39916800.0)
+    high = fused(r, -1.0 / 1307674368000.0, high)
+    sine = fused(t * q, fused(r, fused(r, high, middle), low), t)
+    low = fused(q, 1.0 / 24.0, -1.0 / 2.0)
+    middle = fused(q, 1.0 / 40320.0, -1.0 / 720.0)
+    high = fused(q, 1.0 / 479001600.0, -1.0 / 3628800.0)
+    high = fused(r, fused(q, 1.0 / 20922789888000.0, -1.0 / 87178291200.0), high)
+    cosine = fused(q, fused(r, fused(r, high, middle), low), 1.0)
     twice = 2.0 * sine * cosine
-    return 1.0 - 2.0 * twice * twice, 2.0 * twice * (1.0 - 2.0 * sine * sine)
+    double = 2.0 * twice
+    return fused(-double, twice, 1.0), double * fused(-2.0 * sine, sine, 1.0)

@@ -2,7 +2,7 @@
 
 import math
 
-from hannes._jit import kernel
+from hannes._jit import fused, kernel
 
 
 @kernel
@@ -18,7 +18,7 @@ def add_scaled(target, factor, row):
     if factor == 0.0:
         return
     for i in range(target.size):
-        target[i] += factor * row[i]
+        target[i] = fused(factor, row[i], target[i])
 
 
 @kernel
@@ -27,11 +27,10 @@ def combine(target, base, weight, row, scale, factors, stages):
     first, second, third = scale * factors[0], scale * factors[1], scale * factors[2]
     fourth, fifth = scale * factors[3], scale * factors[4]
     for i in range(target.size):
-        target[i] = (base[i] + weight * row[i]) + (
-            (first * stages[0, i] + second * stages[1, i])
-            + (third * stages[2, i] + fourth * stages[3, i])
-            + fifth * stages[4, i]
-        )
+        some = fused(first, stages[0, i], fused(weight, row[i], base[i]))
+        more = fused(third, stages[2, i], second * stages[1, i])
+        more = fused(fifth, stages[4, i], fused(fourth, stages[3, i], more))
+        target[i] = some + more
 
 
 @kernel
@@ -40,11 +39,9 @@ def weigh(target, factors, stages):
     first, second, third = factors[0], factors[1], factors[2]
     fourth, fifth = factors[3], factors[4]
     for i in range(target.size):
-        target[i] = (
-            (first * stages[0, i] + second * stages[1, i])
-            + (third * stages[2, i] + fourth * stages[3, i])
-            + fifth * stages[4, i]
-        )
+        some = fused(second, stages[1, i], first * stages[0, i])
+        more = fused(fourth, stages[3, i], third * stages[2, i])
+        target[i] = fused(fifth, stages[4, i], some + more)
 
 
 @kernel
@@ -80,7 +77,8 @@ def interpolate_piece(x, piece, after, row):
     left = 1.0 - x
     bend = x * left
     for i in range(row.size):
-        row[i] = left * piece[0, i] + x * after[0, i] + bend * (piece[1, i] + x * piece[2, i])
+        line = fused(x, after[0, i], left * piece[0, i])
+        row[i] = fused(bend, fused(x, piece[2, i], piece[1, i]), line)
 
 
 @kernel
@@ -104,7 +102,7 @@ def factor(matrix, shift, factors, rows):
             factors[i, k] /= factors[k, k]
             if factors[i, k] != 0.0:
                 for j in range(k + 1, n):
-                    factors[i, j] -= factors[i, k] * factors[k, j]
+                    factors[i, j] = fused(-factors[i, k], factors[k, j], factors[i, j])
 
 
 @kernel

@@ -45,8 +45,10 @@ from hannes.rodas.coefficients import (
 MOST_STAGES = 6
 WORK = MOST_STAGES + 5  # rows of workspace: all k, f(t, y), df/dt, argument, right-hand side, f
 SAFETY, SHRINK, GROW, AGAIN = 0.9, 0.2, 6.0, 1.5  # AGAIN: growth after a rejection
-HOPELESS = 8.0  # size of the nonlinear remainder at which a step is given up after two stages
-BEYOND, ADDED = 1.02, 0.005  # a step that fails at a kink is cut to end just beyond it
+# Size of what is of second order, by method, at which a step is given up before its last stages.
+HOPELESS = np.array([8.0, 4.0])
+BEYOND, ADDED = 1.02, 0.005  # a step that fails at a kink is cut to end just beyond it,
+BEFORE = 0.97  # and where it fails with the kink near its end, before it
 DOUBT = 3.0  # what an error estimate may be wrong by across a kink
 LEAST = 2e-15  # of the time: the shortest step
 TOO_SMALL, NOT_FINITE, TOO_MANY = -1, -2, -3
@@ -123,6 +125,8 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
             shrink = min(max(SHRINK, shrink), 0.9)
         if clock[4] < 1.0 and not rejected:
             shrink = min(BEYOND * clock[4] + ADDED, 0.95)
+        elif 0.5 < clock[4] < 1.0:
+            shrink = BEFORE * clock[4]
         rejected, tried, failed = True, h, error
         counts[3] += 1
         clock[1] = h * shrink
@@ -157,10 +161,10 @@ def attempt(problem, data, method, t, h, y, rtol, atol, clock, counts, work):
         if stage == LOOK[method]:
             crossed = problem.crossing(moved, data)
             clock[4] = crossed * NODES[method, stage] if crossed < 1.0 else 1.0
-            if stage == 1:  # of Rodas4P2: k_2 = -2 k_1 where f is linear, what differs is of h^2
+            if stage == 1:  # of Rodas4P2, where k_2 = -2 k_1 but for what is of second order
                 add_scaled(b, 2.0, work[0])
-                if not scaled_size(b, y, moved, rtol, atol, value) < HOPELESS:
-                    return np.inf
+            if not scaled_size(b, y, moved, rtol, atol, value) < HOPELESS[method]:
+                return np.inf
     last = work[STAGES[method] - 1]
     add_scaled(moved, 1.0, last)
     return scaled_size(last, y, moved, rtol, atol, value)

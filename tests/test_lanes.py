@@ -1,0 +1,55 @@
+"""Elementary functions of loops over joints: as exact as told, compiled and plain."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from hannes._jit import fused, kernel, plain
+from hannes.lanes import direction, faded, lane_sign
+
+RANDOM = np.random.default_rng(3)
+SIZES = 10.0 ** RANDOM.uniform(-12.0, 1.5, 400)
+ANGLES = np.concatenate([RANDOM.uniform(-40.0, 40.0, 400), SIZES])
+FORMS = pytest.mark.parametrize("form", [plain, lambda function: function])
+
+
+@FORMS
+def test_exponential_less_one(form):
+    exact = np.array([math.expm1(-x) for x in SIZES])
+    assert np.abs([form(faded)(x) for x in SIZES] / exact - 1.0).max() < 3e-15
+
+
+@FORMS
+def test_hyperbolic_tangent(form):
+    exact = np.array([math.tanh(x) for x in SIZES])
+    for sign in (1.0, -1.0):
+        assert np.abs([form(lane_sign)(sign * x) for x in SIZES] / exact - sign).max() < 1e-14
+
+
+@FORMS
+def test_cosine_and_sine(form):
+    found = np.array([form(direction)(x) for x in ANGLES])
+    exact = np.array([(math.cos(x), math.sin(x)) for x in ANGLES])
+    assert np.abs(found - exact).max() < 8e-15  # of 2 pi, rounded, times as many turns
+    near = np.abs(ANGLES) < math.pi
+    assert np.abs(found - exact)[near].max() < 1e-15
+
+
+@kernel
+def in_loop(a, b, c, found):
+    for i in range(a.size):
+        found[i] = fused(a[i], b[i], c[i])
+
+
+def test_a_fused_sum_is_rounded_once_wherever_it_stands(compiling):
+    a, b = RANDOM.standard_normal((2, 101))
+    c = -a * b * (1.0 + 1e-14 * RANDOM.standard_normal(101))  # all but cancels
+    found = np.empty(101)
+    in_loop(a, b, c, found)
+    exact = [
+        float(Fraction(x) * Fraction(y) + Fraction(z)) for x, y, z in zip(a, b, c, strict=True)
+    ]
+    assert (found == exact).all()
+    assert (found != a * b + c).any()
