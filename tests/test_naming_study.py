@@ -11,6 +11,8 @@ from benchmarks.oracle.shapes import shapes
 from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
 from benchmarks.truth.protocol import RICH, Condition, Protocol
 from benchmarks.truth.record import checked
+from hannes.hand_proposals import proposals
+from hannes.recording import Recording
 
 BLINK = Protocol((Condition("void", ((0.0, 0.0), (0.1, 1.5)), 2),), RICH)
 GAP = {"current": {"unit": "A", "as_given": 0.2, "before": 0.1, "after": 0.02, "floor": 0.01}}
@@ -322,6 +324,24 @@ def test_a_case_of_the_study_is_one_line_of_json(monkeypatch):
     found = naming.measured("empty, poor", 5)
     assert found["outcome"] == "unknown" and found["effects"] == [] and found["times"] is None
     json.dumps(found, allow_nan=False)
+
+
+def test_the_bench_has_every_run_that_a_verdict_may_propose():
+    """It once had not: a case ended as open where the run that would close it could not be had."""
+    recorded, things = {}, {}
+    for each in draw.PLANS["poor"].conditions:
+        times, angles = np.array(each.points).T
+        channels = {"time": times, "reference": angles}
+        recorded[each.name] = Recording(channels, {"time": "s", "reference": "rad"}, "hand")
+        things[each.name] = str(each.thing)
+    proposed = proposals(recorded, things)
+    assert len(proposed) == 9
+    for name, run in proposed.items():
+        (made,) = [c for c in draw.with_run(draw.PLANS["poor"], name).runs if c.name == name]
+        assert made.points[-1][0] == pytest.approx(run.time[-1], abs=2e-3)
+        assert max(angle for _, angle in made.points) == pytest.approx(
+            run["reference"].max(), rel=0.01
+        )
 
 
 def test_one_more_run_is_recorded_where_a_case_is_left_open(monkeypatch):

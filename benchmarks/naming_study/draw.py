@@ -12,7 +12,8 @@ import numpy as np
 
 from benchmarks.naming_study.frozen import Smallest, smallest
 from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
-from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
+from benchmarks.truth.protocol import POOR, PROTOCOLS, Condition, Protocol, closures, scaled
+from hannes.hand_proposals import CHANGES
 
 PLANS: dict[str, Protocol] = {
     **PROTOCOLS,
@@ -25,6 +26,14 @@ MENU = {
     for each in PROTOCOLS["rich"].conditions
     if (each.points, each.thing) not in [(c.points, c.thing) for c in PROTOCOLS["poor"].conditions]
 }
+# What the bench can do: that, and all runs of the poor protocol as a verdict may propose them.
+BENCH = {
+    f"{each.name}, {change}": Condition(
+        f"{each.name}, {change}", scaled(each.points, *shares), 1, each.thing, each.sensor
+    )
+    for each in PROTOCOLS["poor"].conditions
+    for change, shares in CHANGES.items()
+} | MENU
 LEAST, MOST = 0.5, 5.0  # times u
 PAIRED = 2.0  # times u, of each of a pair, at least
 SLACK = (1e-3, 6e-3)  # m, in free closures like the paper's figure 7
@@ -74,8 +83,8 @@ def drawn(what: str, protocol: str, seed: int) -> Drawn:
 
 
 def with_run(plan: Protocol, name: str) -> Protocol:
-    """A protocol and one more run of the menu: all runs before it stay what they are."""
-    return replace(plan, conditions=(*plan.conditions, MENU[name]))
+    """A protocol and one more run of the bench: all runs before it stay what they are."""
+    return replace(plan, conditions=(*plan.conditions, BENCH[name]))
 
 
 def any_run(seed: int) -> str:
