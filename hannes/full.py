@@ -50,8 +50,8 @@ def mark(y, data):
 
 
 def crossing(y, data):
-    """None is crossed."""
-    return 1.0
+    """None is known."""
+    return 2.0
 
 
 def gather(data, columns):

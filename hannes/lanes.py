@@ -1,6 +1,6 @@
 """Elementary functions as straight-line arithmetic, for loops over joints and phalanges.
 
-A call of the C library keeps a loop from being worked on eight elements at a time; these do
+A call of the C library keeps a loop from being worked on several elements at a time; these do
 not (nor may they divide, which is slow). For a single number the library's functions are faster.
 """
 
@@ -42,7 +42,7 @@ def lane_sign(x):
 
 @kernel
 def direction(angle):
-    """Cosine and sine, to 1e-15: series at a quarter of the angle, doubled twice."""
+    """Cosine and sine, within a turn to 1e-15: series at a quarter of the angle, doubled twice."""
     turns = np.floor(angle * (0.5 / math.pi) + 0.5)  # math's refuses what is no number
     t = 0.25 * fused(-2.0 * math.pi, turns, angle)
     q = t * t

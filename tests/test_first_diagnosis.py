@@ -29,7 +29,7 @@ def closures(folder, *arguments):
 
 @pytest.mark.slow
 def test_lengths_of_hidden_slack_are_right_over_several_draws(tmp_path):
-    """One draw tells little: its interval misses one time in twenty, and must be so narrow."""
+    """One draw tells little: its interval may miss, as of these five the first one's does."""
     found = []
     for seed in range(1, 6):
         campaign = closures(tmp_path / str(seed), "--slack", "3 mm", "--seed", str(seed))
@@ -39,7 +39,7 @@ def test_lengths_of_hidden_slack_are_right_over_several_draws(tmp_path):
         found.append([length["value"], length["low"], length["high"]])
     value, low, high = np.array(found).T
     assert np.median(value) == pytest.approx(3e-3, rel=0.03)
-    assert np.sum((low < 3e-3) & (high > 3e-3)) >= 3
+    assert np.sum((low < 3e-3) & (high > 3e-3)) >= 4
     assert np.median(high - low) < 0.12 * 3e-3
 
 

@@ -43,6 +43,12 @@ def in_loop(a, b, c, found):
         found[i] = fused(a[i], b[i], c[i])
 
 
+@FORMS
+@pytest.mark.parametrize("angle", [0, True, np.float32(0.5)])
+def test_whole_and_short_numbers_are_taken_too(form, angle):
+    assert form(direction)(angle) == pytest.approx((math.cos(angle), math.sin(angle)), abs=1e-7)
+
+
 def test_a_fused_sum_is_rounded_once_wherever_it_stands(compiling):
     a, b = RANDOM.standard_normal((2, 101))
     c = -a * b * (1.0 + 1e-14 * RANDOM.standard_normal(101))  # all but cancels

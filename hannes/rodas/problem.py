@@ -83,8 +83,8 @@ class Plain:
         """Kinks of f are not known."""
 
     def crossing(self, y: np.ndarray, data: Any) -> float:
-        """None is crossed."""
-        return 1.0
+        """None is known."""
+        return 2.0
 
     def advance(self, *arguments: Any) -> int:
         """See step.advance."""
@@ -126,7 +126,7 @@ def compiled(fun: Any, scale: np.ndarray, direction: float = 1.0) -> Problem:
 
     @kernel
     def crossing(y, data):
-        return 1.0
+        return 2.0
 
     functions = {"mark": mark, "crossing": crossing, "slope": slope, "linearise": linearise}
     space = text.compiled({**functions, "decompose": decompose, "resolve": resolve})

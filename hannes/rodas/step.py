@@ -8,9 +8,9 @@
     resolve(b, data)                            replace b by the solution of (shift - J) x = b
     mark(y, data)                               note on which side of each kink of f y lies
     crossing(y, data)                           how far on the way from there to y the first kink
-                                                lies, 1 where none is crossed
+                                                lies, 1 where none is crossed, 2 where none is known
 
-The last two may do nothing and return 1; they follow an evaluation of `slope` at that y.
+The last two may do nothing and return 2; they follow an evaluation of `slope` at that y.
 
 It may be an object with these methods; for compiled code the text is taken with `problem.`
 dropped (see text.py), so that the names are those of the module it lands in.
@@ -45,10 +45,11 @@ from hannes.rodas.coefficients import (
 MOST_STAGES = 6
 WORK = MOST_STAGES + 5  # rows of workspace: all k, f(t, y), df/dt, argument, right-hand side, f
 SAFETY, SHRINK, GROW, AGAIN = 0.9, 0.2, 6.0, 1.5  # AGAIN: growth after a rejection
-# Size of what is of second order, by method, at which a step is given up before its last stages.
+# Size of what is of second order, by method, at which a step is given up before its last stages;
+# by Rodas3 only of problems that know of kinks, as else that can be large and right.
 HOPELESS = np.array([8.0, 4.0])
 BEYOND, ADDED = 1.02, 0.005  # a step that fails at a kink is cut to end just beyond it,
-BEFORE = 0.97  # and where it fails with the kink near its end, before it
+BEFORE = 0.97  # and the second time, where the kink is near its end, before it
 DOUBT = 3.0  # what an error estimate may be wrong by across a kink
 LEAST = 2e-15  # of the time: the shortest step
 TOO_SMALL, NOT_FINITE, TOO_MANY = -1, -2, -3
@@ -100,7 +101,7 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
     problem.linearise(t, y, rates, drift, data)
     counts[0] += 1
     counts[1] += 1
-    rejected, tried, failed = False, 0.0, 0.0
+    failures, tried, failed = 0, 0.0, 0.0
     while True:
         h = clock[1]
         if abs(h) > clock[3]:
@@ -119,22 +120,22 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
         shrink = SHRINK
         if error < 1e6:
             order = ORDER[method]
-            if rejected and failed < 1e6:
+            if failures > 0 and failed < 1e6:
                 order = math.log(failed / error) / math.log(tried / h)
             shrink = SAFETY * error ** (-1.0 / min(max(order, 0.5), ORDER[method]))
             shrink = min(max(SHRINK, shrink), 0.9)
-        if clock[4] < 1.0 and not rejected:
+        if clock[4] < 1.0 and failures == 0:
             shrink = min(BEYOND * clock[4] + ADDED, 0.95)
-        elif 0.5 < clock[4] < 1.0:
+        elif 0.5 < clock[4] < 1.0 and failures == 1:
             shrink = BEFORE * clock[4]
-        rejected, tried, failed = True, h, error
+        failures, tried, failed = failures + 1, h, error
         counts[3] += 1
         clock[1] = h * shrink
     keep_piece(method, piece, work)
     copy_to(y, moved)
     clock[0] = bound if h == bound - t else t + h
     grow = SAFETY * max(error, 1e-8) ** (-1.0 / ORDER[method])
-    clock[1] = h * min(max(grow, SHRINK), AGAIN if rejected else GROW)
+    clock[1] = h * min(max(grow, SHRINK), AGAIN if failures > 0 else GROW)
     return 0
 
 
@@ -159,12 +160,13 @@ def attempt(problem, data, method, t, h, y, rtol, atol, clock, counts, work):
         problem.resolve(b, data)
         copy_to(work[stage], b)
         if stage == LOOK[method]:
-            crossed = problem.crossing(moved, data)
-            clock[4] = crossed * NODES[method, stage] if crossed < 1.0 else 1.0
             if stage == 1:  # of Rodas4P2, where k_2 = -2 k_1 but for what is of second order
                 add_scaled(b, 2.0, work[0])
-            if not scaled_size(b, y, moved, rtol, atol, value) < HOPELESS[method]:
-                return np.inf
+            else:  # of Rodas3; the other one's short look at kinks costs more than it saves
+                clock[4] = problem.crossing(moved, data)
+            if clock[4] <= 1.0 or stage == 1:
+                if not scaled_size(b, y, moved, rtol, atol, value) < HOPELESS[method]:
+                    return np.inf
     last = work[STAGES[method] - 1]
     add_scaled(moved, 1.0, last)
     return scaled_size(last, y, moved, rtol, atol, value)
