@@ -59,8 +59,8 @@ def advance(problem, data, y, rtol, atol, clock, counts, bounds, ends, pieces, w
     """Take steps until the last of `bounds` is reached or `pieces` is full; return how many.
 
     `y` (n,) moves along. `clock`: time, next step (signed; 0: to be chosen), the bound ahead,
-    longest step, share of the step before a kink. `counts` grows: evaluations, Jacobians,
-    factorings, rejected steps; then a failure's number. No step leads across one of `bounds`
+    longest step, share of the step before a kink (of `crossing`). `counts` grows: evaluations,
+    Jacobians, factorings, rejected steps; then a failure's number. No step leads across one of `bounds`
     (b,), on the way in this order. `ends` (m + 1,) and `pieces` (m + 1, 3, n) take each step's
     ends and its dense output.
     """
