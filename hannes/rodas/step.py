@@ -59,10 +59,10 @@ def advance(problem, data, y, rtol, atol, clock, counts, bounds, ends, pieces, w
     """Take steps until the last of `bounds` is reached or `pieces` is full; return how many.
 
     `y` (n,) moves along. `clock`: time, next step (signed; 0: to be chosen), the bound ahead,
-    longest step, share of the step before a kink (of `crossing`). `counts` grows: evaluations,
-    Jacobians, factorings, rejected steps; then a failure's number. No step leads across one of `bounds`
-    (b,), on the way in this order. `ends` (m + 1,) and `pieces` (m + 1, 3, n) take each step's
-    ends and its dense output.
+    longest step, what `crossing` said. `counts` grows: evaluations, Jacobians, factorings,
+    rejected steps; then a failure's number. No step leads across one of `bounds` (b,), on the
+    way in this order. `ends` (m + 1,) and `pieces` (m + 1, 3, n) take each step's ends and its
+    dense output.
     """
     taken = 0
     ends[0] = clock[0]
