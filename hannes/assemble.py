@@ -22,6 +22,7 @@ from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.filling import HOOK, Layouts, without_outputs
 from hannes.layout import Layout
+from hannes.needed import Needed, gated
 from hannes.rodas import text as method
 from hannes.rodas.problem import Problem
 from hannes.worked_out import worked_out
@@ -125,6 +126,7 @@ class Compiled:
     outputs: Layout
     fast: ModuleType
     observed: ModuleType
+    needed: Needed
     jacobian_kind: str = "dense differences"
 
     def problem(self, p: np.ndarray, reference: np.ndarray, hold: np.ndarray) -> Problem:
@@ -156,7 +158,9 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     solution, kind = _solution(plant, layouts, text)
     names = _names(plant, solution.modules, effects)
     origin = generated.fingerprint(names)
-    seen = generated.module("observed", text + _functions(observed), names, origin, sizes)
+    needed = Needed.of(text, layouts.out)
+    sizes["STATEMENTS"] = str(len(needed.statements))
+    seen = generated.module("observed", gated(text) + _functions(observed), names, origin, sizes)
     solved = "".join(map(_functions, solution.modules))
     quick = without_outputs(text) + layouts.fill(solved) + solution.written
     quick += method.source() + _functions(entries) + plant.entries
@@ -164,7 +168,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     names["fill_outputs"] = seen.fill_outputs
     origin += seen.__name__
     fast = generated.module("fast", quick, names, origin, sizes | solution.constants)
-    return Compiled(text, layouts.p, layouts.y, layouts.out, fast, seen, kind)
+    return Compiled(text, layouts.p, layouts.y, layouts.out, fast, seen, needed, kind)
 
 
 def jacobian_kind(plant: Equations, effects: Iterable[Effect] = ()) -> str:

@@ -72,7 +72,7 @@ def look_up(times, ends, pieces, rows):
 
 
 def grasps(
-    vectors, starts, reference, bounds, periods, times, columns,
+    vectors, starts, reference, bounds, periods, times, columns, needed,
     rtol, atol, stop, rows, holds, kept, counts,
 ):  # fmt: skip
     """Run one grasp for each row of `vectors` (m, parameters), from `starts` (m, states).
@@ -80,7 +80,8 @@ def grasps(
     bounds (b,) [s]: ends of the smooth parts, the last one that of the grasp; periods (m,) [s]
     of the sampled controller, 0 for the continuous one. Samples at `times` (n,) go into `rows`
     (n, states) and `holds` (n, held numbers), which the next grasp overwrites, and the `columns`
-    (w,) among outputs, then states, into `kept` (m, w, n). counts (m, 6): evaluations, Jacobians,
+    (w,) among outputs, then states, into `kept` (m, w, n), outputs by the statements that are
+    `needed` (see needed.py). counts (m, 6): evaluations, Jacobians,
     factorings, rejected steps, failure or 0, samples before it. Ends early where stop[0].
     """
     wanted = columns.size > 0 and columns.min() < OUTPUTS
@@ -95,7 +96,8 @@ def grasps(
         counts[k, 5] = finite(rows, reached)
         if counts[k, 5] < reached:
             counts[k, 4] = NOT_FINITE
-        keep(vectors[k], reference, times, columns, rows, holds, outputs, kept[k], counts[k, 5])
+        asked, filled = (columns, needed), counts[k, 5]
+        keep(vectors[k], reference, times, asked, rows, holds, outputs, kept[k], filled)
 
 
 def grasp(data, y, bounds, period, times, rtol, atol, stop, rows, holds, counts):
@@ -161,10 +163,11 @@ def finite(rows, filled):
     return filled
 
 
-def keep(p, reference, times, columns, rows, holds, outputs, kept, filled):
+def keep(p, reference, times, asked, rows, holds, outputs, kept, filled):
     """Fill `kept` (w, n) with what was asked for."""
+    columns, needed = asked
     if outputs.size > 0:
-        fill_outputs(times[:filled], rows, p, reference, holds, outputs)
+        fill_outputs(times[:filled], rows, p, reference, holds, needed, outputs)
     for w in range(columns.size):
         column = columns[w]
         for row in range(filled):

@@ -3,24 +3,26 @@
 The equations that the integrator runs are without outputs, so that these are a module apart.
 """
 
+from typing import Any
+
 import numpy as np
 
-from hannes.equations import equations
-
-STATES, CHANNELS, OUTPUTS = 1, 1, 1  # filled in by assemble.py
+# Filled in by assemble.py; `equations` as needed.py leaves it.
+STATES, CHANNELS, OUTPUTS, STATEMENTS = 1, 1, 1, 1
+equations: Any = None
 
 
 def observe(times, states, p, reference, holds):
     """Outputs at `states` (n, states), shape (n, outputs)."""
     rows = np.zeros((times.size, OUTPUTS))
-    fill_outputs(times, states, p, reference, holds, rows)
+    fill_outputs(times, states, p, reference, holds, np.ones(STATEMENTS, np.bool_), rows)
     return rows
 
 
-def fill_outputs(times, states, p, reference, holds, rows):
-    """The same into the first rows of `rows`."""
+def fill_outputs(times, states, p, reference, holds, needed, rows):
+    """The same into the first rows of `rows`, by the statements that are `needed` (needed.py)."""
     dy, c = np.zeros(STATES), np.zeros(CHANNELS)
     for k in range(times.size):
         for i in range(OUTPUTS):
             rows[k, i] = 0.0
-        equations(times[k], states[k], dy, p, c, reference, holds[k], rows[k])
+        equations(times[k], states[k], dy, p, c, reference, holds[k], rows[k], needed)

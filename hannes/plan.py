@@ -43,6 +43,7 @@ class Plan:
     atol: np.ndarray
     channels: tuple[str, ...]
     columns: np.ndarray
+    needed: np.ndarray
 
     @staticmethod
     def of(
@@ -52,6 +53,7 @@ class Plan:
         reference = experiment.reference
         inside = {float(t) for t in reference.knots[0] if 0.0 < t < experiment.duration}
         ends = sorted(inside) if reference.kinked else []
+        columns = np.array([k for name in channels for k in _places(compiled, name)], np.int64)
         return Plan(
             compiled,
             reference.knots,
@@ -61,7 +63,8 @@ class Plan:
             rtol,
             tolerances(compiled, rtol),
             tuple(channels),
-            np.array([k for name in channels for k in _places(compiled, name)], np.int64),
+            columns,
+            compiled.needed.by(columns),
         )
 
     def run(self, vectors: np.ndarray, starts: np.ndarray, stop: np.ndarray | None = None) -> Ran:
@@ -78,7 +81,7 @@ class Plan:
         stop = np.zeros(1, np.bool_) if stop is None else stop
         with np.errstate(all="ignore"):  # where nothing is compiled
             self.compiled.fast.grasps(
-                *given, self.columns, self.rtol, self.atol, stop,
+                *given, self.columns, self.needed, self.rtol, self.atol, stop,
                 ran.rows, ran.holds, ran.kept, ran.counts,
             )  # fmt: skip
         return replace(ran, seconds=time.perf_counter() - ran.seconds)
