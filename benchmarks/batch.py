@@ -101,7 +101,7 @@ def row(what: str, count: int, seconds: np.ndarray, **more: Any) -> Row:
 
 def throughput(quick: bool) -> tuple[list[Row], list[Row]]:
     """Grasps per second on one core and on two, by the clock; and how many cores were to be had."""
-    count, repeats = (400, 3) if quick else (2000, 7)
+    count, repeats = (400, 3) if quick else (2000, 21)
     exact = simulate(Hand(), grasp(), method="Radau", rtol=1e-9).require()
     cases = {
         (*setting, cores): partial(ran, count, rtol=setting[0], sampling=setting[1], workers=cores)
