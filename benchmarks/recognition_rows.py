@@ -67,6 +67,7 @@ def estimates(what: str, found: Told) -> Row:
     return {"what": what, "grasps": found["grasps"], "told": found["told"],
             "off_%": found["median_error_percent"], **errors(found),
             "interval_holds_%": 100 * found["interval_holds"],
+            "holds_where_told_%": 100 * found["interval_holds"] * found["grasps"] / found["told"],
             "interval_width": found["interval_width"]}  # fmt: skip
 
 
