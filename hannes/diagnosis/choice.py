@@ -11,7 +11,7 @@ from hannes.diagnosis.heldout import held_out
 from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial, near
 from hannes.diagnosis.nameless import SPOKEN
 from hannes.diagnosis.point import Point
-from hannes.diagnosis.remainder import hangs_together
+from hannes.diagnosis.remainder import hangs_together, stands_out
 from hannes.parameter import Parameter
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
@@ -61,6 +61,9 @@ def _nothing(found: Found, best: Trial | None) -> Choice:
     if drift := _growing(found, found.base):
         return Choice("unknown", (), f"{_told(found, drift)}, and {least}", found.base)
     if more := _more(found.base, found.bins):
+        return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
+    if slow := stands_out(found.base):
+        more = f"more in {slow.where} than the machine's own values can (p = {slow.chance:.1g})"
         return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
     if found.anything and found.anything.gain >= OUTSIDE:
         reason = f"{SPOKEN} would lower the misfit by {found.anything.gain:.0f}, and {least}"

@@ -4,12 +4,19 @@ Summed over all bins a small effect drowns in noise. What is missing changes slo
 shows in some channel of some run: so the slowest components of what is left there are compared
 with the quick ones, which only noise has, and weighed against chance (F test, Bonferroni over all
 that is looked at).
+
+A fit also takes most of what is slow: little of a thing that is missing may be left, and still be
+more than a machine whose own values are free leaves of noise. That is asked of a base beside which
+nothing was found (score test, Rao 1948): its slow components in one channel are let free, all else
+following, and what they would take of the misfit is weighed as chi-squared.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hannes.diagnosis.fit import LIGHT
 from hannes.diagnosis.point import Point
 
 SLOWEST = (8, 24)  # components (discrete cosines) of a channel that are summed; the rest is quick
@@ -42,6 +49,38 @@ def hangs_together(point: Point) -> Slow | None:
     return replace(least, excess=excess, chance=chance) if chance < CHANCE else None
 
 
+def stands_out(point: Point) -> Slow | None:
+    """The least likely of what a refitted base leaves in one channel of one run; None for chance.
+
+    The noise is as it was told, or as the quick components of most channels have it, if that is
+    more: of what acts in a moment quick components have their part too.
+    """
+    squares = [each for _, each in _squares(point)]
+    if not squares or min(each.size for each in squares) <= 2 * SLOWEST[-1]:
+        return None
+    level = max(1.0, float(np.median([np.mean(each[SLOWEST[-1] :]) for each in squares])))
+    found = list(_freed(point, level))
+    least = min(found, key=lambda each: each.chance)
+    chance = min(1.0, least.chance * len(found))
+    return replace(least, chance=chance) if chance < CHANCE else None
+
+
+def _freed(point: Point, level: float) -> Iterator[Slow]:
+    """What free slow components of each channel take of the misfit beyond their number."""
+    from scipy.fft import idct
+    from scipy.stats import chi2
+
+    inverse = np.linalg.inv(point.curvature + LIGHT * np.eye(point.active.size))
+    miss = point.miss - point.pull @ inverse @ point.columns
+    for place, name, bins in _channels(point):
+        waves = idct(np.eye(bins), norm="ortho", axis=1)
+        for count in SLOWEST:
+            left, moved = waves[:count] @ miss[place], point.columns[:, place] @ waves[:count].T
+            spread = np.eye(count) - moved.T @ inverse @ moved
+            taken = float(left @ np.linalg.solve(spread + LIGHT * np.eye(count), left))
+            yield Slow(name, taken - count * level, float(chi2.sf(taken / level, count)))
+
+
 def _least(name: str, squares: np.ndarray, usual: float) -> Slow:
     """What is less likely of the sums of the slowest components of a channel."""
     from scipy.stats import f
@@ -58,11 +97,16 @@ def _squares(point: Point) -> list[tuple[str, np.ndarray]]:
     """Channel and run, and squared components of what is left there, slowest first."""
     from scipy.fft import dct
 
-    start, found = 0, []
+    return [
+        (name, dct(point.miss[place], norm="ortho") ** 2) for place, name, _ in _channels(point)
+    ]
+
+
+def _channels(point: Point) -> Iterator[tuple[slice, str, int]]:
+    """Where each channel of each group lies, in words too, and its bins."""
+    start = 0
     for group in point.ground.model.groups:
         for name in group.names:
-            left = point.miss[start : start + group.bins]
             where = f"the {name} of runs like {group.entries[0].name}"
-            found.append((where, dct(left, norm="ortho") ** 2))
+            yield slice(start, start + group.bins), where, group.bins
             start += group.bins
-    return found
