@@ -83,7 +83,7 @@ def test_what_a_fit_leaves_of_a_step_stands_out_though_it_hardly_hangs_together(
 
 
 def test_a_fit_that_is_not_at_its_end_is_judged_as_if_it_were():
-    there, before = refitted(5, step=3.0), refitted(5, step=3.0)
+    there, before = refitted(5, step=5.0), refitted(5, step=5.0)
     step = np.full(40, 0.3)
     before.miss = there.miss + step @ there.columns
     before.pull = there.curvature @ step
