@@ -22,6 +22,7 @@ from hannes._jit import plain
 from hannes.alike import alike, told
 from hannes.axis import Axis
 from hannes.catalogue import effects
+from hannes.diagnosis import choice as choices
 from hannes.diagnosis import fit, refits
 from hannes.diagnosis.antedependence import covariance
 from hannes.diagnosis.choice import DOUBT, OUTSIDE, _at_end, chosen
@@ -33,6 +34,7 @@ from hannes.diagnosis.nameless import EFFECT as ANYTHING
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.refits import _crossed, joined, placed, without
+from hannes.diagnosis.remainder import Slow
 from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes
 from hannes.diagnosis.settings import Settings, read_settings
 from hannes.errors import BadInput
@@ -105,6 +107,30 @@ def test_what_anything_explains_as_well_has_no_name(investigated):
         kinds[lost] = chosen(replace(investigated, anything=rival), *masks)
     assert [each.kind for each in kinds.values()] == ["unknown", "named"]
     assert "something else may be there" in kinds[5.0].reason
+
+
+def test_what_explains_less_than_stands_out_in_one_channel_has_no_name(investigated, monkeypatch):
+    best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
+    lowered, kinds = investigated.base.misfit - best.point.misfit, {}
+    for share in (0.9, 1.1, 1.5):
+        slow = Slow("the position of runs like slow", share * lowered, 1e-9)
+        monkeypatch.setattr(choices, "stands_out", lambda point, slow=slow: slow)
+        kinds[share] = chosen(investigated, *masks)
+    found = [each.kind for each in kinds.values()]
+    assert found == ["named", "named_with_remainder", "unknown"]
+    assert "in the position of runs like slow alone" in kinds[1.5].reason
+
+
+def test_a_base_of_which_something_stands_out_is_no_mere_recalibration(monkeypatch):
+    entries = [e for e in recordings(3) if e.role != "show"]
+    empty = investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    masks = ([0b011] * 2, [0b100] * 2)
+    assert chosen(replace(empty, trials=[]), *masks).kind == "recalibrated"
+    slow = Slow("the position of runs like slow", 50.0, 1e-9)
+    monkeypatch.setattr(choices, "stands_out", lambda point: slow)
+    verdict = chosen(replace(empty, trials=[]), *masks)
+    assert verdict.kind == "unknown"
+    assert "more in the position of runs like slow than" in verdict.reason
 
 
 def test_an_effect_that_would_leave_its_range_has_no_name():

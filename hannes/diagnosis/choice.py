@@ -11,7 +11,7 @@ from hannes.diagnosis.heldout import held_out
 from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial, near
 from hannes.diagnosis.nameless import SPOKEN
 from hannes.diagnosis.point import Point
-from hannes.diagnosis.remainder import hangs_together, stands_out
+from hannes.diagnosis.remainder import Slow, hangs_together, stands_out
 from hannes.parameter import Parameter
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
@@ -133,11 +133,23 @@ def _left(found: Found, trial: Trial) -> str:
         return _told(found, drift)
     if more := _more(trial.point, found.bins):
         return f"what is left is {more}"
+    if slow := _outdone(found, trial):
+        return f"in {slow.where} alone {slow.excess:.0f} stand out, so something else is there"
     rest, needed = found.rest, max(LIMIT, SHARE * trial.gain)
     if rest is not None and rest.gain / found.unit > needed:
         more = rest.effect.replace("_", " ")
         return f"{rest.gain / found.unit:.0f} more would go with {more}, so something else is there"
     return ""
+
+
+def _outdone(found: Found, trial: Trial) -> Slow | None:
+    """What stands out of the base in one channel, where that is more than all that is explained."""
+    slow = stands_out(found.base)
+    return slow if slow is not None and slow.excess > _lowered(found, trial) else None
+
+
+def _lowered(found: Found, trial: Trial) -> float:
+    return found.base.misfit - trial.point.misfit
 
 
 def _growing(found: Found, point: Point) -> Drift | None:
@@ -209,7 +221,10 @@ def _explained(found: Found, trial: Trial) -> float:
         return 0.0
     beyond = max(found.base.misfit - found.bins, 1.0)
     rests = (slow.excess if slow else 0.0, drift.gain if drift else 0.0)
-    return min(gain / beyond, *(gain / (gain + rest) for rest in rests))
+    shares = [gain / beyond, *(gain / (gain + rest) for rest in rests)]
+    if out := _outdone(found, trial):
+        shares.append(_lowered(found, trial) / out.excess)
+    return min(shares)
 
 
 def _names(trial: Trial) -> str:

@@ -31,12 +31,14 @@ class Ground:
 
     noise: of a run of each group; grain: what firmware adds, shape (n,) each
     covariances: of the mean of each group's runs, all that is not known of them in it, (n, n) each
+    told: how noisy runs are follows from the machine simulated, not from a few repeats alone
     """
 
     model: Model
     noise: Noise
     grain: list[np.ndarray]
     covariances: list[np.ndarray]
+    told: bool = False
 
     @cached_property
     def roots(self) -> list[np.ndarray]:
@@ -200,8 +202,8 @@ def surveyed(
         run_to_run(model, *each) for each in zip(model.groups, slopes, channels, strict=True)
     ]
     strays, roughs = [each.strays for each in grains], [each.rough for each in grains]
-    times = care.jerk
-    if not any(each.any() for each in strays):
+    times, told = care.jerk, any(each.any() for each in strays)
+    if not told:
         times = max(times, REPEATED)
         strays, roughs = of_repeats(model.groups, jerks, restless, times)
     noise = Noise(model.groups, strays, roughs, jerks, restless, times)
@@ -212,7 +214,7 @@ def surveyed(
     for covariance, group, grain in zip(covariances, model.groups, grains, strict=True):
         if grain.strays.any():  # the mean of so many simulations is not sure either
             covariance += noise.moved(group) / len(grain.strays)
-    return Ground(model, noise, [each.mean for each in grains], covariances)
+    return Ground(model, noise, [each.mean for each in grains], covariances, told)
 
 
 def grounded(

@@ -53,8 +53,11 @@ def stands_out(point: Point) -> Slow | None:
     """The least likely of what a refitted base leaves in one channel of one run; None for chance.
 
     The noise is as it was told, or as the quick components of most channels have it, if that is
-    more: of what acts in a moment quick components have their part too.
+    more: of what acts in a moment quick components have their part too. Where only a few repeats
+    tell of the noise, that is not known well enough, and nothing is said.
     """
+    if not point.ground.told:
+        return None
     squares = [each for _, each in _squares(point)]
     if not squares or min(each.size for each in squares) <= 2 * SLOWEST[-1]:
         return None
