@@ -49,7 +49,7 @@ STEP = np.where(np.arange(BINS) < 70, -1.0, 1.0)  # of a force that comes at one
 
 def refitted(seed, level=1.0, step=0.0):
     """The same after a fit of what takes nearly all that is slow, to noise and a step in one."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng([seed, 1])
     point = left(seed, level)
     point.miss[:BINS] += step * STEP
     x = (np.arange(BINS) + 0.5) / BINS

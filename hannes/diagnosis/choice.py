@@ -134,7 +134,8 @@ def _left(found: Found, trial: Trial) -> str:
     if more := _more(trial.point, found.bins):
         return f"what is left is {more}"
     if slow := _outdone(found, trial):
-        return f"in {slow.where} alone {slow.excess:.0f} stand out, so something else is there"
+        more = f"{slow.excess / found.unit:.0f} stand out in {slow.where} alone"
+        return f"{more}, so something else is there"
     rest, needed = found.rest, max(LIMIT, SHARE * trial.gain)
     if rest is not None and rest.gain / found.unit > needed:
         more = rest.effect.replace("_", " ")
@@ -143,9 +144,12 @@ def _left(found: Found, trial: Trial) -> str:
 
 
 def _outdone(found: Found, trial: Trial) -> Slow | None:
-    """What stands out of the base in one channel, where that is more than all that is explained."""
+    """What stands out of the base in one channel, where far less than that is explained in all.
+
+    What shows in one channel alone is about as much by both, and which is more is chance.
+    """
     slow = stands_out(found.base)
-    return slow if slow is not None and slow.excess > _lowered(found, trial) else None
+    return slow if slow is not None and MOST * slow.excess > _lowered(found, trial) else None
 
 
 def _lowered(found: Found, trial: Trial) -> float:

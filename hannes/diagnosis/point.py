@@ -38,7 +38,7 @@ class Ground:
     noise: Noise
     grain: list[np.ndarray]
     covariances: list[np.ndarray]
-    told: bool = False
+    told: bool
 
     @cached_property
     def roots(self) -> list[np.ndarray]:

@@ -6,9 +6,9 @@ with the quick ones, which only noise has, and weighed against chance (F test, B
 that is looked at).
 
 A fit also takes most of what is slow: little of a thing that is missing may be left, and still be
-more than a machine whose own values are free leaves of noise. That is asked of a base beside which
-nothing was found (score test, Rao 1948): its slow components in one channel are let free, all else
-following, and what they would take of the misfit is weighed as chi-squared.
+more than a machine whose own values are free leaves of noise. That is asked of the refitted base
+(score test, Rao 1948): its slow components in one channel are let free, all else following as if it
+had no bounds, and what they would take of the misfit is weighed as chi-squared.
 """
 
 from collections.abc import Iterator
@@ -28,7 +28,8 @@ class Slow:
     """What is left of a channel in one run and hangs together.
 
     where: channel and run, in words; excess: squared standard deviations beyond what noise leaves,
-    in all channels where that is unlikely; chance: that noise alone leaves so much anywhere
+    of `hangs_together` in all channels where that is unlikely, of `stands_out` in this one; chance:
+    that noise alone leaves so much anywhere
     """
 
     where: str
@@ -58,12 +59,12 @@ def stands_out(point: Point) -> Slow | None:
     """
     if not point.ground.told:
         return None
-    squares = [each for _, each in _squares(point)]
-    if not squares or min(each.size for each in squares) <= 2 * SLOWEST[-1]:
+    squares = [each for _, each in _squares(point) if each.size > 2 * SLOWEST[-1]]
+    if not squares:
         return None
     level = max(1.0, float(np.median([np.mean(each[SLOWEST[-1] :]) for each in squares])))
     found = list(_freed(point, level))
-    least = min(found, key=lambda each: each.chance)
+    least = min(found, key=lambda each: (each.chance, -each.excess))  # chance may underflow to 0
     chance = min(1.0, least.chance * len(found))
     return replace(least, chance=chance) if chance < CHANCE else None
 
@@ -76,6 +77,8 @@ def _freed(point: Point, level: float) -> Iterator[Slow]:
     inverse = np.linalg.inv(point.curvature + LIGHT * np.eye(point.active.size))
     miss = point.miss - point.pull @ inverse @ point.columns
     for place, name, bins in _channels(point):
+        if bins <= 2 * SLOWEST[-1]:
+            continue
         waves = idct(np.eye(bins), norm="ortho", axis=1)
         for count in SLOWEST:
             left, moved = waves[:count] @ miss[place], point.columns[:, place] @ waves[:count].T
