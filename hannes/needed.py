@@ -2,11 +2,11 @@
 
 A statement of `equations`, mostly the call of a stage, is needed where it writes what a needed one
 reads, in local names or in slots of plain arrays. `a += b` counts as a write alone: whatever else
-writes to `a` is needed with it.
+writes to `a` is needed with it. Text in which that cannot be followed, such as an array by another
+name, runs as a whole.
 """
 
 import ast
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -15,19 +15,24 @@ import numpy as np
 from hannes.layout import Layout
 
 _ARRAYS = ("c", "dy", "out")
+_GIVEN = {"t", "y", "p", "reference", "hold"}
+_READING = {"sum", "max", "min", "mean", "size"}  # of an array
 _ANY = "*"
 Place = tuple[str, str]  # array and start of a slot, or nothing and a local name
 
 
 @dataclass
 class _Touched:
+    """odd: it is written in a way that is not followed."""
+
     reads: set[Place] = field(default_factory=set)
     writes: set[Place] = field(default_factory=set)
+    odd: bool = False
 
 
 @dataclass(frozen=True)
 class Needed:
-    """What each statement of `equations` reads and writes."""
+    """What each statement of `equations` reads and writes; none where that is not followed."""
 
     statements: tuple[_Touched, ...]
     outputs: Layout
@@ -35,14 +40,8 @@ class Needed:
     @staticmethod
     def of(text: str, outputs: Layout) -> "Needed":
         """Read the filled text of all stages."""
-        functions = {e.name: e for e in ast.parse(text).body if isinstance(e, ast.FunctionDef)}
-        touched: dict[str, _Touched] = {}
-        found = []
-        for statement in _statements(functions["equations"]):
-            visitor = _Visitor(functions, touched, {"t", "y", "p", "reference", "hold"})
-            visitor.visit(statement)
-            found.append(visitor.found)
-        return Needed(tuple(found), outputs)
+        found = _touched(text)
+        return Needed(() if _odd(found) else tuple(found), outputs)
 
     def by(self, columns: Iterable[int]) -> np.ndarray:
         """Mask of the statements that these outputs need, shape (statements,)."""
@@ -61,14 +60,39 @@ class Needed:
 
 def gated(text: str) -> str:
     """The same text, where `equations` takes which of its statements are to run."""
-    functions = {e.name: e for e in ast.parse(text).body if isinstance(e, ast.FunctionDef)}
-    lines, equations = text.splitlines(), functions["equations"]
-    for n, statement in reversed(list(enumerate(_statements(equations)))):
-        first, last = statement.lineno - 1, statement.end_lineno or statement.lineno
-        lines[first:last] = [f"    if needed[{n}]:", *("    " + row for row in lines[first:last])]
-    head = equations.lineno - 1
-    lines[head] = re.sub(r"\):$", ", needed):", lines[head])
+    lines, equations = text.splitlines(), _functions(text)["equations"]
+    first, last = equations.lineno - 1, equations.end_lineno or equations.lineno
+    statements, odd = _statements(equations), _odd(_touched(text))
+    equations.args.args.append(ast.arg("needed"))
+    if not odd:
+        told = equations.body[: len(equations.body) - len(statements)]
+        gates = [ast.parse(f"if needed[{n}]: pass").body[0] for n in range(len(statements))]
+        for gate, statement in zip(gates, statements, strict=True):
+            gate.body = [statement]  # type: ignore[attr-defined]
+        equations.body = [*told, *gates]
+    lines[first:last] = ast.unparse(equations).splitlines()
     return "\n".join(lines) + "\n"
+
+
+def _functions(text: str) -> dict[str, ast.FunctionDef]:
+    return {each.name: each for each in ast.parse(text).body if isinstance(each, ast.FunctionDef)}
+
+
+def _touched(text: str) -> list[_Touched]:
+    """What each statement of `equations` touches."""
+    functions, known, found = _functions(text), dict[str, _Touched](), []
+    for statement in _statements(functions["equations"]):
+        visitor = _Visitor(functions, known)
+        visitor.visit(statement)
+        visitor.found.odd |= any(isinstance(e, ast.Return | ast.Raise) for e in ast.walk(statement))
+        found.append(visitor.found)
+    return found
+
+
+def _odd(found: list[_Touched]) -> bool:
+    """Whether a statement is not followed, or a local name is given twice: it may change type."""
+    names = [place for each in found for place in each.writes if not place[0]]
+    return any(each.odd for each in found) or len(names) > len(set(names))
 
 
 def _statements(function: ast.FunctionDef) -> list[ast.stmt]:
@@ -86,24 +110,30 @@ def _meet(some: set[Place], others: set[Place]) -> bool:
 class _Visitor(ast.NodeVisitor):
     """Gather what a statement touches; of what it calls, the slots alone."""
 
-    def __init__(
-        self, functions: dict[str, ast.FunctionDef], known: dict[str, _Touched], given: set[str]
-    ) -> None:
-        self.functions, self.known, self.given = functions, known, given
-        self.found = _Touched()
+    def __init__(self, functions: dict[str, ast.FunctionDef], known: dict[str, _Touched]) -> None:
+        self.functions, self.known, self.found = functions, known, _Touched()
 
     def visit_Call(self, node: ast.Call) -> None:
         """Join what a stage touches; its arrays are passed on as they are."""
         name = node.func.id if isinstance(node.func, ast.Name) else ""
+        self.found.odd |= any(map(_is_part, [*node.args, *(e.value for e in node.keywords)]))
         if name not in self.functions:
             self.generic_visit(node)
             return
-        inner = self._stage(name)
+        inner, taken = self._stage(name), [each.arg for each in self.functions[name].args.args]
         self.found.reads |= inner.reads
         self.found.writes |= inner.writes
-        for each in node.args:
-            if not (isinstance(each, ast.Name) and each.id in _ARRAYS):
+        self.found.odd |= inner.odd or bool(node.keywords) or len(taken) != len(node.args)
+        for each, own in zip(node.args, taken, strict=False):
+            name = each.id if isinstance(each, ast.Name) else ""
+            self.found.odd |= (name in _ARRAYS or own in _ARRAYS) and name != own
+            if name not in _ARRAYS:
                 self.visit(each)
+
+    def visit_Assign(self, node: ast.Assign) -> None:
+        """Take a part of an array by another name for what is not followed."""
+        self.found.odd |= _is_part(node.value)
+        self.generic_visit(node)
 
     def visit_Subscript(self, node: ast.Subscript) -> None:
         """Note one slot."""
@@ -111,10 +141,12 @@ class _Visitor(ast.NodeVisitor):
             self._note((node.value.id, _start(node.slice)), node.ctx)
             self.visit(node.slice)
         else:
+            self.found.odd |= not isinstance(node.ctx, ast.Load)
             self.generic_visit(node)
 
     def visit_Attribute(self, node: ast.Attribute) -> None:
-        """Pass over the size of an array."""
+        """Pass over the size of an array; what else it can do may change it."""
+        self.found.odd |= _is_part(node.value) and node.attr not in _READING
         if not (isinstance(node.value, ast.Name) and node.attr == "size"):
             self.generic_visit(node)
 
@@ -123,8 +155,10 @@ class _Visitor(ast.NodeVisitor):
         if node.id in _ARRAYS:
             self.found.reads.add((node.id, _ANY))
             self.found.writes.add((node.id, _ANY))
-        elif node.id not in self.given:
+        elif node.id not in _GIVEN:
             self._note(("", node.id), node.ctx)
+        else:
+            self.found.odd |= not isinstance(node.ctx, ast.Load)
 
     def _note(self, place: Place, context: ast.expr_context) -> None:
         found = self.found.reads if isinstance(context, ast.Load) else self.found.writes
@@ -132,17 +166,23 @@ class _Visitor(ast.NodeVisitor):
 
     def _stage(self, name: str) -> _Touched:
         if name not in self.known:
-            visitor = _Visitor(self.functions, self.known, self.given)
+            visitor = _Visitor(self.functions, self.known)
             for statement in self.functions[name].body:
                 visitor.visit(statement)
-            self.known[name] = _Touched(
-                *({place for place in part if place[0]} for part in _parts(visitor.found))
+            reads, writes = (
+                {place for place in part if place[0]}
+                for part in (visitor.found.reads, visitor.found.writes)
             )
+            self.known[name] = _Touched(reads, writes, visitor.found.odd)
         return self.known[name]
 
 
-def _parts(found: _Touched) -> tuple[set[Place], set[Place]]:
-    return found.reads, found.writes
+def _is_part(node: ast.AST) -> bool:
+    """Whether it is several numbers of an array that is written to."""
+    match node:
+        case ast.Subscript(ast.Name(name), ast.Slice()):
+            return name in _ARRAYS
+    return False
 
 
 def _start(index: ast.expr) -> str:

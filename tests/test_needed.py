@@ -61,6 +61,44 @@ def filled(*chosen: Effect) -> str:
     return Layouts(*parts, chosen).fill(EQUATIONS.source())
 
 
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["v = np.zeros(3)", "v[0] = y[0]", "out[0] = v[0]"],
+        ["v = c[2:5]", "v[0] = 1.0", "out[0] = c[2 + 1]"],
+        ["hold[9] = 2.0", "out[0] = hold[9]"],
+        ["t = t + 1.0", "out[0] = t"],
+        ["x = y[0]", "out[0] = told(t, k=x)"],
+        ["named(y, c)", "out[0] = c[2]"],
+        ["unknown(c[2:5])", "out[0] = c[2]"],
+        ["c[2:5].fill(0.0)", "out[0] = c[2]"],
+        ["x = y[0]", "x = (x, 1.0)", "out[0] = x[0]"],
+        ["if t > 1.0:\n        return", "out[0] = 1.0"],
+    ],
+)
+def test_text_that_is_not_followed_runs_as_a_whole(lines):
+    others = "def named(y, chan):\n    chan[2] = 1.0\n\n\ndef told(t, k):\n    return k\n"
+    assert of(*lines, others=others).statements == ()
+    body = "\n".join("    " + line for line in lines)
+    text = f"def equations(t, y, dy, p, c, reference, hold, out):\n{body}\n\n\n{others}"
+    assert "if needed" not in gated(text)
+    assert "hold, out, needed):" in gated(text)
+
+
+def test_a_signature_of_any_form_takes_what_is_needed():
+    text = gated(
+        "def equations(\n    t, y, dy, p,\n    c, reference, hold, out,\n) -> None:  # all\n"
+        '    """Fill."""\n    a = 1.0; out[0] = a\n'
+    )
+    ran = {}
+    exec(text, ran)
+    out = [0.0]
+    ran["equations"](0.0, [], [], [], [], [], [], out, [False, False])
+    assert out == [0.0]
+    ran["equations"](0.0, [], [], [], [], [], [], out, [True, True])
+    assert out == [1.0]
+
+
 def test_every_statement_of_the_equations_is_under_its_condition():
     text = gated(filled())
     for n in range(len(Needed.of(filled(), EQUATIONS.outputs).statements)):
