@@ -10,9 +10,9 @@ and held by no interval. Intervals are 95 % (bootstrap over grasps). How often i
 force hold is asked of ninety objects drawn at random too, a third of them prisms, and of all grasps
 that are told of together. How often they hold of the ten objects' told grasps alone stands among
 the rows: what is not told of ten at one place each is much the same in each one's grasps, and does
-not tell 98 from 100 %. Beside it: trainings by other seeds, what a diagnosis is worth, MuJoCo's rollout, runs killed
-or short of disk, a cluster, damaged files, a held grasp. What is made on the way stays in
-results/recognition.
+not tell 98 from 100 %. Beside it: trainings by other seeds, what a diagnosis is worth, MuJoCo's
+rollout, runs killed or short of disk, a cluster, damaged files, a held grasp. What is made on the
+way stays in results/recognition.
 """
 
 import json
