@@ -66,12 +66,13 @@ def gated(text: str) -> str:
     equations.args.args.append(ast.arg("needed"))
     if not odd:
         told = equations.body[: len(equations.body) - len(statements)]
-        gates = [ast.parse(f"if needed[{n}]: pass").body[0] for n in range(len(statements))]
-        for gate, statement in zip(gates, statements, strict=True):
-            gate.body = [statement]  # type: ignore[attr-defined]
-        equations.body = [*told, *gates]
+        equations.body = [*told, *(_gate(n, each) for n, each in enumerate(statements))]
     lines[first:last] = ast.unparse(equations).splitlines()
     return "\n".join(lines) + "\n"
+
+
+def _gate(number: int, statement: ast.stmt) -> ast.stmt:
+    return ast.If(ast.parse(f"needed[{number}]", mode="eval").body, [statement], [])
 
 
 def _functions(text: str) -> dict[str, ast.FunctionDef]:
@@ -100,11 +101,10 @@ def _statements(function: ast.FunctionDef) -> list[ast.stmt]:
 
 
 def _meet(some: set[Place], others: set[Place]) -> bool:
-    if some & others:
-        return True
-    whole = {array for array, start in some if start == _ANY}
-    whole |= {array for array, start in others if start == _ANY}
-    return any({array} & {a for a, _ in some} & {a for a, _ in others} for array in whole)
+    """Whether a place is in both, or a whole array in one and anything of it in the other."""
+    whole = {array for array, start in some | others if start == _ANY}
+    in_both = {array for array, _ in some} & {array for array, _ in others}
+    return bool(some & others or whole & in_both)
 
 
 class _Visitor(ast.NodeVisitor):
