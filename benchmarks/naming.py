@@ -8,7 +8,8 @@ paper's command; rich: sixteen runs with duty and bus voltage. An answer lies ou
 verdict is on disk. Seeds of the set "development" are those that the method was developed on; the
 figures quoted are those of the set "quoted". An abstention counts as a case like any other, and as
 0 % of the gap closed. Where the poor protocol leaves a class or an unknown, one more run is made:
-the one that the verdict suggests, and beside it one drawn from the rich protocol's.
+the one that the verdict suggests, with the channels that it asks for, and beside it one drawn from
+the rich protocol's, logged as the others are (and once more with those channels).
 
 The whole study takes hours, which --resume spreads over as many calls as it takes; cases of all
 kinds take turns, so that --show tells of all kinds wherever it was cut. What was measured of the
@@ -63,13 +64,18 @@ def _measured(name: str, seed: int) -> dict[str, Any]:
 
 
 def one_more(case: Drawn, seed: int, verdict: dict[str, Any]) -> dict[str, str]:
-    """How it ends after the suggested run, and after any run, where the verdict left it open."""
+    """How it ends after the suggested run, and after any run, where the verdict left it open.
+
+    Where the suggestion asks for more channels, any run is recorded with them too ("alike").
+    """
     if verdict["verdict"] not in ("one_of", "unknown") or not verdict.get("next_run"):
         return {}
-    runs = {"suggested": verdict["next_run"]["experiment"], "any": any_run(seed)}
+    run, also = verdict["next_run"]["experiment"], verdict["next_run"]["also_log"]
+    runs = {"suggested": (run, also), "any": (any_run(seed), ())}
+    runs |= {"alike": (any_run(seed), also)} if also else {}
     ends = {}
-    for told, run in runs.items():
-        found = worked(case, with_run(PLANS["poor"], run), seed)
+    for told, more in runs.items():
+        found = worked(case, with_run(PLANS["poor"], *more), seed)
         ends[told] = found.get("not_made") or single(found["verdict"], case.effects[0])
     return ends
 

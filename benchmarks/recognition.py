@@ -46,7 +46,7 @@ from hannes.dataset.spec import Spec, load_spec, read_spec
 from hannes.errors import ComputationFailed
 from hannes.recognition import model_file
 from hannes.recognition.evaluate import CLASSES, Subject, evaluate, learning_curve
-from hannes.recognition.train import curve, train
+from hannes.recognition.train import TREES, curve, train
 
 OUT = Path("results/recognition")
 GRASPS, SEED = 12, 2026  # of each object
@@ -160,7 +160,7 @@ def scores(
 ) -> tuple[list[Row], dict[str, Any]]:
     """Train on a data set and score; rows by object."""
     model, known = train(
-        OUT / f"{name}.h5", trees=20 if quick else 80, most=1000 if quick else None
+        OUT / f"{name}.h5", trees=80 if quick else TREES, most=1000 if quick else None
     )
     model_file.write(OUT / f"{name}-model.h5", model)
     told, drawn = evaluate(model, chosen), evaluate(model, others)
@@ -177,7 +177,7 @@ def scores(
 
 def learning(quick: bool, chosen: Sequence[Subject]) -> list[Row]:
     """The large data set's learning curve."""
-    rows = learning_curve(curve(OUT / "large.h5", trees=10 if quick else 40), chosen)
+    rows = learning_curve(curve(OUT / "large.h5", trees=40 if quick else TREES // 2), chosen)
     return [
         {
             "what": f"large: learnt from {row['grasps']} grasps",
@@ -265,7 +265,7 @@ def again(quick: bool) -> tuple[list[Row], list[Row]]:
         if not (OUT / f"{name}.h5").exists():
             build(name)
         for seed in (1,) if quick else (1, 2):
-            model, _ = train(OUT / f"{name}.h5", trees=20 if quick else 80, seed=seed)
+            model, _ = train(OUT / f"{name}.h5", trees=80 if quick else TREES, seed=seed)
             told = evaluate(model, chosen)
             force = told["force"]
             rows.append({"what": f"{name}: seed {seed}",
@@ -280,7 +280,7 @@ def damaged(quick: bool) -> tuple[list[Row], list[Row]]:
     """Damage the paper's design, and a model that has all parts: a hundred grasps are enough."""
     build("eighteen")
     build("large", 0.01)
-    model_file.write(OUT / "part-model.h5", train(OUT / "large-part.h5", trees=20)[0])
+    model_file.write(OUT / "part-model.h5", train(OUT / "large-part.h5", trees=40)[0])
     return fuzzed.measure(quick, OUT / "part-model.h5", OUT / "eighteen.h5")
 
 

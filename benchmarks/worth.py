@@ -23,7 +23,7 @@ from hannes.dataset.make import make
 from hannes.dataset.spec import find, read_spec
 from hannes.diagnose import diagnose
 from hannes.recognition.evaluate import CLASSES, Subject, evaluate
-from hannes.recognition.train import train
+from hannes.recognition.train import TREES, train
 
 HIDDEN = {"leader_slack.length": 4e-3}  # m
 SEED, GRASPS, TRAININGS, REPEATS = 5, 6, 3, 500
@@ -79,7 +79,7 @@ def trained(folder: Path, hand: str, share: float, chosen: Sequence[Subject]) ->
     found = []
     for seed in tqdm(range(1, TRAININGS + 1), f"trained on {Path(hand).stem}", leave=False):
         make(read_spec(specification(hand, share, seed)), folder / "set.h5")
-        model, _ = train(folder / "set.h5", trees=40, seed=seed)
+        model, _ = train(folder / "set.h5", trees=TREES // 2, seed=seed)
         (folder / "set.h5").unlink()
         found.append(right(model, chosen))
     return np.array(found)

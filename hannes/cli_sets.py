@@ -41,7 +41,7 @@ my.toml:
 A run that was ended goes on where it was when it is started again.""",
     "train": """\
 hannes train results/large.h5                      writes results/large-model.h5
-hannes train results/large.h5 --out model.h5 --trees 200 --seed 3
+hannes train results/large.h5 --out model.h5 --trees 640 --seed 3
 hannes train results/large.h5 --window "80 ms" --json""",
     "evaluate": """\
 hannes evaluate model.h5 evaluation.toml
@@ -75,7 +75,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     train = command("train", _train, "learn rigid from soft, stiffness and force from a data set")
     train.add_argument("dataset", help="a data set made by `hannes dataset`")
     train.add_argument("--out", metavar="MODEL.h5", help="the model (<dataset>-model.h5)")
-    train.add_argument("--trees", type=int, help="bagged trees (default 80)")
+    train.add_argument("--trees", type=int, help="bagged trees that tell the class (default 320)")
     train.add_argument("--seed", type=int, default=0, help="of what is drawn (default 0)")
     train.add_argument("--window", default="50 ms", help="length of a window (default 50 ms)")
     train.add_argument("--hop", default="10 ms", help="from window to window (default 10 ms)")

@@ -1,4 +1,7 @@
-"""Runs of a hand that may be worth recording: those there are, slower, shorter, another object."""
+"""Runs of a hand that may be worth recording: those there are, slower, shorter, another object.
+
+Each has the drive's duty too, which the firmware knows and may log at no cost.
+"""
 
 from collections.abc import Mapping
 
@@ -16,6 +19,7 @@ CHANGES = {
 }
 BALL = "soft ball"
 RATE = 1000.0  # Hz, of what would be recorded
+FREE = {"duty": "1"}  # channels that firmware could log, and their units
 
 
 def proposals(recorded: Mapping[str, Recording], things: Mapping[str, str]) -> dict[str, Recording]:
@@ -64,6 +68,6 @@ def _other(recording: Recording, experiment: str) -> Recording:
 def _blank(
     recording: Recording, time: np.ndarray, reference: np.ndarray, experiment: str
 ) -> Recording:
-    channels = {name: np.zeros(time.size) for name in recording.names}
+    channels = {name: np.zeros(time.size) for name in (*recording.names, *FREE)}
     channels |= {"time": time, "reference": reference}
-    return Recording(channels, recording.units, plant="hand", experiment=experiment)
+    return Recording(channels, {**FREE, **recording.units}, plant="hand", experiment=experiment)

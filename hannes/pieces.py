@@ -145,8 +145,8 @@ def _runs_within(plant: Plant, pieces: Sequence[Piece], name: str) -> list[np.nd
     From when the plant has forgotten how it was started.
     """
     found = []
-    for recording in {id(p.recording): p.recording for p in pieces}.values():
-        samples = period(plant, recording) if name in recording else 0
+    for recording in {id(p.recording): p.recording for p in pieces if name in p.recording}.values():
+        samples = period(plant, recording)
         settled = recording[name][recording.time >= recording.time[0] + plant.block]
         if samples and settled.size >= 2 * samples:
             whole = settled[: settled.size // samples * samples]

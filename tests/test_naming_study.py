@@ -353,12 +353,18 @@ def test_one_more_run_is_recorded_where_a_case_is_left_open(monkeypatch):
 
     monkeypatch.setattr(naming, "worked", worked)
     case = draw.Drawn({"leader_slack.length": 3e-3}, {"leader_slack.length": 2.0})
-    next_run = {"experiment": "soft ball", "separates": [], "why": ""}
+    next_run = {"experiment": "soft ball", "also_log": [], "separates": [], "why": ""}
     opened = {**said("unknown"), "next_run": next_run}
     assert naming.one_more(case, 7, opened) == {"suggested": "right", "any": "wrong"}
     poor = draw.PLANS["poor"].runs
     assert all(plan.runs[:-1] == poor and len(plan.runs) == 13 for plan in plans)
     assert plans[0].runs[-1].name == "soft ball" and plans[1].runs[-1].name == draw.any_run(7)
+    assert not any(each.also for plan in plans for each in plan.runs)
+    logged = {**said("unknown"), "next_run": {**next_run, "also_log": ["duty"]}}
+    plans.clear()
+    ends = naming.one_more(case, 7, logged)
+    assert ends == {"suggested": "right", "any": "wrong", "alike": "wrong"}
+    assert [plan.runs[-1].also for plan in plans] == [("duty_1",), (), ("duty_1",)]
     assert naming.one_more(case, 7, said("unknown")) == {}
     assert naming.one_more(case, 7, {**said("named", "capstan"), "next_run": next_run}) == {}
 
@@ -369,5 +375,9 @@ def test_the_next_run_is_worth_what_it_resolves_beyond_any_run():
     done = [line(kind, k, "unknown", verdict="unknown", after=end) for k, end in enumerate(ends)]
     row = shown(done)["resolved by the suggested run rather than any [points]"]
     assert row["value"] == 75.0 and row["holds"]
+    alike = [line(kind, 9, "unknown", verdict="unknown",
+                  after={"suggested": "right", "any": "unknown", "alike": "right"})]  # fmt: skip
+    told = {each["study"]: each for each in summary.next_run(alike) if "study" in each}
+    assert told["the same, any run with the suggestion's channels [points]"]["value"] == 0.0
     rows, _ = summary.figures([line(kind, 1, "unknown", verdict="unknown")])
-    assert rows[-1]["next run told"] == 0
+    assert [row["next run told"] for row in rows if "next run told" in row] == [0]

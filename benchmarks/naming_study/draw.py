@@ -6,6 +6,7 @@ nothing nameable. What tells where or how fast an effect acts has one of the sha
 was asked about, so that u is that of what is hidden.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,6 +35,7 @@ BENCH = {
     for each in PROTOCOLS["poor"].conditions
     for change, shares in CHANGES.items()
 } | MENU
+LOGGED = {"duty": "duty_1"}  # channels that the bench could log too, as it calls them
 LEAST, MOST = 0.5, 5.0  # times u
 PAIRED = 2.0  # times u, of each of a pair, at least
 SLACK = (1e-3, 6e-3)  # m, in free closures like the paper's figure 7
@@ -82,9 +84,13 @@ def drawn(what: str, protocol: str, seed: int) -> Drawn:
     return _hidden([first, str(rng.choice(others))], protocol, PAIRED, rng)
 
 
-def with_run(plan: Protocol, name: str) -> Protocol:
-    """A protocol and one more run of the bench: all runs before it stay what they are."""
-    return replace(plan, conditions=(*plan.conditions, BENCH[name]))
+def with_run(plan: Protocol, name: str, also: Sequence[str] = ()) -> Protocol:
+    """A protocol and one more run of the bench: all runs before it stay what they are.
+
+    also: channels logged in that run alone
+    """
+    run = replace(BENCH[name], also=tuple(LOGGED[each] for each in also))
+    return replace(plan, conditions=(*plan.conditions, run))
 
 
 def any_run(seed: int) -> str:

@@ -209,7 +209,10 @@ def told(cases: Cases) -> list[Row]:
 
 
 def next_run(cases: Cases) -> list[Row]:
-    """Open cases that the suggested run resolves, beyond those that any run resolves."""
+    """Open cases that the suggested run resolves, beyond those that any run resolves.
+
+    Any run is logged as the others are; beside it, without a bound, with the suggestion's channels.
+    """
     some = [c for c in cases if c["what"] == "single" and c["protocol"] == "poor"]
     some = [c for c in some if c["verdict"] in ("one_of", "unknown") and c["told"] == 1.0]
     ends = [c["after"] for c in some]
@@ -220,20 +223,31 @@ def next_run(cases: Cases) -> list[Row]:
         "cases": len(some),
         "next run told": sum(map(bool, ends)),
     }
-    gains = np.array([_gained(each) for each in ends])
-    picks = np.random.default_rng(0).integers(0, gains.size, (2000, gains.size))
-    low, high = np.percentile(gains[picks].mean(axis=1), (2.5, 97.5))
-    value = float(gains.mean())
+    points, alike = _points(ends, "any"), _points(ends, "alike")
     name = "resolved by the suggested run rather than any [points]"
-    row = must_show(name, value, 15.0, value >= 15.0)
-    return [told, {**row, "low": float(low), "high": float(high), "cases": len(ends)}]
+    row = must_show(name, points["value"], 15.0, points["value"] >= 15.0)
+    also = {"study": "the same, any run with the suggestion's channels [points]", **alike}
+    return [told, {**row, **points}, also]
 
 
-def _gained(end: dict[str, str]) -> float:
-    """Points that the suggested run is worth beyond any; none where no run was suggested."""
+def _points(ends: Sequence[dict[str, str]], other: str) -> Row:
+    gains = np.array([_gained(each, other) for each in ends])
+    picks = np.random.default_rng(0).integers(0, gains.size, (2000, gains.size))
+    low, high = np.percentile(gains[picks].mean(axis=1), (2.5, 97.5)).tolist()
+    return {
+        "value": float(gains.mean()),
+        "low": float(low),
+        "high": float(high),
+        "cases": len(ends),
+    }
+
+
+def _gained(end: dict[str, str], other: str) -> float:
+    """Points that the suggested run is worth beyond another; none where no run was suggested."""
     if not end:
         return 0.0
-    return 100.0 * ((end["suggested"] == "right") - float(end["any"] == "right"))
+    rival = end.get(other, end["any"])
+    return 100.0 * ((end["suggested"] == "right") - float(rival == "right"))
 
 
 def seconds(cases: Cases) -> list[Row]:

@@ -27,7 +27,7 @@ def logged(
 
     It calls itself measured, as what an analyst gets is; its experiment's text says who made it.
     """
-    names = (*channels, *(FORCES if condition.sensor else ()))
+    names = (*channels, *condition.also, *(FORCES if condition.sensor else ()))
     columns = {"time_s": ran["time_s"], **{name: ran[name] for name in names}}
     draws = rng.standard_normal((3, ran["time_s"].size))
     noisy = {"supply_V": (SUPPLY, SUPPLY_STEP), **dict.fromkeys(FORCES, (FORCE, FORCE_STEP))}

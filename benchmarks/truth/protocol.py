@@ -22,13 +22,17 @@ SOFT_BALL: Mapping[str, Any] = {
 
 @dataclass(frozen=True)
 class Condition:
-    """One thing done with the hand, and how often; `sensor`: the object measures force."""
+    """One thing done with the hand, and how often; `sensor`: the object measures force.
+
+    also: channels logged beside those of the protocol, with units
+    """
 
     name: str
     points: Points
     repeats: int
     thing: Mapping[str, Any] | None = None
     sensor: bool = False
+    also: tuple[str, ...] = ()
 
     @property
     def duration(self) -> float:

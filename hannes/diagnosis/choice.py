@@ -17,9 +17,9 @@ from hannes.parameter import Parameter
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
 AGAINST = 4.0  # misfit of recordings held out that a name may add to
 DOUBT = 10.5  # gain of an effect too little to name it, but more than chance leaves
-OUTSIDE = 8.0  # the same of what has no name, at its own price of chance
+OUTSIDE = 12.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
-GROWN = 18.0  # gain of what grows from run to run, that is told
+GROWN = 24.0  # gain of what grows from run to run, that is told
 BEYOND = 4.0  # of the misfit: what an effect would gain beyond the end of a range, to be doubted
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 

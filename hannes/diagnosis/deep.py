@@ -140,10 +140,11 @@ class _Closing:
         point, space = choice.point, self.model.space
         spread = dict(zip(point.active.tolist(), deviations(point).tolist(), strict=True))
         first = [name for name in choice.effects if space.of(name)[0] in point.active]
+        wide = 1.96 * WIDER * max(1.0, self.found.unit) ** 0.5
         for place in space.of(*first):
             each = space.directions[place]
             value = float(each.value(point.x[place]))
-            reach = 1.96 * WIDER * self.found.unit**0.5 * spread[int(place)] * each.scale
+            reach = wide * spread[int(place)] * each.scale
             low, high = max(each.low, value - reach), min(each.high, value + reach)
             declared = self.model.whole.parameters.declared[each.name]
             found[each.name] = {"value": value, "unit": declared.unit, "low": low, "high": high}

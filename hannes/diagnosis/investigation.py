@@ -32,6 +32,7 @@ SHARE = 0.04  # of the first effect's gain that a second one needs
 HOLLOW = 2.0  # gain by which a base found from elsewhere is another one
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 CLEAN = 1.3  # times the bins: what a whole model leaves at most
+QUIET = 0.7  # of the noise told, at least, where the best model leaves less: it is told too large
 NAMELESS = ANYTHING.name
 
 
@@ -57,7 +58,7 @@ class Found:
     guesses: of the whole catalogue, linear, at the base that was searched from; pair: two effects,
     where one leaves more, and other_pairs that were refitted beside it; rest: the best guess of
     what is left after the last of them
-    unit: by how much misfits are divided: the noise is never less than what the best model leaves
+    unit: by how much misfits are divided: the noise is what the best model leaves, within limits
     anything: the effect without a name refitted, where a guess says that this is worth while
     """
 
@@ -130,7 +131,7 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
         starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
         starts += [(given, guess) for guess in large]
     fits = refitted(given, base, starts, LIMIT, told)
-    unit = max(1.0, min([base.misfit, *(each.misfit for each in fits.values())]) / base.miss.size)
+    unit = _noise(base, min([base.misfit, *(each.misfit for each in fits.values())]))
     trials = [priced(base, Trial((name,), point, 0.0), unit) for name, point in fits.items()]
     trials.sort(key=lambda each: -each.gain)
     if trials and trials[0].gain > LIMIT:
@@ -139,6 +140,14 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
     free = [each for each in every if each.effect == NAMELESS]
     anything = _anything(base, free[0], trials, unit, told) if free else None
     return Found(given, base, guesses, likely, None, None, unit, anything=anything)
+
+
+def _noise(base: Point, least: float) -> float:
+    """What a bin's square is by noise alone, of the least misfit of any model: 1 as it was told.
+
+    Never below QUIET; where only repeats tell it, never below 1.
+    """
+    return max(QUIET if base.ground.told else 1.0, least / base.miss.size)
 
 
 def _anything(

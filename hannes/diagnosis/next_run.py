@@ -2,10 +2,12 @@
 
 Each proposed run is simulated with both, as they fit what is recorded; their difference counts in
 standard deviations of what is not known there: sensors, firmware, run to run, and of the machine
-what the recordings so far leave open.
+what the recordings so far leave open. Channels that were not logged so far are asked for only where
+no run without them tells the two apart.
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,12 +15,27 @@ from hannes.campaign import Entry
 from hannes.diagnosis.groups import Group
 from hannes.diagnosis.investigation import Found, Trial
 from hannes.diagnosis.model import Model
-from hannes.diagnosis.point import Point, differenced, run_to_run
+from hannes.diagnosis.point import Care, Point, differenced, run_to_run, surveyed
 from hannes.plant import Plant
 from hannes.recording import Recording
+from hannes.roughness import roughness
 
 WORTH = 2.0  # standard deviations: a run that tells less is not proposed
+ENOUGH = 5.0  # the same: by so many two explanations are told apart for good
+BRIEF = Care(1.0, 20)  # of runs that are only proposed
 Proposals = Callable[[Mapping[str, Recording]], Mapping[str, Recording]]
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How far a run tells two explanations apart, in standard deviations.
+
+    usual: by the channels that are logged so far; most: by those in `more` too
+    """
+
+    usual: float
+    most: float
+    more: tuple[str, ...] = ()
 
 
 def next_run(plant: Plant, found: Found, entries: Iterable[Entry]) -> dict | None:
@@ -31,25 +48,39 @@ def next_run(plant: Plant, found: Found, entries: Iterable[Entry]) -> dict | Non
     pair = sorted(every, key=lambda each: -each.gain)[:2]
     if proposals is None or len(pair) < 2:
         return None
+    recorded = {each.condition: each.recording for each in entries}
     told = {
-        name: separation(found.base, Group(plant, [Entry(name, recording, name)]), *pair)
-        for name, recording in proposals({e.condition: e.recording for e in entries}).items()
+        name: separation(found.base, plant, Entry(name, run, name), list(recorded.values()), *pair)
+        for name, run in proposals(recorded).items()
     }
-    best = max(told, key=lambda name: told[name], default="")
-    if not best or told[best] < WORTH:
-        return None
-    names = [trial.effects[0] for trial in pair]
+    return proposed(told, [trial.effects[0] for trial in pair])
+
+
+def proposed(told: Mapping[str, Separation], names: list[str]) -> dict | None:
+    """The run that tells most by what is logged so far, or with more where that is not enough."""
     apart = " from ".join(name.replace("_", " ") for name in names)
-    return {
-        "experiment": best,
-        "separates": names,
-        "why": f"it would tell {apart} by {told[best]:.1f} standard deviations",
-    }
+    best = max(told, key=lambda name: told[name].usual, default="")
+    if best and told[best].usual >= ENOUGH:
+        why = f"it would tell {apart} by {told[best].usual:.1f} standard deviations"
+        return {"experiment": best, "also_log": [], "separates": names, "why": why}
+    best = max(told, key=lambda name: told[name].most, default="")
+    if not best or told[best].most < WORTH:
+        return None
+    each = told[best]
+    why = f"it would tell {apart} by {each.most:.1f} standard deviations"
+    if each.more and each.usual < each.most:
+        why += f" with its {' and '.join(each.more)} logged, by {each.usual:.1f} without"
+    return {"experiment": best, "also_log": list(each.more), "separates": names, "why": why}
 
 
-def separation(base: Point, group: Group, one: Trial, other: Trial) -> float:
-    """Distance between two explanations of one more run, in standard deviations."""
-    there = base.ground.model
+def separation(
+    base: Point, plant: Plant, entry: Entry, recorded: list[Recording], one: Trial, other: Trial
+) -> Separation:
+    """Distance between two explanations of one more run."""
+    run = _rough(entry.recording, recorded)
+    if not base.ground.told:  # nothing tells how noisy other channels are
+        run = _without(run, recorded)
+    group, there = Group(plant, [replace(entry, recording=run)]), base.ground.model
     model = Model(there.small, [group], there.space, ())
     model.whole = there.whole
     for trial in (one, other):
@@ -59,13 +90,49 @@ def separation(base: Point, group: Group, one: Trial, other: Trial) -> float:
     ends = model.vectors(group, np.array([one.point.x, other.point.x]), True)
     channels = model.simulated(group, base.x[np.newaxis], False)[0]
     if channels is None or not (np.isfinite(ends).all() and np.isfinite(vectors[0]).all()):
-        return 0.0
-    rows, jerk = run_to_run(model, group, slopes[0], channels), group.jerk(channels)
+        return Separation(0.0, 0.0)
     open_left = np.linalg.solve(base.curvature[: known.size, : known.size], slopes[0])
-    doubt = (
-        base.ground.noise.covariance(group)
-        + np.diag((base.ground.noise.jerk * jerk) ** 2)
-        + rows.T @ rows
-    )
+    doubt = _doubt(base, model, slopes, channels) + slopes[0].T @ open_left
+    more = tuple(name for name in group.names if not any(name in each for each in recorded))
+    usual = np.repeat([name not in more for name in group.names], group.bins)
     difference = ends[0] - ends[1]
-    return float(np.sqrt(difference @ np.linalg.solve(doubt + slopes[0].T @ open_left, difference)))
+    return Separation(
+        _distance(difference[usual], doubt[np.ix_(usual, usual)]),
+        _distance(difference, doubt),
+        more,
+    )
+
+
+def _distance(difference: np.ndarray, covariance: np.ndarray) -> float:
+    return float(np.sqrt(difference @ np.linalg.solve(covariance, difference)))
+
+
+def _doubt(
+    base: Point, model: Model, slopes: list[np.ndarray], channels: Mapping[str, np.ndarray]
+) -> np.ndarray:
+    """Covariance of a run by what is not known of it, the machine aside."""
+    if base.ground.told:
+        return surveyed(model, base.x, slopes, BRIEF, 0).covariances[0]
+    noise, (group,) = base.ground.noise, model.groups
+    rows, jerk = run_to_run(model, group, slopes[0], channels), group.jerk(channels)
+    return noise.covariance(group) + np.diag((noise.jerk * jerk) ** 2) + rows.T @ rows
+
+
+def _rough(run: Recording, recorded: list[Recording]) -> Recording:
+    """The run with channels as noisy as they were so far: by that, noise in it is simulated."""
+    rng, channels = np.random.default_rng(0), dict(run.channels)
+    for name in set(run.names) - {"time", "reference"}:
+        levels = [roughness(each[name]) for each in recorded if name in each]
+        if levels and not channels[name].any():
+            channels[name] = np.median(levels) * rng.standard_normal(run.time.size)
+    return replace(run, channels=channels)
+
+
+def _without(run: Recording, recorded: list[Recording]) -> Recording:
+    """The run without channels that nothing was recorded of."""
+    kept = [name for name in run.channels if any(name in each for each in recorded)]
+    return replace(
+        run,
+        channels={name: run.channels[name] for name in kept},
+        units={name: run.units[name] for name in kept},
+    )
