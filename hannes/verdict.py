@@ -52,9 +52,19 @@ class Verdict:
         """The result in one sentence."""
         return SENTENCES[self.verdict](self)
 
+    @property
+    def advice(self) -> str:
+        """The run worth recording next, in one sentence; an empty string where there is none."""
+        if not self.next_run:
+            return ""
+        also = " and ".join(self.next_run["also_log"])
+        logged = f", with {also} logged" if also else ""
+        return f"Record next: {self.next_run['experiment']}{logged}; {self.next_run['why']}."
+
     def summary(self) -> str:
         """Some lines for a terminal."""
         lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
+        lines += [self.advice] if self.next_run else []
         if self.gap:
             lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
         for name, gap in self.gap.items():

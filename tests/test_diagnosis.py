@@ -113,10 +113,14 @@ def test_an_effect_that_is_off_at_its_upper_bound_is_tried():
     assert (verdict.verdict, verdict.effects) == ("named", ["wake"])
 
 
-def test_the_next_run_is_the_one_that_tells_two_explanations_apart():
+def test_the_next_run_is_the_one_that_tells_two_explanations_apart(tmp_path):
     nearly = effect("nearly", nearly_turbulence, 30.0, "N s^2/m^2")
-    verdict = found(5, ((TURBULENCE, 2.0),), {"nearly": nearly, "turbulence": TURBULENCE})
+    known = {"nearly": nearly, "turbulence": TURBULENCE}
+    out = tmp_path / "out"
+    verdict = diagnose(campaign(5, ((TURBULENCE, 2.0),), known), out=out, progress=False).verdict
     assert verdict.verdict == "one_of"
+    assert f"\nRecord next: {RATTLE}; it would tell " in verdict.summary()
+    assert verdict.advice in (out / "report.html").read_text(encoding="utf-8")
     assert verdict.next_run["experiment"] == RATTLE
     assert sorted(verdict.next_run["separates"]) == ["nearly", "turbulence"]
     assert "standard deviations" in verdict.next_run["why"]

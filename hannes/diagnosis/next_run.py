@@ -69,7 +69,7 @@ def proposed(told: Mapping[str, Separation], names: list[str]) -> dict | None:
     each = told[best]
     why = f"it would tell {apart} by {each.most:.1f} standard deviations"
     if each.more and each.usual < each.most:
-        why += f" with its {' and '.join(each.more)} logged, by {each.usual:.1f} without"
+        why += f", without {' and '.join(each.more)} by {each.usual:.1f}"
     return {"experiment": best, "also_log": list(each.more), "separates": names, "why": why}
 
 
