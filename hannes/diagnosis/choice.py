@@ -15,7 +15,8 @@ from hannes.diagnosis.remainder import Slow, hangs_together, stands_out
 from hannes.parameter import Parameter
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
-AGAINST = 4.0  # misfit of recordings held out that a name may add to
+AGAINST = 4.0  # misfit of recordings held out that a name may add to,
+ALLOWED = 0.05  # or so much of its gain, if that is more: two refits differ by chance
 DOUBT = 10.5  # gain of an effect too little to name it, but more than chance leaves
 OUTSIDE = 12.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
@@ -42,7 +43,7 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
     trial = found.pair or best
     gain = held_out(found.base, trial.point, seen, unseen) / found.unit
     told = f"{_names(trial)} lowers the misfit by {trial.gain:.0f} (limit {LIMIT:.0f})"
-    if not gain >= -AGAINST:  # nor where it cannot be told
+    if not gain >= -max(AGAINST, ALLOWED * trial.gain):  # nor where it cannot be told
         reason = f"{told}, but not that of recordings held out ({gain:.0f})"
         return Choice("unknown", (), reason, found.base)
     if any(seen) and any(unseen):
