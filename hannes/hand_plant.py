@@ -83,6 +83,7 @@ class HandPlant:
     }
     required: tuple[str, ...] = ()
     judged = ("current", "position", "duty", "supply", "force", "sensor")
+    loggable: Mapping[str, str] = {"duty": "1"}
     block = 0.2
     expected = EXPECTED
     start_time = 0.01  # s, standard deviation of when a run starts after its clock says so

@@ -1,9 +1,7 @@
-"""Runs of a hand that may be worth recording: those there are, slower, shorter, another object.
-
-Each has the drive's duty too, which the firmware knows and may log at no cost.
-"""
+"""Runs of a hand that may be worth recording: those there are, slower, shorter, another object."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,7 +17,7 @@ CHANGES = {
 }
 BALL = "soft ball"
 RATE = 1000.0  # Hz, of what would be recorded
-FREE = {"duty": "1"}  # channels that firmware could log, and their units
+MEASURED = ("force", "sensor")  # by the object, which the ball does not
 
 
 def proposals(recorded: Mapping[str, Recording], things: Mapping[str, str]) -> dict[str, Recording]:
@@ -32,7 +30,7 @@ def proposals(recorded: Mapping[str, Recording], things: Mapping[str, str]) -> d
         if "reference" in recording:
             for change, shares in CHANGES.items():
                 found[f"{name}, {change}"] = _changed(recording, *shares)
-            found[BALL] = _other(recording, experiment_text(BALL.replace(" ", "-")))
+            found.setdefault(BALL, _other(recording, experiment_text(BALL.replace(" ", "-"))))
     return {name: each for name, each in found.items() if name not in recorded}
 
 
@@ -62,12 +60,14 @@ def _changed(recording: Recording, speed: float, amplitude: float) -> Recording:
 
 def _other(recording: Recording, experiment: str) -> Recording:
     since = recording.time - recording.time[0]
-    return _blank(recording, since, recording["reference"], experiment)
+    run = _blank(recording, since, recording["reference"], experiment)
+    channels = {name: each for name, each in run.channels.items() if name not in MEASURED}
+    return replace(run, channels=channels, units={name: run.units[name] for name in channels})
 
 
 def _blank(
     recording: Recording, time: np.ndarray, reference: np.ndarray, experiment: str
 ) -> Recording:
-    channels = {name: np.zeros(time.size) for name in (*recording.names, *FREE)}
+    channels = {name: np.zeros(time.size) for name in recording.names}
     channels |= {"time": time, "reference": reference}
-    return Recording(channels, {**FREE, **recording.units}, plant="hand", experiment=experiment)
+    return Recording(channels, recording.units, plant="hand", experiment=experiment)

@@ -50,8 +50,8 @@ class Plant(Protocol):
                                    nothing: what its ticks do to an effect then shows by itself
     firmware:   channels that it reads or puts out: effects on them are mended for its ticks
     nominal(recording):            what every parameter is given for a run
-    proposals(recorded):           runs worth recording, by name, beside those of each condition;
-                                   with channels not recorded so far that could be logged
+    proposals(recorded):           runs worth recording, by name, beside those of each condition
+    loggable:   channel -> its unit: what firmware knows, and could log in any run
     own(recording):                the thing handled in a run, and the parameters of that alone
     robust:     channel -> difference [its unit] beyond which diagnose lets a sample pull no harder
                 (soft L1): for recordings with outliers

@@ -57,7 +57,7 @@ class Verdict:
         """The run worth recording next, in one sentence; an empty string where there is none."""
         if not self.next_run:
             return ""
-        also = " and ".join(self.next_run["also_log"])
+        also = " and ".join(self.next_run.get("also_log", ()))
         logged = f", with {also} logged" if also else ""
         return f"Record next: {self.next_run['experiment']}{logged}; {self.next_run['why']}."
 

@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 
 from benchmarks.truth.campaign import make
-from benchmarks.truth.protocol import closures
+from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
 from hannes.campaign import Entry
 from hannes.catalogue import effects
 from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.investigation import ROUGH, Trial
+from hannes.diagnosis.investigation import ROUGH, Found, Trial
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.next_run import Separation, proposed, separation
 from hannes.diagnosis.point import first
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
 from hannes.hand_plant import HandPlant
+from hannes.hand_proposals import proposals
 from hannes.pieces import Piece, floors
 
 NAMES = ["current_offset", "direction_friction"]
@@ -58,12 +59,16 @@ def test_a_run_that_is_logged_as_all_others_asks_for_no_more():
     assert found["also_log"] == [] and "without" not in found["why"]
 
 
-@pytest.mark.slow
-def test_an_offset_of_the_current_is_told_from_friction_by_the_duty():
-    """The loop hides it in current and position; by the linear model as by the study's cases."""
-    catalogue = effects()
+def test_channels_that_add_little_are_not_asked_for():
+    found = proposed({"slow": Separation(3.0, 3.5, ("duty",))}, NAMES)
+    assert found["also_log"] == [] and "without" not in found["why"]
+
+
+@pytest.fixture(scope="module")
+def open_case():
+    """Closures, two explanations of something in them, and a run that may be recorded next."""
     plant, entries = HandPlant(), logged([False, False])
-    groups, both = grouped(plant, entries), [catalogue[name] for name in NAMES]
+    groups, both = grouped(plant, entries), [effects()[name] for name in NAMES]
     space = Space(plant, groups, Settings(), both)
     base = first(Model(plant, groups, space, both), ROUGH, 0)
     trials = []
@@ -71,15 +76,48 @@ def test_an_offset_of_the_current_is_told_from_friction_by_the_duty():
         x, place = base.x.copy(), space.place(name)
         x[place] = size / space.directions[place].scale
         trials.append(Trial((name.partition(".")[0],), replace(base, x=x), 20.0))
+    found = Found(base, base, [], trials, None, None, 1.0)
     run = make("poor", 5).recordings["01_void"]
-    channels = {**{name: np.zeros(run.time.size) for name in ("position", "current", "duty")},
-                "time": run.time, "reference": run["reference"]}  # fmt: skip
-    blank = replace(run, channels=channels, units={**run.units, "duty": "1"})
-    told = separation(
-        base, plant, Entry("poor", blank, "poor"), [e.recording for e in entries], *trials
-    )
+    channels = {name: np.zeros(run.time.size) for name in ("position", "current")}
+    channels |= {"time": run.time, "reference": run["reference"]}
+    return found, [each.recording for each in entries], replace(run, channels=channels)
+
+
+@pytest.mark.slow
+def test_an_offset_of_the_current_is_told_from_friction_by_the_duty(open_case):
+    """The loop hides it in current and position, as in cases of the naming study."""
+    found, recorded, run = open_case
+    told = separation(found, HandPlant(), Entry("poor", run, "poor"), recorded, *found.trials)
     assert told.more == ("duty",)
     assert told.most > 5.0 and told.most > 2.0 * told.usual
+    more = {"duty": np.zeros(run.time.size)}
+    with_duty = Entry("poor", run.with_channels(more, {"duty": "1"}), "poor")
+    usual = separation(found, HandPlant(), with_duty, recorded, *found.trials)
+    assert usual.more == () and usual.usual == pytest.approx(told.most, rel=1e-6)
+    loud = separation(replace(found, unit=4.0), HandPlant(), with_duty, recorded, *found.trials)
+    assert loud.most < 0.75 * told.most
+
+
+@pytest.mark.slow
+def test_a_run_that_cannot_be_simulated_tells_nothing(open_case, monkeypatch):
+    """It once ended the whole diagnosis."""
+    found, recorded, run = open_case
+
+    def broken(self, group, rows, more, exact=False, further=None):
+        return [None] * len(rows)
+
+    monkeypatch.setattr(Model, "simulated", broken)
+    entry = Entry("poor", run, "poor")
+    assert separation(found, HandPlant(), entry, recorded, *found.trials) == Separation(0.0, 0.0)
+
+
+def test_the_ball_has_no_channels_that_the_dynamometer_measures():
+    runs = make(Protocol(PROTOCOLS["poor"].conditions[1:], POOR), 5).recordings
+    (run,) = list(runs.values())[:1]
+    assert "force" in run
+    found = proposals({"dynamometer": run}, {"dynamometer": "a"})
+    assert set(found["soft ball"].names) == {"reference", "position", "current"}
+    assert "force" in found["dynamometer, half speed"]
 
 
 def test_a_channel_that_one_recording_has_alone_has_a_floor():

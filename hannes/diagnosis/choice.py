@@ -16,7 +16,7 @@ from hannes.parameter import Parameter
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
 AGAINST = 4.0  # misfit of recordings held out that a name may add to,
-ALLOWED = 0.05  # or so much of its gain, if that is more: two refits differ by chance
+ALLOWED = 0.05  # or so much of its gain, if that is more and no more than a name needs
 DOUBT = 10.5  # gain of an effect too little to name it, but more than chance leaves
 OUTSIDE = 12.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
@@ -43,7 +43,7 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
     trial = found.pair or best
     gain = held_out(found.base, trial.point, seen, unseen) / found.unit
     told = f"{_names(trial)} lowers the misfit by {trial.gain:.0f} (limit {LIMIT:.0f})"
-    if not gain >= -max(AGAINST, ALLOWED * trial.gain):  # nor where it cannot be told
+    if not gain >= -allowed(trial.gain):  # nor where it cannot be told
         reason = f"{told}, but not that of recordings held out ({gain:.0f})"
         return Choice("unknown", (), reason, found.base)
     if any(seen) and any(unseen):
@@ -54,6 +54,11 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
     if not left:
         return _clean(found, trial, told)
     return _unclean(found, trial, f"{told}; {left}")
+
+
+def allowed(gain: float) -> float:
+    """What a name of this gain may add to the misfit of recordings held out: refits differ."""
+    return min(max(AGAINST, ALLOWED * gain), LIMIT)
 
 
 def _nothing(found: Found, best: Trial | None) -> Choice:
@@ -224,7 +229,7 @@ def _explained(found: Found, trial: Trial) -> float:
     drift, instead = _growing(found, trial.point), _growing(found, found.base)
     if drift and instead and instead.gain > gain:
         return 0.0
-    beyond = max(found.base.misfit - found.bins, 1.0)
+    beyond = max(found.base.misfit - min(1.0, found.unit) * found.bins, 1.0)
     rests = (slow.excess if slow else 0.0, drift.gain if drift else 0.0)
     shares = [gain / beyond, *(gain / (gain + rest) for rest in rests)]
     if out := _outdone(found, trial):

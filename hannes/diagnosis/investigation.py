@@ -131,7 +131,7 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
         starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
         starts += [(given, guess) for guess in large]
     fits = refitted(given, base, starts, LIMIT, told)
-    unit = _noise(base, min([base.misfit, *(each.misfit for each in fits.values())]))
+    unit = noise_left(base, min([base.misfit, *(each.misfit for each in fits.values())]))
     trials = [priced(base, Trial((name,), point, 0.0), unit) for name, point in fits.items()]
     trials.sort(key=lambda each: -each.gain)
     if trials and trials[0].gain > LIMIT:
@@ -142,7 +142,7 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
     return Found(given, base, guesses, likely, None, None, unit, anything=anything)
 
 
-def _noise(base: Point, least: float) -> float:
+def noise_left(base: Point, least: float) -> float:
     """What a bin's square is by noise alone, of the least misfit of any model: 1 as it was told.
 
     Never below QUIET; where only repeats tell it, never below 1.

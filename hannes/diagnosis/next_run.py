@@ -6,7 +6,7 @@ what the recordings so far leave open. Channels that were not logged so far are 
 no run without them tells the two apart.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,12 +16,14 @@ from hannes.diagnosis.groups import Group
 from hannes.diagnosis.investigation import Found, Trial
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.point import Care, Point, differenced, run_to_run, surveyed
+from hannes.errors import ComputationFailed
 from hannes.plant import Plant
 from hannes.recording import Recording
 from hannes.roughness import roughness
 
 WORTH = 2.0  # standard deviations: a run that tells less is not proposed
 ENOUGH = 5.0  # the same: by so many two explanations are told apart for good
+MORE = 1.0  # the same: what more channels must add to be asked for
 BRIEF = Care(1.0, 20)  # of runs that are only proposed
 Proposals = Callable[[Mapping[str, Recording]], Mapping[str, Recording]]
 
@@ -48,9 +50,11 @@ def next_run(plant: Plant, found: Found, entries: Iterable[Entry]) -> dict | Non
     pair = sorted(every, key=lambda each: -each.gain)[:2]
     if proposals is None or len(pair) < 2:
         return None
-    recorded = {each.condition: each.recording for each in entries}
+    recorded: dict[str, Recording] = {}
+    for each in entries:
+        recorded.setdefault(each.condition, each.recording)
     told = {
-        name: separation(found.base, plant, Entry(name, run, name), list(recorded.values()), *pair)
+        name: separation(found, plant, Entry(name, run, name), list(recorded.values()), *pair)
         for name, run in proposals(recorded).items()
     }
     return proposed(told, [trial.effects[0] for trial in pair])
@@ -68,39 +72,50 @@ def proposed(told: Mapping[str, Separation], names: list[str]) -> dict | None:
         return None
     each = told[best]
     why = f"it would tell {apart} by {each.most:.1f} standard deviations"
-    if each.more and each.usual < each.most:
-        why += f", without {' and '.join(each.more)} by {each.usual:.1f}"
-    return {"experiment": best, "also_log": list(each.more), "separates": names, "why": why}
+    more = each.more if each.most > each.usual + MORE else ()
+    if more:
+        why += f", without {' and '.join(more)} by {each.usual:.1f}"
+    return {"experiment": best, "also_log": list(more), "separates": names, "why": why}
 
 
 def separation(
-    base: Point, plant: Plant, entry: Entry, recorded: list[Recording], one: Trial, other: Trial
+    found: Found, plant: Plant, entry: Entry, recorded: Sequence[Recording], *pair: Trial
 ) -> Separation:
-    """Distance between two explanations of one more run."""
-    run = _rough(entry.recording, recorded)
-    if not base.ground.told:  # nothing tells how noisy other channels are
-        run = _without(run, recorded)
+    """Distance between two explanations of one more run; none where it cannot be simulated."""
+    base, run, more = found.base, entry.recording, {}
+    if base.ground.told:  # else nothing tells how noisy channels are that were not recorded
+        more = {n: u for n, u in getattr(plant, "loggable", {}).items() if n not in run}
+        run = _rough(plant, run, recorded, more)
     group, there = Group(plant, [replace(entry, recording=run)]), base.ground.model
     model = Model(there.small, [group], there.space, ())
     model.whole = there.whole
-    for trial in (one, other):
-        model = model.ticking(trial.point.x, trial.effects)
-    known = there.space.uncertain
+    try:
+        for trial in pair:
+            model = model.ticking(trial.point.x, trial.effects)
+        difference, doubt = _differing(base, model, group, *pair)
+    except ComputationFailed:
+        return Separation(0.0, 0.0)
+    doubt *= max(1.0, found.unit)
+    usual = np.repeat([name not in more for name in group.names], group.bins)
+    return Separation(
+        _distance(difference[usual], doubt[np.ix_(usual, usual)]),
+        _distance(difference, doubt),
+        tuple(name for name in group.names if name in more),
+    )
+
+
+def _differing(
+    base: Point, model: Model, group: Group, one: Trial, other: Trial
+) -> tuple[np.ndarray, np.ndarray]:
+    """What two explanations differ by, shape (n,), and the covariance of what is not known."""
+    known = model.space.uncertain
     vectors, slopes = differenced(model, base.x, known, False)
     ends = model.vectors(group, np.array([one.point.x, other.point.x]), True)
     channels = model.simulated(group, base.x[np.newaxis], False)[0]
     if channels is None or not (np.isfinite(ends).all() and np.isfinite(vectors[0]).all()):
-        return Separation(0.0, 0.0)
+        raise ComputationFailed(f"{group.entries[0].name} cannot be simulated")
     open_left = np.linalg.solve(base.curvature[: known.size, : known.size], slopes[0])
-    doubt = _doubt(base, model, slopes, channels) + slopes[0].T @ open_left
-    more = tuple(name for name in group.names if not any(name in each for each in recorded))
-    usual = np.repeat([name not in more for name in group.names], group.bins)
-    difference = ends[0] - ends[1]
-    return Separation(
-        _distance(difference[usual], doubt[np.ix_(usual, usual)]),
-        _distance(difference, doubt),
-        more,
-    )
+    return ends[0] - ends[1], _doubt(base, model, slopes, channels) + slopes[0].T @ open_left
 
 
 def _distance(difference: np.ndarray, covariance: np.ndarray) -> float:
@@ -111,28 +126,25 @@ def _doubt(
     base: Point, model: Model, slopes: list[np.ndarray], channels: Mapping[str, np.ndarray]
 ) -> np.ndarray:
     """Covariance of a run by what is not known of it, the machine aside."""
-    if base.ground.told:
-        return surveyed(model, base.x, slopes, BRIEF, 0).covariances[0]
     noise, (group,) = base.ground.noise, model.groups
+    if base.ground.told:  # repeats may be noisier than simulated ones
+        more = np.repeat([noise.more.get(name, 1.0) for name in group.names], group.bins)
+        return surveyed(model, base.x, slopes, BRIEF, 0).covariances[0] * np.outer(more, more)
     rows, jerk = run_to_run(model, group, slopes[0], channels), group.jerk(channels)
     return noise.covariance(group) + np.diag((noise.jerk * jerk) ** 2) + rows.T @ rows
 
 
-def _rough(run: Recording, recorded: list[Recording]) -> Recording:
-    """The run with channels as noisy as they were so far: by that, noise in it is simulated."""
+def _rough(
+    plant: Plant, run: Recording, recorded: Sequence[Recording], more: Mapping[str, str]
+) -> Recording:
+    """The run with more channels, and those that were recorded as noisy as they were.
+
+    By that, noise in it is simulated.
+    """
     rng, channels = np.random.default_rng(0), dict(run.channels)
-    for name in set(run.names) - {"time", "reference"}:
+    for name in plant.judged:
         levels = [roughness(each[name]) for each in recorded if name in each]
-        if levels and not channels[name].any():
+        if name in run and levels:
             channels[name] = np.median(levels) * rng.standard_normal(run.time.size)
-    return replace(run, channels=channels)
-
-
-def _without(run: Recording, recorded: list[Recording]) -> Recording:
-    """The run without channels that nothing was recorded of."""
-    kept = [name for name in run.channels if any(name in each for each in recorded)]
-    return replace(
-        run,
-        channels={name: run.channels[name] for name in kept},
-        units={name: run.units[name] for name in kept},
-    )
+    channels |= {name: np.zeros(run.time.size) for name in more}
+    return replace(run, channels=channels, units={**run.units, **more})

@@ -24,9 +24,7 @@ UNTOLD = (
     "Grasps of which nothing is told, because the motor felt nothing, count: as further off than "
     "any other, and as held by no interval."
 )
-CURVE = (
-    "Each line is a classifier of 40 trees, trained anew on so many of the grasps; same objects."
-)
+CURVE = "Each line is a classifier of its own, trained anew on so many of the grasps; same objects."
 
 
 def read(folder: str | Path) -> dict[str, Any]:

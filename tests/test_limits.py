@@ -1,0 +1,23 @@
+"""Limits of a verdict: the noise that gains count in, and what a name may add to runs held out."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hannes.diagnosis.choice import allowed
+from hannes.diagnosis.investigation import noise_left
+
+
+@pytest.mark.parametrize(
+    ("told", "per_bin", "noise"),
+    [(True, 0.5, 0.7), (True, 0.8, 0.8), (True, 1.5, 1.5), (False, 0.8, 1.0), (False, 1.5, 1.5)],
+)
+def test_gains_count_in_the_noise_that_is_there_within_limits(told, per_bin, noise):
+    base = SimpleNamespace(miss=np.zeros(100), ground=SimpleNamespace(told=told))
+    assert noise_left(base, 100.0 * per_bin) == pytest.approx(noise)
+
+
+@pytest.mark.parametrize(("gain", "most"), [(13.0, 4.0), (80.0, 4.0), (160.0, 8.0), (1e4, 12.0)])
+def test_runs_held_out_may_fit_worse_by_a_share_of_the_gain_within_limits(gain, most):
+    assert allowed(gain) == most
