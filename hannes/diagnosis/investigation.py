@@ -24,8 +24,7 @@ FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
 LIMIT = 12.0  # gain of an effect that is named: more than chance gives any of a catalogue
 PRICE = 6.0  # of each parameter of an effect beyond its first: the more it has, the more it fits
-NEARLY = 0.25  # of the best gain: one without a name that is guessed to gain this is refitted
-CHANCE = 1.5  # the same of what has no name: about what chance gives a parameter
+CHANCE = 1.5  # the same of an effect without a name: about what chance gives a parameter
 RIVAL = 10.0  # a rival within so much of the best gain is not told from it
 CLOSE = 0.08  # of the best gain: so near a rival may come by what no model has right
 SHARE = 0.04  # of the first effect's gain that a second one needs
@@ -153,14 +152,13 @@ def noise_left(base: Point, least: float) -> float:
 def _anything(
     base: Point, guess: Guess, trials: Sequence[Trial], unit: float, told: Told
 ) -> Trial | None:
-    """The effect without a name, fitted where its guess gains more than chance, or a fair share.
+    """The effect without a name, fitted where its guess gains anything: a refit gains more.
 
     From the base, and from the machine of the best effect; never before the others: what it bends
     is not theirs.
     """
     best = trials[0] if trials and trials[0].gain > FAINT else None
-    share = max(FAINT, NEARLY * best.gain) if best else np.inf
-    if guess.gain / unit < min(share, CHANCE * len(guess.places)):
+    if guess.gain / unit < FAINT:
         return None
     told("anything else")
     point = beside(base, guess, best.point if best else None)

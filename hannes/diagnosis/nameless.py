@@ -1,9 +1,9 @@
-"""Any torque over the motor's angle, and any over it that goes with the load: a rival to all names.
+"""Any torque over the motor's angle, any over it that goes with the load, any over joints' angles.
 
-No catalogue has it. What it takes of the misfit as well as a named effect does, something else may
-have made too, and the name is not told; what it takes alone is `unknown`. That the load is in it
-was chosen on development cases of effects outside the catalogue: one of the angle alone does not
-see an eccentric pulley.
+No catalogue has it: a rival to all names. What it takes of the misfit as well as a named effect
+does, something else may have made too, and the name is not told; what it takes alone is `unknown`.
+That load and joints are in it was chosen on development cases of effects outside the catalogue: one
+of the motor's angle alone does not see an eccentric pulley, nor hardly a spring that is not linear.
 """
 
 import math
@@ -12,8 +12,9 @@ from hannes._jit import kernel
 from hannes.effect import Effect, Term
 from hannes.parameter import Parameter
 
-SPOKEN = "any torque over the motor's angle and load"
+SPOKEN = "any torque over the angles of motor and joints"
 TRAVEL = 10.0  # rad, at the output shaft, in which the hand closes: beyond, waves are mirrored
+BENT = 1.5  # rad, in which a joint closes
 
 
 @kernel
@@ -29,18 +30,32 @@ def anything(
     return free + free_5 * math.cos(5.0 * u) + load * of_load
 
 
+@kernel
+def opening(joint_angle, rest, bent_2, bent_3, bent_4):
+    """Torque that opens a joint [N m]: Legendre's polynomials of the way that it has closed."""
+    x = 2.0 * (joint_angle - rest) / BENT - 1.0
+    q = x * x
+    second, third = 1.5 * q - 0.5, x * (2.5 * q - 1.5)
+    return bent_2 * second + bent_3 * third + bent_4 * (q * (4.375 * q - 3.75) + 0.375)
+
+
 def _wave(name: str, number: int, unit: str, most: float) -> Parameter:
     return Parameter(f"{name}_{number}", 0.0, unit, (-most, most), "of a wave", "choice", off=0.0)
 
 
 EFFECT = Effect(
     name="any_torque",
-    meaning="The motor is pulled by something that goes with its angle, or with angle and load.",
-    equation="J w' += sum (free_k + loaded_k tl) cos(k pi th / (N travel))",
-    source="a Fourier series",
+    meaning="Motor and joints are pulled by something that goes with their angles, and the load.",
+    equation="J w' += sum (free_k + loaded_k tl) cos(k pi th / (N travel)), "
+    "T_open += sum bent_k P_k(2 (q - q_rest) / bent - 1)",
+    source="Fourier's and Legendre's series",
     parameters=(
         *(_wave("free", k, "N m", 0.01) for k in range(1, 6)),
         *(_wave("loaded", k, "1", 0.2) for k in range(1, 5)),
+        *(_wave("bent", k, "N m", 0.05) for k in range(2, 5)),
     ),
-    terms=(Term(anything, writes=("motor_torque",), unit="N m"),),
+    terms=(
+        Term(anything, writes=("motor_torque",), unit="N m"),
+        Term(opening, writes=("spring_torque",), unit="N m"),
+    ),
 )
