@@ -151,15 +151,23 @@ def test_what_ends_nowhere_is_at_no_end():
     }
 
 
-def test_anything_is_a_fourier_series_that_no_catalogue_has():
+def test_anything_is_series_that_no_catalogue_has():
     assert ANYTHING.name not in effects()
     assert not HandPlant().accepts(ANYTHING)
-    sizes = {each.name: 0.1 * k for k, each in enumerate(ANYTHING.parameters, 1)}
+    every = {each.name: 0.1 * k for k, each in enumerate(ANYTHING.parameters, 1)}
+    sizes, bent = dict(list(every.items())[:9]), dict(list(every.items())[9:])
     turn, load = np.pi * 3.0 / 10.0, 0.2
     free = sum(0.1 * k * np.cos(k * turn) for k in range(1, 6))
     loaded = sum(0.1 * (k + 5) * np.cos(k * turn) for k in range(1, 5))
     told = plain(ANYTHING.terms[0].kernel)(3.0 * 19.0, 19.0, load, **sizes)
     assert told == pytest.approx(free + load * loaded, rel=1e-12)
+    opening = plain(ANYTHING.terms[1].kernel)(0.9, 0.3, **bent)
+    series = np.polynomial.legendre.legval(2.0 * (0.9 - 0.3) / 1.5 - 1.0, [0, 0, *bent.values()])
+    assert opening == pytest.approx(series, rel=1e-12) and list(bent) == [
+        "bent_2",
+        "bent_3",
+        "bent_4",
+    ]
 
 
 def test_beside_a_better_base_every_effect_gains_less(investigated):
