@@ -234,12 +234,7 @@ def _points(ends: Sequence[dict[str, str]], other: str) -> Row:
     gains = np.array([_gained(each, other) for each in ends])
     picks = np.random.default_rng(0).integers(0, gains.size, (2000, gains.size))
     low, high = np.percentile(gains[picks].mean(axis=1), (2.5, 97.5)).tolist()
-    return {
-        "value": float(gains.mean()),
-        "low": float(low),
-        "high": float(high),
-        "cases": len(ends),
-    }
+    return {"value": float(gains.mean()), "low": low, "high": high, "cases": len(ends)}
 
 
 def _gained(end: dict[str, str], other: str) -> float:
