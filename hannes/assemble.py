@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from hannes import entries, full, generated, observed
+from hannes.derive.arithmetic import LANES
 from hannes.effect import Effect
 from hannes.errors import BadInput
 from hannes.filling import HOOK, Layouts, without_outputs
@@ -184,7 +185,7 @@ def _names(
     """What the written texts and the calls of effects go by."""
     kernels = {effect.kernel_name(term): term.kernel for effect in effects for term in effect.terms}
     known = {name: value for each in solution for name, value in vars(each).items()}
-    return {**vars(plant.module), **known, **method.NAMES, **kernels}
+    return {**vars(plant.module), **known, **method.NAMES, **LANES, **kernels}
 
 
 def _solution(plant: Equations, layouts: Layouts, text: str) -> tuple[Shape, str]:

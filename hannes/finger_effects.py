@@ -160,7 +160,7 @@ def _of_phalanges(loop: _Loop, felt: Sequence[Felt]) -> list[str]:
     loop.lines += [
         "pushes = 1.0 if c.normal_force[k] > 0.0 else 0.0",
         "faces = 1.0 if c.normal_x[k] > 0.0 else 0.0",
-        "turned = lane_sign(c.slip_speed[k] / p.object_slip_speed)",
+        "turned = soft_sign(c.slip_speed[k] / p.object_slip_speed)",
         "drag = p.object_friction * turned",
         "on_mcp = c.normal_arm_mcp[k] - drag * c.slip_arm_mcp[k]",
         "on_pip = c.normal_arm_pip[k] - drag * c.slip_arm_pip[k]",

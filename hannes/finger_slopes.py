@@ -10,7 +10,7 @@ import numpy as np
 
 from hannes.dynamics.friction import stribeck_slope
 from hannes.equations import contact
-from hannes.lanes import lane_sign
+from hannes.lanes import soft_sign
 from hannes.onset import one_sided_slopes, smoothstep
 
 TURN = 1e-7  # rad, of a difference
@@ -68,7 +68,7 @@ def press_slopes(p, c):
         pushes = 1.0 if normal > 0.0 else 0.0
         by_rate = pushes * p.object_damping * smoothstep(c.penetration[k] / p.object_onset)
         by_rate += c.pressing[k]
-        grip = lane_sign(c.slip_speed[k] / p.object_slip_speed)
+        grip = soft_sign(c.slip_speed[k] / p.object_slip_speed)
         drag = p.object_friction * grip
         by_slip = p.object_friction * normal * (1.0 - grip * grip) / p.object_slip_speed
         on_mcp, on_pip = (mcp - drag * slip_mcp) * by_rate, (pip - drag * slip_pip) * by_rate

@@ -4,8 +4,6 @@ Every switch is at least continuous with a named width, so that an adaptive inte
 meets a hidden jump.
 """
 
-import math
-
 from hannes._jit import kernel
 
 
@@ -39,13 +37,6 @@ def limited(x, limit):
         return sign * limit
     over = size - (limit - width)
     return sign * (size - over * over / (4.0 * width))
-
-
-@kernel
-def soft_sign(x):
-    """tanh(x) to within 1e-16, at half its cost."""
-    fade = math.exp(-2.0 * abs(x))
-    return math.copysign((1.0 - fade) / (1.0 + fade), x)
 
 
 @kernel

@@ -4,7 +4,7 @@ import math
 
 from hannes._jit import kernel
 from hannes.effect import Effect, Term
-from hannes.onset import soft_sign
+from hannes.lanes import soft_sign
 from hannes.parameter import Parameter
 
 

@@ -9,9 +9,10 @@ from catalogued import CATALOGUE
 from hannes._jit import kernel, plain
 from hannes.core_slopes import WRITTEN
 from hannes.derive.alive import alive
+from hannes.derive.arithmetic import LANES
 from hannes.derive.derivation import Derivation
 from hannes.derive.value import Underivable, Value
-from hannes.lanes import direction, lane_sign
+from hannes.lanes import direction, exp_minus_one, soft_sign
 from hannes.onset import limited, one_sided
 
 STEP = 1e-6
@@ -27,7 +28,7 @@ def derived(function, count, written=WRITTEN):
 def jacobian(function, x, written=WRITTEN):
     """Values and derivatives of a kernel as the lines have them."""
     lines, values = derived(function, len(x), written)
-    space = {"x": x, "math": math, "np": np, "f": function}
+    space = {"x": x, "math": math, "np": np, "f": function, **LANES}
     exec("\n".join(lines), space)
     rows = [[eval(each.slopes.get(n, "0.0"), space) for n in range(len(x))] for each in values]
     return [eval(each.text, space) for each in values], np.array(rows)
@@ -99,7 +100,15 @@ def searching(a, b, c):
 
 
 @pytest.mark.parametrize(
-    "function", [rational, transcendental, plain(limited), plain(direction), plain(lane_sign)]
+    "function",
+    [
+        rational,
+        transcendental,
+        plain(limited),
+        plain(direction),
+        plain(soft_sign),
+        plain(exp_minus_one),
+    ],
 )
 @pytest.mark.parametrize("written", [{}, WRITTEN])
 def test_operations_functions_and_branches(function, written):

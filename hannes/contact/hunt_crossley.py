@@ -4,6 +4,7 @@ import math
 
 from hannes._jit import kernel
 from hannes.effect import Effect, Term
+from hannes.lanes import exp_minus_one
 from hannes.parameter import Parameter
 
 DEPTH = 1e-3  # m, at which the stiffness is that of eq. 3
@@ -14,7 +15,7 @@ def deepening(penetration, penetration_rate, object_stiffness, exponent, dissipa
     """What k x (x / 1 mm)^exponent (1 + dissipation x') has beyond k x [N]."""
     if penetration <= 0.0:
         return 0.0
-    growth = math.exp(exponent * math.log(penetration / DEPTH))
+    growth = 1.0 + exp_minus_one(exponent * math.log(penetration / DEPTH))
     return object_stiffness * penetration * (growth * (1.0 + dissipation * penetration_rate) - 1.0)
 
 

@@ -1,7 +1,7 @@
 """Penalty contact (paper eq. 3) with regularised tangential friction; it never pulls."""
 
 from hannes._jit import kernel
-from hannes.lanes import lane_sign
+from hannes.lanes import soft_sign
 from hannes.onset import smoothstep
 from hannes.parameter import Parameter, group
 
@@ -36,7 +36,7 @@ def normal_law(depth, rate, stiffness, damping, onset):
 @kernel
 def tangential_law(normal_force, slip_speed, coefficient, width):
     """Friction in the contact plane, opposing `slip_speed` [m/s]: mu F_n tanh(v / v_s) [N]."""
-    return coefficient * normal_force * lane_sign(slip_speed / width)
+    return coefficient * normal_force * soft_sign(slip_speed / width)
 
 
 @kernel

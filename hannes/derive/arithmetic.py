@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from hannes.derive.value import Column, Underivable, Value, number
+from hannes.lanes import exp_minus_one, soft_sign
 
 _ATOM = re.compile(r"-?(?:[\w.]+(?:\[\w+\])?|\d[\w.]*e-\d+)")
 OPERATORS: dict[type, tuple[str, Callable[..., Any]]] = {
@@ -32,7 +33,12 @@ _SMOOTH = {
     "atan": ("math.atan", "1.0 / (1.0 + {x} * {x})"),
     "abs": ("abs", "math.copysign(1.0, {x})"),
     "float": ("float", "1.0"),
+    "exp_minus_one": ("exp_minus_one", "1.0 + {v}"),
+    "soft_sign": ("soft_sign", "1.0 - {v} * {v}"),
 }
+# By these names derived text calls them.
+LANES = {"exp_minus_one": exp_minus_one, "soft_sign": soft_sign}
+
 _STEPS = {"floor": "math.floor", "ceil": "math.ceil", "round": "round", "int": "int"}
 _ALIASES = {"fabs": "abs", "absolute": "abs", "arctan": "atan", "maximum": "max", "minimum": "min"}
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from hannes._jit import plain
-from hannes.derive.arithmetic import Arithmetic
+from hannes.derive.arithmetic import LANES, Arithmetic
 from hannes.derive.value import Array, Underivable, Value, Written, is_felt, results, tree
 
 _BUILTINS = {"abs": abs, "min": min, "max": max, "round": round, "int": int, "float": float}
@@ -150,4 +150,4 @@ def _found(called: ast.expr, names: Mapping[str, Any]) -> Any:
 
 def _of_library(function: Any) -> bool:
     known = type(function).__name__ in ("ufunc", "builtin_function_or_method")
-    return known or function is int or function is float
+    return known or function in (int, float, *LANES.values())

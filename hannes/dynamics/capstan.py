@@ -9,7 +9,7 @@ import math
 
 from hannes._jit import kernel
 from hannes.effect import Effect, Term
-from hannes.onset import soft_sign
+from hannes.lanes import exp_minus_one, soft_sign
 from hannes.parameter import Parameter
 
 WIDTH = 5e-3  # m/s, of the change from one direction of sliding to the other
@@ -18,7 +18,7 @@ WIDTH = 5e-3  # m/s, of the change from one direction of sliding to the other
 @kernel
 def passed(friction, speed):
     """T_out / T_in over half a turn, `speed` [m/s] of the wire from the side of T_in."""
-    return math.exp(-friction * math.pi * soft_sign(speed / WIDTH))
+    return 1.0 + exp_minus_one(-friction * math.pi * soft_sign(speed / WIDTH))
 
 
 @kernel
@@ -35,7 +35,7 @@ def along_leader(leader_tension, rate_a, rate_b, rate_thumb, friction):
 @kernel
 def over_cart(follower_slip, friction):
     """Share of the mean tension that separates either end from it: their ratio is `passed`."""
-    return math.tanh(0.5 * friction * math.pi * soft_sign(follower_slip / WIDTH))
+    return soft_sign(0.5 * friction * math.pi * soft_sign(follower_slip / WIDTH))
 
 
 EFFECT = Effect(

@@ -3,8 +3,7 @@
 import math
 
 from hannes._jit import kernel
-from hannes.lanes import faded, lane_sign
-from hannes.onset import soft_sign
+from hannes.lanes import exp_minus_one, soft_sign
 from hannes.parameter import Parameter
 
 
@@ -20,16 +19,18 @@ def stribeck(speed, breakaway, coulomb, breakaway_speed, viscous):
     Armstrong & Canudas de Wit (1995).
     """
     x = speed / breakaway_speed  # sqrt(2) times the argument above
-    peak = math.sqrt(math.e) * (breakaway - coulomb) * (1.0 + faded(0.5 * x * x)) * x
-    return peak + coulomb * lane_sign(10.0 * x) + viscous * speed
+    fade = 1.0 + exp_minus_one(-0.5 * x * x)
+    peak = math.sqrt(math.e) * (breakaway - coulomb) * fade * x
+    return peak + coulomb * soft_sign(10.0 * x) + viscous * speed
 
 
 @kernel
 def stribeck_slope(speed, breakaway, coulomb, breakaway_speed, viscous):
     """Derivative of `stribeck` by speed."""
     x = speed / breakaway_speed
-    peak = math.sqrt(math.e) * (breakaway - coulomb) * (1.0 + faded(0.5 * x * x)) * (1.0 - x * x)
-    level = lane_sign(10.0 * x)
+    fade = 1.0 + exp_minus_one(-0.5 * x * x)
+    peak = math.sqrt(math.e) * (breakaway - coulomb) * fade * (1.0 - x * x)
+    level = soft_sign(10.0 * x)
     return (peak + 10.0 * coulomb * (1.0 - level * level)) / breakaway_speed + viscous
 
 

@@ -2,7 +2,7 @@
 
 from hannes._jit import kernel
 from hannes.effect import Effect, Term
-from hannes.onset import soft_sign
+from hannes.lanes import soft_sign
 from hannes.parameter import Parameter
 
 

@@ -7,9 +7,8 @@ then creeps. Here the same levels are reached through a bristle that bends first
 from hannes._jit import kernel
 from hannes.dynamics.friction import stribeck
 from hannes.effect import Effect, Term
-from hannes.lanes import lane_sign
+from hannes.lanes import soft_sign
 from hannes.layout import Slot
-from hannes.onset import soft_sign
 from hannes.parameter import Parameter
 
 
@@ -84,7 +83,7 @@ def held_object(
     normal_force, slip_speed, object_friction, object_slip_speed, grip_bristle, share, grip_width
 ):
     """Added to the object's friction along a phalanx [N], and the bristle's rate [1/s]."""
-    added = grip_bristle - lane_sign(slip_speed / object_slip_speed)
+    added = grip_bristle - soft_sign(slip_speed / object_slip_speed)
     rate = bending(slip_speed, grip_bristle, grip_width)
     return share * object_friction * normal_force * added, rate
 
