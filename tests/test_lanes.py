@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hannes._jit import fused, kernel, plain
+from hannes._jit import fused, kernel, plain, power_of_two
 from hannes.lanes import direction, exp_minus_one, soft_sign
 
 RANDOM = np.random.default_rng(3)
@@ -37,6 +37,20 @@ def test_cosine_and_sine(form):
     assert np.abs(found - exact).max() < 8e-15  # of 2 pi, rounded, times as many turns
     near = np.abs(ANGLES) < math.pi
     assert np.abs(found - exact)[near].max() < 1e-15
+
+
+@kernel
+def powers(whole, found):
+    for i in range(whole.size):
+        found[i] = power_of_two(whole[i])
+
+
+def test_powers_of_two_are_exact():
+    whole = np.arange(-1022.0, 1024.0)
+    found = np.empty(whole.size)
+    powers(whole, found)
+    assert (found == 2.0**whole).all()
+    assert [plain(power_of_two)(k) for k in whole] == found.tolist()
 
 
 @kernel
