@@ -214,14 +214,14 @@ def test_slopes_along_what_does_little_are_no_noise(monkeypatch):
     run = next(iter(virtual_recordings(shipped_runs("dynamometer-runs")).values()))
     plant = hand_plant.HandPlant()
     usual = plant.parameters["motor.inductance"]
-    columns = {"motor.inductance": usual * np.array([1.0, 1.015])}
+    more = {"motor.inductance": usual * np.array([1.0, 0.98, 1.01, 1.015, 1.02, 1.03])}
 
-    def slope(tolerance):
+    def slopes(tolerance):
         monkeypatch.setattr(hand_runs, "TOLERANCE", tolerance)
-        runs = plant.many(columns, run, ("current",), exact=False)
-        return runs[1]["current"] - runs[0]["current"]
+        runs = [each["current"] for each in plant.many(more, run, ("current",), exact=False)]
+        return np.array(runs[1:]) - runs[0]
 
-    used, wide, right = map(slope, (hand_runs.TOLERANCE, hand_runs.WIDE, 1e-8))
-    size = np.linalg.norm(right)
-    assert np.linalg.norm(used - right) < 0.5 * size
-    assert np.linalg.norm(wide - right) > 2.0 * size
+    used, wide, right = map(slopes, (hand_runs.TOLERANCE, hand_runs.WIDE, 1e-8))
+    size = np.linalg.norm(right, axis=1)  # one pair's noise is as it happens: the middle of five
+    assert np.median(np.linalg.norm(used - right, axis=1) / size) < 0.7
+    assert np.median(np.linalg.norm(wide - right, axis=1) / size) > 2.0
