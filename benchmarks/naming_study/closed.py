@@ -43,7 +43,7 @@ def left(
     gap = [_apart(model, *(_some(each, k) for each in runs)) for k in range(2)]
     named = _named(model, found)
     _, slopes = differenced(model, base, model.space.uncertain, False)
-    ground = surveyed(model, base, slopes, CARE, 0)
+    ground = surveyed(model, base, CARE, 0)
     rest = [[d - e for d, e in zip(each, named, strict=True)] for each in gap]
     return {"before": _size(ground, slopes, *gap), "after": _size(ground, slopes, *rest)}
 

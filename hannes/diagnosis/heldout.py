@@ -39,6 +39,7 @@ def _only(point: Point, masks: Sequence[int]) -> Point:
         for k, old, new in zip(numbers, whole, groups, strict=True)
     ]
     grain = [ground.grain[k] for k in numbers]
-    some = Ground(ground.model.of(groups, numbers), ground.noise, grain, covariances, ground.told)
+    model, rows = ground.model.of(groups, numbers), [ground.restless[k] for k in numbers]
+    some = Ground(model, ground.noise, grain, covariances, rows, ground.told)
     vectors, slopes = ([each[k] for k in numbers] for each in (point.vectors, point.slopes))
     return grounded(point, some, vectors, slopes)

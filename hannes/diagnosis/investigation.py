@@ -6,19 +6,22 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hannes.campaign import Entry
+from hannes.diagnosis.far import from_afar
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.nameless import EFFECT as ANYTHING
 from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
-from hannes.diagnosis.refits import Told, beside, joined, little, refitted, ticked, without
+from hannes.diagnosis.refits import Fits, Told, beside, joined, little, refitted, ticked, without
 from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
+from hannes.diagnosis.weighing import lowered, noise_left
 from hannes.effect import Effect
 from hannes.plant import Plant
 
 ROUGH, FINE = Care(10.0, 3), Care(1.0, 40)  # by the one a fit finds its way, by the other it ends
+SURVEYS = 2  # of noise: where fingers touch, what runs differ in depends on where the base is
 SHORT = 5  # effects of each screening that are refitted
 FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
@@ -31,7 +34,6 @@ SHARE = 0.04  # of the first effect's gain that a second one needs
 HOLLOW = 2.0  # gain by which a base found from elsewhere is another one
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 CLEAN = 1.3  # times the bins: what a whole model leaves at most
-QUIET = 0.7  # of the noise told, at least, where the best model leaves less: it is told too large
 NAMELESS = ANYTHING.name
 
 
@@ -93,15 +95,17 @@ def investigate(
     told("the base")
     base = fitted(given, 5, anew=1)
     ticking = base.ground.model.ticking(base.x, list(space.effects))
-    ground = surveyed(ticking, base.x, base.slopes, FINE, seed)
+    for _ in range(SURVEYS):
+        ground = surveyed(ticking, base.x, FINE, seed)
+        base = settled(fitted(grounded(base, ground), 4))
     given = grounded(given, ground)
-    base = settled(fitted(grounded(base, ground), 4))
-    found = _searched(given, base, told)
+    known = from_afar(given, base, [each for each in space.effects if each != NAMELESS], told)
+    found = _searched(given, base, known, told)
     while (leader := _leading(found)) and (better := _back(found.base, leader, found.unit, told)):
         if found.base.misfit - better.misfit < SHARE * leader.gain * found.unit:
             found = _rebased(found, better)
             break
-        found = _searched(given, better, told)
+        found = _searched(given, better, known, told)
     return _second(found, told) if _enough(found) else found
 
 
@@ -118,8 +122,8 @@ def _leading(found: Found) -> Trial | None:
     return best if best is not None and best.gain > FAINT else None
 
 
-def _searched(given: Point, base: Point, told: Told) -> Found:
-    """Single effects beside a base: screened, the best of them refitted."""
+def _searched(given: Point, base: Point, known: Fits, told: Told) -> Found:
+    """Single effects beside a base: screened, the best of them refitted; known: fits from afar."""
     told("a look at every effect")
     every = screened(base, list(base.ground.model.space.effects))
     guesses = [each for each in every if each.effect != NAMELESS]
@@ -129,7 +133,7 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
         large = screened(given, names, ALL_SIZES)[:SHORT]
         starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
         starts += [(given, guess) for guess in large]
-    fits = refitted(given, base, starts, LIMIT, told)
+    fits = refitted(given, base, starts, known, LIMIT, told)
     unit = noise_left(base, min([base.misfit, *(each.misfit for each in fits.values())]))
     trials = [priced(base, Trial((name,), point, 0.0), unit) for name, point in fits.items()]
     trials.sort(key=lambda each: -each.gain)
@@ -139,14 +143,6 @@ def _searched(given: Point, base: Point, told: Told) -> Found:
     free = [each for each in every if each.effect == NAMELESS]
     anything = _anything(base, free[0], trials, unit, told) if free else None
     return Found(given, base, guesses, likely, None, None, unit, anything=anything)
-
-
-def noise_left(base: Point, least: float) -> float:
-    """What a bin's square is by noise alone, of the least misfit of any model: 1 as it was told.
-
-    Never below QUIET; where only repeats tell it, never below 1.
-    """
-    return max(QUIET if base.ground.told else 1.0, least / base.miss.size)
 
 
 def _anything(
@@ -202,7 +198,7 @@ def priced(base: Point, trial: Trial, unit: float) -> Trial:
     """The trial with its gain: misfit less than the base's, less the price of its parameters."""
     further = trial.point.active.size - base.active.size - len(trial.effects)
     price = CHANCE if trial.effects == (NAMELESS,) else PRICE
-    return replace(trial, gain=(base.misfit - trial.point.misfit) / unit - price * further)
+    return replace(trial, gain=lowered(base, trial.point, unit) - price * further)
 
 
 def _second(found: Found, told: Told) -> Found:

@@ -115,22 +115,20 @@ def _differing(
     if channels is None or not (np.isfinite(ends).all() and np.isfinite(vectors[0]).all()):
         raise ComputationFailed(f"{group.entries[0].name} cannot be simulated")
     open_left = np.linalg.solve(base.curvature[: known.size, : known.size], slopes[0])
-    return ends[0] - ends[1], _doubt(base, model, slopes, channels) + slopes[0].T @ open_left
+    return ends[0] - ends[1], _doubt(base, model, channels) + slopes[0].T @ open_left
 
 
 def _distance(difference: np.ndarray, covariance: np.ndarray) -> float:
     return float(np.sqrt(difference @ np.linalg.solve(covariance, difference)))
 
 
-def _doubt(
-    base: Point, model: Model, slopes: list[np.ndarray], channels: Mapping[str, np.ndarray]
-) -> np.ndarray:
+def _doubt(base: Point, model: Model, channels: Mapping[str, np.ndarray]) -> np.ndarray:
     """Covariance of a run by what is not known of it, the machine aside."""
     noise, (group,) = base.ground.noise, model.groups
     if base.ground.told:  # repeats may be noisier than simulated ones
         more = np.repeat([noise.more.get(name, 1.0) for name in group.names], group.bins)
-        return surveyed(model, base.x, slopes, BRIEF, 0).covariances[0] * np.outer(more, more)
-    rows, jerk = run_to_run(model, group, slopes[0], channels), group.jerk(channels)
+        return surveyed(model, base.x, BRIEF, 0).covariances[0] * np.outer(more, more)
+    rows, jerk = run_to_run(model, base.x, group, channels), group.jerk(channels)
     return noise.covariance(group) + np.diag((noise.jerk * jerk) ** 2) + rows.T @ rows
 
 

@@ -31,6 +31,7 @@ class Ground:
 
     noise: of a run of each group; grain: what firmware adds, shape (n,) each
     covariances: of the mean of each group's runs, all that is not known of them in it, (n, n) each
+    restless: how each group's runs differ from each other, one standard deviation a row, (k, n)
     told: how noisy runs are follows from the machine simulated, not from a few repeats alone
     """
 
@@ -38,6 +39,7 @@ class Ground:
     noise: Noise
     grain: list[np.ndarray]
     covariances: list[np.ndarray]
+    restless: list[np.ndarray]
     told: bool
 
     @cached_property
@@ -187,20 +189,17 @@ def first(model: Model, care: Care, seed: int) -> Point:
     vectors, slopes = differenced(model, x, known, False)
     if not all(np.isfinite(each).all() for each in vectors):
         raise ComputationFailed(NOWHERE)
-    ground = surveyed(model, x, slopes, care, seed)
+    ground = surveyed(model, x, care, seed)
     return _on(ground, x, known, vectors, slopes)
 
 
-def surveyed(
-    model: Model, x: np.ndarray, slopes: Sequence[np.ndarray], care: Care, seed: int
-) -> Ground:
-    """Noise, grain, and what runs differ in, as they are at x; slopes along what is uncertain."""
+def surveyed(model: Model, x: np.ndarray, care: Care, seed: int) -> Ground:
+    """Noise, grain, and what runs differ in, as they are at x, where no effect is."""
     grains = model.grain(x, care.samples, seed)
     channels = [model.simulated(group, x[np.newaxis], False)[0] or {} for group in model.groups]
     jerks = [group.jerk(each) for group, each in zip(model.groups, channels, strict=True)]
-    restless = [
-        run_to_run(model, *each) for each in zip(model.groups, slopes, channels, strict=True)
-    ]
+    pairs = zip(model.groups, channels, strict=True)
+    restless = [run_to_run(model, x, group, each) for group, each in pairs]
     strays, roughs = [each.strays for each in grains], [each.rough for each in grains]
     times, told = care.jerk, any(each.any() for each in strays)
     if not told:
@@ -214,7 +213,7 @@ def surveyed(
     for covariance, group, grain in zip(covariances, model.groups, grains, strict=True):
         if grain.strays.any():  # the mean of so many simulations is not sure either
             covariance += noise.moved(group) / len(grain.strays)
-    return Ground(model, noise, [each.mean for each in grains], covariances, told)
+    return Ground(model, noise, [each.mean for each in grains], covariances, restless, told)
 
 
 def grounded(
@@ -239,18 +238,24 @@ def _on(
     return Point(ground, x, active, vectors, slopes, miss, columns)
 
 
-def run_to_run(model: Model, group: Group, slopes: np.ndarray, channels: Channels) -> np.ndarray:
-    """How a group's runs differ, one standard deviation a row, shape (k, n)."""
-    settings = model.space.settings
-    sizes = _run_sizes(model, group)
-    found = []
-    for place in model.space.uncertain:
-        each = model.space.directions[place]
-        if model.space.acting(group)[place] and sizes.get(each.name):
-            found.append(slopes[place] * sizes.pop(each.name) / each.scale)
+def run_to_run(model: Model, x: np.ndarray, group: Group, channels: Channels) -> np.ndarray:
+    """How a group's runs differ about x, one standard deviation a row, shape (k, n).
+
+    Where fingers touch, a change does not do one way what it does the other, reversed: what both
+    ways have in common is a row of its own.
+    """
+    space, sizes = model.space, _run_sizes(model, group)
+    names = {space.directions[k].name: k for k in space.uncertain if space.acting(group)[k]}
+    steps = np.zeros((len(names), x.size))
+    for step, (name, place) in zip(steps, names.items(), strict=True):
+        step[place] = sizes.pop(name, 0.0) / space.directions[place].scale
+    steps = steps[steps.any(axis=1)]
+    made = model.vectors(group, np.vstack([x, x + steps, x - steps]), False)
+    more, less = np.nan_to_num(made[1:] - made[0]).reshape(2, len(steps), -1)
+    found = [*(0.5 * (more - less)), *(0.5 * (more + less))]
     found += [_own_step(model, group, name, size) for name, size in sizes.items() if size]
     late, early = (group.vector(channels, side * SHIFT) for side in (0.5, -0.5))
-    found.append((late - early) * settings.start_time / SHIFT)
+    found.append((late - early) * space.settings.start_time / SHIFT)
     return np.array(found)
 
 

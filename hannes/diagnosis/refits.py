@@ -25,13 +25,15 @@ Start = tuple[Point, Guess]
 Fits = dict[str, Point]
 
 
-def refitted(given: Point, base: Point, starts: Sequence[Start], needed: float, told: Told) -> Fits:
+def refitted(
+    given: Point, base: Point, starts: Sequence[Start], known: Fits, needed: float, told: Told
+) -> Fits:
     """Best fit with each effect from every start, below the base; the best few from several ends.
 
-    needed: gain that a name needs. What ended above the base did not get there: the base is that
-    effect at off.
+    known: fits from elsewhere; needed: gain that a name needs. What ended above the base did not
+    get there: the base is that effect at off.
     """
-    best = _started(starts, told)
+    best = _better(_started(starts, told), known)
     # A guess at the machine as given promises what refitting the base has brought already.
     hoped = dict.fromkeys(best, 0.0) | {g.effect: g.gain for at, g in starts if at is base}
     gains = {name: max(base.misfit - point.misfit, hoped[name]) for name, point in best.items()}
@@ -56,6 +58,12 @@ def _started(starts: Sequence[Start], told: Told) -> Fits:
         if guess.effect not in best or point.misfit < best[guess.effect].misfit:
             best[guess.effect] = point
     return best
+
+
+def _better(fits: Fits, others: Fits) -> Fits:
+    """Of every effect's fits the one that leaves less."""
+    every = [*fits.items(), *others.items()]
+    return dict(sorted(every, key=lambda each: -each[1].misfit))
 
 
 def _from_both(point: Point, base: Point, given: Point, hoped: float) -> Point:

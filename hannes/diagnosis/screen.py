@@ -47,7 +47,7 @@ def screened(point: Point, effects: Sequence[str], sizes: Sequence[float] = SMAL
     guesses: dict[str, Guess] = {}
     if not trials:
         return []
-    for (name, shape, size), rows in zip(trials, _columns(point, trials), strict=True):
+    for (name, shape, size), rows in zip(trials, secants(point, trials), strict=True):
         for twin, side in _twins(point.ground.model.space.effects[name], shape):
             found = _guess(point, name, twin, side * rows, size)
             if name not in guesses or found.gain > guesses[name].gain:
@@ -89,7 +89,7 @@ def _spread(low: float, high: float, count: int) -> np.ndarray:
     return low * (high / low) ** inner if low > 0.0 else low + (high - low) * inner
 
 
-def _columns(
+def secants(
     point: Point, trials: Sequence[tuple[str, dict[str, float], float]]
 ) -> list[np.ndarray]:
     """Whitened change of all groups per step of each trial's amplitudes, shape (amplitudes, N)."""

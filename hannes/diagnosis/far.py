@@ -1,0 +1,74 @@
+"""Effects whose marks turn with their size, found from far off.
+
+What an object does that stands elsewhere depends on which fingers then touch it first: its mark at
+a millimetre tells nothing of the mark at four, and no guess leads there. The refitted base is no
+place to begin either: it has bent to what is missing. So such an effect is put in at the machine as
+given, at many sizes, and the best of these are refitted.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hannes.diagnosis.fit import fitted, settled
+from hannes.diagnosis.point import Point
+from hannes.diagnosis.refits import Fits, Told, placed
+from hannes.diagnosis.screen import amplitude_names, secants, shapes
+
+TURNED = 0.3  # cosine of the marks of a small and a large size, below which one tells not the other
+LARGE = 8.0  # steps
+SIZES = (2.0, 4.0, 6.0, 9.0, 14.0)  # steps, both ways
+TRIED, STEPS = 6, 2  # of all sizes the best as they are, which take so many steps,
+CHOSEN, FURTHER = 2, 5  # and of these the best, which take more
+
+
+def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
+    """The best fit with each effect that turns, if any is below the base."""
+    found: Fits = {}
+    for name in effects:
+        if not turns(given, name):
+            continue
+        told(f"{name.replace('_', ' ')}, from afar")
+        points = sorted(_begun(given, name), key=lambda each: each.misfit)[:CHOSEN]
+        points = [fitted(each, FURTHER) for each in points]
+        if points:
+            best = min(points, key=lambda each: each.misfit)
+            found[name] = settled(best, below=base.misfit)
+    return {name: point for name, point in found.items() if point.misfit < base.misfit}
+
+
+def turns(point: Point, name: str) -> bool:
+    """Tell whether the mark of any of an effect's amplitudes is another where that is large."""
+    small = _mark(point, name, 1.0)
+    large = [each for side in (-1.0, 1.0) if (each := _mark(point, name, side * LARGE)) is not None]
+    return small is not None and any(
+        abs(one @ other) < TURNED * np.sqrt((one @ one) * (other @ other))
+        for rows in large
+        for one, other in zip(small, rows, strict=True)
+    )
+
+
+def _mark(point: Point, name: str, size: float) -> np.ndarray | None:
+    """Whitened change by each amplitude at a size, per step; None out of its range."""
+    space = point.ground.model.space
+    effect = space.effects[name]
+    places = [space.place(each) for each in amplitude_names(effect)]
+    if not all(space.low[k] <= size <= space.high[k] for k in places):
+        return None
+    return secants(point, [(name, shapes(effect)[0], size)])[0]
+
+
+def _begun(given: Point, name: str) -> list[Point]:
+    """A few steps from the best of all sizes."""
+    space = given.ground.model.space
+    own = space.of(name)
+    names = amplitude_names(space.effects[name])
+    rows = np.repeat(given.x[np.newaxis], 2 * len(SIZES) * len(names), axis=0)
+    sizes = np.concatenate([SIZES, np.negative(SIZES)])
+    for k, each in enumerate(names):
+        rows[k * sizes.size : (k + 1) * sizes.size, space.place(each)] += sizes
+    rows = np.clip(rows, space.low, space.high)
+    misfits = given.with_active(np.union1d(given.active, own)).misfits(rows)
+    best = rows[np.argsort(misfits)[:TRIED]]
+    points = [placed(given, own, row[own]) for row in best]
+    return [fitted(each, STEPS) for each in points if each is not None]
