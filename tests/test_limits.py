@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hannes.diagnosis.choice import allowed
-from hannes.diagnosis.investigation import noise_left
+from hannes.diagnosis.weighing import noise_left
 
 
 @pytest.mark.parametrize(

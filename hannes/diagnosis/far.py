@@ -20,6 +20,9 @@ LARGE = 8.0  # steps
 SIZES = (2.0, 4.0, 6.0, 9.0, 14.0)  # steps, both ways
 TRIED, STEPS = 6, 2  # of all sizes the best as they are, which take so many steps,
 CHOSEN, FURTHER = 2, 5  # and of these the best, which take more
+ABOUT = (0.8, 0.9, 1.1, 1.25)  # times the size found, from where to look for a deeper hollow,
+ROUNDS = 3  # as often at most
+DEEPER = 2.0  # of the misfit
 
 
 def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
@@ -35,6 +38,22 @@ def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> 
             best = min(points, key=lambda each: each.misfit)
             found[name] = settled(best, below=base.misfit)
     return {name: point for name, point in found.items() if point.misfit < base.misfit}
+
+
+def deepest(given: Point, point: Point, name: str) -> Point:
+    """The best fit about one with an effect that turns: the misfit has many hollows there."""
+    if not turns(given, name):
+        return point
+    own = given.ground.model.space.of(name)
+    for _ in range(ROUNDS):
+        starts = (placed(given, own, share * point.x[own]) for share in ABOUT)
+        fits = [fitted(each, FURTHER) for each in starts if each is not None]
+        settling = (settled(each, below=point.misfit) for each in fits)
+        best = min(settling, key=lambda each: each.misfit, default=point)
+        if best.misfit > point.misfit - DEEPER:
+            break
+        point = best
+    return point
 
 
 def turns(point: Point, name: str) -> bool:

@@ -6,13 +6,23 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hannes.campaign import Entry
-from hannes.diagnosis.far import from_afar
+from hannes.diagnosis.far import deepest, from_afar
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.nameless import EFFECT as ANYTHING
 from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
-from hannes.diagnosis.refits import Fits, Told, beside, joined, little, refitted, ticked, without
+from hannes.diagnosis.refits import (
+    Fits,
+    Told,
+    beside,
+    joined,
+    little,
+    placed,
+    refitted,
+    ticked,
+    without,
+)
 from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
@@ -133,7 +143,7 @@ def _searched(given: Point, base: Point, known: Fits, told: Told) -> Found:
         large = screened(given, names, ALL_SIZES)[:SHORT]
         starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
         starts += [(given, guess) for guess in large]
-    fits = refitted(given, base, starts, known, LIMIT, told)
+    fits = _deepened(given, base, refitted(given, base, starts, known, LIMIT, told), told)
     unit = noise_left(base, min([base.misfit, *(each.misfit for each in fits.values())]))
     trials = [priced(base, Trial((name,), point, 0.0), unit) for name, point in fits.items()]
     trials.sort(key=lambda each: -each.gain)
@@ -189,6 +199,15 @@ def _rebased(found: Found, base: Point) -> Found:
     return replace(found, base=base, trials=trials, anything=anything)
 
 
+def _deepened(given: Point, base: Point, fits: Fits, told: Told) -> Fits:
+    """The fits with the best one refitted from about where it lies, if its mark turns."""
+    best = min(fits, key=lambda name: fits[name].misfit, default=None)
+    if best is None or fits[best].misfit > base.misfit - LIMIT:
+        return fits
+    told(f"{best.replace('_', ' ')}, from about there")
+    return {**fits, best: deepest(given, fits[best], best)}
+
+
 def _whole(base: Point, trial: Trial, unit: float) -> Trial:
     """The trial with its fit gone on to its end: what it tells of parameters is for the user."""
     return priced(base, replace(trial, point=settled(trial.point)), unit)
@@ -207,9 +226,8 @@ def _second(found: Found, told: Told) -> Found:
     needed = max(LIMIT, SHARE * best.gain)
     told("what is left")
     guesses = _others(best.point, best.effects, found.unit)
-    if not guesses or guesses[0].gain < needed * found.unit:
-        return replace(found, rest=guesses[0] if guesses else None)
-    pairs = _paired(found, [(best, guess) for guess in guesses[:2]], told)
+    starts = [(best, guess) for guess in guesses[:2] if guess.gain >= needed * found.unit]
+    pairs = _sorted(_paired(found, starts, told) + _paired_from_afar(found, guesses, told))
     if not pairs or pairs[0].gain - best.gain < needed:
         return replace(found, rest=_refuted(best, guesses, pairs, found.unit))
     later = _without_first(found, pairs[0], told)
@@ -218,8 +236,7 @@ def _second(found: Found, told: Told) -> Found:
         return _second(replace(found, trials=[later, *others]), told)
     second = next(each for each in guesses if each.effect == pairs[0].effects[-1])
     rivals = [each for each in near(best, found.trials) if second.effect not in each.effects]
-    pairs += _paired(found, [(each, second) for each in rivals[:2]], told)
-    pairs.sort(key=lambda each: -each.gain)
+    pairs = _sorted(pairs + _paired(found, [(each, second) for each in rivals[:2]], told))
     pairs[0] = _whole(found.base, pairs[0], found.unit)
     told("what is left after both")
     after = _others(pairs[0].point, pairs[0].effects, found.unit)
@@ -235,7 +252,7 @@ def _refuted(best: Trial, guesses: list[Guess], pairs: list[Trial], unit: float)
 
 
 def _paired(found: Found, starts: Sequence[tuple[Trial, Guess]], told: Told) -> list[Trial]:
-    """A second effect beside one, refitted together, from each start; best first."""
+    """A second effect beside one, refitted together, from each start."""
     pairs = []
     for one, guess in starts:
         told(f"{one.effects[0]} and {guess.effect}".replace("_", " "))
@@ -244,6 +261,22 @@ def _paired(found: Found, starts: Sequence[tuple[Trial, Guess]], told: Told) -> 
             point = fitted(ticked(fitted(point, 4), guess.effect), 4, anew=1)
             pair = Trial((*one.effects, guess.effect), point, 0.0)
             pairs.append(priced(found.base, pair, found.unit))
+    return pairs
+
+
+def _paired_from_afar(found: Found, guesses: Sequence[Guess], told: Told) -> list[Trial]:
+    """Second effects whose marks turn, beside the best one."""
+    best = found.trials[0]
+    own = best.point.ground.model.space.of(*best.effects)
+    start = placed(found.given, own, best.point.x[own])
+    if start is None:
+        return []
+    fits = from_afar(start, best.point, [each.effect for each in guesses], told)
+    pairs = [Trial((*best.effects, name), point, 0.0) for name, point in fits.items()]
+    return [priced(found.base, pair, found.unit) for pair in pairs]
+
+
+def _sorted(pairs: Sequence[Trial]) -> list[Trial]:
     return sorted(pairs, key=lambda each: -each.gain)
 
 

@@ -1,0 +1,100 @@
+"""Effects found from far off, what runs differ in both ways, and noise that was told too large."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sled import KNOWN, Sled, effect, recordings
+
+from hannes._jit import kernel
+from hannes.diagnosis.far import deepest, from_afar, turns
+from hannes.diagnosis.fit import fitted
+from hannes.diagnosis.investigation import investigate
+from hannes.diagnosis.point import run_to_run
+from hannes.diagnosis.refits import placed
+from hannes.diagnosis.settings import Settings
+from hannes.diagnosis.weighing import lowered
+from hannes.parameter import Parameter
+
+ELSEWHERE = 0.07  # m
+RUNS_DIFFER = 0.01  # N s/m, of drag: the 0.5 % told below of 2
+
+
+@kernel
+def waves_elsewhere(size, position):
+    """What waves of a rail do more where they are elsewhere [N]."""
+    there = position - size
+    waves = np.sin(60.0 * there) * np.exp(-((there / 0.15) ** 2))
+    return 3.0 * (waves - np.sin(60.0 * position) * np.exp(-((position / 0.15) ** 2)))
+
+
+SHIFTED = replace(
+    effect("shifted", waves_elsewhere, 0.2, "m"),
+    parameters=(Parameter("size", 0.0, "m", (-0.2, 0.2), "how far", off=0.0),),
+)
+
+
+@pytest.fixture(scope="module")
+def shifted():
+    """What an investigation finds of waves that are elsewhere."""
+    entries = [e for e in recordings(3, ((SHIFTED, ELSEWHERE),)) if e.role != "show"]
+    return investigate(Sled(), entries, [*KNOWN.values(), SHIFTED], Settings(0.02, 0.005), 0)
+
+
+def size(point):
+    """How far elsewhere a fit has the waves [m]."""
+    space = point.ground.model.space
+    own = space.of("shifted")[0]
+    return point.x[own] * space.directions[own].scale
+
+
+def test_what_has_another_mark_where_it_is_large_is_found_from_afar(shifted):
+    given, base, told = shifted.given, shifted.base, []
+    assert turns(given, "shifted")
+    assert not turns(given, "turbulence")
+    fits = from_afar(given, base, ["turbulence", "shifted"], told.append)
+    assert told == ["shifted, from afar"]
+    assert size(fits["shifted"]) == pytest.approx(ELSEWHERE, rel=0.01)
+    assert shifted.trials[0].effects == ("shifted",)
+    assert size(shifted.trials[0].point) == pytest.approx(ELSEWHERE, rel=0.01)
+
+
+def test_a_hollow_is_left_for_a_deeper_one_about_it(shifted):
+    given = shifted.given
+    own = given.ground.model.space.of("shifted")
+    scale = given.ground.model.space.directions[own[0]].scale
+    hollow = fitted(placed(given, own, np.array([0.1 / scale])), 5)
+    assert size(hollow) > 1.2 * ELSEWHERE
+    assert size(deepest(given, hollow, "shifted")) == pytest.approx(ELSEWHERE, rel=0.01)
+    assert deepest(given, hollow, "turbulence") is hollow
+
+
+def test_what_runs_differ_in_is_had_both_ways(shifted):
+    given = shifted.given
+    model, space = given.ground.model, given.ground.model.space
+    group = model.groups[0]
+    channels = model.simulated(group, given.x[np.newaxis], False)[0]
+    half_difference, half_sum, _ = run_to_run(model, given.x, group, channels)
+    place = [each.name for each in space.directions].index("sled.drag")
+    ends = np.repeat(given.x[np.newaxis], 3, axis=0)
+    ends[1:, place] += np.array([1.0, -1.0]) * RUNS_DIFFER / space.directions[place].scale
+    at, more, less = model.vectors(group, ends, False)
+    assert half_difference == pytest.approx(0.5 * (more - less), abs=1e-12)
+    assert half_sum == pytest.approx(0.5 * (more + less) - at, abs=1e-12)
+
+
+def test_noise_told_too_large_counts_less_and_what_runs_differ_in_as_told(shifted):
+    base, rng = shifted.base, np.random.default_rng(0)
+    nothing = replace(base, miss=np.zeros(base.miss.size))
+    gains = {}
+    own = base.ground.restless[0]
+    strongest = own[np.argmax(np.linalg.norm(own, axis=1))] / np.sqrt(
+        base.ground.model.groups[0].count
+    )
+    lengths = [group.part.size for group in base.ground.model.groups]
+    for name, row in {"runs": strongest, "noise": 0.001 * rng.standard_normal(lengths[0])}.items():
+        rows = [row, *(np.zeros(n) for n in lengths[1:])]
+        there = replace(base, miss=base.ground.together(rows))
+        gains[name] = lowered(there, nothing, 0.7) / lowered(there, nothing, 1.0)
+    assert gains["noise"] == pytest.approx(1.0 / 0.7, rel=0.05)
+    assert gains["runs"] < 1.1, gains
