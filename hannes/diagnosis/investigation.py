@@ -230,10 +230,11 @@ def _second(found: Found, told: Told) -> Found:
     pairs = _sorted(_paired(found, starts, told) + _paired_from_afar(found, guesses, told))
     if not pairs or pairs[0].gain - best.gain < needed:
         return replace(found, rest=_refuted(best, guesses, pairs, found.unit))
-    later = _without_first(found, pairs[0], told)
-    if later is not None and pairs[0].gain - later.gain < needed:
-        others = [each for each in found.trials if each.effects != later.effects]
-        return _second(replace(found, trials=[later, *others]), told)
+    for kept in reversed(pairs[0].effects):
+        alone = _alone(found, pairs[0], kept, told)
+        if alone is not None and pairs[0].gain - alone.gain < needed:
+            others = [each for each in found.trials if each.effects != alone.effects]
+            return _second(replace(found, trials=[alone, *others]), told)
     second = next(each for each in guesses if each.effect == pairs[0].effects[-1])
     rivals = [each for each in near(best, found.trials) if second.effect not in each.effects]
     pairs = _sorted(pairs + _paired(found, [(each, second) for each in rivals[:2]], told))
@@ -286,18 +287,17 @@ def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
     return [t for t in trials if t.effects != best.effects and best.gain - t.gain < within]
 
 
-def _without_first(found: Found, pair: Trial, told: Told) -> Trial | None:
-    """The second effect of a pair alone, refitted from there: the first may have led to it."""
-    first, second = pair.effects
-    told(f"{second} without {first}".replace("_", " "))
+def _alone(found: Found, pair: Trial, kept: str, told: Told) -> Trial | None:
+    """One effect of a pair alone, refitted from there: the other may only have led there."""
+    (other,) = (name for name in pair.effects if name != kept)
+    told(f"{kept} without {other}".replace("_", " "))
     space = pair.point.ground.model.space
-    x = pair.point.x.copy()
-    x[space.of(first)] = 0.0
-    active = np.setdiff1d(pair.point.active, space.of(first))
-    point = pair.point.with_active(active).moved(x, space.of(second))
+    there = pair.point.with_active(np.setdiff1d(pair.point.active, space.of(other)))
+    rows = without(pair.point, (other,))
+    point = there.moved(rows[np.argmin(there.misfits(rows))], space.of(kept))
     if point is None:
         return None
-    trial = _whole(found.base, Trial((second,), point, 0.0), found.unit)
+    trial = _whole(found.base, Trial((kept,), point, 0.0), found.unit)
     return _with_likeness(found.base, found.guesses, [trial])[0]
 
 
