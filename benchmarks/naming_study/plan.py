@@ -1,8 +1,8 @@
 """Which cases the study has, and their seeds.
 
 Seeds of cases that a method was developed on and of cases that are quoted differ: SETS. Those from
-20, 30 and so on to 90 million on were quoted once, in part, and looked at when the method was changed
-after it.
+20, 30 and so on to 90 million on were quoted once, in part, and looked at when the method was
+changed after it.
 Cases told a wrong scatter are those of the first kinds again, by their seeds.
 """
 
