@@ -23,7 +23,7 @@ from hannes.alike import alike, told
 from hannes.axis import Axis
 from hannes.catalogue import effects
 from hannes.diagnosis import choice as choices
-from hannes.diagnosis import fit, refits
+from hannes.diagnosis import fit, investigation, refits
 from hannes.diagnosis.antedependence import covariance
 from hannes.diagnosis.choice import DOUBT, OUTSIDE, _at_end, chosen
 from hannes.diagnosis.drift import drifts
@@ -77,6 +77,23 @@ def test_a_base_beside_its_best_place_is_led_back_by_an_effect(investigated):
     back = _back(beside, best, unit, lambda text: None)
     assert back.misfit == pytest.approx(base.misfit, abs=1.0)
     assert _back(base, best, unit, lambda text: None) is None
+
+
+def test_a_second_effect_that_only_led_the_first_back_is_dropped(investigated, monkeypatch):
+    """A fit with the first that stands in a hollow, and a pair that is out of it."""
+    best = investigated.trials[0]
+    stuck = replace(best, gain=0.5 * best.gain)
+    own = best.point.ground.model.space.of("hardening")
+    point = placed(best.point, own, np.array([0.01]))
+    pair = Trial(("turbulence", "hardening"), point, best.gain)
+    monkeypatch.setattr(
+        investigation, "_paired", lambda found, *_: [pair] if found.trials[0] is stuck else []
+    )
+    monkeypatch.setattr(investigation, "_paired_from_afar", lambda *_: [])
+    found = investigation._second(replace(investigated, trials=[stuck]), lambda text: None)
+    assert found.pair is None
+    assert found.trials[0].effects == best.effects
+    assert found.trials[0].gain == pytest.approx(best.gain, abs=1.0)
 
 
 def test_the_machine_takes_over_what_an_effect_did_that_it_can_do_itself():
