@@ -26,6 +26,7 @@ from hannes.diagnosis import choice as choices
 from hannes.diagnosis import fit, investigation, refits
 from hannes.diagnosis.antedependence import covariance
 from hannes.diagnosis.choice import DOUBT, OUTSIDE, _at_end, chosen
+from hannes.diagnosis.deep import _masks
 from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
@@ -33,10 +34,11 @@ from hannes.diagnosis.investigation import LIMIT, Trial, _back, _rebased, invest
 from hannes.diagnosis.nameless import EFFECT as ANYTHING
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
-from hannes.diagnosis.refits import _crossed, joined, placed, without
+from hannes.diagnosis.refits import FADING, _crossed, faded, joined, placed, without
 from hannes.diagnosis.remainder import Slow
 from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes
 from hannes.diagnosis.settings import Settings, read_settings
+from hannes.diagnosis.strain import strain
 from hannes.errors import BadInput
 from hannes.hand_plant import HandPlant
 from hannes.table import Table
@@ -94,6 +96,34 @@ def test_a_second_effect_that_only_led_the_first_back_is_dropped(investigated, m
     assert found.pair is None
     assert found.trials[0].effects == best.effects
     assert found.trials[0].gain == pytest.approx(best.gain, abs=1.0)
+
+
+def test_an_effect_is_let_go_little_by_little(investigated, monkeypatch):
+    """All else follows after each share, and what is left is the other effect alone."""
+    best = investigated.trials[0]
+    own = best.point.ground.model.space.of("hardening")
+    starts, fitted = [], refits.fitted
+    point = placed(best.point, own, np.array([0.3]))
+    monkeypatch.setattr(refits, "fitted", lambda at, *how: starts.append(at) or fitted(at, *how))
+    alone = faded(point, "hardening")
+    assert alone.misfit == pytest.approx(best.point.misfit, abs=1.0)
+    assert np.array_equal(alone.active, best.point.active)
+    assert [at.x[own][0] / 0.3 for at in starts] == pytest.approx(FADING)
+    monkeypatch.setattr(refits.Point, "moved", lambda *_: None)
+    assert faded(point, "hardening") is None
+
+
+def test_a_name_that_takes_another_machine_than_was_told_is_doubted(investigated):
+    """The same recordings, told how little is certain and told too much of it."""
+    narrow = Settings(0.003, 0.005)
+    entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
+    doubted = investigate(Sled(), entries, [TURBULENCE], narrow, 0)
+    kinds = [chosen(f, *(_masks(f, r) for r in ("fit", "select"))) for f in (investigated, doubted)]
+    assert kinds[0].effects == ("turbulence",)
+    assert strain(investigated.trials[0].point).chance > 0.05
+    assert strain(doubted.trials[0].point).times > 2.0
+    assert kinds[1].kind == "unknown"
+    assert "times as far as scatter tells" in kinds[1].reason
 
 
 def test_the_machine_takes_over_what_an_effect_did_that_it_can_do_itself():

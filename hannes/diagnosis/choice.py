@@ -12,6 +12,7 @@ from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial, ne
 from hannes.diagnosis.nameless import SPOKEN
 from hannes.diagnosis.point import Point
 from hannes.diagnosis.remainder import Slow, hangs_together, stands_out
+from hannes.diagnosis.strain import strain
 from hannes.parameter import Parameter
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
@@ -22,6 +23,7 @@ OUTSIDE = 12.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
 GROWN = 24.0  # gain of what grows from run to run, that is told
 BEYOND = 4.0  # of the misfit: what an effect would gain beyond the end of a range, to be doubted
+STRAINED = 0.01  # chance of a machine so far from its given values, that doubts a clean name
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
 
@@ -51,6 +53,8 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
     if doubt := _doubted(found, trial):
         return Choice("unknown", (), f"{told}, but {doubt}", found.base)
     left = _left(found, trial)
+    if not left and (strained := _strained(trial)):
+        return Choice("unknown", (), f"{told}, but {strained}", found.base)
     if not left:
         return _clean(found, trial, told)
     return _unclean(found, trial, f"{told}; {left}")
@@ -101,6 +105,15 @@ def _doubted(found: Found, trial: Trial) -> str:
     if found.anything and near(trial, [found.anything]):
         return f"{SPOKEN} does by {found.anything.gain:.0f}: something else may be there"
     return ""
+
+
+def _strained(trial: Trial) -> str:
+    """Why a machine that goes with these effects is not the one that was told, or ''."""
+    found = strain(trial.point)
+    if found.chance >= STRAINED:
+        return ""
+    times = f"{found.times:.1f} times as far as scatter tells"
+    return f"only with a machine whose values are off {times}: tell it wider, or it hides something"
 
 
 def _stretched(found: Found, trial: Trial) -> str:

@@ -16,6 +16,7 @@ from hannes.diagnosis.refits import (
     Fits,
     Told,
     beside,
+    faded,
     joined,
     little,
     placed,
@@ -291,10 +292,7 @@ def _alone(found: Found, pair: Trial, kept: str, told: Told) -> Trial | None:
     """One effect of a pair alone, refitted from there: the other may only have led there."""
     (other,) = (name for name in pair.effects if name != kept)
     told(f"{kept} without {other}".replace("_", " "))
-    space = pair.point.ground.model.space
-    there = pair.point.with_active(np.setdiff1d(pair.point.active, space.of(other)))
-    rows = without(pair.point, (other,))
-    point = there.moved(rows[np.argmin(there.misfits(rows))], space.of(kept))
+    point = faded(pair.point, other)
     if point is None:
         return None
     trial = _whole(found.base, Trial((kept,), point, 0.0), found.unit)

@@ -18,6 +18,7 @@ ASTRAY = 10.0  # or one that slopes had anew lower by so much more,
 FAR = 0.05  # and by this share of the gain
 CROSSED = 0.6  # of the best gain: a rival that gains this is fitted from the best one's machine too
 TAKEN = (0.0, 0.5, 1.0)  # of what an effect did: shares that all else takes over where it goes
+FADING = (0.75, 0.5, 0.25, 0.0)  # of an effect that is let go, all else fitted after each
 LITTLE = 0.005  # of the gain: a round of slopes that lowers the misfit by less is the last
 
 Told = Callable[[str], None]
@@ -162,6 +163,26 @@ def without(point: Point, effects: Sequence[str]) -> np.ndarray:
     step = np.linalg.solve(point.curvature[np.ix_(kept, kept)], pull)
     rows[:, point.active[kept]] += np.outer(TAKEN, step)
     return np.clip(rows, space.low, space.high)
+
+
+def faded(point: Point, name: str) -> Point | None:
+    """The fit with an effect let go little by little, all else following; None where it breaks.
+
+    Taken away at once it would leave the hollow that it led to: where fingers touch others are
+    all about.
+    """
+    space = point.ground.model.space
+    places = space.of(name)
+    there = point.with_active(np.setdiff1d(point.active, places))
+    further = there.active[there.active >= space.uncertain.size]
+    for share in FADING:
+        x = there.x.copy()
+        x[places] = share * point.x[places]
+        moved = there.moved(x, further)
+        if moved is None:
+            return None
+        there = fitted(moved, 4)
+    return there
 
 
 def placed(start: Point, places: np.ndarray, values: np.ndarray) -> Point | None:
