@@ -25,7 +25,7 @@ from hannes.catalogue import effects
 from hannes.diagnosis import choice as choices
 from hannes.diagnosis import fit, investigation, refits
 from hannes.diagnosis.antedependence import covariance
-from hannes.diagnosis.choice import DOUBT, OUTSIDE, _at_end, chosen
+from hannes.diagnosis.choice import DOUBT, MOST, OUTSIDE, _at_end, _explained, chosen
 from hannes.diagnosis.deep import _masks
 from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
@@ -113,17 +113,23 @@ def test_an_effect_is_let_go_little_by_little(investigated, monkeypatch):
     assert faded(point, "hardening") is None
 
 
-def test_a_name_that_takes_another_machine_than_was_told_is_doubted(investigated):
-    """The same recordings, told how little is certain and told too much of it."""
-    narrow = Settings(0.003, 0.005)
+def test_a_name_that_takes_another_machine_than_was_told_is_not_clean(investigated):
+    """The same recordings, told how little is certain and told far too little."""
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
-    doubted = investigate(Sled(), entries, [TURBULENCE], narrow, 0)
-    kinds = [chosen(f, *(_masks(f, r) for r in ("fit", "select"))) for f in (investigated, doubted)]
-    assert kinds[0].effects == ("turbulence",)
-    assert strain(investigated.trials[0].point).chance > 0.05
-    assert strain(doubted.trials[0].point).times > 2.0
-    assert kinds[1].kind == "unknown"
-    assert "times as far as scatter tells" in kinds[1].reason
+    strained = investigate(Sled(), entries, [TURBULENCE], Settings(0.003, 0.005), 0)
+    best = strained.trials[0]
+    assert strain(investigated.trials[0].point).chance > 0.5
+    assert strain(best.point).times > 2.0
+    clean, unclean = (
+        chosen(found, *(_masks(found, role) for role in ("fit", "select")))
+        for found in (investigated, strained)
+    )
+    assert (clean.kind, clean.effects) == ("named", ("turbulence",))
+    assert (unclean.kind, unclean.effects) == ("named_with_remainder", ("turbulence",))
+    assert "times as far as scatter tells" in unclean.reason
+    flat = replace(strained.base, miss=0.0 * strained.base.miss)  # what is left says nothing
+    assert _explained(replace(strained, base=flat), replace(best, gain=20.0)) < MOST
+    assert _explained(replace(strained, base=flat), replace(best, gain=1e4)) > MOST
 
 
 def test_the_machine_takes_over_what_an_effect_did_that_it_can_do_itself():

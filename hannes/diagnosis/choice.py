@@ -12,7 +12,7 @@ from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial, ne
 from hannes.diagnosis.nameless import SPOKEN
 from hannes.diagnosis.point import Point
 from hannes.diagnosis.remainder import Slow, hangs_together, stands_out
-from hannes.diagnosis.strain import strain
+from hannes.diagnosis.strain import Strain, strain
 from hannes.parameter import Parameter
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
@@ -53,8 +53,6 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
     if doubt := _doubted(found, trial):
         return Choice("unknown", (), f"{told}, but {doubt}", found.base)
     left = _left(found, trial)
-    if not left and (strained := _strained(trial)):
-        return Choice("unknown", (), f"{told}, but {strained}", found.base)
     if not left:
         return _clean(found, trial, told)
     return _unclean(found, trial, f"{told}; {left}")
@@ -107,15 +105,6 @@ def _doubted(found: Found, trial: Trial) -> str:
     return ""
 
 
-def _strained(trial: Trial) -> str:
-    """Why a machine that goes with these effects is not the one that was told, or ''."""
-    found = strain(trial.point)
-    if found.chance >= STRAINED:
-        return ""
-    times = f"{found.times:.1f} times as far as scatter tells"
-    return f"only with a machine whose values are off {times}: tell it wider, or it hides something"
-
-
 def _stretched(found: Found, trial: Trial) -> str:
     """A parameter that would go beyond its physical range, in words, or an empty string."""
     space = trial.point.ground.model.space
@@ -159,7 +148,16 @@ def _left(found: Found, trial: Trial) -> str:
     if rest is not None and rest.gain / found.unit > needed:
         more = rest.effect.replace("_", " ")
         return f"{rest.gain / found.unit:.0f} more would go with {more}, so something else is there"
+    if strained := _strained(trial):
+        times = f"{strained.times:.1f} times as far as scatter tells"
+        return f"it takes a machine whose values are off {times}: so they are, or hide something"
     return ""
+
+
+def _strained(trial: Trial) -> Strain | None:
+    """How far the machine that goes with these effects is off, where that is no chance."""
+    found = strain(trial.point)
+    return found if found.chance < STRAINED else None
 
 
 def _outdone(found: Found, trial: Trial) -> Slow | None:
@@ -243,7 +241,12 @@ def _explained(found: Found, trial: Trial) -> float:
     if drift and instead and instead.gain > gain:
         return 0.0
     beyond = max(found.base.misfit - min(1.0, found.unit) * found.bins, 1.0)
-    rests = (slow.excess if slow else 0.0, drift.gain if drift else 0.0)
+    strained = _strained(trial)
+    rests = (
+        slow.excess if slow else 0.0,
+        drift.gain if drift else 0.0,
+        strained.excess if strained else 0.0,
+    )
     shares = [gain / beyond, *(gain / (gain + rest) for rest in rests)]
     if out := _outdone(found, trial):
         shares.append(_lowered(found, trial) / out.excess)

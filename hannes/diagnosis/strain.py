@@ -14,10 +14,14 @@ from hannes.diagnosis.point import Point
 
 @dataclass(frozen=True)
 class Strain:
-    """times: how far values are off, over how far that is told; chance: of so much or more."""
+    """times: how far values are off, over how far that is told; chance: of so much or more.
+
+    excess: of their squares over what is expected
+    """
 
     times: float
     chance: float
+    excess: float
 
 
 def strain(point: Point) -> Strain:
@@ -30,6 +34,6 @@ def strain(point: Point) -> Strain:
 
     known = point.active < point.ground.model.space.uncertain.size
     inverse = np.linalg.inv(point.curvature + LIGHT * np.eye(point.active.size))
-    told = float(known.sum() - np.trace(inverse[np.ix_(known, known)]))
+    told = max(float(known.sum() - np.trace(inverse[np.ix_(known, known)])), LIGHT)
     off = float(np.sum(point.x[point.active[known]] ** 2))
-    return Strain(float(np.sqrt(off / max(told, LIGHT))), float(chi2.sf(off, max(told, LIGHT))))
+    return Strain((off / told) ** 0.5, float(chi2.sf(off, told)), off - told)
