@@ -127,7 +127,8 @@ def test_a_name_that_takes_another_machine_than_was_told_is_not_clean(investigat
     assert (clean.kind, clean.effects) == ("named", ("turbulence",))
     assert (unclean.kind, unclean.effects) == ("named_with_remainder", ("turbulence",))
     assert "times as far as scatter tells" in unclean.reason
-    flat = replace(strained.base, miss=0.0 * strained.base.miss)  # what is left says nothing
+    base = strained.base  # what is left of it says nothing
+    flat = replace(base, miss=np.zeros_like(base.miss), x=np.zeros_like(base.x))
     assert _explained(replace(strained, base=flat), replace(best, gain=20.0)) < MOST
     assert _explained(replace(strained, base=flat), replace(best, gain=1e4)) > MOST
 
