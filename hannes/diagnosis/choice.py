@@ -23,7 +23,7 @@ OUTSIDE = 12.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
 GROWN = 24.0  # gain of what grows from run to run, that is told
 BEYOND = 4.0  # of the misfit: what an effect would gain beyond the end of a range, to be doubted
-STRAINED = 0.01  # chance of a machine so far from its given values, that doubts a clean name
+STRAINED = 0.005  # chance of a machine so far from its given values, that doubts a clean name
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
 
