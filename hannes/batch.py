@@ -70,6 +70,31 @@ def simulate_many(
     return _streamed(paired(iter(hands), count, asked), count, workers, progress)
 
 
+def simulate_alike(
+    hand: Hand,
+    experiment: Experiment,
+    values: Mapping[str, ArrayLike],
+    *,
+    channels: Sequence[str],
+    rtol: float,
+    effects: tuple[Effect, ...] | None = None,
+) -> list[Grasp]:
+    """Many grasps near the first one, all by its steps, with the continuous controller.
+
+    What grasps differ by is then smooth, however wide the tolerance: no solver chose other steps
+    for each (internal differentiation, Bock 1981). `values`: columns as of `simulate_many`; one
+    that does not end by these steps has another outcome. Raises BadInput as that does.
+    """
+    check_tolerance(rtol)
+    workers = _cores()
+    table = Table.of(hand, experiment, values)
+    parts = list(table.alike(Asked(tuple(channels), None, rtol, effects, 1), workers))
+    stop = np.zeros(1, np.bool_)
+    with ThreadPoolExecutor(workers) as pool:
+        first, *others = pool.map(lambda window: _run(window, stop), parts)
+    return [*first, *(grasp for window in others for grasp in window if grasp.number)]
+
+
 def _cores() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -23,6 +23,7 @@ fill_outputs: Any = None
 LONGEST = 0.03  # s, of a step: a longer one may miss a contact that comes and goes
 RUN = 16  # steps whose dense output is kept until it is sampled
 MOST = 1_000_000  # steps of one grasp: seconds, where an ordinary one takes a few hundred
+PATH = 20_000  # steps of a grasp that others follow, at most
 
 
 def rates(t, y, p, reference, hold):
@@ -73,9 +74,12 @@ def look_up(times, ends, pieces, rows):
 
 def grasps(
     vectors, starts, reference, bounds, periods, times, columns, needed,
-    rtol, atol, stop, rows, holds, kept, counts,
+    rtol, atol, stop, alike, rows, holds, kept, counts,
 ):  # fmt: skip
     """Run one grasp for each row of `vectors` (m, parameters), from `starts` (m, states).
+
+    Where `alike`, all take the steps of the first one (by the continuous controller): what
+    differs between them is then as smooth as it is without steps.
 
     bounds (b,) [s]: ends of the smooth parts, the last one that of the grasp; periods (m,) [s]
     of the sampled controller, 0 for the continuous one. Samples at `times` (n,) go into `rows`
@@ -86,12 +90,13 @@ def grasps(
     """
     wanted = columns.size > 0 and columns.min() < OUTPUTS
     outputs = np.zeros((times.size if wanted else 0, OUTPUTS))
+    path = np.zeros(PATH if alike else 1)
     for k in range(vectors.shape[0]):
         if stop[0]:
             return
         data = workspace(starts[k], vectors[k], reference, np.zeros(holds.shape[1]))
         reached = grasp(
-            data, starts[k], bounds, periods[k], times, rtol, atol, stop, rows, holds, counts[k]
+            data, starts[k], bounds, periods[k], times, rtol, atol, stop, path, rows, holds, counts[k]
         )
         counts[k, 5] = finite(rows, reached)
         if counts[k, 5] < reached:
@@ -100,14 +105,19 @@ def grasps(
         keep(vectors[k], reference, times, asked, rows, holds, outputs, kept[k], filled)
 
 
-def grasp(data, y, bounds, period, times, rtol, atol, stop, rows, holds, counts):
-    """Smooth part after smooth part, or tick after tick; returns how many samples were reached."""
+def grasp(data, y, bounds, period, times, rtol, atol, stop, path, rows, holds, counts):
+    """Smooth part after smooth part, or tick after tick; returns how many samples were reached.
+
+    path (n,): how many steps another grasp took, and their ends, which are followed; where none
+    is known the grasp's own are noted there, as far as there is room.
+    """
     p, reference, hold, c, out, dy, _ = data[0]
     ends, pieces = np.zeros(RUN + 1), np.zeros((RUN + 1, 3, y.size))
     work, clock = np.zeros((WORK, y.size)), np.ones(5)
     last, end, filled = bounds[bounds.size - 1], 0.0, 0
     clock[0], clock[1], clock[2], clock[3] = 0.0, 0.0, bounds[0], LONGEST
     seen, turn = np.zeros((1, y.size)), np.ones(2)
+    place, follow, ahead = 0, path[0] > 0.0 and period == 0.0, np.zeros(1)
     parts = 1 if period == 0.0 else int(np.ceil(last / period - 1e-9))
     for part in range(parts):
         start, end = end, last if period == 0.0 else min((part + 1) * period, last)
@@ -119,7 +129,15 @@ def grasp(data, y, bounds, period, times, rtol, atol, stop, rows, holds, counts)
             if part == 0 and hold[9] > 0.0:
                 seen = np.ones((int(hold[9] / period) + 2, 1)) * y
         while clock[0] != end:
-            taken = advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+            if follow:
+                if place == 0 or clock[0] == path[place]:
+                    place += 1
+                    ahead[0] = path[place]
+                    clock[1], clock[2] = ahead[0] - clock[0], ahead[0]
+                taken = advance(data, y, rtol, atol, clock, counts, ahead, ends, pieces, work)
+            else:
+                taken = advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+                place = noted(ends, taken, path, place)
             if hold[9] > 0.0:
                 read_ahead(hold[9], period, ends[: taken + 1], pieces, turn, seen)
             before = ends[taken] if period == 0.0 else ends[taken] * (1.0 - 1e-12)
@@ -136,7 +154,17 @@ def grasp(data, y, bounds, period, times, rtol, atol, stop, rows, holds, counts)
     for row in range(filled, times.size):
         copy_to(rows[row], y)
         copy_to(holds[row], hold)
+    path[0] = place if place < path.size else 0.0
     return times.size
+
+
+def noted(ends, taken, path, place):
+    """Note the ends of steps taken after the first `place`; returns how many there are now."""
+    for k in range(taken):
+        place += 1
+        if place < path.size:
+            path[place] = ends[k + 1]
+    return place
 
 
 def read_ahead(age, period, ends, pieces, turn, seen):

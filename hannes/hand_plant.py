@@ -196,6 +196,12 @@ class HandPlant:
         """Many runs at once, see hannes/hand_runs.py; None for one that breaks down."""
         return hand_runs.many(self.hand, posed(recording), recording, columns, channels, exact)
 
+    def alike(
+        self, columns: Mapping[str, np.ndarray], recording: Recording, channels: Sequence[str]
+    ) -> list[dict[str, np.ndarray] | None]:
+        """Runs near the first one, for their differences, see hannes/hand_runs.py."""
+        return hand_runs.alike(self.hand, posed(recording), recording, columns, channels)
+
     def noisy(self, recording: Recording, count: int) -> dict[str, np.ndarray]:
         """Columns for `many` that let the firmware read noisy currents, see hannes/hand_runs.py."""
         return hand_runs.noisy(self.hand, posed(recording), recording, count)

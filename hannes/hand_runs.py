@@ -1,17 +1,17 @@
 """Many simulations of one recording's run at once: what makes a deep diagnosis of a hand quick."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hannes.batch import simulate_many
+from hannes.batch import simulate_alike, simulate_many
 from hannes.effect import Effect
 from hannes.experiment import Experiment
 from hannes.hand import Hand
 from hannes.recording import Recording
 from hannes.roughness import roughness
-from hannes.trajectory import Outcome
+from hannes.trajectory import Grasp, Outcome
 
 TOLERANCE = 1e-5  # slopes along what does little are right, which are mere noise at 1e-4
 WIDE = 1e-4  # for many runs near each other: firmware's ticks add up to 2e-4 of the peak
@@ -22,6 +22,21 @@ FINEST = 32.0  # bits of an encoder that rounds to a nanoradian
 COUNTED = 1e-3  # of a step, by which a number that was written down may miss it
 NOISE = "controller.current_noise"
 Channels = dict[str, np.ndarray]
+
+
+def alike(
+    hand: Hand,
+    experiment: Experiment,
+    recording: Recording,
+    columns: Mapping[str, np.ndarray],
+    channels: Sequence[str],
+) -> list[Channels | None]:
+    """As `many` with the continuous controller, of rows near the first one, by its steps.
+
+    For differences between them alone, of which the solver's errors are no part.
+    """
+    asked = replace(experiment, controller="continuous")
+    return _Runs(hand, asked, recording, tuple(channels)).alike(columns, WIDE)
 
 
 def nominal(hand: Hand, experiment: Experiment) -> dict[str, float]:
@@ -79,6 +94,31 @@ class _Runs:
     def of(self, columns: Mapping[str, np.ndarray], rtol: float) -> list[Channels | None]:
         """Channels at the recorded times for each row."""
         effects: tuple[Effect, ...] = self.hand.effects
+        runs = simulate_many(
+            self.hand,
+            self.experiment,
+            columns,
+            channels=self.channels,
+            rtol=rtol,
+            effects=effects,
+            progress=False,  # whoever asks for many of these tells how far it is
+        )
+        return self._recorded(runs)
+
+    def alike(self, columns: Mapping[str, np.ndarray], rtol: float) -> list[Channels | None]:
+        """The same, all rows by the steps of the first one."""
+        runs = simulate_alike(
+            self.hand,
+            self.experiment,
+            columns,
+            channels=self.channels,
+            rtol=rtol,
+            effects=self.hand.effects,
+        )
+        return self._recorded(runs)
+
+    def _recorded(self, runs: Iterable[Grasp]) -> list[Channels | None]:
+        """At the recorded times."""
         since = self.recording.time - self.recording.time[0]
         if "reference" not in self.recording:
             since = self.recording.time
@@ -86,15 +126,7 @@ class _Runs:
             {name: np.interp(since, run.time, run[name]) for name in self.channels}
             if run.outcome is Outcome.COMPLETED
             else None
-            for run in simulate_many(
-                self.hand,
-                self.experiment,
-                columns,
-                channels=self.channels,
-                rtol=rtol,
-                effects=effects,
-                progress=False,  # whoever asks for many of these tells how far it is
-            )
+            for run in runs
         ]
 
     def near(self, columns: Mapping[str, np.ndarray]) -> list[Channels | None]:

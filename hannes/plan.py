@@ -67,8 +67,17 @@ class Plan:
             compiled.needed.by(columns),
         )
 
-    def run(self, vectors: np.ndarray, starts: np.ndarray, stop: np.ndarray | None = None) -> Ran:
-        """Run one grasp for each row of `vectors`; `starts` (m, states) are used up."""
+    def run(
+        self,
+        vectors: np.ndarray,
+        starts: np.ndarray,
+        stop: np.ndarray | None = None,
+        alike: bool = False,
+    ) -> Ran:
+        """Run one grasp for each row of `vectors`; `starts` (m, states) are used up.
+
+        alike: all by the steps of the first one
+        """
         size, count = self.times.size, vectors.shape[0]
         ran = Ran(
             np.empty((size, starts.shape[1])),
@@ -81,7 +90,7 @@ class Plan:
         stop = np.zeros(1, np.bool_) if stop is None else stop
         with np.errstate(all="ignore"):  # where nothing is compiled
             self.compiled.fast.grasps(
-                *given, self.columns, self.needed, self.rtol, self.atol, stop,
+                *given, self.columns, self.needed, self.rtol, self.atol, stop, alike,
                 ran.rows, ran.holds, ran.kept, ran.counts,
             )  # fmt: skip
         return replace(ran, seconds=time.perf_counter() - ran.seconds)

@@ -44,6 +44,8 @@ class Plant(Protocol):
                 of them uncertain and takes its deep way, see hannes/diagnosis
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, quick
                 (`exact`: grain of firmware and all); None for a row that breaks down
+    alike(columns, recording, channels): as `many`, of rows near the first one, for what they
+                differ by: by the steps of that one, so that it is smooth; slopes come from it
     noisy(recording, rows):        columns for `many` by which the firmware of each row reads its
                                    sensors with other noise, as much as the recording has
     unrounded(rows):               columns for `many` by which the firmware of each row rounds

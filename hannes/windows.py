@@ -31,10 +31,11 @@ class Part:
     numbers: Sequence[int]
     vectors: np.ndarray
     starts: np.ndarray
+    alike: bool = False
 
     def run(self, stop: np.ndarray) -> list[Grasp]:
         """Run them; where `stop` is set meanwhile, what comes back is of no use."""
-        ran = self.plan.run(self.vectors, self.starts, stop)
+        ran = self.plan.run(self.vectors, self.starts, stop, self.alike)
         share = ran.seconds / len(self.numbers)
         rows = zip(self.numbers, self.titles, ran.counts, ran.kept, self.vectors, strict=True)
         return [
@@ -117,6 +118,14 @@ class Table:
                 self._part(plans[k], sets[k], start + np.flatnonzero(kind == k))
                 for k in np.unique(kind)
             ]
+
+    def alike(self, asked: Asked, windows: int) -> Iterator[list[Part]]:
+        """The first row at the head of each window, whose steps all rows take, and the others."""
+        effects = self.hand.effects if asked.effects is None else asked.effects
+        plan = asked.plan(self.hand, effects, self.experiment)
+        for rows in np.array_split(np.arange(1, self.count), max(1, min(windows, self.count - 1))):
+            part = self._part(plan, effects, np.concatenate(([0], rows)))
+            yield [replace(part, alike=True)]
 
     def _kinds(self, fixed: Effects | None) -> tuple[list[Effects], np.ndarray]:
         """Sets of effects that are compiled in, and which of them each row has."""

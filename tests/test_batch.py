@@ -16,7 +16,7 @@ from runs import BREAK, grasp
 from scipy.integrate import solve_ivp
 
 from hannes import windows
-from hannes.batch import simulate_many
+from hannes.batch import simulate_alike, simulate_many
 from hannes.entries import LONGEST, TOO_MANY
 from hannes.errors import BadInput, ComputationFailed
 from hannes.hand import Hand
@@ -91,6 +91,54 @@ def test_windows_of_any_size_give_the_same_bits(monkeypatch, most):
     monkeypatch.setattr(windows, "MOST", most)
     found = simulate_many(Hand(), grasp(duration=0.4), COLUMNS, workers=2)
     for mine, theirs in zip(found, expected, strict=True):
+        assert np.array_equal(mine["force"], theirs["force"])
+
+
+NEARBY = {  # of parameters that do much and little
+    "motor.resistance": 3.1 * np.array([1.0, 1.01, 1.0]),
+    "mcp.viscous_friction": 1.07e-3 * np.array([1.0, 1.0, 1.02]),
+}
+
+
+def changes(runs):
+    """What the current of each but the first differs by from it, (rows, samples) [A]."""
+    first, *others = (each["current"] for each in runs)
+    return np.array(others) - first
+
+
+def test_grasps_by_the_steps_of_the_first_differ_smoothly():
+    hand, experiment = Hand(), grasp(duration=0.7)
+    exact = changes(simulate_many(hand, experiment, NEARBY, rtol=1e-9, progress=False))
+    asked = {"channels": ("current",), "rtol": 1e-4}
+    alone = list(simulate_many(hand, experiment, NEARBY, **asked, progress=False))
+    alike = simulate_alike(hand, experiment, NEARBY, **asked)
+    assert np.array_equal(alike[0]["current"], alone[0]["current"])
+    assert [each.number for each in alike] == [0, 1, 2]
+
+    def off(runs):
+        error = changes(runs) - exact
+        return np.sqrt(np.mean(error**2, axis=1) / np.mean(exact**2, axis=1))
+
+    assert (off(alike) < 0.01).all()
+    assert (off(alike) < 0.2 * off(alone)).all(), (off(alike), off(alone))
+
+
+def test_a_grasp_far_from_the_first_takes_steps_of_its_own_between():
+    far = {"object.stiffness": np.array([800.0, 9000.0])}
+    asked = {"channels": ("force",), "rtol": 1e-4}
+    exact = list(simulate_many(Hand(), grasp(), far, rtol=1e-7, progress=False))[1]
+    found = simulate_alike(Hand(), grasp(), far, **asked)[1]
+    assert found["force"] == pytest.approx(exact["force"], abs=1e-3 * exact["force"].max())
+
+
+@pytest.mark.parametrize("cores", [1, 2, 5])
+def test_grasps_by_the_first_ones_steps_have_the_same_bits_on_any_cores(monkeypatch, cores):
+    asked = {"channels": ("force",), "rtol": 1e-3}
+    expected = simulate_alike(Hand(), grasp(duration=0.4), COLUMNS, **asked)
+    monkeypatch.setattr("hannes.batch._cores", lambda: cores)
+    found = simulate_alike(Hand(), grasp(duration=0.4), COLUMNS, **asked)
+    for mine, theirs in zip(found, expected, strict=True):
+        assert mine.number == theirs.number
         assert np.array_equal(mine["force"], theirs["force"])
 
 

@@ -7,7 +7,7 @@ import pytest
 from sled import KNOWN, Sled, effect, recordings
 
 from hannes._jit import kernel
-from hannes.diagnosis.far import deepest, from_afar, turns
+from hannes.diagnosis.far import deepest, from_afar, turning
 from hannes.diagnosis.fit import fitted
 from hannes.diagnosis.investigation import investigate
 from hannes.diagnosis.point import run_to_run
@@ -50,8 +50,7 @@ def size(point):
 
 def test_what_has_another_mark_where_it_is_large_is_found_from_afar(shifted):
     given, base, told = shifted.given, shifted.base, []
-    assert turns(given, "shifted")
-    assert not turns(given, "turbulence")
+    assert turning(given, ["shifted", "turbulence"]) == ["shifted"]
     fits = from_afar(given, base, ["turbulence", "shifted"], told.append)
     assert told == ["shifted, from afar"]
     assert size(fits["shifted"]) == pytest.approx(ELSEWHERE, rel=0.01)

@@ -18,7 +18,7 @@ from hannes.diagnosis.screen import amplitude_names, secants, shapes
 TURNED = 0.3  # cosine of the marks of a small and a large size, below which one tells not the other
 LARGE = 8.0  # steps
 SIZES = (2.0, 4.0, 6.0, 9.0, 14.0)  # steps, both ways
-TRIED, STEPS = 6, 2  # of all sizes the best as they are, which take so many steps,
+TRIED, STEPS = 3, 2  # of all sizes the best by a linear guess, which take so many steps,
 CHOSEN, FURTHER = 2, 5  # and of these the best, which take more
 ABOUT = (0.8, 0.9, 1.1, 1.25)  # times the size found, from where to look for a deeper hollow,
 ROUNDS = 3  # as often at most
@@ -28,9 +28,7 @@ DEEPER = 2.0  # of the misfit
 def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
     """The best fit with each effect that turns, if any is below the base."""
     found: Fits = {}
-    for name in effects:
-        if not turns(given, name):
-            continue
+    for name in turning(given, effects):
         told(f"{name.replace('_', ' ')}, from afar")
         points = sorted(_begun(given, name), key=lambda each: each.misfit)[:CHOSEN]
         points = [fitted(each, FURTHER) for each in points]
@@ -42,7 +40,7 @@ def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> 
 
 def deepest(given: Point, point: Point, name: str) -> Point:
     """The best fit about one with an effect that turns: the misfit has many hollows there."""
-    if not turns(given, name):
+    if not turning(given, [name]):
         return point
     own = given.ground.model.space.of(name)
     for _ in range(ROUNDS):
@@ -56,25 +54,34 @@ def deepest(given: Point, point: Point, name: str) -> Point:
     return point
 
 
-def turns(point: Point, name: str) -> bool:
-    """Tell whether the mark of any of an effect's amplitudes is another where that is large."""
-    small = _mark(point, name, 1.0)
-    large = [each for side in (-1.0, 1.0) if (each := _mark(point, name, side * LARGE)) is not None]
-    return small is not None and any(
+def turning(point: Point, effects: Sequence[str]) -> list[str]:
+    """Of some effects those whose mark, by any amplitude, is another one where that is large."""
+    small = _marks(point, effects, 1.0)
+    sides = [_marks(point, list(small), side * LARGE) for side in (-1.0, 1.0)]
+    return [
+        name
+        for name, rows in small.items()
+        if any(_turned(rows, large[name]) for large in sides if name in large)
+    ]
+
+
+def _turned(small: np.ndarray, large: np.ndarray) -> bool:
+    return any(
         abs(one @ other) < TURNED * np.sqrt((one @ one) * (other @ other))
-        for rows in large
-        for one, other in zip(small, rows, strict=True)
+        for one, other in zip(small, large, strict=True)
     )
 
 
-def _mark(point: Point, name: str, size: float) -> np.ndarray | None:
-    """Whitened change by each amplitude at a size, per step; None out of its range."""
+def _marks(point: Point, effects: Sequence[str], size: float) -> dict[str, np.ndarray]:
+    """Whitened change by each amplitude at a size, per step, of the effects whose range it is in."""
     space = point.ground.model.space
-    effect = space.effects[name]
-    places = [space.place(each) for each in amplitude_names(effect)]
-    if not all(space.low[k] <= size <= space.high[k] for k in places):
-        return None
-    return secants(point, [(name, shapes(effect)[0], size)])[0]
+    trials = []
+    for name in effects:
+        places = [space.place(each) for each in amplitude_names(space.effects[name])]
+        if all(space.low[k] <= size <= space.high[k] for k in places):
+            trials.append((name, shapes(space.effects[name])[0], size))
+    found = secants(point, trials) if trials else []
+    return {name: rows for (name, _, _), rows in zip(trials, found, strict=True)}
 
 
 def _begun(given: Point, name: str) -> list[Point]:
@@ -87,7 +94,7 @@ def _begun(given: Point, name: str) -> list[Point]:
     for k, each in enumerate(names):
         rows[k * sizes.size : (k + 1) * sizes.size, space.place(each)] += sizes
     rows = np.clip(rows, space.low, space.high)
-    misfits = given.with_active(np.union1d(given.active, own)).misfits(rows)
+    misfits = given.with_active(np.union1d(given.active, own)).misfits(rows, following=True)
     best = rows[np.argsort(misfits)[:TRIED]]
     points = [placed(given, own, row[own]) for row in best]
     return [fitted(each, STEPS) for each in points if each is not None]

@@ -164,10 +164,31 @@ class Model:
     ) -> np.ndarray:
         """Bin means for rows of x, shape (m, n); nan where a run breaks down."""
         found = self._vectors(group, self.simulated(group, rows, effects, exact))
-        if effects and not exact and id(group) in self._ticks:
-            for place, marks in self._ticks[id(group)].items():
-                found += marks.at(rows[:, place])
-        return found
+        return self._mended(group, found, rows) if effects and not exact else found
+
+    def changes(
+        self, group: Group, x: np.ndarray, rows: np.ndarray, effects: bool
+    ) -> np.ndarray:
+        """What bin means change by from x to rows near it, shape (m, n); nan where one breaks down.
+
+        By runs that take the same steps where the plant has them (`alike`): the solver's errors,
+        which are other ones for each run, are then no part of the change.
+        """
+        plant, stacked = self.whole if effects else self.small, np.vstack([x, rows])
+        alike = getattr(plant, "alike", None)
+        if alike is None:
+            made = self.vectors(group, stacked, effects)
+        else:
+            columns = self.space.columns(group, stacked, effects)
+            made = self._vectors(group, alike(columns, group.recording, group.names))
+            made = self._mended(group, made, stacked) if effects else made
+        return made[1:] - made[0]
+
+    def _mended(self, group: Group, vectors: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Vectors of quick simulations with what firmware's ticks do to effects added to them."""
+        for place, marks in self._ticks.get(id(group), {}).items():
+            vectors = vectors + marks.at(rows[:, place])
+        return vectors
 
     def _vectors(self, group: Group, runs: Sequence[Channels | None]) -> np.ndarray:
         found = np.full((len(runs), group.part.size), np.nan)

@@ -14,6 +14,7 @@ from hannes.errors import ComputationFailed
 
 STEP = 0.5  # standard deviations of what is uncertain, to difference by
 REPEATED = 2.0  # times a stray inside a bin, at least, where only repeats tell how noisy runs are
+MANY = 4  # places: so many are simulated as changes, which take a wider tolerance
 FINE = 0.3  # steps of an effect's parameter, to difference by
 
 
@@ -94,6 +95,11 @@ class Point:
         """Minus half the gradient of the misfit."""
         return self.columns @ self.miss - self.prior**2 * self.x[self.active]
 
+    @property
+    def hoped(self) -> float:
+        """By how much the misfit would fall in a whole step, were it quadratic."""
+        return float(self.pull @ np.linalg.solve(self.curvature, self.pull))
+
     def moved(self, x: np.ndarray, fresh: np.ndarray) -> "Point | None":
         """The point at another x, slopes along `fresh` anew and the others as they were.
 
@@ -112,16 +118,26 @@ class Point:
             columns[places] = ground.together(made)
         return Point(ground, x, self.active, vectors, slopes, missed(ground, vectors), columns)
 
-    def misfits(self, places: np.ndarray) -> np.ndarray:
-        """Misfit at each of the places x, shape (m, size); infinite where nothing can be run."""
-        model, found = self.ground.model, np.full(len(places), np.inf)
-        made = [model.vectors(group, places, self._has_effects) for group in model.groups]
+    def misfits(self, places: np.ndarray, following: bool = False) -> np.ndarray:
+        """Misfit at each of the places x, shape (m, size); infinite where nothing can be run.
+
+        following: after all active directions have followed, as far as slopes from here tell
+        """
+        found, made = np.full(len(places), np.inf), self._vectors_at(places)
         for k, x in enumerate(places):
             vectors = [each[k] for each in made]
             if all(np.isfinite(each).all() for each in vectors):
-                miss = missed(self.ground, vectors)
-                found[k] = miss @ miss + np.sum((model.space.prior * x) ** 2)
+                there = replace(self, x=x, miss=missed(self.ground, vectors))
+                found[k] = there.misfit - (there.hoped if following else 0.0)
         return found
+
+    def _vectors_at(self, places: np.ndarray) -> list[np.ndarray]:
+        """Of each group at places, shape (m, n): of many by what they change from here, quicker."""
+        model, effects = self.ground.model, self._has_effects
+        if len(places) < MANY:
+            return [model.vectors(group, places, effects) for group in model.groups]
+        groups = zip(model.groups, self.vectors, strict=True)
+        return [here + model.changes(group, self.x, places, effects) for group, here in groups]
 
     @property
     def _has_effects(self) -> bool:
@@ -161,13 +177,12 @@ def differenced(
     for group in model.groups:
         acting = model.space.acting(group)[along]
         steps = _steps(model, x, along[acting])
-        rows = np.vstack([x, x + steps])
-        made = model.vectors(group, rows, effects)
         found = np.zeros((along.size, group.part.size))
-        sizes = steps[np.arange(len(steps)), along[acting]]
-        changes = (made[1:] - made[0]) / sizes[:, np.newaxis]
-        found[acting] = np.nan_to_num(changes, posinf=0.0, neginf=0.0)
-        vectors.append(made[0])
+        if len(steps):
+            sizes = steps[np.arange(len(steps)), along[acting]]
+            changes = model.changes(group, x, x + steps, effects) / sizes[:, np.newaxis]
+            found[acting] = np.nan_to_num(changes, posinf=0.0, neginf=0.0)
+        vectors.append(model.vectors(group, x[np.newaxis], effects)[0])
         slopes.append(found)
     return vectors, slopes
 
@@ -250,8 +265,8 @@ def run_to_run(model: Model, x: np.ndarray, group: Group, channels: Channels) ->
     for step, (name, place) in zip(steps, names.items(), strict=True):
         step[place] = sizes.pop(name, 0.0) / space.directions[place].scale
     steps = steps[steps.any(axis=1)]
-    made = model.vectors(group, np.vstack([x, x + steps, x - steps]), False)
-    more, less = np.nan_to_num(made[1:] - made[0]).reshape(2, len(steps), -1)
+    made = model.changes(group, x, np.vstack([x + steps, x - steps]), False)
+    more, less = np.nan_to_num(made).reshape(2, len(steps), -1)
     found = [*(0.5 * (more - less)), *(0.5 * (more + less))]
     found += [_own_step(model, group, name, size) for name, size in sizes.items() if size]
     late, early = (group.vector(channels, side * SHIFT) for side in (0.5, -0.5))

@@ -9,6 +9,7 @@ from itertools import product
 
 import numpy as np
 
+from hannes.diagnosis.groups import Group
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.point import Point
 from hannes.diagnosis.space import LOOSE
@@ -94,7 +95,7 @@ def secants(
 ) -> list[np.ndarray]:
     """Whitened change of all groups per step of each trial's amplitudes, shape (amplitudes, N)."""
     model, x = point.ground.model, point.x
-    rows, spans, steps = [x], [], []
+    rows, spans, steps = list[np.ndarray](), [], []
     for name, shape, size in trials:
         amplitudes = [model.space.place(n) for n in amplitude_names(model.space.effects[name])]
         rows += [_at(model, x, shape, place, size) for place in amplitudes]
@@ -103,10 +104,18 @@ def secants(
     stacked, sizes = np.array(rows), np.array(steps)[:, np.newaxis]
     changes = []
     for group in model.groups:
-        made = model.vectors(group, stacked, True)
-        changes.append(np.nan_to_num((made[1:] - made[0]) / sizes, posinf=0.0, neginf=0.0))
+        made = _changes(model, group, x, stacked, float(np.abs(sizes).max()))
+        changes.append(np.nan_to_num(made / sizes, posinf=0.0, neginf=0.0))
     whole = point.ground.together(changes)
     return np.split(whole, np.cumsum(spans)[:-1])
+
+
+def _changes(model: Model, group: Group, x: np.ndarray, rows: np.ndarray, most: float) -> np.ndarray:
+    """What rows change by; those that lie far off are runs of their own."""
+    if most <= max(SMALL):
+        return model.changes(group, x, rows, True)
+    made = model.vectors(group, np.vstack([x, rows]), True)
+    return made[1:] - made[0]
 
 
 def amplitude_names(effect: Effect) -> list[str]:
