@@ -24,6 +24,7 @@ LONGEST = 0.03  # s, of a step: a longer one may miss a contact that comes and g
 RUN = 16  # steps whose dense output is kept until it is sampled
 MOST = 1_000_000  # steps of one grasp: seconds, where an ordinary one takes a few hundred
 PATH = 20_000  # steps of a grasp that others follow, at most
+APART = 20  # times as many steps: a grasp that needs them is not near the one it follows
 
 
 def rates(t, y, p, reference, hold):
@@ -147,7 +148,7 @@ def grasp(data, y, bounds, period, times, rtol, atol, stop, path, rows, holds, c
             sample_pieces(times[first:filled], ends[: taken + 1], pieces, rows[first:filled])
             for row in range(first, filled):
                 copy_to(holds[row], hold)
-            if counts[1] > MOST:
+            if counts[1] + counts[3] > (APART * path[0] if follow else MOST):
                 counts[4] = TOO_MANY
             if counts[4] != 0 or stop[0]:
                 return filled

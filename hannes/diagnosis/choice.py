@@ -22,6 +22,7 @@ DOUBT = 10.5  # gain of an effect too little to name it, but more than chance le
 OUTSIDE = 12.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
 GROWN = 24.0  # gain of what grows from run to run, that is told
+GROWN_BESIDE = 12.0  # the same beside a name, which it only makes less clean
 BEYOND = 4.0  # of the misfit: what an effect would gain beyond the end of a range, to be doubted
 STRAINED = 0.005  # chance of a machine so far from its given values, that doubts a clean name
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
@@ -137,7 +138,7 @@ def _beyond(point: Point, place: int) -> float:
 
 def _left(found: Found, trial: Trial) -> str:
     """What speaks for something more, or an empty string."""
-    if drift := _growing(found, trial.point):
+    if drift := _growing(found, trial.point, GROWN_BESIDE):
         return _told(found, drift)
     if more := _more(trial.point, found.bins):
         return f"what is left is {more}"
@@ -173,10 +174,10 @@ def _lowered(found: Found, trial: Trial) -> float:
     return found.base.misfit - trial.point.misfit
 
 
-def _growing(found: Found, point: Point) -> Drift | None:
+def _growing(found: Found, point: Point, least: float = GROWN) -> Drift | None:
     """What grows from run to run, where that lowers the misfit by enough to tell it."""
     drift = drifts(point, found.guesses)
-    return drift if drift is not None and drift.gain > GROWN * found.unit else None
+    return drift if drift is not None and drift.gain > least * found.unit else None
 
 
 def _told(found: Found, drift: Drift) -> str:
@@ -237,7 +238,7 @@ def _explained(found: Found, trial: Trial) -> float:
     Nothing where something that grows from run to run would take away more.
     """
     gain, slow = trial.gain * found.unit, hangs_together(trial.point)
-    drift, instead = _growing(found, trial.point), _growing(found, found.base)
+    drift, instead = (_growing(found, p, GROWN_BESIDE) for p in (trial.point, found.base))
     if drift and instead and instead.gain > gain:
         return 0.0
     beyond = max(found.base.misfit - min(1.0, found.unit) * found.bins, 1.0)

@@ -121,13 +121,19 @@ class Point:
     def misfits(self, places: np.ndarray, following: bool = False) -> np.ndarray:
         """Misfit at each of the places x, shape (m, size); infinite where nothing can be run.
 
+        Nor is anything run where the machine's values alone are further off than all is here.
         following: after all active directions have followed, as far as slopes from here tell
         """
-        found, made = np.full(len(places), np.inf), self._vectors_at(places)
-        for k, x in enumerate(places):
-            vectors = [each[k] for each in made]
+        found = np.full(len(places), np.inf)
+        off = np.sum((self.ground.model.space.prior * places) ** 2, axis=1)
+        near = np.flatnonzero(off <= max(self.misfit, self.miss.size))
+        if not near.size:
+            return found
+        made = self._vectors_at(places[near])
+        for row, k in enumerate(near):
+            vectors = [each[row] for each in made]
             if all(np.isfinite(each).all() for each in vectors):
-                there = replace(self, x=x, miss=missed(self.ground, vectors))
+                there = replace(self, x=places[k], miss=missed(self.ground, vectors))
                 found[k] = there.misfit - (there.hoped if following else 0.0)
         return found
 
