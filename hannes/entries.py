@@ -96,8 +96,9 @@ def grasps(
         if stop[0]:
             return
         data = workspace(starts[k], vectors[k], reference, np.zeros(holds.shape[1]))
+        own = counts[k]
         reached = grasp(
-            data, starts[k], bounds, periods[k], times, rtol, atol, stop, path, rows, holds, counts[k]
+            data, starts[k], bounds, periods[k], times, rtol, atol, stop, path, rows, holds, own
         )
         counts[k, 5] = finite(rows, reached)
         if counts[k, 5] < reached:

@@ -73,7 +73,7 @@ def _turned(small: np.ndarray, large: np.ndarray) -> bool:
 
 
 def _marks(point: Point, effects: Sequence[str], size: float) -> dict[str, np.ndarray]:
-    """Whitened change by each amplitude at a size, per step, of the effects whose range it is in."""
+    """Whitened change by each amplitude at a size, per step, of effects whose range it is in."""
     space = point.ground.model.space
     trials = []
     for name in effects:

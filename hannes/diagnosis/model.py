@@ -166,9 +166,7 @@ class Model:
         found = self._vectors(group, self.simulated(group, rows, effects, exact))
         return self._mended(group, found, rows) if effects and not exact else found
 
-    def changes(
-        self, group: Group, x: np.ndarray, rows: np.ndarray, effects: bool
-    ) -> np.ndarray:
+    def changes(self, group: Group, x: np.ndarray, rows: np.ndarray, effects: bool) -> np.ndarray:
         """What bin means change by from x to rows near it, shape (m, n); nan where one breaks down.
 
         By runs that take the same steps where the plant has them (`alike`): the solver's errors,

@@ -110,7 +110,9 @@ def secants(
     return np.split(whole, np.cumsum(spans)[:-1])
 
 
-def _changes(model: Model, group: Group, x: np.ndarray, rows: np.ndarray, most: float) -> np.ndarray:
+def _changes(
+    model: Model, group: Group, x: np.ndarray, rows: np.ndarray, most: float
+) -> np.ndarray:
     """What rows change by; those that lie far off are runs of their own."""
     if most <= max(SMALL):
         return model.changes(group, x, rows, True)
