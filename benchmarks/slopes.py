@@ -3,7 +3,8 @@
 One dynamometer grasp of the shipped hand; each of its uncertain values moved by one percent. What
 is told: the error of the current's change beside one at a tolerance of 1e-9, the median over all
 values and the largest, in shares of the change itself, and the processor time of all runs over
-that of runs of their own at 1e-5. Values that move the current by less than a microampere are left out.
+that of runs of their own at 1e-5. Values that move the current by less than a microampere are
+left out.
 """
 
 import time
