@@ -81,9 +81,10 @@ def one_more(case: Drawn, seed: int, verdict: dict[str, Any]) -> dict[str, str]:
 
 
 def kept(chosen: str, quick: bool) -> Path:
-    """The file with a line for each case: one for each set, and for each frozen file of sizes."""
+    """The file with a line for each case: one for each set of seeds and frozen file of sizes."""
     folder = RECORDS if chosen == "quoted" and not quick else FOLDER
-    return folder / f"naming-{chosen}{'-quick' if quick else ''}-{frozen.digest()}.jsonl"
+    name = f"naming-{chosen}-{SETS[chosen] // 1_000_000}-million"
+    return folder / f"{name}{'-quick' if quick else ''}-{frozen.digest()}.jsonl"
 
 
 def _arguments() -> argparse.Namespace:
@@ -120,7 +121,7 @@ def main() -> None:
     asked = _arguments()
     file = asked.cases or kept(asked.chosen, asked.quick)
     if asked.show:
-        # As they were measured: seeds of the next set may stand in the plan by now.
+        # As they were measured, with --cases of any set.
         done = [row for row in study.read(file) if asked.only in (None, row["kind"])]
     else:
         wanted = [c for c in cases(asked.chosen, asked.quick) if asked.only in (None, c[0])]
