@@ -133,7 +133,7 @@ def main() -> None:
     confusion = summary.confusion(done)
     stream = sys.stderr if asked.json == "-" else sys.stdout
     print(printed(rows, bounds, summary.confusion_rows(confusion)), file=stream)
-    found = {"set": asked.chosen, "rows": rows, "must_show": bounds, "confusion": confusion}
+    found = {"cases": file.name, "rows": rows, "must_show": bounds, "confusion": confusion}
     text = json.dumps(found, indent=1)
     if asked.json == "-":
         print(text)

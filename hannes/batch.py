@@ -5,6 +5,7 @@ import os
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -79,20 +80,20 @@ def simulate_alike(
     rtol: float,
     effects: tuple[Effect, ...] | None = None,
 ) -> list[Grasp]:
-    """Many grasps near the first one, all by its steps, with the continuous controller.
+    """Many grasps near the first one, all by its steps, always with the continuous controller.
 
-    What grasps differ by is then smooth, however wide the tolerance: no solver chose other steps
-    for each (internal differentiation, Bock 1981). `values`: columns as of `simulate_many`; one
-    that does not end by these steps has another outcome. Raises BadInput as that does.
+    What grasps differ by is then smooth at a wide tolerance too: no solver chose other steps for
+    each (internal differentiation, Bock 1981). A step too long for a grasp is cut; one that takes
+    20 times as many as the first has another outcome, as one that fails. Where the first one
+    itself fails, each takes its own steps. `values`: columns as of `simulate_many`. Raises BadInput
+    as that does.
     """
     check_tolerance(rtol)
-    workers = _cores()
-    table = Table.of(hand, experiment, values)
-    parts = list(table.alike(Asked(tuple(channels), None, rtol, effects, 1), workers))
-    stop = np.zeros(1, np.bool_)
-    with ThreadPoolExecutor(workers) as pool:
-        first, *others = pool.map(lambda window: _run(window, stop), parts)
-    return [*first, *(grasp for window in others for grasp in window if grasp.number)]
+    workers, smooth = _cores(), replace(experiment, controller="continuous")
+    table = Table.of(hand, smooth, values)
+    windows = table.alike(Asked(tuple(channels), None, rtol, effects, 1), workers)
+    grasps = list(_streamed(windows, table.count, workers, False))
+    return [grasp for k, grasp in enumerate(grasps) if grasp.number or not k]
 
 
 def _cores() -> int:

@@ -25,6 +25,7 @@ RUN = 16  # steps whose dense output is kept until it is sampled
 MOST = 1_000_000  # steps of one grasp: seconds, where an ordinary one takes a few hundred
 PATH = 20_000  # steps of a grasp that others follow, at most
 APART = 20  # times as many steps: a grasp that needs them is not near the one it follows
+ASTRAY = -4  # failure of one that does, beside those of rodas/step.py
 
 
 def rates(t, y, p, reference, hold):
@@ -79,8 +80,9 @@ def grasps(
 ):  # fmt: skip
     """Run one grasp for each row of `vectors` (m, parameters), from `starts` (m, states).
 
-    Where `alike`, all take the steps of the first one (by the continuous controller): what
-    differs between them is then as smooth as it is without steps.
+    Where `alike`, all go by the steps of the first one (with the continuous controller), cut
+    where a grasp needs shorter ones: what differs between them is then nearly as smooth as it is
+    without steps. Where the first one fails, or takes too many, each takes its own.
 
     bounds (b,) [s]: ends of the smooth parts, the last one that of the grasp; periods (m,) [s]
     of the sampled controller, 0 for the continuous one. Samples at `times` (n,) go into `rows`
@@ -91,14 +93,14 @@ def grasps(
     """
     wanted = columns.size > 0 and columns.min() < OUTPUTS
     outputs = np.zeros((times.size if wanted else 0, OUTPUTS))
-    path = np.zeros(PATH if alike else 1)
+    path, none = np.zeros(PATH if alike else 1), np.zeros(1)
     for k in range(vectors.shape[0]):
         if stop[0]:
             return
         data = workspace(starts[k], vectors[k], reference, np.zeros(holds.shape[1]))
-        own = counts[k]
+        own, way = counts[k], path if k == 0 or path[0] > 0.0 else none
         reached = grasp(
-            data, starts[k], bounds, periods[k], times, rtol, atol, stop, path, rows, holds, own
+            data, starts[k], bounds, periods[k], times, rtol, atol, stop, way, rows, holds, own
         )
         counts[k, 5] = finite(rows, reached)
         if counts[k, 5] < reached:
@@ -149,8 +151,10 @@ def grasp(data, y, bounds, period, times, rtol, atol, stop, path, rows, holds, c
             sample_pieces(times[first:filled], ends[: taken + 1], pieces, rows[first:filled])
             for row in range(first, filled):
                 copy_to(holds[row], hold)
-            if counts[1] + counts[3] > (APART * path[0] if follow else MOST):
+            if counts[1] > MOST:
                 counts[4] = TOO_MANY
+            if follow and counts[1] + counts[3] > APART * path[0]:
+                counts[4] = ASTRAY
             if counts[4] != 0 or stop[0]:
                 return filled
     for row in range(filled, times.size):

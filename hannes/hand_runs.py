@@ -35,8 +35,7 @@ def alike(
 
     For differences between them alone, of which the solver's errors are no part.
     """
-    asked = replace(experiment, controller="continuous")
-    return _Runs(hand, asked, recording, tuple(channels)).alike(columns, WIDE)
+    return _Runs(hand, experiment, recording, tuple(channels)).alike(columns, WIDE)
 
 
 def nominal(hand: Hand, experiment: Experiment) -> dict[str, float]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from hannes._jit import compiles
 from hannes.assemble import Compiled
-from hannes.entries import MOST
+from hannes.entries import ASTRAY, MOST
 from hannes.errors import BadInput, nearest
 from hannes.experiment import Experiment
 from hannes.ivp import HOLD, tolerances
@@ -76,7 +76,7 @@ class Plan:
     ) -> Ran:
         """Run one grasp for each row of `vectors`; `starts` (m, states) are used up.
 
-        alike: all by the steps of the first one
+        alike: all by the steps of the first one, see `grasps` in entries.py
         """
         size, count = self.times.size, vectors.shape[0]
         ran = Ran(
@@ -150,7 +150,8 @@ def ended(counts: np.ndarray) -> tuple[Outcome, str]:
     from hannes.rodas.solver import MESSAGES
 
     outcome = Outcome.NOT_FINITE if failure == NOT_FINITE else Outcome.SOLVER_GAVE_UP
-    return outcome, {**MESSAGES, TOO_MANY: f"More than {MOST} steps."}[failure]
+    own = {TOO_MANY: f"More than {MOST} steps.", ASTRAY: "Not near the grasp whose steps it takes."}
+    return outcome, {**MESSAGES, **own}[failure]
 
 
 @functools.cache

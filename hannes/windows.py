@@ -123,6 +123,8 @@ class Table:
         """The first row at the head of each window, whose steps all rows take, and the others."""
         effects = self.hand.effects if asked.effects is None else asked.effects
         plan = asked.plan(self.hand, effects, self.experiment)
+        if not self.count:
+            return
         for rows in np.array_split(np.arange(1, self.count), max(1, min(windows, self.count - 1))):
             part = self._part(plan, effects, np.concatenate(([0], rows)))
             yield [replace(part, alike=True)]

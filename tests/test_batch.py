@@ -15,9 +15,9 @@ import pytest
 from runs import BREAK, grasp
 from scipy.integrate import solve_ivp
 
-from hannes import windows
+from hannes import entries, windows
 from hannes.batch import simulate_alike, simulate_many
-from hannes.entries import LONGEST, TOO_MANY
+from hannes.entries import ASTRAY, LONGEST, TOO_MANY
 from hannes.errors import BadInput, ComputationFailed
 from hannes.hand import Hand
 from hannes.ivp import HOLD, tolerances
@@ -131,6 +131,28 @@ def test_a_grasp_far_from_the_first_takes_steps_of_its_own_between():
     assert found["force"] == pytest.approx(exact["force"], abs=1e-3 * exact["force"].max())
 
 
+def test_the_controller_is_the_continuous_one_whatever_the_experiment_says():
+    asked, smooth = {"channels": ("current",), "rtol": 1e-4}, grasp(duration=0.2)
+    sampled = replace(smooth, controller="sampled")
+    found = [simulate_alike(Hand(), each, NEARBY, **asked) for each in (smooth, sampled)]
+    assert np.array_equal(*([run["current"] for run in each] for each in found))
+
+
+@pytest.mark.parametrize("cores", [1, 3])
+def test_where_the_first_one_fails_each_takes_its_own_steps_on_any_cores(monkeypatch, cores):
+    hand = Hand().with_effects(BREAK)
+    since = np.array([0.05, *np.ones(COUNT - 1)])
+    table = {"breaking.way": 1.0, "breaking.since": since}
+    table["motor.resistance"] = np.linspace(3.0, 3.3, COUNT)
+    asked = {"channels": ("current",), "rtol": 1e-4}
+    alone = list(simulate_many(hand, grasp(duration=0.3), table, **asked, progress=False))
+    monkeypatch.setattr("hannes.batch._cores", lambda: cores)
+    found = simulate_alike(hand, grasp(duration=0.3), table, **asked)
+    assert found[0].outcome is not Outcome.COMPLETED
+    for mine, theirs in zip(found[1:], alone[1:], strict=True):
+        assert np.array_equal(mine["current"], theirs["current"])
+
+
 @pytest.mark.parametrize("cores", [1, 2, 5])
 def test_grasps_by_the_first_ones_steps_have_the_same_bits_on_any_cores(monkeypatch, cores):
     asked = {"channels": ("force",), "rtol": 1e-3}
@@ -216,6 +238,20 @@ def test_a_grasp_of_too_many_steps_is_named():
     assert outcome is Outcome.SOLVER_GAVE_UP and "1000000 steps" in message
 
 
+def test_a_grasp_that_goes_astray_of_the_first_is_named():
+    outcome, message = ended(np.array([0, 0, 0, 0, ASTRAY, 0]))
+    assert outcome is Outcome.SOLVER_GAVE_UP and "Not near" in message
+
+
+def test_a_grasp_that_takes_many_times_the_steps_of_the_first_ends_there(monkeypatch):
+    """It once took half an hour: a limit of its own, far under that of any grasp."""
+    stiff = {"object.damping": np.array([10.0, 10.0, 1e5]), "object.x": np.array([0.0, 1e-4, 0.0])}
+    hand = Hand().with_values({"motor.resistance": 3.2})
+    found = simulate_alike(hand, grasp(), stiff, channels=("force",), rtol=1e-4)
+    most = entries.APART * found[0].cost.jacobians
+    assert all(each.cost.jacobians <= most + entries.RUN for each in found)
+
+
 REFUSED = {
     "stiffness": ({"values": {"object.stifness": 1.0}}, "object.stiffness"),
     "bounds": ({"values": {"object.stiffness": [1e3, -1.0]}}, "lower bound"),
@@ -255,6 +291,8 @@ def test_what_does_not_pair_is_refused():
 def test_no_rows_give_no_grasps():
     assert list(simulate_many(Hand(), grasp(), {"object.stiffness": []})) == []
     assert list(simulate_many([])) == []
+    empty = {"object.stiffness": []}
+    assert simulate_alike(Hand(), grasp(), empty, channels=("force",), rtol=1e-4) == []
 
 
 def test_threads_end_with_the_loop():

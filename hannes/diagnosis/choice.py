@@ -22,7 +22,7 @@ DOUBT = 10.5  # gain of an effect too little to name it, but more than chance le
 OUTSIDE = 12.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
 GROWN = 24.0  # gain of what grows from run to run, that is told
-GROWN_BESIDE = 12.0  # the same beside a name, which it only makes less clean
+GROWN_BESIDE = 12.0  # the same beside a name, which is no clean one then
 BEYOND = 4.0  # of the misfit: what an effect would gain beyond the end of a range, to be doubted
 STRAINED = 0.005  # chance of a machine so far from its given values, that doubts a clean name
 FIT = 1.15  # times the bins: a base as given that leaves no more agrees
@@ -238,9 +238,11 @@ def _explained(found: Found, trial: Trial) -> float:
     Nothing where something that grows from run to run would take away more.
     """
     gain, slow = trial.gain * found.unit, hangs_together(trial.point)
-    drift, instead = (_growing(found, p, GROWN_BESIDE) for p in (trial.point, found.base))
-    if drift and instead and instead.gain > gain:
+    points = (trial.point, found.base)
+    beside, instead = (_growing(found, each, GROWN_BESIDE) for each in points)
+    if beside and instead and instead.gain > gain:
         return 0.0
+    drift = _growing(found, trial.point)
     beyond = max(found.base.misfit - min(1.0, found.unit) * found.bins, 1.0)
     strained = _strained(trial)
     rests = (

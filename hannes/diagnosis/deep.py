@@ -1,7 +1,7 @@
 """The deep diagnosis of a campaign: from its recordings to the verdict and what draws it."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,13 +9,13 @@ import numpy as np
 from hannes import pieces as cutting
 from hannes.campaign import Campaign, Entry
 from hannes.diagnosis.choice import Choice, chosen
-from hannes.diagnosis.fit import deviations
-from hannes.diagnosis.investigation import LIMIT, PRICE, Found, investigate
+from hannes.diagnosis.investigation import FINE, LIMIT, PRICE, Found, investigate
 from hannes.diagnosis.nameless import EFFECT as ANYTHING
 from hannes.diagnosis.next_run import next_run
 from hannes.diagnosis.screen import amplitude_names, likeness, projected
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.shown import STAGES, left, simulated, traced
+from hannes.diagnosis.sized import sized
 from hannes.effect import Effect
 from hannes.gap import Traces, placed, tabled
 from hannes.pieces import floors
@@ -57,8 +57,13 @@ def deep(campaign: Campaign, settings: Settings, seed: int, told: Told) -> Resul
     usable += [] if campaign.plant.accepts(ANYTHING) else [ANYTHING]
     found = investigate(campaign.plant, known, usable, settings, seed, told)
     choice = chosen(found, *(_masks(found, role) for role in ("fit", "select")))
+    spread = dict[int, float]()
+    if choice.effects:
+        told(f"{' and '.join(choice.effects)}, how large".replace("_", " "))
+        fit = sized(choice.point, choice.effects, FINE, seed)
+        choice, spread = replace(choice, point=fit.point), fit.deviations
     told("the recordings to show")
-    return _Closing(campaign, found, choice, seed).result(tried)
+    return _Closing(campaign, found, choice, spread, seed).result(tried)
 
 
 def candidates(campaign: Campaign) -> dict[str, tuple[Effect, str]]:
@@ -89,8 +94,16 @@ def _masks(found: Found, role: str) -> list[int]:
 class _Closing:
     """Opens the show recordings and puts everything together."""
 
-    def __init__(self, campaign: Campaign, found: Found, choice: Choice, seed: int) -> None:
+    def __init__(
+        self,
+        campaign: Campaign,
+        found: Found,
+        choice: Choice,
+        spread: Mapping[int, float],
+        seed: int,
+    ) -> None:
         self.campaign, self.found, self.choice, self.seed = campaign, found, choice, seed
+        self.spread = spread  # standard deviation of each direction that was fitted, by place
         pieces, _ = cutting.cut(campaign)
         self.known, self.shown = (cutting.of(pieces, *r) for r in (("fit", "select"), ("show",)))
         self.floors, self.how = floors(campaign.plant, self.known)
@@ -138,13 +151,13 @@ class _Closing:
         if not choice.effects:
             return {}
         point, space = choice.point, self.model.space
-        spread = dict(zip(point.active.tolist(), deviations(point).tolist(), strict=True))
-        first = [name for name in choice.effects if space.of(name)[0] in point.active]
         wide = 1.96 * WIDER * max(1.0, self.found.unit) ** 0.5
-        for place in space.of(*first):
+        for place in space.of(*choice.effects):
+            if place not in self.spread:
+                continue  # of a class only the first is fitted
             each = space.directions[place]
             value = float(each.value(point.x[place]))
-            reach = wide * spread[int(place)] * each.scale
+            reach = wide * self.spread[int(place)] * each.scale
             low, high = max(each.low, value - reach), min(each.high, value + reach)
             declared = self.model.whole.parameters.declared[each.name]
             found[each.name] = {"value": value, "unit": declared.unit, "low": low, "high": high}
@@ -233,8 +246,7 @@ class _Closing:
         if choice.kind == "no_gap":
             return plant
         space = self.model.space
-        present = [e for n, e in space.effects.items() if space.of(n)[0] in choice.point.active]
-        named = present if choice.effects else []
+        named = [e for n, e in space.effects.items() if space.of(n)[0] in self.spread]
         values = space.values(choice.point.x, self.owner())
         grown = plant.with_effects(*named)
         return grown.with_values({n: v for n, v in values.items() if n in grown.parameters})

@@ -86,15 +86,20 @@ def _marks(point: Point, effects: Sequence[str], size: float) -> dict[str, np.nd
 
 def _begun(given: Point, name: str) -> list[Point]:
     """A few steps from the best of all sizes."""
-    space = given.ground.model.space
-    own = space.of(name)
-    names = amplitude_names(space.effects[name])
-    rows = np.repeat(given.x[np.newaxis], 2 * len(SIZES) * len(names), axis=0)
-    sizes = np.concatenate([SIZES, np.negative(SIZES)])
-    for k, each in enumerate(names):
-        rows[k * sizes.size : (k + 1) * sizes.size, space.place(each)] += sizes
-    rows = np.clip(rows, space.low, space.high)
+    own = given.ground.model.space.of(name)
+    rows = _sizes(given, name)
     misfits = given.with_active(np.union1d(given.active, own)).misfits(rows, following=True)
     best = rows[np.argsort(misfits)[:TRIED]]
     points = [placed(given, own, row[own]) for row in best]
     return [fitted(each, STEPS) for each in points if each is not None]
+
+
+def _sizes(given: Point, name: str) -> np.ndarray:
+    """Places with each amplitude of an effect at each size inside its range, (m, size)."""
+    space = given.ground.model.space
+    rows = []
+    for place in (space.place(each) for each in amplitude_names(space.effects[name])):
+        for size in (*SIZES, *np.negative(SIZES)):
+            if space.low[place] <= given.x[place] + size <= space.high[place]:
+                rows.append(given.x + size * (np.arange(space.size) == place))
+    return np.array(rows).reshape(-1, space.size)

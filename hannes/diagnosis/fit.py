@@ -51,7 +51,7 @@ def relinearised(point: Point) -> Point:
 def _walked(point: Point, steps: int) -> Point:
     for _ in range(steps):
         found = _stepped(point)
-        if found is None:
+        if found is None or found.misfit >= point.misfit:  # many places are had as changes, nearly
             break
         gained, point = point.misfit - found.misfit, found.corrected(point)
         if gained < SETTLED:

@@ -14,7 +14,7 @@ Channels = Mapping[str, np.ndarray]
 
 
 class Group:
-    """Repeats of one run.
+    """Repeats of one run, in bins as wide as quick simulations bear, or so many times finer.
 
     measured: their bin means, shape (runs, n); `part` and `names` tell an element's channel
     nominal:  full name -> the value that every parameter is given for this run (SI)
@@ -22,10 +22,10 @@ class Group:
     numbers: how many runs of the campaign came before each, shape (runs,)
     """
 
-    def __init__(self, plant: Plant, entries: Sequence[Entry]) -> None:
+    def __init__(self, plant: Plant, entries: Sequence[Entry], finer: int = 1) -> None:
         channels = tuple(name for name in plant.judged if name in entries[0].recording)
         duration = float(np.ptp(entries[0].recording.time))
-        self.width = round(max(BIN, duration / BINS), 6)
+        self.width = round(max(BIN, duration / BINS) / finer, 6)
         self.entries = tuple(entries)
         self.numbers = np.array([each.number for each in entries])
         self.views = [View(each, plant, channels, (), self.width) for each in entries]

@@ -80,6 +80,7 @@ class Model:
         self.groups, self.space = list(groups), space
         self.small, self.whole = plant, plant.with_effects(*effects)
         self._ticks: dict[int, dict[int, Marks]] = {}  # group, place
+        self._held = False  # effects are part of the machine, wherever it is looked at
 
     def ticking(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
         """The same, quick simulations mended by what firmware's ticks do to effects near x.
@@ -109,6 +110,12 @@ class Model:
         made._ticks = {
             id(new): self._ticks[id(old)] for new, old in pairs if id(old) in self._ticks
         }
+        return made
+
+    def held(self, groups: Sequence[Group]) -> "Model":
+        """The same for its runs in other bins, effects being a part of the machine everywhere."""
+        made = copy(self)
+        made.groups, made.small, made._ticks, made._held = list(groups), self.whole, {}, True
         return made
 
     def in_loop(self, name: str) -> bool:
@@ -149,6 +156,7 @@ class Model:
 
         further: columns by full name [SI], shape (m,) each, beside those that x tells
         """
+        effects = effects or self._held
         plant = self.whole if effects else self.small
         columns = self.space.columns(group, rows, effects) | dict(further)
         many = getattr(plant, "many", None)
@@ -163,17 +171,29 @@ class Model:
         self, group: Group, rows: np.ndarray, effects: bool, exact: bool = False
     ) -> np.ndarray:
         """Bin means for rows of x, shape (m, n); nan where a run breaks down."""
+        effects = effects or self._held
         found = self._vectors(group, self.simulated(group, rows, effects, exact))
         return self._mended(group, found, rows) if effects and not exact else found
 
-    def changes(self, group: Group, x: np.ndarray, rows: np.ndarray, effects: bool) -> np.ndarray:
-        """What bin means change by from x to rows near it, shape (m, n); nan where one breaks down.
+    def changes(
+        self,
+        group: Group,
+        x: np.ndarray,
+        rows: np.ndarray,
+        effects: bool,
+        here: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """What bin means change by from x to rows, shape (m, n); nan where one breaks down.
 
         By runs that take the same steps where the plant has them (`alike`): the solver's errors,
-        which are other ones for each run, are then no part of the change.
+        which are other ones for each run, are then no part of the change. Other plants need not run
+        x once more where its vector is known (`here`, shape (n,)).
         """
+        effects = effects or self._held
         plant, stacked = self.whole if effects else self.small, np.vstack([x, rows])
         alike = getattr(plant, "alike", None)
+        if alike is None and here is not None:
+            return self.vectors(group, rows, effects) - here
         if alike is None:
             made = self.vectors(group, stacked, effects)
         else:

@@ -121,7 +121,9 @@ class Point:
     def misfits(self, places: np.ndarray, following: bool = False) -> np.ndarray:
         """Misfit at each of the places x, shape (m, size); infinite where nothing can be run.
 
-        Nor is anything run where the machine's values alone are further off than all is here.
+        Nor is anything run where the machine's values alone are further off than all is here, or
+        would be were the recordings explained: no step leads there, and a machine like that may
+        take minutes.
         following: after all active directions have followed, as far as slopes from here tell
         """
         found = np.full(len(places), np.inf)
@@ -143,7 +145,9 @@ class Point:
         if len(places) < MANY:
             return [model.vectors(group, places, effects) for group in model.groups]
         groups = zip(model.groups, self.vectors, strict=True)
-        return [here + model.changes(group, self.x, places, effects) for group, here in groups]
+        return [
+            here + model.changes(group, self.x, places, effects, here) for group, here in groups
+        ]
 
     @property
     def _has_effects(self) -> bool:
@@ -184,13 +188,25 @@ def differenced(
         acting = model.space.acting(group)[along]
         steps = _steps(model, x, along[acting])
         found = np.zeros((along.size, group.part.size))
+        here = model.vectors(group, x[np.newaxis], effects)[0]
         if len(steps):
             sizes = steps[np.arange(len(steps)), along[acting]]
-            changes = model.changes(group, x, x + steps, effects) / sizes[:, np.newaxis]
+            changes = _near(model, group, here, x, x + steps, effects) / sizes[:, np.newaxis]
             found[acting] = np.nan_to_num(changes, posinf=0.0, neginf=0.0)
-        vectors.append(model.vectors(group, x[np.newaxis], effects)[0])
+        vectors.append(here)
         slopes.append(found)
     return vectors, slopes
+
+
+def _near(
+    model: Model, group: Group, here: np.ndarray, x: np.ndarray, rows: np.ndarray, effects: bool
+) -> np.ndarray:
+    """What rows near x change by; by runs of their own where none can follow that at x."""
+    changes = model.changes(group, x, rows, effects, here)
+    lost = ~np.isfinite(changes).all(axis=1)
+    if lost.any():
+        changes[lost] = model.vectors(group, rows[lost], effects) - here
+    return changes
 
 
 def _steps(model: Model, x: np.ndarray, along: np.ndarray) -> np.ndarray:
@@ -206,16 +222,20 @@ def _steps(model: Model, x: np.ndarray, along: np.ndarray) -> np.ndarray:
 
 def first(model: Model, care: Care, seed: int) -> Point:
     """The point where everything is as given and no effect is there."""
-    x, known = np.zeros(model.space.size), model.space.uncertain
-    vectors, slopes = differenced(model, x, known, False)
+    return begun(model, np.zeros(model.space.size), model.space.uncertain, care, seed)
+
+
+def begun(model: Model, x: np.ndarray, active: np.ndarray, care: Care, seed: int) -> Point:
+    """The point at x, and the ground as it is there; ComputationFailed where none can be run."""
+    effects = active.size > model.space.uncertain.size
+    vectors, slopes = differenced(model, x, active, effects)
     if not all(np.isfinite(each).all() for each in vectors):
         raise ComputationFailed(NOWHERE)
-    ground = surveyed(model, x, care, seed)
-    return _on(ground, x, known, vectors, slopes)
+    return _on(surveyed(model, x, care, seed), x, active, vectors, slopes)
 
 
 def surveyed(model: Model, x: np.ndarray, care: Care, seed: int) -> Ground:
-    """Noise, grain, and what runs differ in, as they are at x, where no effect is."""
+    """Noise, grain, and what runs differ in, as they are at x, of effects only those held."""
     grains = model.grain(x, care.samples, seed)
     channels = [model.simulated(group, x[np.newaxis], False)[0] or {} for group in model.groups]
     jerks = [group.jerk(each) for group, each in zip(model.groups, channels, strict=True)]
