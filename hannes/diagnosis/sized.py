@@ -14,12 +14,10 @@ import numpy as np
 from hannes.diagnosis.fit import deviations, fitted, settled
 from hannes.diagnosis.groups import Group
 from hannes.diagnosis.point import Care, Point, begun
-from hannes.diagnosis.profile import held_at, profile
-from hannes.diagnosis.screen import amplitude_names
+from hannes.diagnosis.profile import HOLLOWS, held_at, profile
 from hannes.errors import ComputationFailed
 
 FINER = 2  # times
-SURVEYS = 2  # of noise: it moves with the machine
 
 
 @dataclass(frozen=True)
@@ -36,22 +34,19 @@ def sized(point: Point, effects: Sequence[str], care: Care, seed: int) -> Sized:
     spread = dict(zip(fine.active.tolist(), deviations(fine).tolist(), strict=True))
     if fine is point:
         return Sized(point, spread)
-    space = fine.ground.model.space
-    names = [name for each in effects for name in amplitude_names(space.effects[each])]
-    places = [place for place in map(space.place, names) if place in spread]
-    told = {place: profile(fine, place, spread[place]) for place in places}
-    floor = held_at(fine, np.array(places), np.array([told[each][0] for each in places]))
-    return Sized(floor or fine, spread | {place: told[place][1] for place in places})
+    places = np.intersect1d(fine.ground.model.space.of(*effects), fine.active)
+    told = {int(place): profile(fine, int(place), spread[place]) for place in places}
+    floor = held_at(fine, places, np.array([least for least, _ in told.values()]))
+    if floor is None or floor.misfit > fine.misfit + HOLLOWS * places.size:
+        floor = fine  # least along each, but not along all together
+    return Sized(floor, spread | {place: wide for place, (_, wide) in told.items()})
 
 
 def _finer(point: Point, effects: Sequence[str], care: Care, seed: int) -> Point:
     model = point.ground.model
-    groups = [Group(model.small, each.entries, FINER) for each in model.groups]
-    held = model.held(groups)
-    for _ in range(SURVEYS):
-        try:
-            there = begun(held.ticking(point.x, effects), point.x, point.active, care, seed)
-        except ComputationFailed:
-            break
-        point = settled(fitted(there, 4))
-    return point
+    held = model.held([Group(model.small, each.entries, FINER) for each in model.groups])
+    try:
+        there = begun(held.ticking(point.x, effects), point.x, point.active, care, seed)
+    except ComputationFailed:
+        return point
+    return settled(fitted(there, 4))
