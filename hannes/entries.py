@@ -105,6 +105,7 @@ def grasps(
         counts[k, 5] = finite(rows, reached)
         if counts[k, 5] < reached:
             counts[k, 4] = NOT_FINITE
+            path[0] = path[0] if k > 0 else 0.0
         asked, filled = (columns, needed), counts[k, 5]
         keep(vectors[k], reference, times, asked, rows, holds, outputs, kept[k], filled)
 
@@ -151,9 +152,9 @@ def grasp(data, y, bounds, period, times, rtol, atol, stop, path, rows, holds, c
             sample_pieces(times[first:filled], ends[: taken + 1], pieces, rows[first:filled])
             for row in range(first, filled):
                 copy_to(holds[row], hold)
-            if counts[1] > MOST:
+            if counts[4] == 0 and counts[1] > MOST:
                 counts[4] = TOO_MANY
-            if follow and counts[1] + counts[3] > APART * path[0]:
+            if counts[4] == 0 and follow and counts[1] + counts[3] > APART * path[0]:
                 counts[4] = ASTRAY
             if counts[4] != 0 or stop[0]:
                 return filled

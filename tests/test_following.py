@@ -1,5 +1,7 @@
 """Slopes of plants whose runs can follow one another, and fits that go by them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from sled import KNOWN, TURBULENCE, Sled, recordings
@@ -97,15 +99,20 @@ def test_sizes_from_afar_are_inside_the_range_and_none_is_twice(both):
 
 
 @pytest.mark.parametrize(
-    ("gain", "kind"),
+    ("gain", "of_name", "kind"),
     [
-        (GROWN_BESIDE - 1.0, "named"),
-        (GROWN_BESIDE + 1.0, "named_with_remainder"),
-        (1e9, "unknown"),
+        (GROWN_BESIDE - 1.0, 60.0, "named"),
+        (GROWN_BESIDE + 1.0, 60.0, "named_with_remainder"),
+        (GROWN_BESIDE + 1.0, GROWN_BESIDE + 0.5, "unknown"),
+        (1e9, 60.0, "unknown"),
     ],
 )
-def test_what_grows_beside_a_name_makes_it_less_clean(both, monkeypatch, gain, kind):
-    found = both[1]
+def test_what_grows_beside_a_name_makes_it_less_clean(both, monkeypatch, gain, of_name, kind):
+    """However little else speaks for the name: the rest of the misfit is not what grows."""
+    trials = [replace(both[1].trials[0], gain=of_name)]
+    found = replace(both[1], trials=trials)
+    monkeypatch.setattr(choices, "held_out", lambda *_: 10.0)
+    monkeypatch.setattr(choices, "_outdone", lambda *_: None)
     drift = Drift("turbulence", gain * found.unit)
     monkeypatch.setattr(choices, "drifts", lambda point, _: drift)
     masks = [_masks(found, role) for role in ("fit", "select")]

@@ -11,7 +11,8 @@ from hannes.diagnosis import sized as module
 from hannes.diagnosis.fit import deviations
 from hannes.diagnosis.groups import Group
 from hannes.diagnosis.investigation import FINE, investigate
-from hannes.diagnosis.profile import profile
+from hannes.diagnosis.model import NOTHING, Model
+from hannes.diagnosis.profile import Profile, profile
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.sized import FINER, sized
 from hannes.errors import ComputationFailed
@@ -65,21 +66,49 @@ def test_what_was_named_is_known_better_in_finer_bins(named):
     assert found.point.active.tolist() == sorted(others)  # that one is held where it is least
 
 
+def stays(found, point):
+    """Tell that a fit is as it was, and known no better than slopes tell."""
+    linear = [module.LINEAR * each for each in deviations(point)]
+    return found.point is point and list(found.deviations.values()) == linear
+
+
 def test_where_finer_bins_cannot_be_simulated_the_fit_stays(named, monkeypatch):
     def broken(*_):
         raise ComputationFailed("not here")
 
     monkeypatch.setattr(module, "begun", broken)
+    assert stays(sized(named, NAME, FINE, 0), named)
+
+
+def test_a_place_that_the_whole_firmware_cannot_run_is_not_taken(named, monkeypatch):
+    simulated = Model.simulated
+
+    def some(self, group, rows, effects, exact=False, further=NOTHING):
+        broken = exact and self.groups[0] is not named.ground.model.groups[0] and len(rows) == 1
+        return [None] if broken else simulated(self, group, rows, effects, exact, further)
+
+    monkeypatch.setattr(Model, "simulated", some)
+    assert stays(sized(named, NAME, FINE, 0), named)
+
+
+def test_what_is_least_along_each_but_not_along_all_is_not_taken(named, monkeypatch):
+    place, *_ = of(named)
+
+    def high(point, where, deviation):
+        return Profile(point.x[where] + 40.0 * deviation, deviation, point)
+
+    monkeypatch.setattr(module, "profile", high)
     found = sized(named, NAME, FINE, 0)
-    assert found.point is named
-    assert list(found.deviations.values()) == deviations(named).tolist()
+    assert abs(found.point.x[place] - named.x[place]) < 3.0 * found.deviations[place]
+    assert place in found.point.active  # the fit in finer bins, free
 
 
 def test_a_smooth_valley_has_the_floor_and_width_that_slopes_tell(named):
-    place, row, _ = of(named)
-    least, deviation = profile(named, place, deviations(named)[row])
-    assert abs(least - named.x[place]) < 0.3 * deviation
-    assert deviation == pytest.approx(deviations(named)[row], rel=0.15)
+    fine = module._finer(named, NAME, FINE, 0)
+    place, row, _ = of(fine)
+    found = profile(fine, place, deviations(fine)[row])
+    assert abs(found.least - fine.x[place]) < 0.3 * found.deviation
+    assert found.deviation == pytest.approx(deviations(fine)[row], rel=0.15)
 
 
 def valley(monkeypatch, misfit, at, deviation=0.1, low=-10.0):
@@ -98,31 +127,47 @@ def valley(monkeypatch, misfit, at, deviation=0.1, low=-10.0):
 
 def test_of_a_kinked_valley_the_floor_is_found_from_a_hollow_on_its_side(monkeypatch):
     """As wide as 0.5, with hollows 0.3 apart in which slopes tell a width of 0.1."""
-    least, deviation = valley(
+    found = valley(
         monkeypatch, lambda x: ((x - 1.0) / 0.5) ** 2 + 2.0 * np.sin(10.0 * x) ** 2, 1.57
     )
-    assert least == pytest.approx(1.0, abs=0.25)
-    assert deviation == pytest.approx(0.5, rel=0.4)
+    assert found.least == pytest.approx(1.0, abs=0.25)
+    assert found.deviation == pytest.approx(0.5, rel=0.4)
+    assert found.lowest.misfit < 1.0
+
+
+@pytest.mark.parametrize("width", [0.05, 0.02, 0.005])
+def test_a_valley_narrower_than_slopes_tell_is_seen(monkeypatch, width):
+    found = valley(monkeypatch, lambda x: (x / width) ** 2, 0.0)
+    assert found.least == pytest.approx(0.0, abs=1e-9)
+    assert found.deviation == pytest.approx(width, rel=1e-6)
 
 
 def test_another_valley_does_not_count(monkeypatch):
     def two(x):
         return (x / 0.1) ** 2 if x < 0.2 else 80.0 + x
 
-    least, deviation = valley(monkeypatch, two, 0.0)
-    assert least == pytest.approx(0.0, abs=1e-9)
-    assert deviation == pytest.approx(0.1, rel=1e-6)
+    found = valley(monkeypatch, two, 0.0)
+    assert found.least == pytest.approx(0.0, abs=1e-9)
+    assert found.deviation == pytest.approx(0.1, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("misfit", "low"),
-    [(lambda x: -abs(x), -10.0), (lambda x: 0.0 if x == 0.0 else np.nan, -10.0)],
-    ids=["no floor", "breaks down beside it"],
-)
-def test_where_there_is_no_valley_slopes_tell(monkeypatch, misfit, low):
-    assert valley(monkeypatch, misfit, 0.0, low=low) == (0.0, 0.1)
+SEEN_FROM_ONE_SIDE = {
+    "no floor": (lambda x: -abs(x), -10.0),
+    "breaks down beside it": (lambda x: 0.0 if x == 0.0 else np.nan, -10.0),
+    "breaks down on one side": (lambda x: 20.0 * x + 5.0 * x**2 if x >= 0.0 else np.nan, -10.0),
+    "at an end of the range": (lambda x: 20.0 * x + 5.0 * x**2, 0.0),
+}
 
 
-def test_the_floor_is_inside_the_range(monkeypatch):
-    least, _ = valley(monkeypatch, lambda x: ((x + 0.2) / 0.1) ** 2, 0.0, low=0.0)
-    assert least == 0.0
+@pytest.mark.parametrize("case", SEEN_FROM_ONE_SIDE)
+def test_what_is_not_seen_from_both_sides_is_no_valley(monkeypatch, case):
+    misfit, low = SEEN_FROM_ONE_SIDE[case]
+    assert valley(monkeypatch, misfit, 0.0, low=low) is None
+
+
+def test_the_floor_is_where_it_was_walked(monkeypatch):
+    """A flank that is nearly straight tells a floor far off: nobody was there."""
+    found = valley(monkeypatch, lambda x: 20.0 * x + x**2 if x > -0.03 else np.nan, 0.0)
+    assert found is None or -0.03 <= found.least
+    near = valley(monkeypatch, lambda x: ((x + 0.05) / 0.1) ** 2, 0.0, low=-0.03)
+    assert near.least == -0.03

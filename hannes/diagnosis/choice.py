@@ -1,7 +1,7 @@
 """From what was found to a verdict: a name, a class, a remainder, or nothing that can be named."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -53,10 +53,9 @@ def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
         told += f", that of recordings held out by {gain:.0f}"
     if doubt := _doubted(found, trial):
         return Choice("unknown", (), f"{told}, but {doubt}", found.base)
-    left = _left(found, trial)
-    if not left:
-        return _clean(found, trial, told)
-    return _unclean(found, trial, f"{told}; {left}")
+    if left := _left(found, trial):
+        return _unclean(found, trial, f"{told}; {left}")
+    return _beside(found, trial, _clean(found, trial, told))
 
 
 def allowed(gain: float) -> float:
@@ -138,7 +137,7 @@ def _beyond(point: Point, place: int) -> float:
 
 def _left(found: Found, trial: Trial) -> str:
     """What speaks for something more, or an empty string."""
-    if drift := _growing(found, trial.point, GROWN_BESIDE):
+    if drift := _growing(found, trial.point):
         return _told(found, drift)
     if more := _more(trial.point, found.bins):
         return f"what is left is {more}"
@@ -197,6 +196,18 @@ def _clean(found: Found, trial: Trial, told: str) -> Choice:
     return Choice("one_of", names, f"{told}; {_nearest(rivals)}", trial.point)
 
 
+def _beside(found: Found, trial: Trial, choice: Choice) -> Choice:
+    """The choice with a remainder where a little grows beside it, unless that explains more."""
+    drift = _growing(found, trial.point, GROWN_BESIDE)
+    if drift is None or choice.kind != "named":
+        return choice
+    instead = _growing(found, found.base, GROWN_BESIDE)
+    reason = f"{choice.reason}; {_told(found, drift)}"
+    if instead and instead.gain > trial.gain * found.unit:
+        return Choice("unknown", (), reason, found.base)
+    return replace(choice, kind="named_with_remainder", reason=reason)
+
+
 def _faintly(found: Found, trial: Trial) -> str:
     """What is left after a single effect, too little to be named, or an empty string."""
     rest = found.rest
@@ -238,11 +249,9 @@ def _explained(found: Found, trial: Trial) -> float:
     Nothing where something that grows from run to run would take away more.
     """
     gain, slow = trial.gain * found.unit, hangs_together(trial.point)
-    points = (trial.point, found.base)
-    beside, instead = (_growing(found, each, GROWN_BESIDE) for each in points)
-    if beside and instead and instead.gain > gain:
+    drift, instead = (_growing(found, p) for p in (trial.point, found.base))
+    if drift and instead and instead.gain > gain:
         return 0.0
-    drift = _growing(found, trial.point)
     beyond = max(found.base.misfit - min(1.0, found.unit) * found.bins, 1.0)
     strained = _strained(trial)
     rests = (

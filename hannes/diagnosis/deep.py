@@ -25,7 +25,7 @@ from hannes.verdict import Verdict
 ALPHA = 0.02  # of empty hands on which LIMIT aims to name something, at most
 COMPARED = 8  # effects of which the confusability is told
 POWER_80 = 0.842  # standard deviations above a limit that are seen four times in five
-WIDER = 1.3  # times the standard deviation of a profile: how far estimates spread
+WIDER = 1.5  # times the standard deviation of a profile: how far estimates spread
 Told = Callable[[str], None]
 
 

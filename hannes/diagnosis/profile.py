@@ -7,38 +7,52 @@ all of that.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.point import Point
 
-STEP, LONGER = 1.5, 1.5  # standard deviations by slopes; times the step before
+STEP, LONGER, SHORTER = 1.5, 1.5, 0.3  # standard deviations by slopes; times the step before
 MOST = 5  # steps each way
 RISEN = 6.0  # above the least misfit met: far enough
 OTHER = 16.0  # above it: another valley
 HOLLOWS = 3.0  # of the misfit, by which fits end higher or lower by chance
-LEAST = 3  # places that tell a parabola
 
 
-def profile(point: Point, place: int, deviation: float) -> tuple[float, float]:
-    """Where the misfit is least along one direction, and its standard deviation there, in steps.
+@dataclass(frozen=True)
+class Profile:
+    """Where the misfit is least along a direction, and its standard deviation there, in steps.
 
-    deviation: the same by the slopes at the point; both are told of it where no valley is found.
+    lowest: the best fit met on the way
     """
-    walked = [_walk(point, place, side * STEP * deviation) for side in (-1.0, 1.0)]
-    met = np.array([(point.x[place], point.misfit), *(each for way in walked for each in way)])
-    away, above = (met[:, 0] - point.x[place]) / deviation, met[:, 1] - met[:, 1].min()
-    near = above < OTHER
-    if near.sum() < LEAST:
-        return float(point.x[place]), deviation
-    weights = 1.0 / (HOLLOWS + above[near])
-    bend, slope, _ = np.polyfit(away[near], above[near], 2, w=weights)
+
+    least: float
+    deviation: float
+    lowest: Point = field(repr=False)
+
+
+def profile(point: Point, place: int, deviation: float) -> Profile | None:
+    """Of one direction, from a fit and its standard deviation by slopes; None without a valley.
+
+    One that is not seen from both sides, as at an end of a range, is none. The fit's model holds
+    its effects: a direction that is held is not active.
+    """
+    sides = [list(_walk(point, place, side * STEP * deviation)) for side in (-1.0, 1.0)]
+    met = [point, *sides[0], *sides[1]]
+    lowest = min(met, key=lambda each: each.misfit)
+    near = [[e for e in side if e.misfit < lowest.misfit + OTHER] for side in ([point], *sides)]
+    if not all(near):
+        return None
+    kept = [each for side in near for each in side]
+    away = np.array([each.x[place] - point.x[place] for each in kept]) / deviation
+    above = np.array([each.misfit for each in kept]) - lowest.misfit
+    bend, slope, _ = np.polyfit(away, above, 2, w=1.0 / (HOLLOWS + above))
     if bend <= 0.0:
-        return float(point.x[place]), deviation
-    space = point.ground.model.space
-    least = float(point.x[place]) - deviation * slope / (2.0 * bend)
-    return float(np.clip(least, space.low[place], space.high[place])), deviation / bend**0.5
+        return None
+    least = float(np.clip(-slope / (2.0 * bend), away.min(), away.max()))
+    return Profile(float(point.x[place]) + deviation * least, deviation / bend**0.5, lowest)
 
 
 def held_at(point: Point, places: np.ndarray, values: np.ndarray) -> Point | None:
@@ -49,17 +63,20 @@ def held_at(point: Point, places: np.ndarray, values: np.ndarray) -> Point | Non
     return None if there is None else settled(fitted(there, 4))
 
 
-def _walk(point: Point, place: int, step: float) -> Iterator[tuple[float, float]]:
-    """Values of one direction, further and further off, and the misfit where all else follows."""
+def _walk(point: Point, place: int, step: float) -> Iterator[Point]:
+    """Fits with one direction held, further and further off; a first step too long is shortened."""
     space, here, lowest = point.ground.model.space, point, point.misfit
     for _ in range(MOST):
-        value = float(here.x[place]) + step
-        if not space.low[place] <= value <= space.high[place]:
+        value = float(np.clip(here.x[place] + step, space.low[place], space.high[place]))
+        if value == here.x[place]:
             return
         there = held_at(here, np.array([place]), np.array([value]))
-        if there is None:
-            return
-        yield value, there.misfit
+        if there is None or there.misfit > lowest + OTHER:
+            if here is not point:
+                return
+            step *= SHORTER
+            continue
+        yield there
         here, lowest, step = there, min(lowest, there.misfit), LONGER * step
         if there.misfit > lowest + RISEN:
             return

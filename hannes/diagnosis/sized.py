@@ -18,28 +18,32 @@ from hannes.diagnosis.profile import HOLLOWS, held_at, profile
 from hannes.errors import ComputationFailed
 
 FINER = 2  # times
+LINEAR = 1.15  # times what slopes tell, where no profile tells how far estimates spread
 
 
 @dataclass(frozen=True)
 class Sized:
-    """A fit, and the standard deviation of each active direction, by place, in steps."""
+    """A fit, and the standard deviation of each direction that was fitted, by place, in steps."""
 
     point: Point
     deviations: dict[int, float]
 
 
 def sized(point: Point, effects: Sequence[str], care: Care, seed: int) -> Sized:
-    """The fit in finer bins, where these can be simulated, at the floor of its valley."""
+    """The fit in finer bins, at the floor of its valley; as it is where these cannot be had."""
     fine = _finer(point, effects, care, seed)
-    spread = dict(zip(fine.active.tolist(), deviations(fine).tolist(), strict=True))
-    if fine is point:
-        return Sized(point, spread)
+    spread = dict(zip(fine.active.tolist(), (LINEAR * deviations(fine)).tolist(), strict=True))
     places = np.intersect1d(fine.ground.model.space.of(*effects), fine.active)
-    told = {int(place): profile(fine, int(place), spread[place]) for place in places}
-    floor = held_at(fine, places, np.array([least for least, _ in told.values()]))
-    if floor is None or floor.misfit > fine.misfit + HOLLOWS * places.size:
-        floor = fine  # least along each, but not along all together
-    return Sized(floor, spread | {place: wide for place, (_, wide) in told.items()})
+    if fine is point or not places.size:
+        return Sized(point, spread)
+    found = {k: profile(fine, k, spread[k] / LINEAR) for k in map(int, places)}
+    known = {k: each for k, each in found.items() if each is not None}
+    start = min([fine, *(each.lowest for each in known.values())], key=lambda each: each.misfit)
+    values = [known[k].least if k in known else fine.x[k] for k in found]
+    floor = held_at(start, places, np.array(values))
+    if floor is None or floor.misfit > fine.misfit + HOLLOWS * places.size or not _runs(floor):
+        return Sized(fine, spread)  # least along each, but not along all together
+    return Sized(floor, spread | {k: each.deviation for k, each in known.items()})
 
 
 def _finer(point: Point, effects: Sequence[str], care: Care, seed: int) -> Point:
@@ -49,4 +53,12 @@ def _finer(point: Point, effects: Sequence[str], care: Care, seed: int) -> Point
         there = begun(held.ticking(point.x, effects), point.x, point.active, care, seed)
     except ComputationFailed:
         return point
-    return settled(fitted(there, 4))
+    fine = settled(fitted(there, 4))
+    return fine if _runs(fine) else point
+
+
+def _runs(point: Point) -> bool:
+    """Tell whether every command can be simulated there, firmware and all, as it will be shown."""
+    model, rows = point.ground.model, point.x[np.newaxis]
+    runs = (model.simulated(group, rows, True, exact=True)[0] for group in model.groups)
+    return all(run is not None for run in runs)
