@@ -7,6 +7,7 @@ import pytest
 from sled import KNOWN, Sled, effect, recordings
 
 from hannes._jit import kernel
+from hannes.diagnosis import far
 from hannes.diagnosis.far import deepest, from_afar, turning
 from hannes.diagnosis.fit import fitted
 from hannes.diagnosis.investigation import investigate
@@ -48,7 +49,8 @@ def size(point):
     return point.x[own] * space.directions[own].scale
 
 
-def test_what_has_another_mark_where_it_is_large_is_found_from_afar(shifted):
+def test_what_has_another_mark_where_it_is_large_is_found_from_afar(shifted, monkeypatch):
+    monkeypatch.setattr(far, "LOST", np.inf)
     given, base, told = shifted.given, shifted.base, []
     assert turning(given, ["shifted", "turbulence"]) == ["shifted"]
     fits = from_afar(given, base, ["turbulence", "shifted"], told.append)
@@ -56,6 +58,23 @@ def test_what_has_another_mark_where_it_is_large_is_found_from_afar(shifted):
     assert size(fits["shifted"]) == pytest.approx(ELSEWHERE, rel=0.01)
     assert shifted.trials[0].effects == ("shifted",)
     assert size(shifted.trials[0].point) == pytest.approx(ELSEWHERE, rel=0.01)
+
+
+def test_where_the_base_leaves_far_too_much_likely_effects_are_tried_from_afar(
+    shifted, monkeypatch
+):
+    """As slack of 4.4 mm, which every slope leads away from."""
+    given, base = shifted.given, shifted.base
+    effects = [*KNOWN, "shifted"]
+    assert far._likely(given, effects)[0] == "shifted"
+    monkeypatch.setattr(far, "turning", lambda *_: [])
+    monkeypatch.setattr(far, "LIKELY", 1)
+    monkeypatch.setattr(far, "LOST", 0.9 * base.misfit / base.miss.size)
+    fits = from_afar(given, base, effects, lambda text: None)
+    assert list(fits) == ["shifted"]
+    assert size(fits["shifted"]) == pytest.approx(ELSEWHERE, rel=0.01)
+    monkeypatch.setattr(far, "LOST", 1.1 * base.misfit / base.miss.size)
+    assert from_afar(given, base, effects, lambda text: None) == {}
 
 
 def test_a_hollow_is_left_for_a_deeper_one_about_it(shifted):

@@ -3,7 +3,8 @@
 What an object does that stands elsewhere depends on which fingers then touch it first: its mark at
 a millimetre tells nothing of the mark at four, and no guess leads there. The refitted base is no
 place to begin either: it has bent to what is missing. So such an effect is put in at the machine as
-given, at many sizes, and the best of these are refitted.
+given, at many sizes, and the best of these are refitted. Where the base leaves far too much the
+likeliest of all effects are: slack of several millimetres lies beyond the reach of any slope.
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,7 @@ from hannes.diagnosis.screen import amplitude_names, secants, shapes
 TURNED = 0.3  # cosine of the marks of a small and a large size, below which one tells not the other
 LARGE = 8.0  # steps
 SIZES = (2.0, 4.0, 6.0, 9.0, 14.0)  # steps, both ways
+LOST, LIKELY = 3.0, 3  # times the bins: a base that leaves more is far off; effects tried then
 TRIED, STEPS = 3, 2  # of all sizes the best by a linear guess, which take so many steps,
 CHOSEN, FURTHER = 2, 5  # and of these the best, which take more
 ABOUT = (0.8, 0.9, 1.1, 1.25)  # times the size found, from where to look for a deeper hollow,
@@ -26,9 +28,11 @@ DEEPER = 2.0  # of the misfit
 
 
 def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
-    """The best fit with each effect that turns, if any is below the base."""
-    found: Fits = {}
-    for name in turning(given, effects):
+    """The best fit with each effect that turns, or is likely, if any is below the base."""
+    found, names = dict[str, Point](), turning(given, effects)
+    if base.misfit > LOST * base.miss.size:
+        names += [name for name in _likely(given, effects)[:LIKELY] if name not in names]
+    for name in names:
         told(f"{name.replace('_', ' ')}, from afar")
         points = sorted(_begun(given, name), key=lambda each: each.misfit)[:CHOSEN]
         points = [fitted(each, FURTHER) for each in points]
@@ -84,12 +88,23 @@ def _marks(point: Point, effects: Sequence[str], size: float) -> dict[str, np.nd
     return {name: rows for (name, _, _), rows in zip(trials, found, strict=True)}
 
 
+def _likely(given: Point, effects: Sequence[str]) -> list[str]:
+    """Effects in the order of what the best size of each would leave, were all else to follow."""
+    least = {name: _left(given, name, _sizes(given, name)).min(initial=np.inf) for name in effects}
+    return sorted(least, key=lambda name: least[name])
+
+
+def _left(given: Point, name: str, rows: np.ndarray) -> np.ndarray:
+    """Misfit of places with an effect, shape (m,), were all else to follow by its slopes."""
+    own = given.ground.model.space.of(name)
+    return given.with_active(np.union1d(given.active, own)).misfits(rows, following=True)
+
+
 def _begun(given: Point, name: str) -> list[Point]:
     """A few steps from the best of all sizes."""
     own = given.ground.model.space.of(name)
     rows = _sizes(given, name)
-    misfits = given.with_active(np.union1d(given.active, own)).misfits(rows, following=True)
-    best = rows[np.argsort(misfits)[:TRIED]]
+    best = rows[np.argsort(_left(given, name, rows))[:TRIED]]
     points = [placed(given, own, row[own]) for row in best]
     return [fitted(each, STEPS) for each in points if each is not None]
 
