@@ -60,7 +60,7 @@ def deep(campaign: Campaign, settings: Settings, seed: int, told: Told) -> Resul
     spread = dict[int, float]()
     if choice.effects:
         told(f"{' and '.join(choice.effects)}, how large".replace("_", " "))
-        fit = sized(choice.point, choice.effects, FINE, seed)
+        fit = sized(choice.point, choice.effects, FINE, seed, found.unit)
         choice, spread = replace(choice, point=fit.point), fit.deviations
     told("the recordings to show")
     return _Closing(campaign, found, choice, spread, seed).result(tried)
@@ -246,7 +246,9 @@ class _Closing:
         if choice.kind == "no_gap":
             return plant
         space = self.model.space
-        named = [e for n, e in space.effects.items() if space.of(n)[0] in self.spread]
+        named = [
+            e for n, e in space.effects.items() if self.spread.keys() & set(space.of(n).tolist())
+        ]
         values = space.values(choice.point.x, self.owner())
         grown = plant.with_effects(*named)
         return grown.with_values({n: v for n, v in values.items() if n in grown.parameters})

@@ -13,6 +13,7 @@ import numpy as np
 
 from hannes.diagnosis.fit import deviations, fitted, settled
 from hannes.diagnosis.groups import Group
+from hannes.diagnosis.parsimony import spared
 from hannes.diagnosis.point import Care, Point, begun
 from hannes.diagnosis.profile import HOLLOWS, held_at, profile
 from hannes.errors import ComputationFailed
@@ -29,9 +30,14 @@ class Sized:
     deviations: dict[int, float]
 
 
-def sized(point: Point, effects: Sequence[str], care: Care, seed: int) -> Sized:
-    """The fit in finer bins, at the floor of its valley; as it is where these cannot be had."""
+def sized(point: Point, effects: Sequence[str], care: Care, seed: int, unit: float = 1.0) -> Sized:
+    """The fit in finer bins, at the floor of its valley; as it is where these cannot be had.
+
+    unit: by how much misfits are divided.
+    """
     fine = _finer(point, effects, care, seed)
+    if fine is not point:
+        fine = spared(fine, effects, unit)
     spread = dict(zip(fine.active.tolist(), (LINEAR * deviations(fine)).tolist(), strict=True))
     places = np.intersect1d(fine.ground.model.space.of(*effects), fine.active)
     if fine is point or not places.size:
