@@ -1,15 +1,43 @@
 """Of an effect's sizes only those stay that the recordings ask for."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from sled import HARDENING, TURBULENCE, campaign
 
+from hannes._jit import kernel
+from hannes.diagnose import diagnose
 from hannes.diagnosis import parsimony
 from hannes.diagnosis.investigation import PRICE
 from hannes.diagnosis.parsimony import APART, spared
 from hannes.dynamics.wire_compliance import EFFECT
+from hannes.effect import Term
 
 NAME = EFFECT.name
+
+
+@kernel
+def harder(cubic, position):
+    """Of the spring [N]."""
+    return -cubic * position**3
+
+
+@kernel
+def rougher(quadratic, speed):
+    """Of the air [N]."""
+    return -quadratic * speed * abs(speed)
+
+
+STORM = replace(
+    TURBULENCE,
+    name="storm",
+    parameters=(
+        replace(HARDENING.parameters[0], name="cubic"),
+        replace(TURBULENCE.parameters[0], name="quadratic"),
+    ),
+    terms=(Term(harder, ("force",)), Term(rougher, ("force",))),
+)  # two sizes, of which one is hidden
 
 
 def fit(monkeypatch, without, effect=EFFECT):
@@ -53,3 +81,13 @@ def test_a_size_without_which_nothing_can_be_simulated_stays(monkeypatch, lost):
 def test_the_last_size_stays(monkeypatch):
     point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0, (4, 3): 100.0})
     assert spared(point, [NAME], 1.0).off == (4,)
+
+
+def test_the_hand_with_the_effect_has_it_where_its_first_size_stays_at_off():
+    result = diagnose(campaign(1, ((TURBULENCE, 2.0),), {"storm": STORM}), progress=False)
+    assert result.verdict.effects == ["storm"]
+    (told,) = result.verdict.parameters
+    assert told == "storm.quadratic"
+    assert [each.name for each in result.plant.effects] == ["storm"]
+    assert result.plant.parameters["storm.cubic"] == 0.0
+    assert result.plant.parameters["storm.quadratic"] == pytest.approx(2.0, rel=0.1)
