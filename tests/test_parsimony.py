@@ -40,7 +40,7 @@ STORM = replace(
 )  # two sizes, of which one is hidden
 
 
-def fit(monkeypatch, without, effect=EFFECT):
+def fit(monkeypatch, without, effect=EFFECT, active=(3, 4)):
     """A made-up fit of two sizes, at places 3 and 4; without: misfit by the places held at off."""
     names = [effect.full_name(each.name) for each in effect.amplitudes]
     space = SimpleNamespace(effects={effect.name: effect}, place=lambda n: 3 + names.index(n))
@@ -50,10 +50,14 @@ def fit(monkeypatch, without, effect=EFFECT):
         assert not values.any()  # off
         off = (*point.off, *places.tolist())
         misfit = without[off]
-        return None if misfit is None else SimpleNamespace(misfit=misfit, off=off, ground=ground)
+        return (
+            None
+            if misfit is None
+            else SimpleNamespace(misfit=misfit, off=off, ground=ground, active=active)
+        )
 
     monkeypatch.setattr(parsimony, "held_at", held)
-    return SimpleNamespace(misfit=100.0, off=(), ground=ground)
+    return SimpleNamespace(misfit=100.0, off=(), ground=ground, active=active)
 
 
 def test_what_lowers_the_misfit_by_too_little_stays_at_off(monkeypatch):
@@ -81,6 +85,11 @@ def test_a_size_without_which_nothing_can_be_simulated_stays(monkeypatch, lost):
 def test_the_last_size_stays(monkeypatch):
     point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0, (4, 3): 100.0})
     assert spared(point, [NAME], 1.0).off == (4,)
+
+
+def test_rivals_that_were_not_fitted_are_left_alone(monkeypatch):
+    point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0}, active=())
+    assert spared(point, [NAME], 1.0) is point
 
 
 def test_the_hand_with_the_effect_has_it_where_its_first_size_stays_at_off():

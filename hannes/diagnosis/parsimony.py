@@ -25,7 +25,8 @@ def spared(point: Point, effects: Sequence[str], unit: float) -> Point:
     """
     space = point.ground.model.space
     for name in effects:
-        places = [space.place(each) for each in amplitude_names(space.effects[name])]
+        sizes = [space.place(each) for each in amplitude_names(space.effects[name])]
+        places = [each for each in sizes if each in point.active]  # of a class the first is fitted
         while len(places) > 1 and (found := _without_one(point, places, unit)):
             place, point = found
             places.remove(place)
