@@ -18,9 +18,9 @@ from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.protocol import PROTOCOLS
 from hannes.alike import FILE
 from hannes.campaign import read_campaign
+from hannes.diagnosis.base import FINE
 from hannes.diagnosis.deep import candidates
 from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.investigation import FINE
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.point import Point, first
 from hannes.diagnosis.screen import likeness, screened

@@ -88,6 +88,7 @@ def diagnose(
             result = _deep(campaign, settings, seed, tell)
         else:
             result = _Work(campaign, seed, tell).result()
+    told += result.verdict.cautions
     result = replace(result, verdict=replace(result.verdict, cautions=told))
     if out is not None:
         result.write(out)

@@ -9,8 +9,9 @@ from benchmarks.truth.campaign import make
 from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
 from hannes.campaign import Entry
 from hannes.catalogue import effects
+from hannes.diagnosis.base import ROUGH
 from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.investigation import ROUGH, Found, Trial
+from hannes.diagnosis.investigation import Found, Trial
 from hannes.diagnosis.model import Model
 from hannes.diagnosis.next_run import Separation, proposed, separation
 from hannes.diagnosis.point import first

@@ -8,9 +8,10 @@ from sled import KNOWN, TURBULENCE, Sled, recordings
 
 from hannes.diagnosis import profile as profiles
 from hannes.diagnosis import sized as module
+from hannes.diagnosis.base import FINE
 from hannes.diagnosis.fit import deviations
 from hannes.diagnosis.groups import Group
-from hannes.diagnosis.investigation import FINE, investigate
+from hannes.diagnosis.investigation import investigate
 from hannes.diagnosis.model import NOTHING, Model
 from hannes.diagnosis.profile import Profile, profile
 from hannes.diagnosis.settings import Settings

@@ -9,13 +9,14 @@ import numpy as np
 from hannes import pieces as cutting
 from hannes.campaign import Campaign, Entry
 from hannes.diagnosis.choice import Choice, chosen
-from hannes.diagnosis.investigation import FINE, LIMIT, PRICE, Found, investigate
+from hannes.diagnosis.investigation import LIMIT, PRICE, Found, investigate
+from hannes.diagnosis.magnitudes import interval, with_sizes
 from hannes.diagnosis.nameless import EFFECT as ANYTHING
 from hannes.diagnosis.next_run import next_run
+from hannes.diagnosis.restlessness import disagreement
 from hannes.diagnosis.screen import amplitude_names, likeness, projected
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.shown import STAGES, left, simulated, traced
-from hannes.diagnosis.sized import sized
 from hannes.effect import Effect
 from hannes.gap import Traces, placed, tabled
 from hannes.pieces import floors
@@ -25,7 +26,6 @@ from hannes.verdict import Verdict
 ALPHA = 0.02  # of empty hands on which LIMIT aims to name something, at most
 COMPARED = 8  # effects of which the confusability is told
 POWER_80 = 0.842  # standard deviations above a limit that are seen four times in five
-WIDER = 1.5  # times the standard deviation of a profile: how far estimates spread
 Told = Callable[[str], None]
 
 
@@ -51,19 +51,22 @@ def possible(plant: Plant) -> bool:
 
 def deep(campaign: Campaign, settings: Settings, seed: int, told: Told) -> Result:
     """Diagnose a campaign that lacks no role. ComputationFailed where its base cannot be run."""
+    import scipy.linalg  # noqa: F401  loaded now, or its threads are not limited
+    from threadpoolctl import threadpool_limits
+
     known = campaign.of("fit", "select")
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]
     usable += [] if campaign.plant.accepts(ANYTHING) else [ANYTHING]
-    found = investigate(campaign.plant, known, usable, settings, seed, told)
-    choice = chosen(found, *(_masks(found, role) for role in ("fit", "select")))
-    spread = dict[int, float]()
-    if choice.effects:
-        told(f"{' and '.join(choice.effects)}, how large".replace("_", " "))
-        fit = sized(choice.point, choice.effects, FINE, seed, found.unit)
-        choice, spread = replace(choice, point=fit.point), fit.deviations
-    told("the recordings to show")
-    return _Closing(campaign, found, choice, spread, seed).result(tried)
+    with threadpool_limits(1, "blas"):  # sums of many threads end on other bits
+        found = investigate(campaign.plant, known, usable, settings, seed, told)
+        choice = chosen(found, *(_masks(found, role) for role in ("fit", "select")))
+        choice, spread = with_sizes(choice, seed, found.unit, told)
+        told("the recordings to show")
+        closing = _Closing(campaign, found, choice, spread, seed)
+        result = closing.result(tried)
+    said = disagreement(settings, closing.model.space.settings)
+    return replace(result, verdict=replace(result.verdict, cautions=said))
 
 
 def candidates(campaign: Campaign) -> dict[str, tuple[Effect, str]]:
@@ -150,18 +153,17 @@ class _Closing:
         choice, found = self.choice, {}
         if not choice.effects:
             return {}
-        point, space = choice.point, self.model.space
-        wide = 1.96 * WIDER * max(1.0, self.found.unit) ** 0.5
-        for place in space.of(*choice.effects):
+        space = self.model.space
+        for place in map(int, space.of(*choice.effects)):
             if place not in self.spread:
                 continue  # of a class only the first is fitted
-            each = space.directions[place]
-            value = float(each.value(point.x[place]))
-            reach = wide * self.spread[int(place)] * each.scale
-            low, high = max(each.low, value - reach), min(each.high, value + reach)
-            declared = self.model.whole.parameters.declared[each.name]
-            found[each.name] = {"value": value, "unit": declared.unit, "low": low, "high": high}
-            found[each.name]["off"] = declared.off
+            name = space.directions[place].name
+            declared = self.model.whole.parameters.declared[name]
+            found[name] = {
+                **interval(choice.point, place, self.spread[place], self.found.unit),
+                "unit": declared.unit,
+                "off": declared.off,
+            }
         return found
 
     def candidates(self) -> list[dict[str, Any]]:

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hannes.campaign import Entry
+from hannes.diagnosis.base import based
 from hannes.diagnosis.far import deepest, from_afar
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.model import Model
 from hannes.diagnosis.nameless import EFFECT as ANYTHING
-from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
+from hannes.diagnosis.point import Point, grounded
 from hannes.diagnosis.refits import (
     Fits,
     Told,
@@ -26,13 +26,10 @@ from hannes.diagnosis.refits import (
 )
 from hannes.diagnosis.screen import ALL_SIZES, Guess, likeness, screened
 from hannes.diagnosis.settings import Settings
-from hannes.diagnosis.space import Space
 from hannes.diagnosis.weighing import lowered, noise_left
 from hannes.effect import Effect
 from hannes.plant import Plant
 
-ROUGH, FINE = Care(10.0, 3), Care(1.0, 40)  # by the one a fit finds its way, by the other it ends
-SURVEYS = 2  # of noise: where fingers touch, what runs differ in depends on where the base is
 SHORT = 5  # effects of each screening that are refitted
 FAINT = 6.0  # a guess that gains less is not refitted
 BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
@@ -100,17 +97,9 @@ def investigate(
 ) -> Found:
     """Search what is missing. Raises ComputationFailed where the base cannot be simulated."""
     groups = grouped(plant, entries)
-    space = Space(plant, groups, settings, effects)
-    told("the machine as given")
-    given = first(Model(plant, groups, space, effects), ROUGH, seed)
-    told("the base")
-    base = fitted(given, 5, anew=1)
-    ticking = base.ground.model.ticking(base.x, list(space.effects))
-    for _ in range(SURVEYS):
-        ground = surveyed(ticking, base.x, FINE, seed)
-        base = settled(fitted(grounded(base, ground), 4))
-    given = grounded(given, ground)
-    known = from_afar(given, base, [each for each in space.effects if each != NAMELESS], told)
+    given, base = based(plant, groups, settings, effects, seed, told)
+    names = [each.name for each in effects if each.name != NAMELESS]
+    known = from_afar(given, base, names, told)
     found = _searched(given, base, known, told)
     while (leader := _leading(found)) and (better := _back(found.base, leader, found.unit, told)):
         if found.base.misfit - better.misfit < SHARE * leader.gain * found.unit:
@@ -289,14 +278,20 @@ def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _alone(found: Found, pair: Trial, kept: str, told: Told) -> Trial | None:
-    """One effect of a pair alone, refitted from there: the other may only have led there."""
+    """One effect of a pair alone: the other may only have led there, or have kept it small.
+
+    Refitted as the other is let go, and at the size that it has in the pair from the machine as
+    given, which has not bent to the other.
+    """
     (other,) = (name for name in pair.effects if name != kept)
     told(f"{kept} without {other}".replace("_", " "))
-    point = faded(pair.point, other)
-    if point is None:
-        return None
-    trial = _whole(found.base, Trial((kept,), point, 0.0), found.unit)
-    return _with_likeness(found.base, found.guesses, [trial])[0]
+    own = pair.point.ground.model.space.of(kept)
+    given = grounded(found.given, pair.point.ground)
+    anew = placed(given, own, pair.point.x[own])
+    starts = (faded(pair.point, other), anew and fitted(anew, 4))
+    trials = [Trial((kept,), start, 0.0) for start in starts if start is not None]
+    whole = _sorted([_whole(found.base, each, found.unit) for each in trials])
+    return _with_likeness(found.base, found.guesses, whole[:1])[0] if whole else None
 
 
 def _others(point: Point, present: tuple[str, ...], unit: float) -> list[Guess]:

@@ -1,0 +1,53 @@
+"""The machine as given, and refitted without any effect: what everything else is compared with."""
+
+from collections.abc import Sequence
+
+from hannes.diagnosis.fit import fitted, settled
+from hannes.diagnosis.groups import Group
+from hannes.diagnosis.model import Model
+from hannes.diagnosis.point import Care, Point, first, grounded, surveyed
+from hannes.diagnosis.refits import Told
+from hannes.diagnosis.restlessness import in_keeping
+from hannes.diagnosis.settings import Settings
+from hannes.diagnosis.space import Space
+from hannes.effect import Effect
+from hannes.plant import Plant
+
+ROUGH, FINE = Care(10.0, 3), Care(1.0, 40)  # by the one a fit finds its way, by the other it ends
+SURVEYS = 2  # of noise: where fingers touch, what runs differ in depends on where the base is
+
+
+def based(
+    plant: Plant,
+    groups: Sequence[Group],
+    settings: Settings,
+    effects: Sequence[Effect],
+    seed: int,
+    told: Told,
+) -> tuple[Point, Point]:
+    """As given and refitted; once more where repeats show that runs differ further than told."""
+    given, base = _fitted(plant, groups, settings, effects, seed, told)
+    if (shown := in_keeping(base.ground, settings)) != settings:
+        return _fitted(plant, groups, shown, effects, seed, told)
+    return given, base
+
+
+def _fitted(
+    plant: Plant,
+    groups: Sequence[Group],
+    settings: Settings,
+    effects: Sequence[Effect],
+    seed: int,
+    told: Told,
+) -> tuple[Point, Point]:
+    """The machine as given, and refitted without any effect, with noise as it is there."""
+    space = Space(plant, groups, settings, effects)
+    told("the machine as given")
+    given = first(Model(plant, groups, space, effects), ROUGH, seed)
+    told("the base")
+    base = fitted(given, 5, anew=1)
+    ticking = base.ground.model.ticking(base.x, list(space.effects))
+    for _ in range(SURVEYS):
+        ground = surveyed(ticking, base.x, FINE, seed)
+        base = settled(fitted(grounded(base, ground), 4))
+    return grounded(given, ground), base
