@@ -1,0 +1,97 @@
+"""How large effects are: of a pair the one whose size may be nothing is let go."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hannes.diagnosis import magnitudes as module
+from hannes.diagnosis.choice import Choice
+from hannes.diagnosis.magnitudes import NORMAL, WIDER, interval, with_sizes
+from hannes.diagnosis.sized import Sized
+from hannes.diagnosis.space import Direction
+from hannes.dynamics.leader_slack import EFFECT as SLACK
+from hannes.dynamics.wire_compliance import EFFECT as COMPLIANCE
+
+EFFECTS = {each.name: each for each in (SLACK, COMPLIANCE)}
+PLACES = ("leader_slack.length", "wire_compliance.leader", "wire_compliance.follower")
+PAIR = (SLACK.name, COMPLIANCE.name)
+EDGE = NORMAL * WIDER  # standard deviations from off, where an interval just holds it
+
+
+def point(*x):
+    """A made-up fit at x, steps of which are hundredths."""
+    directions = [Direction(n, "", 0.0, 0.01, 0.0, 1.0, effect=n.split(".")[0]) for n in PLACES]
+    space = SimpleNamespace(effects=EFFECTS, place=PLACES.index, directions=directions)
+    return SimpleNamespace(
+        x=np.array(x), ground=SimpleNamespace(model=SimpleNamespace(space=space))
+    )
+
+
+@pytest.fixture
+def fits(monkeypatch):
+    """Stand-ins for what takes long; the spread of each place, by which effects are sized."""
+    spread = dict.fromkeys(range(3), 1.0)
+    asked = []
+
+    def sized(at, effects, care, seed, unit):
+        asked.append(tuple(effects))
+        return Sized(at, spread)
+
+    def faded(at, name):
+        return SimpleNamespace(**vars(at) | {"without": name})
+
+    monkeypatch.setattr(module, "sized", sized)
+    monkeypatch.setattr(module, "faded", faded)
+    return SimpleNamespace(spread=spread, asked=asked)
+
+
+def told(at, kind="named", effects=PAIR, unit=1.0):
+    """What comes of a choice."""
+    return with_sizes(Choice(kind, effects, "so", at), 0, unit, lambda text: None)[0]
+
+
+def test_two_effects_that_are_both_sure_stay(fits):
+    choice = told(point(1.1 * EDGE, 0.0, 1.1 * EDGE))
+    assert (choice.kind, choice.effects) == ("named", PAIR)
+    assert fits.asked == [PAIR]
+
+
+def test_one_whose_interval_holds_off_is_let_go_and_the_other_sized_without_it(fits):
+    choice = told(point(1.1 * EDGE, 0.0, 0.9 * EDGE))
+    assert (choice.kind, choice.effects) == ("named_with_remainder", (SLACK.name,))
+    assert choice.point.without == COMPLIANCE.name
+    assert fits.asked == [PAIR, (SLACK.name,)]
+    assert "wire compliance may be nothing" in choice.reason
+
+
+def test_where_neither_is_sure_the_surer_one_stays(fits):
+    assert told(point(0.5 * EDGE, 0.9 * EDGE, 0.0)).effects == (COMPLIANCE.name,)
+
+
+def test_sizes_count_in_the_noise_that_is_there(fits):
+    at = point(1.1 * EDGE, 1.5 * EDGE, 0.0)
+    assert told(at).effects == PAIR
+    assert told(at, unit=1.5).effects == (COMPLIANCE.name,)
+
+
+def test_sizes_held_at_off_do_not_count(fits):
+    del fits.spread[2]
+    assert told(point(1.1 * EDGE, 1.1 * EDGE, 0.0)).effects == PAIR
+
+
+def test_single_effects_and_classes_are_left_alone(fits):
+    near = point(0.5 * EDGE, 0.5 * EDGE, 0.0)
+    assert told(near, "one_of").kind == "one_of"
+    assert told(near, "named", (SLACK.name,)).kind == "named"
+
+
+def test_where_one_cannot_be_let_go_both_stay(fits, monkeypatch):
+    monkeypatch.setattr(module, "faded", lambda at, name: None)
+    assert told(point(1.1 * EDGE, 0.0, 0.0)).effects == PAIR
+
+
+def test_intervals_end_at_bounds():
+    found = interval(point(2.0, 0.0, 99.0), 0, 1.0, 1.0)
+    assert found == {"value": 0.02, "low": 0.0, "high": pytest.approx(0.02 + 0.01 * EDGE)}
+    assert interval(point(2.0, 0.0, 99.0), 2, 1.0, 1.0)["high"] == 1.0
