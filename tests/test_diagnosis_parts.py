@@ -113,6 +113,19 @@ def test_an_effect_is_let_go_little_by_little(investigated, monkeypatch):
     assert faded(point, "hardening") is None
 
 
+def test_one_of_a_pair_is_fitted_alone_from_the_machine_as_given_too(investigated, monkeypatch):
+    """Where letting the other go leads nowhere."""
+    best = investigated.trials[0]
+    own = best.point.ground.model.space.of("hardening")
+    point = placed(best.point, own, np.array([0.3]))
+    pair = Trial(("turbulence", "hardening"), point, 0.0)
+    monkeypatch.setattr(investigation, "faded", lambda *_: None)
+    alone = investigation._alone(investigated, pair, "turbulence", lambda text: None)
+    assert alone.effects == ("turbulence",)
+    assert alone.gain == pytest.approx(best.gain, abs=1.0)
+    assert np.array_equal(alone.point.active, best.point.active)
+
+
 def test_a_name_that_takes_another_machine_than_was_told_is_not_clean(investigated):
     """The same recordings, told how little is certain and told far too little."""
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]

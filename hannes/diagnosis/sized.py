@@ -3,7 +3,7 @@
 To tell effects apart many fits are compared, in bins that quick simulations of any machine bear and
 about noise as it is without any effect. Once a name is found there is one machine left: what
 its firmware adds can be had with the effect in it, and finer bins bear more of what was recorded.
-Nothing is chosen by that.
+It chooses between no rivals.
 """
 
 from collections.abc import Sequence
