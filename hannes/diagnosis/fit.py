@@ -91,18 +91,27 @@ def _promised(point: Point, step: np.ndarray) -> float:
 
 
 def newton_step(point: Point, damping: float = 0.0) -> np.ndarray:
-    """Step to the least misfit were it quadratic; directions at a bound stay there, (active,).
+    """Step to the least misfit within bounds were it quadratic, (active,).
 
+    What would leave its bounds goes to them, and all else follows that: cut off afterwards a step
+    of two sizes that do nearly the same would lead uphill.
     damping: times what is known already, by which a step is held back (Levenberg 1944): where
     fingers touch the misfit bends within a standard deviation.
     """
     space, x = point.ground.model.space, point.x[point.active]
-    low, high = space.low[point.active], space.high[point.active]
-    step, free = np.zeros(x.size), np.ones(x.size, bool)
-    held = (x <= low) & (point.pull < 0.0) | (x >= high) & (point.pull > 0.0)
-    free &= ~held
+    low, high = space.low[point.active] - x, space.high[point.active] - x
+    held = (low >= 0.0) & (point.pull < 0.0) | (high <= 0.0) & (point.pull > 0.0)
     curvature = point.curvature + np.diag(damping * point.prior**2 + LIGHT)
-    step[free] = np.linalg.solve(curvature[np.ix_(free, free)], point.pull[free])
+    step = np.zeros(x.size)
+    while not held.all():
+        free = ~held
+        pull = point.pull[free] - curvature[np.ix_(free, held)] @ step[held]
+        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], pull)
+        beyond = free & ((step < low) | (step > high))
+        if not beyond.any():
+            break
+        step[beyond] = np.clip(step, low, high)[beyond]
+        held |= beyond
     return step
 
 
