@@ -3,8 +3,9 @@
 What an object does that stands elsewhere depends on which fingers then touch it first: its mark at
 a millimetre tells nothing of the mark at four, and no guess leads there. The refitted base is no
 place to begin either: it has bent to what is missing. So such an effect is put in at the machine as
-given, at many sizes, and the best of these are refitted. Where the base leaves far too much the
-likeliest of all effects are: slack of several millimetres lies beyond the reach of any slope.
+given, at many sizes, and the best of these are refitted. So is one whose work the machine's values
+can do nearly alone, as wires that give more. Where the base leaves far too much the likeliest of
+all effects are: slack of several millimetres lies beyond the reach of any slope.
 """
 
 from collections.abc import Sequence
@@ -14,11 +15,12 @@ import numpy as np
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.point import Point
 from hannes.diagnosis.refits import Fits, Told, placed
-from hannes.diagnosis.screen import amplitude_names, secants, shapes
+from hannes.diagnosis.screen import Guess, amplitude_names, projected, secants, shapes
 
 TURNED = 0.3  # cosine of the marks of a small and a large size, below which one tells not the other
 LARGE = 8.0  # steps
 SIZES = (2.0, 4.0, 6.0, 9.0, 14.0)  # steps, both ways
+OWN = 0.01  # of a mark, squared: what no value of the machine can do, where a base bends to it
 LOST, LIKELY = 3.0, 3  # times the bins: a base that leaves more is far off; effects tried then
 TRIED, STEPS = 3, 2  # of all sizes the best by a linear guess, which take so many steps,
 CHOSEN, FURTHER = 2, 5  # and of these the best, which take more
@@ -29,10 +31,16 @@ DEEPER = 2.0  # of the misfit
 
 def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
     """The best fit with each effect that turns, or is likely, if any is below the base."""
-    found, names = dict[str, Point](), turning(given, effects)
+    names = turning(given, effects)
     if base.misfit > LOST * base.miss.size:
         names += [name for name in _likely(given, effects)[:LIKELY] if name not in names]
-    for name in names:
+    return put_in(given, base, names, told)
+
+
+def put_in(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
+    """The best fit with each effect put into the machine as given, of those below the base."""
+    found = dict[str, Point]()
+    for name in effects:
         told(f"{name.replace('_', ' ')}, from afar")
         points = sorted(_begun(given, name), key=lambda each: each.misfit)[:CHOSEN]
         points = [fitted(each, FURTHER) for each in points]
@@ -40,6 +48,19 @@ def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> 
             best = min(points, key=lambda each: each.misfit)
             found[name] = settled(best, below=base.misfit)
     return {name: point for name, point in found.items() if point.misfit < base.misfit}
+
+
+def bent_to(base: Point, guess: Guess) -> bool:
+    """Tell whether the machine's values can do nearly all that a guess does.
+
+    The refitted base has bent to it then, and far: there no slope tells the way back.
+    """
+    space = base.ground.model.space
+    names = amplitude_names(space.effects[guess.effect])
+    amplitudes = [guess.places.tolist().index(space.place(name)) for name in names]
+    mark = (guess.x[amplitudes] @ guess.columns)[np.newaxis]
+    _, beyond = projected(base, mark)
+    return bool(beyond[0, 0] < OWN * np.sum(mark**2))
 
 
 def deepest(given: Point, point: Point, name: str) -> Point:

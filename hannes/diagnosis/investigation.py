@@ -7,7 +7,7 @@ import numpy as np
 
 from hannes.campaign import Entry
 from hannes.diagnosis.base import based
-from hannes.diagnosis.far import deepest, from_afar
+from hannes.diagnosis.far import bent_to, deepest, from_afar, put_in
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.nameless import EFFECT as ANYTHING
@@ -128,7 +128,10 @@ def _searched(given: Point, base: Point, known: Fits, told: Told) -> Found:
     every = screened(base, list(base.ground.model.space.effects))
     guesses = [each for each in every if each.effect != NAMELESS]
     names = [each.effect for each in guesses]
-    starts = [(base, guess) for guess in guesses[:SHORT] if guess.gain > FAINT]
+    likely = [guess for guess in guesses[:SHORT] if guess.gain > FAINT]
+    bent = [g.effect for g in likely if g.effect not in known and bent_to(base, g)]
+    known = {**known, **put_in(given, base, bent, told)}
+    starts = [(base, guess) for guess in likely]
     if base.misfit > BENT * base.miss.size:
         large = screened(given, names, ALL_SIZES)[:SHORT]
         starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
@@ -139,10 +142,10 @@ def _searched(given: Point, base: Point, known: Fits, told: Told) -> Found:
     trials.sort(key=lambda each: -each.gain)
     if trials and trials[0].gain > LIMIT:
         trials[0] = _whole(base, trials[0], unit)
-    likely = _with_likeness(base, guesses, trials)
+    alike = _with_likeness(base, guesses, trials)
     free = [each for each in every if each.effect == NAMELESS]
     anything = _anything(base, free[0], trials, unit, told) if free else None
-    return Found(given, base, guesses, likely, None, None, unit, anything=anything)
+    return Found(given, base, guesses, alike, None, None, unit, anything=anything)
 
 
 def _anything(
