@@ -93,26 +93,22 @@ def _promised(point: Point, step: np.ndarray) -> float:
 def newton_step(point: Point, damping: float = 0.0) -> np.ndarray:
     """Step to the least misfit within bounds were it quadratic, (active,).
 
-    What would leave its bounds goes to them, and all else follows that: cut off afterwards a step
-    of two sizes that do nearly the same would lead uphill.
+    Cut off at bounds only afterwards, a step of two sizes that do nearly the same leads uphill.
     damping: times what is known already, by which a step is held back (Levenberg 1944): where
     fingers touch the misfit bends within a standard deviation.
     """
+    from scipy.optimize import lsq_linear
+
     space, x = point.ground.model.space, point.x[point.active]
     low, high = space.low[point.active] - x, space.high[point.active] - x
-    held = (low >= 0.0) & (point.pull < 0.0) | (high <= 0.0) & (point.pull > 0.0)
     curvature = point.curvature + np.diag(damping * point.prior**2 + LIGHT)
-    step = np.zeros(x.size)
-    while not held.all():
-        free = ~held
-        pull = point.pull[free] - curvature[np.ix_(free, held)] @ step[held]
-        step[free] = np.linalg.solve(curvature[np.ix_(free, free)], pull)
-        beyond = free & ((step < low) | (step > high))
-        if not beyond.any():
-            break
-        step[beyond] = np.clip(step, low, high)[beyond]
-        held |= beyond
-    return step
+    step = np.linalg.solve(curvature, point.pull)
+    if ((low <= step) & (step <= high)).all():
+        return step
+    root = np.linalg.cholesky(curvature)
+    return np.clip(
+        lsq_linear(root.T, np.linalg.solve(root, point.pull), (low, high), "bvls").x, low, high
+    )
 
 
 def deviations(point: Point) -> np.ndarray:

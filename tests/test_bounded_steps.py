@@ -1,0 +1,88 @@
+"""Steps of a fit keep to bounds, and effects that a base bends to are found from afar."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+from sled import STIFFER, TURBULENCE, Sled, recordings
+
+from hannes.diagnosis import investigation
+from hannes.diagnosis.far import bent_to
+from hannes.diagnosis.fit import newton_step
+from hannes.diagnosis.investigation import investigate
+from hannes.diagnosis.screen import screened
+from hannes.diagnosis.settings import Settings
+
+
+def point(columns, miss, x, low, high):
+    """A made-up quadratic misfit, all of which recordings tell."""
+    space = SimpleNamespace(low=np.array(low), high=np.array(high))
+    return SimpleNamespace(
+        ground=SimpleNamespace(model=SimpleNamespace(space=space)),
+        x=np.array(x),
+        active=np.arange(len(x)),
+        prior=np.zeros(len(x)),
+        curvature=columns @ columns.T,
+        pull=columns @ miss,
+    )
+
+
+def rise(at, step):
+    """What a step adds to the misfit."""
+    return float(step @ at.curvature @ step - 2.0 * step @ at.pull)
+
+
+def test_two_sizes_that_do_nearly_the_same_go_downhill_where_one_would_go_below_its_bound():
+    time = np.linspace(0.0, 1.0, 50)
+    columns = np.array([np.sin(3.0 * time), np.sin(3.0 * time) + 0.05 * time])
+    at = point(columns, 2.0 * columns[0] - 1.0 * columns[1], [0.1, 1e-9], [0.0, 0.0], [9.0, 9.0])
+    free = np.linalg.solve(at.curvature, at.pull)
+    assert rise(at, np.clip(at.x + free, 0.0, 9.0) - at.x) > 0.0  # cut off afterwards
+    step = newton_step(at)
+    assert rise(at, step) < 0.0
+    assert (at.x + step)[1] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_step_is_the_least_squares_within_bounds(seed):
+    rng = np.random.default_rng(seed)
+    columns, miss = rng.standard_normal((4, 30)), 3.0 * rng.standard_normal(30)
+    x = rng.uniform(0.0, 0.2, 4)
+    at = point(columns, miss, x, np.zeros(4), np.full(4, 0.3))
+    step = newton_step(at)
+    assert (x + step >= -1e-12).all() and (x + step <= 0.3 + 1e-12).all()
+    best = lsq_linear(columns.T, miss, (-x, 0.3 - x)).x
+    assert rise(at, step) == pytest.approx(rise(at, best), rel=1e-4)
+
+
+def test_what_is_at_a_bound_and_pushed_out_stays():
+    columns = np.eye(2)
+    at = point(columns, np.array([-1.0, 0.5]), [0.0, 0.0], [0.0, 0.0], [1.0, 1.0])
+    assert newton_step(at) == pytest.approx([0.0, 0.5], abs=1e-5)
+
+
+@pytest.fixture(scope="module")
+def base():
+    """Of a sled with hidden turbulence; what stiffens the spring is a value that it has."""
+    entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
+    effects = [TURBULENCE, STIFFER]
+    return investigate(Sled(), entries, effects, Settings(0.02, 0.005), 0).base
+
+
+def test_a_base_bends_to_what_its_values_can_do(base):
+    guesses = {each.effect: each for each in screened(base, ["turbulence", "stiffer"])}
+    assert bent_to(base, guesses["stiffer"])
+    assert not bent_to(base, guesses["turbulence"])
+
+
+def test_what_a_base_bends_to_is_put_into_the_machine_as_given(monkeypatch):
+    entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
+    asked = []
+    monkeypatch.setattr(investigation, "from_afar", lambda *_: {})
+    monkeypatch.setattr(investigation, "bent_to", lambda base, guess: guess.gain > 0.0)
+    monkeypatch.setattr(
+        investigation, "put_in", lambda given, base, names, told: asked.append(names) or {}
+    )
+    investigate(Sled(), entries, [TURBULENCE], Settings(0.02, 0.005), 0)
+    assert asked[0] == ["turbulence"]
