@@ -241,8 +241,10 @@ def test_beside_a_better_base_every_effect_gains_less(investigated):
     better = replace(investigated.base, miss=0.999 * investigated.base.miss)
     rebased = _rebased(investigated, better)
     lost = (investigated.base.misfit - better.misfit) / investigated.unit
-    gains = [each.gain for each in investigated.trials]
-    assert [each.gain for each in rebased.trials] == pytest.approx([g - lost for g in gains])
+    below = [each for each in investigated.trials if each.point.misfit < better.misfit]
+    gains = {each.effects: each.gain - lost for each in below}
+    assert {each.effects: each.gain for each in rebased.trials} == pytest.approx(gains)
+    assert ("turbulence",) in gains
     assert lost > 0.0 and rebased.base is better
 
 
