@@ -286,6 +286,8 @@ def _experiment_text(row: Table, name: str, folder: Path) -> str:
 def with_roles(entries: list[Entry], seed: int) -> tuple[Entry, ...]:
     """Give a role to entries that lack one: per condition, a quarter each to select and show.
 
+    Of show that is rounded down: nothing is learned from it. One at least of each.
+
     Conditions with fewer than three recordings are drawn from together.
     """
     rng = np.random.default_rng([seed, len(entries)])
@@ -308,5 +310,5 @@ def with_roles(entries: list[Entry], seed: int) -> tuple[Entry, ...]:
 def _shares(count: int) -> list[str]:
     if count < 3:
         return ["fit", "show"][:count]
-    aside = max(1, round(count / 4))
-    return ["select"] * aside + ["show"] * aside + ["fit"] * (count - 2 * aside)
+    select, show = max(1, round(count / 4)), max(1, count // 4)
+    return ["select"] * select + ["show"] * show + ["fit"] * (count - select - show)

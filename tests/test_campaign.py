@@ -110,7 +110,7 @@ def entries(**conditions):
         (1, {"fit": 1}),
         (2, {"fit": 1, "show": 1}),
         (3, {"fit": 1, "select": 1, "show": 1}),
-        (6, {"fit": 2, "select": 2, "show": 2}),
+        (6, {"fit": 3, "select": 2, "show": 1}),
         (12, {"fit": 6, "select": 3, "show": 3}),
     ],
 )

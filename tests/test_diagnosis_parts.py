@@ -1,6 +1,7 @@
 """The parts of a deep diagnosis: slopes, base, gains, drift, noise, shapes, settings."""
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -25,18 +26,27 @@ from hannes.catalogue import effects
 from hannes.diagnosis import choice as choices
 from hannes.diagnosis import fit, investigation, refits
 from hannes.diagnosis.antedependence import covariance
-from hannes.diagnosis.choice import DOUBT, MOST, OUTSIDE, _at_end, _explained, chosen
+from hannes.diagnosis.base import based
+from hannes.diagnosis.choice import DOUBT, MOST, OUTSIDE, _at_end, _explained, _pair, chosen
 from hannes.diagnosis.deep import _masks
 from hannes.diagnosis.drift import drifts
 from hannes.diagnosis.groups import grouped
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import LIMIT, Trial, _back, _rebased, investigate
-from hannes.diagnosis.nameless import EFFECT as ANYTHING
+from hannes.diagnosis.investigation import (
+    FAINT,
+    LIMIT,
+    Trial,
+    _back,
+    _rebased,
+    _refuted,
+    investigate,
+)
+from hannes.diagnosis.nameless import EASING, EFFECTS, OPENING, SPOKEN, TORQUE
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.refits import FADING, _crossed, faded, joined, placed, without
 from hannes.diagnosis.remainder import Slow
-from hannes.diagnosis.screen import _twins, likeness, projected, screened, shapes
+from hannes.diagnosis.screen import Guess, _twins, likeness, projected, screened, shapes
 from hannes.diagnosis.settings import Settings, read_settings
 from hannes.diagnosis.strain import strain
 from hannes.errors import BadInput
@@ -176,6 +186,46 @@ def test_what_anything_explains_as_well_has_no_name(investigated):
     assert "something else may be there" in kinds[5.0].reason
 
 
+def test_a_rival_without_a_name_that_gains_nothing_itself_doubts_none(investigated):
+    masks, kinds = ([0b011] * 2, [0b100] * 2), []
+    best = replace(investigated.trials[0], gain=LIMIT + 1.0)
+    for gain in (FAINT - 0.1, FAINT + 0.1):
+        rival = Trial(("any_torque",), best.point, gain)
+        found = replace(investigated, trials=[best], pair=None, anything=rival)
+        kinds.append(chosen(found, *masks).kind)
+    assert kinds == ["named", "unknown"]
+
+
+@pytest.mark.parametrize(("gain", "kind"), [(3.0, "unknown"), (70.0, "named_with_remainder")])
+def test_of_near_pairs_only_what_explains_much_alone_is_named(investigated, gain, kind):
+    """The second effect is in all of them, and may do next to nothing."""
+    point = investigated.base
+    pairs = [Trial(("a", "b"), point, 130.0), Trial(("c", "b"), point, 128.0)]
+    alone = Trial(("b",), point, gain)
+    singles = [Trial(("a",), point, 100.0), Trial(("c",), point, 95.0), alone]
+    found = replace(investigated, trials=singles, other_pairs=tuple(pairs[1:]))
+    choice = _pair(found, pairs[0], "told")
+    assert (choice.kind, choice.effects) == (kind, () if kind == "unknown" else ("b",))
+
+
+def test_what_is_left_is_the_best_refit_of_each_second_effect(investigated):
+    point, nothing = investigated.base, np.zeros(0)
+    best = Trial(("a",), point, 100.0)
+    pairs = [Trial(("a", "b"), point, 109.0), Trial(("a", "b"), point, 102.0)]
+    guesses = [Guess("b", 30.0, nothing, nothing, nothing)]
+    assert _refuted(best, guesses, pairs, 1.0).gain == pytest.approx(9.0)
+
+
+def test_a_plant_whose_values_are_the_same_in_all_runs_can_be_refitted():
+    class Steady(Sled):
+        restless: ClassVar = {}
+
+    entries = [e for e in recordings(1) if e.role != "show"]
+    plant = Steady()
+    _, base = based(plant, grouped(plant, entries), Settings(0.02, 0.005), [], 0, lambda text: None)
+    assert [rows.shape[0] for rows in base.ground.restless] == [1, 1]  # their start alone
+
+
 def test_what_explains_less_than_stands_out_in_one_channel_has_no_name(investigated, monkeypatch):
     best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
     lowered, kinds = investigated.base.misfit - best.point.misfit, {}
@@ -218,23 +268,36 @@ def test_what_ends_nowhere_is_at_no_end():
     }
 
 
-def test_anything_is_series_that_no_catalogue_has():
-    assert ANYTHING.name not in effects()
-    assert not HandPlant().accepts(ANYTHING)
-    every = {each.name: 0.1 * k for k, each in enumerate(ANYTHING.parameters, 1)}
-    sizes, bent = dict(list(every.items())[:9]), dict(list(every.items())[9:])
+def test_what_has_no_name_is_in_no_catalogue_and_fits_a_hand():
+    assert list(SPOKEN) == [each.name for each in EFFECTS]
+    assert not set(SPOKEN) & set(effects())
+    assert not any(HandPlant().accepts(each) for each in EFFECTS)
+
+
+def test_any_torque_is_series_of_the_angle_and_of_the_load():
+    sizes = {each.name: 0.1 * k for k, each in enumerate(TORQUE.parameters, 1)}
     turn, load = np.pi * 3.0 / 10.0, 0.2
     free = sum(0.1 * k * np.cos(k * turn) for k in range(1, 6))
     loaded = sum(0.1 * (k + 5) * np.cos(k * turn) for k in range(1, 5))
-    told = plain(ANYTHING.terms[0].kernel)(3.0 * 19.0, 19.0, load, **sizes)
+    told = plain(TORQUE.terms[0].kernel)(3.0 * 19.0, 19.0, load, **sizes)
     assert told == pytest.approx(free + load * loaded, rel=1e-12)
-    opening = plain(ANYTHING.terms[1].kernel)(0.9, 0.3, **bent)
+
+
+def test_any_opening_is_a_series_of_the_way_that_a_joint_has_closed():
+    bent = {each.name: 0.1 * k for k, each in enumerate(OPENING.parameters, 1)}
+    assert list(bent) == ["bent_2", "bent_3", "bent_4"]
+    opening = plain(OPENING.terms[0].kernel)(0.9, 0.3, **bent)
     series = np.polynomial.legendre.legval(2.0 * (0.9 - 0.3) / 1.5 - 1.0, [0, 0, *bent.values()])
-    assert opening == pytest.approx(series, rel=1e-12) and list(bent) == [
-        "bent_2",
-        "bent_3",
-        "bent_4",
-    ]
+    assert opening == pytest.approx(series, rel=1e-12)
+
+
+def test_what_eases_is_lost_exponentially_and_never_more_than_the_pull():
+    kernel, eased, step = plain(EASING.terms[0].kernel), 0.0, 1e-3
+    for _ in range(2000):
+        change, rate = kernel(30.0, eased, 0.5)
+        eased += step * rate
+    assert change == pytest.approx(-30.0 * (1.0 - np.exp(-0.5 * 2.0)), rel=1e-3)
+    assert kernel(1.0, eased, 0.5) == (-1.0, 0.0)
 
 
 def test_beside_a_better_base_every_effect_gains_less(investigated):

@@ -72,6 +72,7 @@ def test_settings_follow_what_repeats_show_and_a_reader_is_told():
     (said,) = disagreement(told, shown)
     assert f"start_time {shown.start_time:.2g} s" in said
     assert in_keeping(ground(0, 4.0, 4.0), Settings(0.15)).scatter == MOST
+    assert in_keeping(ground(0, 4.0, 4.0), Settings(0.3)).scatter == 0.3
 
 
 def test_settings_that_repeats_bear_out_are_kept():

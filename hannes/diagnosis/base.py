@@ -26,27 +26,23 @@ def based(
     told: Told,
 ) -> tuple[Point, Point]:
     """As given and refitted; once more where repeats show that runs differ further than told."""
-    given, base = _fitted(plant, groups, settings, effects, seed, told)
+
+    def model(settings: Settings) -> Model:
+        return Model(plant, groups, Space(plant, groups, settings, effects), effects)
+
+    given, base = _fitted(model(settings), seed, told)
     if (shown := in_keeping(base.ground, settings)) != settings:
-        return _fitted(plant, groups, shown, effects, seed, told)
+        return _fitted(model(shown), seed, told)
     return given, base
 
 
-def _fitted(
-    plant: Plant,
-    groups: Sequence[Group],
-    settings: Settings,
-    effects: Sequence[Effect],
-    seed: int,
-    told: Told,
-) -> tuple[Point, Point]:
+def _fitted(model: Model, seed: int, told: Told) -> tuple[Point, Point]:
     """The machine as given, and refitted without any effect, with noise as it is there."""
-    space = Space(plant, groups, settings, effects)
     told("the machine as given")
-    given = first(Model(plant, groups, space, effects), ROUGH, seed)
+    given = first(model, ROUGH, seed)
     told("the base")
     base = fitted(given, 5, anew=1)
-    ticking = base.ground.model.ticking(base.x, list(space.effects))
+    ticking = model.ticking(base.x, list(model.space.effects))
     for _ in range(SURVEYS):
         ground = surveyed(ticking, base.x, FINE, seed)
         base = settled(fitted(grounded(base, ground), 4))

@@ -8,7 +8,7 @@ import numpy as np
 from hannes.diagnosis.drift import Drift, drifts
 from hannes.diagnosis.fit import LIGHT
 from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import CLEAN, LIMIT, SHARE, Found, Trial, near
+from hannes.diagnosis.investigation import CLEAN, FAINT, LIMIT, SHARE, Found, Trial, near
 from hannes.diagnosis.nameless import SPOKEN
 from hannes.diagnosis.point import Point
 from hannes.diagnosis.remainder import Slow, hangs_together, stands_out
@@ -16,12 +16,13 @@ from hannes.diagnosis.strain import Strain, strain
 from hannes.parameter import Parameter
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
+HALF = 0.5  # of a pair's gain, that the one must which all near pairs have in common
 AGAINST = 4.0  # misfit of recordings held out that a name may add to,
 ALLOWED = 0.05  # or so much of its gain, if that is more and no more than a name needs
 DOUBT = 10.5  # gain of an effect too little to name it, but more than chance leaves
-OUTSIDE = 12.0  # the same of what has no name, at its own price of chance
+OUTSIDE = 10.0  # the same of what has no name, at its own price of chance
 FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
-GROWN = 24.0  # gain of what grows from run to run, that is told
+GROWN = 36.0  # gain of what grows from run to run, that is told
 GROWN_BESIDE = 12.0  # the same beside a name, which is no clean one then
 BEYOND = 4.0  # of the misfit: what an effect would gain beyond the end of a range, to be doubted
 STRAINED = 0.005  # chance of a machine so far from its given values, that doubts a clean name
@@ -74,7 +75,8 @@ def _nothing(found: Found, best: Trial | None) -> Choice:
         more = f"more in {slow.where} than the machine's own values can (p = {slow.chance:.1g})"
         return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
     if found.anything and found.anything.gain >= OUTSIDE:
-        reason = f"{SPOKEN} would lower the misfit by {found.anything.gain:.0f}, and {least}"
+        spoken = SPOKEN[found.anything.effects[0]]
+        reason = f"{spoken} would lower the misfit by {found.anything.gain:.0f}, and {least}"
         return Choice("unknown", (), reason, found.base)
     if gain >= DOUBT:
         name = _names(found.trials[0])
@@ -100,8 +102,9 @@ def _doubted(found: Found, trial: Trial) -> str:
     """Why effects that explain much are not what is there, or an empty string."""
     if name := _stretched(found, trial):
         return f"only with {name} at an end of its range and beyond: something like it is there"
-    if found.anything and near(trial, [found.anything]):
-        return f"{SPOKEN} does by {found.anything.gain:.0f}: something else may be there"
+    if found.anything and found.anything.gain > FAINT and near(trial, [found.anything]):
+        spoken = SPOKEN[found.anything.effects[0]]
+        return f"{spoken} does by {found.anything.gain:.0f}: something else may be there"
     return ""
 
 
@@ -225,7 +228,7 @@ def _pair(found: Found, trial: Trial, told: str) -> Choice:
     told = f"{told}; {_nearest(rivals)}"
     common = set(trial.effects).intersection(*(each.effects for each in rivals))
     alone = [each for each in found.trials if set(each.effects) <= common]
-    if not alone:
+    if not alone or alone[0].gain < max(LIMIT, HALF * trial.gain):
         return Choice("unknown", (), told, found.base)
     return Choice("named_with_remainder", alone[0].effects, told, alone[0].point)
 

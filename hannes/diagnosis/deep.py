@@ -11,7 +11,7 @@ from hannes.campaign import Campaign, Entry
 from hannes.diagnosis.choice import Choice, chosen
 from hannes.diagnosis.investigation import LIMIT, PRICE, Found, investigate
 from hannes.diagnosis.magnitudes import interval, with_sizes
-from hannes.diagnosis.nameless import EFFECT as ANYTHING
+from hannes.diagnosis.nameless import EFFECTS as NAMELESS
 from hannes.diagnosis.next_run import next_run
 from hannes.diagnosis.restlessness import disagreement
 from hannes.diagnosis.screen import amplitude_names, likeness, projected
@@ -57,7 +57,7 @@ def deep(campaign: Campaign, settings: Settings, seed: int, told: Told) -> Resul
     known = campaign.of("fit", "select")
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]
-    usable += [] if campaign.plant.accepts(ANYTHING) else [ANYTHING]
+    usable += [each for each in NAMELESS if not campaign.plant.accepts(each)]
     with threadpool_limits(1, "blas"):  # sums of many threads end on other bits
         found = investigate(campaign.plant, known, usable, settings, seed, told)
         choice = chosen(found, *(_masks(found, role) for role in ("fit", "select")))

@@ -10,7 +10,7 @@ from hannes.diagnosis.base import based
 from hannes.diagnosis.far import bent_to, deepest, from_afar, put_in
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.nameless import EFFECT as ANYTHING
+from hannes.diagnosis.nameless import SPOKEN as NAMELESS
 from hannes.diagnosis.point import Point, grounded
 from hannes.diagnosis.refits import (
     Fits,
@@ -42,7 +42,6 @@ SHARE = 0.04  # of the first effect's gain that a second one needs
 HOLLOW = 2.0  # gain by which a base found from elsewhere is another one
 ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
 CLEAN = 1.3  # times the bins: what a whole model leaves at most
-NAMELESS = ANYTHING.name
 
 
 @dataclass(frozen=True)
@@ -68,7 +67,7 @@ class Found:
     where one leaves more, and other_pairs that were refitted beside it; rest: the best guess of
     what is left after the last of them
     unit: by how much misfits are divided: the noise is what the best model leaves, within limits
-    anything: the effect without a name refitted, where a guess says that this is worth while
+    anything: the best effect without a name refitted, where a guess says that this is worth while
     """
 
     given: Point
@@ -98,7 +97,7 @@ def investigate(
     """Search what is missing. Raises ComputationFailed where the base cannot be simulated."""
     groups = grouped(plant, entries)
     given, base = based(plant, groups, settings, effects, seed, told)
-    names = [each.name for each in effects if each.name != NAMELESS]
+    names = [each.name for each in effects if each.name not in NAMELESS]
     known = from_afar(given, base, names, told)
     found = _searched(given, base, known, told)
     while (leader := _leading(found)) and (better := _back(found.base, leader, found.unit, told)):
@@ -126,7 +125,7 @@ def _searched(given: Point, base: Point, known: Fits, told: Told) -> Found:
     """Single effects beside a base: screened, the best of them refitted; known: fits from afar."""
     told("a look at every effect")
     every = screened(base, list(base.ground.model.space.effects))
-    guesses = [each for each in every if each.effect != NAMELESS]
+    guesses = [each for each in every if each.effect not in NAMELESS]
     names = [each.effect for each in guesses]
     likely = [guess for guess in guesses[:SHORT] if guess.gain > FAINT]
     bent = [g.effect for g in likely if g.effect not in known and bent_to(base, g)]
@@ -143,25 +142,27 @@ def _searched(given: Point, base: Point, known: Fits, told: Told) -> Found:
     if trials and trials[0].gain > LIMIT:
         trials[0] = _whole(base, trials[0], unit)
     alike = _with_likeness(base, guesses, trials)
-    free = [each for each in every if each.effect == NAMELESS]
-    anything = _anything(base, free[0], trials, unit, told) if free else None
+    free = [each for each in every if each.effect in NAMELESS]
+    anything = _anything(base, free, trials, unit, told)
     return Found(given, base, guesses, alike, None, None, unit, anything=anything)
 
 
 def _anything(
-    base: Point, guess: Guess, trials: Sequence[Trial], unit: float, told: Told
+    base: Point, guesses: Sequence[Guess], trials: Sequence[Trial], unit: float, told: Told
 ) -> Trial | None:
-    """The effect without a name, fitted where its guess gains anything: a refit gains more.
+    """The best effect without a name, each fitted where its guess gains anything: refits gain more.
 
     From the base, and from the machine of the best effect; never before the others: what it bends
     is not theirs.
     """
-    best = trials[0] if trials and trials[0].gain > FAINT else None
-    if guess.gain / unit < FAINT:
-        return None
-    told("anything else")
-    point = beside(base, guess, best.point if best else None)
-    return priced(base, Trial((NAMELESS,), point, 0.0), unit) if point else None
+    best = trials[0].point if trials and trials[0].gain > FAINT else None
+    found = []
+    for guess in guesses:
+        if guess.gain / unit >= FAINT:
+            told(guess.effect.replace("_", " "))
+            point = beside(base, guess, best)
+            found += [priced(base, Trial((guess.effect,), point, 0.0), unit)] if point else []
+    return max(found, key=lambda each: each.gain, default=None)
 
 
 def _back(base: Point, best: Trial, unit: float, told: Told) -> Point | None:
@@ -209,7 +210,7 @@ def _whole(base: Point, trial: Trial, unit: float) -> Trial:
 def priced(base: Point, trial: Trial, unit: float) -> Trial:
     """The trial with its gain: misfit less than the base's, less the price of its parameters."""
     further = trial.point.active.size - base.active.size - len(trial.effects)
-    price = CHANCE if trial.effects == (NAMELESS,) else PRICE
+    price = CHANCE if trial.effects[0] in NAMELESS else PRICE
     return replace(trial, gain=lowered(base, trial.point, unit) - price * further)
 
 
@@ -239,8 +240,11 @@ def _second(found: Found, told: Told) -> Found:
 
 
 def _refuted(best: Trial, guesses: list[Guess], pairs: list[Trial], unit: float) -> Guess | None:
-    """The best of what is left after the best effect: refits beside it, guesses for all others."""
-    gains = {each.effects[-1]: (each.gain - best.gain) * unit for each in pairs}
+    """The best of what is left after the best effect: refits beside it, guesses for all others.
+
+    pairs: best first
+    """
+    gains = {each.effects[-1]: (each.gain - best.gain) * unit for each in reversed(pairs)}
     rest = [replace(g, gain=gains.get(g.effect, g.gain)) for g in guesses]
     return max(rest, key=lambda each: each.gain, default=None)
 
@@ -262,7 +266,7 @@ def _paired_from_afar(found: Found, guesses: Sequence[Guess], told: Told) -> lis
     """Second effects whose marks turn, beside the best one."""
     best = found.trials[0]
     own = best.point.ground.model.space.of(*best.effects)
-    start = placed(found.given, own, best.point.x[own])
+    start = placed(grounded(found.given, best.point.ground), own, best.point.x[own])
     if start is None:
         return []
     fits = from_afar(start, best.point, [each.effect for each in guesses], told)
@@ -299,7 +303,7 @@ def _alone(found: Found, pair: Trial, kept: str, told: Told) -> Trial | None:
 
 def _others(point: Point, present: tuple[str, ...], unit: float) -> list[Guess]:
     """Guesses for all other effects, the price of their parameters off their gain."""
-    away = (*present, NAMELESS)
+    away = (*present, *NAMELESS)
     names = [name for name in point.ground.model.space.effects if name not in away]
     price = PRICE * unit
     found = [replace(g, gain=g.gain - price * (len(g.places) - 1)) for g in screened(point, names)]

@@ -1,18 +1,20 @@
-"""Any torque over the motor's angle, any over it that goes with the load, any over joints' angles.
+"""What has no name: any torque over an angle, of the motor or of joints, and tension that eases.
 
-No catalogue has it: a rival to all names. What it takes of the misfit as well as a named effect
+No catalogue has them: rivals to all names. What one takes of the misfit as well as a named effect
 does, something else may have made too, and the name is not told; what it takes alone is `unknown`.
-That load and joints are in it was chosen on development cases of effects outside the catalogue: one
-of the motor's angle alone does not see an eccentric pulley, nor hardly a spring that is not linear.
+Each stands alone, as few numbers see more than many. That load, joints and what a run has borne
+before are in them was chosen on development cases of effects outside the catalogue: the motor's
+angle alone does not see an eccentric pulley, nor hardly a spring that is not linear, and nothing
+that goes with angles sees a wire that creeps.
 """
 
 import math
 
 from hannes._jit import kernel
 from hannes.effect import Effect, Term
+from hannes.layout import Slot
 from hannes.parameter import Parameter
 
-SPOKEN = "any torque over the angles of motor and joints"
 TRAVEL = 10.0  # rad, at the output shaft, in which the hand closes: beyond, waves are mirrored
 BENT = 1.5  # rad, in which a joint closes
 
@@ -39,23 +41,50 @@ def opening(joint_angle, rest, bent_2, bent_3, bent_4):
     return bent_2 * second + bent_3 * third + bent_4 * (q * (4.375 * q - 3.75) + 0.375)
 
 
+@kernel
+def easing(leader_tension, eased, easing_rate):
+    """Tension that a pull has lost to what it bore before [N], and the rate at which it does."""
+    lost = min(leader_tension, eased)
+    return -lost, easing_rate * (leader_tension - lost)
+
+
 def _wave(name: str, number: int, unit: str, most: float) -> Parameter:
     return Parameter(f"{name}_{number}", 0.0, unit, (-most, most), "of a wave", "choice", off=0.0)
 
 
-EFFECT = Effect(
+TORQUE = Effect(
     name="any_torque",
-    meaning="Motor and joints are pulled by something that goes with their angles, and the load.",
-    equation="J w' += sum (free_k + loaded_k tl) cos(k pi th / (N travel)), "
-    "T_open += sum bent_k P_k(2 (q - q_rest) / bent - 1)",
-    source="Fourier's and Legendre's series",
+    meaning="The motor is pulled by something that goes with its angle, and the load.",
+    equation="J w' += sum (free_k + loaded_k tl) cos(k pi th / (N travel))",
+    source="Fourier's series",
     parameters=(
         *(_wave("free", k, "N m", 0.01) for k in range(1, 6)),
         *(_wave("loaded", k, "1", 0.2) for k in range(1, 5)),
-        *(_wave("bent", k, "N m", 0.05) for k in range(2, 5)),
     ),
-    terms=(
-        Term(anything, writes=("motor_torque",), unit="N m"),
-        Term(opening, writes=("spring_torque",), unit="N m"),
-    ),
+    terms=(Term(anything, writes=("motor_torque",), unit="N m"),),
 )
+OPENING = Effect(
+    name="any_opening",
+    meaning="Joints are pulled by something that goes with their angles, the same for all.",
+    equation="T_open += sum bent_k P_k(2 (q - q_rest) / bent - 1)",
+    source="Legendre's polynomials",
+    parameters=tuple(_wave("bent", k, "N m", 0.05) for k in range(2, 5)),
+    terms=(Term(opening, writes=("spring_torque",), unit="N m"),),
+)
+EASING = Effect(
+    name="any_easing",
+    meaning="The leader pulls less, the more it has borne before.",
+    equation="T_L -= min(e, T_L), e' = easing_rate max(T_L - e, 0)",
+    source="Maxwell (1867)",
+    parameters=(
+        Parameter("easing_rate", 0.0, "1/s", (0.0, 1.0), "of the tension", "choice", off=0.0),
+    ),
+    terms=(Term(easing, writes=("leader_tension",), states=("eased",), unit="N"),),
+    states=(Slot("eased", "N", "tension that is lost", tolerance=1e-4),),
+)
+EFFECTS = (TORQUE, OPENING, EASING)
+SPOKEN = {
+    TORQUE.name: "any torque over the motor's angle",
+    OPENING.name: "any torque over joints' angles",
+    EASING.name: "tension that eases while it is borne",
+}

@@ -292,7 +292,7 @@ def run_to_run(model: Model, x: np.ndarray, group: Group, channels: Channels) ->
         step[place] = sizes.pop(name, 0.0) / space.directions[place].scale
     steps = steps[steps.any(axis=1)]
     made = model.changes(group, x, np.vstack([x + steps, x - steps]), False)
-    more, less = np.nan_to_num(made).reshape(2, len(steps), -1)
+    more, less = np.nan_to_num(made).reshape(2, len(steps), group.part.size)
     found = [*(0.5 * (more - less)), *(0.5 * (more + less))]
     found += [_own_step(model, group, name, size) for name, size in sizes.items() if size]
     late, early = (group.vector(channels, side * SHIFT) for side in (0.5, -0.5))

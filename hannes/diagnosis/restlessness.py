@@ -13,10 +13,11 @@ from hannes.diagnosis.groups import Group
 from hannes.diagnosis.point import Ground
 from hannes.diagnosis.settings import Settings
 
-TIMES = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0)  # as far as told: the machine's values, and the start
+# As far as told: the machine's values, and the start.
+TIMES = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0)
 SURE = 12.0  # twice the log likelihood gained: two numbers by chance gain it once in four hundred
 LOOSER = 2.0  # times the scatter of the machine's values that is told by who tells too little
-MOST = 0.2  # of scatter
+MOST = 0.2  # of scatter, that it is widened to
 
 
 def in_keeping(ground: Ground, settings: Settings) -> Settings:
@@ -29,7 +30,7 @@ def in_keeping(ground: Ground, settings: Settings) -> Settings:
     if (machine, start) == (1.0, 1.0):
         return settings
     return Settings(
-        min(LOOSER * settings.scatter, MOST),
+        max(settings.scatter, min(LOOSER * settings.scatter, MOST)),
         machine * settings.run_scatter,
         start * settings.start_time,
     )
