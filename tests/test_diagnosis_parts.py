@@ -41,7 +41,7 @@ from hannes.diagnosis.investigation import (
     _refuted,
     investigate,
 )
-from hannes.diagnosis.nameless import EASING, EFFECTS, OPENING, SPOKEN, TORQUE
+from hannes.diagnosis.nameless import DRAGGING, EASING, EFFECTS, OPENING, SPOKEN, TORQUE
 from hannes.diagnosis.noise import Noise, of_repeats, white_levels
 from hannes.diagnosis.point import differenced
 from hannes.diagnosis.refits import FADING, _crossed, faded, joined, placed, without
@@ -289,6 +289,15 @@ def test_any_opening_is_a_series_of_the_way_that_a_joint_has_closed():
     opening = plain(OPENING.terms[0].kernel)(0.9, 0.3, **bent)
     series = np.polynomial.legendre.legval(2.0 * (0.9 - 0.3) / 1.5 - 1.0, [0, 0, *bent.values()])
     assert opening == pytest.approx(series, rel=1e-12)
+
+
+def test_any_dragging_turns_with_the_way_a_joint_goes():
+    drag = {each.name: 0.1 * k for k, each in enumerate(DRAGGING.parameters, 1)}
+    assert list(drag) == ["drag_1", "drag_2", "drag_3"]
+    kernel, series = plain(DRAGGING.terms[0].kernel), np.polynomial.legendre.legval
+    against = series(2.0 * (0.9 - 0.3) / 1.5 - 1.0, [0, *drag.values()])
+    told = [kernel(0.9, speed, 0.3, **drag) for speed in (-5.0, 0.0, 5.0)]
+    assert told == pytest.approx([-against, 0.0, against], rel=1e-12)
 
 
 def test_what_eases_is_lost_exponentially_and_never_more_than_the_pull():

@@ -1,11 +1,11 @@
-"""What has no name: any torque over an angle, of the motor or of joints, and tension that eases.
+"""What has no name: torque or friction over an angle, of motor or joints, and tension that eases.
 
 No catalogue has them: rivals to all names. What one takes of the misfit as well as a named effect
 does, something else may have made too, and the name is not told; what it takes alone is `unknown`.
-Each stands alone, as few numbers see more than many. That load, joints and what a run has borne
-before are in them was chosen on development cases of effects outside the catalogue: the motor's
-angle alone does not see an eccentric pulley, nor hardly a spring that is not linear, and nothing
-that goes with angles sees a wire that creeps.
+Each stands alone, as few numbers see more than many. That load, joints, their friction and what a
+run has borne before are in them was chosen on development cases of effects outside the catalogue:
+the motor's angle alone does not see an eccentric pulley, nor hardly a spring that is not linear, no
+torque that goes with angles alone a joint that rubs at one of them, or a wire that creeps.
 """
 
 import math
@@ -17,6 +17,7 @@ from hannes.parameter import Parameter
 
 TRAVEL = 10.0  # rad, at the output shaft, in which the hand closes: beyond, waves are mirrored
 BENT = 1.5  # rad, in which a joint closes
+CRAWL = 0.2  # rad/s, below which friction of a joint turns
 
 
 @kernel
@@ -39,6 +40,15 @@ def opening(joint_angle, rest, bent_2, bent_3, bent_4):
     q = x * x
     second, third = 1.5 * q - 0.5, x * (2.5 * q - 1.5)
     return bent_2 * second + bent_3 * third + bent_4 * (q * (4.375 * q - 3.75) + 0.375)
+
+
+@kernel
+def dragging(joint_angle, joint_speed, rest, drag_1, drag_2, drag_3):
+    """Torque against a joint's motion [N m]: Legendre's polynomials of the way it has closed."""
+    x = 2.0 * (joint_angle - rest) / BENT - 1.0
+    q = x * x
+    against = drag_1 * x + drag_2 * (1.5 * q - 0.5) + drag_3 * x * (2.5 * q - 1.5)
+    return math.tanh(joint_speed / CRAWL) * against
 
 
 @kernel
@@ -71,6 +81,14 @@ OPENING = Effect(
     parameters=tuple(_wave("bent", k, "N m", 0.05) for k in range(2, 5)),
     terms=(Term(opening, writes=("spring_torque",), unit="N m"),),
 )
+DRAGGING = Effect(
+    name="any_dragging",
+    meaning="Joints rub by what goes with their angles, the same for all.",
+    equation="T_open += tanh(q' / crawl) sum drag_k P_k(2 (q - q_rest) / bent - 1)",
+    source="Legendre's polynomials",
+    parameters=tuple(_wave("drag", k, "N m", 0.05) for k in range(1, 4)),
+    terms=(Term(dragging, writes=("spring_torque",), unit="N m"),),
+)
 EASING = Effect(
     name="any_easing",
     meaning="The leader pulls less, the more it has borne before.",
@@ -82,9 +100,10 @@ EASING = Effect(
     terms=(Term(easing, writes=("leader_tension",), states=("eased",), unit="N"),),
     states=(Slot("eased", "N", "tension that is lost", tolerance=1e-4),),
 )
-EFFECTS = (TORQUE, OPENING, EASING)
+EFFECTS = (TORQUE, OPENING, DRAGGING, EASING)
 SPOKEN = {
     TORQUE.name: "any torque over the motor's angle",
     OPENING.name: "any torque over joints' angles",
+    DRAGGING.name: "any friction over joints' angles",
     EASING.name: "tension that eases while it is borne",
 }
