@@ -69,7 +69,7 @@ def deepest(given: Point, point: Point, name: str) -> Point:
         return point
     own = given.ground.model.space.of(name)
     for _ in range(ROUNDS):
-        starts = (placed(given, own, share * point.x[own]) for share in ABOUT)
+        starts = (placed(given, own, _resized(point, name, share)[own]) for share in ABOUT)
         fits = [fitted(each, FURTHER) for each in starts if each is not None]
         settling = (settled(each, below=point.misfit) for each in fits)
         best = min(settling, key=lambda each: each.misfit, default=point)
@@ -77,6 +77,14 @@ def deepest(given: Point, point: Point, name: str) -> Point:
             break
         point = best
     return point
+
+
+def _resized(point: Point, name: str, share: float) -> np.ndarray:
+    """x with an effect so many times as large within its range, its shape as it is, (size,)."""
+    space, x = point.ground.model.space, point.x.copy()
+    places = [space.place(each) for each in amplitude_names(space.effects[name])]
+    x[places] = np.clip(share * x[places], space.low[places], space.high[places])
+    return x
 
 
 def turning(point: Point, effects: Sequence[str]) -> list[str]:
