@@ -1,19 +1,22 @@
 """Effects found from far off, what runs differ in both ways, and noise that was told too large."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from sled import KNOWN, Sled, effect, recordings
 
 from hannes._jit import kernel
+from hannes.catalogue import effects
 from hannes.diagnosis import far
-from hannes.diagnosis.far import deepest, from_afar, turning
+from hannes.diagnosis.far import _resized, deepest, from_afar, turning
 from hannes.diagnosis.fit import fitted
 from hannes.diagnosis.investigation import investigate
 from hannes.diagnosis.point import run_to_run
 from hannes.diagnosis.refits import placed
 from hannes.diagnosis.settings import Settings
+from hannes.diagnosis.space import Space
 from hannes.diagnosis.weighing import lowered
 from hannes.parameter import Parameter
 
@@ -116,3 +119,17 @@ def test_noise_told_too_large_counts_less_and_what_runs_differ_in_as_told(shifte
         gains[name] = lowered(there, nothing, 0.7) / lowered(there, nothing, 1.0)
     assert gains["noise"] == pytest.approx(1.0 / 0.7, rel=0.05)
     assert gains["runs"] < 1.1, gains
+
+
+def test_about_a_fit_an_effect_is_resized_within_its_range_and_keeps_its_shape():
+    ripple = effects()["torque_ripple"]
+    space = Space(Sled(), [], Settings(), [ripple])
+    x = np.zeros(space.size)
+    names = [ripple.full_name(name) for name in ("amplitude", "cycles", "phase")]
+    amplitude, *shape = (space.place(name) for name in names)
+    x[amplitude], x[shape] = 0.9 * space.high[amplitude], (2.0, 3.0)
+    point = SimpleNamespace(ground=SimpleNamespace(model=SimpleNamespace(space=space)), x=x)
+    smaller, larger = (_resized(point, "torque_ripple", share) for share in (0.8, 1.25))
+    assert smaller[amplitude] == pytest.approx(0.8 * x[amplitude])
+    assert larger[amplitude] == space.high[amplitude]
+    assert (smaller[shape] == x[shape]).all() and (larger[shape] == x[shape]).all()
