@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from sled import KNOWN, Sled, effect, recordings
+from sled import KNOWN, TURBULENCE, Sled, effect, recordings
 
 from hannes._jit import kernel
 from hannes.catalogue import effects
@@ -15,9 +15,11 @@ from hannes.diagnosis.fit import fitted
 from hannes.diagnosis.investigation import investigate
 from hannes.diagnosis.point import run_to_run
 from hannes.diagnosis.refits import placed
+from hannes.diagnosis.screen import ALL_SIZES, stepped
 from hannes.diagnosis.settings import Settings
 from hannes.diagnosis.space import Space
 from hannes.diagnosis.weighing import lowered
+from hannes.effect import Effect, Term
 from hannes.parameter import Parameter
 
 ELSEWHERE = 0.07  # m
@@ -133,3 +135,32 @@ def test_about_a_fit_an_effect_is_resized_within_its_range_and_keeps_its_shape()
     assert smaller[amplitude] == pytest.approx(0.8 * x[amplitude])
     assert larger[amplitude] == space.high[amplitude]
     assert (smaller[shape] == x[shape]).all() and (larger[shape] == x[shape]).all()
+
+
+@kernel
+def lopsided(forward, backward, speed):
+    """Quadratic drag, told by a size above 0 one way and one below 0 the other [N]."""
+    return -(forward if speed > 0.0 else -backward) * speed * abs(speed)
+
+
+LOPSIDED = Effect(
+    "lopsided", "made for a test", "F += ...", "none (2026)",
+    (
+        Parameter("forward", 0.0, "N s^2/m^2", (0.0, 30.0), "ahead", off=0.0),
+        Parameter("backward", 0.0, "N s^2/m^2", (-30.0, 0.0), "astern", off=0.0),
+    ),
+    (Term(lopsided, ("force",)),),
+)  # fmt: skip
+
+
+def test_amplitudes_of_one_side_each_are_tried_each_on_its_own_side():
+    entries = [e for e in recordings(4, ((TURBULENCE, 2.0),)) if e.role != "show"]
+    found = investigate(Sled(), entries, [KNOWN["hardening"], LOPSIDED], Settings(0.02, 0.005), 0)
+    steps = stepped(found.base, "lopsided", ALL_SIZES)
+    assert [each.tolist() for each in steps] == [[s, -s] for s in (1.0, 8.0, 25.0)]
+    space = found.base.ground.model.space
+    point = found.trials[0].point
+    values = [point.x[k] * space.directions[k].scale for k in space.of("lopsided")]
+    assert found.trials[0].effects == ("lopsided",)
+    assert values == pytest.approx([2.0, -2.0], rel=0.1)
+    assert turning(found.given, ["lopsided"]) == []

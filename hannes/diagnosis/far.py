@@ -15,7 +15,7 @@ import numpy as np
 from hannes.diagnosis.fit import fitted, settled
 from hannes.diagnosis.point import Point
 from hannes.diagnosis.refits import Fits, Told, placed
-from hannes.diagnosis.screen import Guess, amplitude_names, projected, secants, shapes
+from hannes.diagnosis.screen import Guess, amplitude_names, projected, secants, shapes, stepped
 
 TURNED = 0.3  # cosine of the marks of a small and a large size, below which one tells not the other
 LARGE = 8.0  # steps
@@ -107,12 +107,12 @@ def _turned(small: np.ndarray, large: np.ndarray) -> bool:
 
 def _marks(point: Point, effects: Sequence[str], size: float) -> dict[str, np.ndarray]:
     """Whitened change by each amplitude at a size, per step, of effects whose range it is in."""
-    space = point.ground.model.space
-    trials = []
-    for name in effects:
-        places = [space.place(each) for each in amplitude_names(space.effects[name])]
-        if all(space.low[k] <= size <= space.high[k] for k in places):
-            trials.append((name, shapes(space.effects[name])[0], size))
+    known = point.ground.model.space.effects
+    trials = [
+        (name, shapes(known[name])[0], steps)
+        for name in effects
+        for steps in stepped(point, name, (1.0, size))[1:]
+    ]
     found = secants(point, trials) if trials else []
     return {name: rows for (name, _, _), rows in zip(trials, found, strict=True)}
 

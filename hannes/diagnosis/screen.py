@@ -37,30 +37,35 @@ class Guess:
 
 def screened(point: Point, effects: Sequence[str], sizes: Sequence[float] = SMALL) -> list[Guess]:
     """The best guess for each effect, the largest gain first."""
-    sides = {name: 1.0 if _allowed(point, name, sizes[0]) else -1.0 for name in effects}
     trials = [
-        (name, shape, sides[name] * size)
+        (name, shape, steps)
         for name in effects
         for k, shape in enumerate(shapes(point.ground.model.space.effects[name]))
-        for size in (sizes if k == 0 else sizes[:1])
-        if _allowed(point, name, sides[name] * size)
+        for steps in stepped(point, name, sizes if k == 0 else sizes[:1])
     ]
     guesses: dict[str, Guess] = {}
     if not trials:
         return []
-    for (name, shape, size), rows in zip(trials, secants(point, trials), strict=True):
+    for (name, shape, steps), rows in zip(trials, secants(point, trials), strict=True):
         for twin, side in _twins(point.ground.model.space.effects[name], shape):
-            found = _guess(point, name, twin, side * rows, size)
+            found = _guess(point, name, twin, side * rows, abs(steps[0]))
             if name not in guesses or found.gain > guesses[name].gain:
                 guesses[name] = found
     return sorted(guesses.values(), key=lambda each: -each.gain)
 
 
-def _allowed(point: Point, name: str, size: float) -> bool:
-    """Tell whether all amplitudes of an effect may be of a size."""
+def stepped(point: Point, name: str, sizes: Sequence[float]) -> list[np.ndarray]:
+    """Steps of an effect's amplitudes at each size that their ranges hold, each (amplitudes,).
+
+    An amplitude whose range does not hold the first size is tried with the sign turned.
+    """
     space = point.ground.model.space
     places = [space.place(each) for each in amplitude_names(space.effects[name])]
-    return all(space.low[place] <= size <= space.high[place] for place in places)
+    low, high = space.low[places], space.high[places]
+    sides = np.where((low <= sizes[0]) & (sizes[0] <= high), 1.0, -1.0)
+    return [
+        sides * size for size in sizes if np.all((low <= sides * size) & (sides * size <= high))
+    ]
 
 
 def shapes(effect: Effect) -> list[dict[str, float]]:
@@ -91,21 +96,22 @@ def _spread(low: float, high: float, count: int) -> np.ndarray:
 
 
 def secants(
-    point: Point, trials: Sequence[tuple[str, dict[str, float], float]]
+    point: Point, trials: Sequence[tuple[str, dict[str, float], np.ndarray]]
 ) -> list[np.ndarray]:
     """Whitened change of all groups per step of each trial's amplitudes, shape (amplitudes, N)."""
     model, x = point.ground.model, point.x
-    rows, spans, steps = list[np.ndarray](), [], []
-    for name, shape, size in trials:
+    rows, spans, steps = list[np.ndarray](), [], list[float]()
+    for name, shape, sizes in trials:
         amplitudes = [model.space.place(n) for n in amplitude_names(model.space.effects[name])]
-        rows += [_at(model, x, shape, place, size) for place in amplitudes]
-        steps += [size] * len(amplitudes)
+        pairs = zip(amplitudes, map(float, sizes), strict=True)
+        rows += [_at(model, x, shape, place, size) for place, size in pairs]
+        steps += sizes.tolist()
         spans.append(len(amplitudes))
-    stacked, sizes = np.array(rows), np.array(steps)[:, np.newaxis]
+    stacked, per_step = np.array(rows), np.array(steps)[:, np.newaxis]
     changes = []
     for group in model.groups:
-        made = _changes(model, group, x, stacked, float(np.abs(sizes).max()))
-        changes.append(np.nan_to_num(made / sizes, posinf=0.0, neginf=0.0))
+        made = _changes(model, group, x, stacked, float(np.abs(per_step).max()))
+        changes.append(np.nan_to_num(made / per_step, posinf=0.0, neginf=0.0))
     whole = point.ground.together(changes)
     return np.split(whole, np.cumsum(spans)[:-1])
 
@@ -155,8 +161,8 @@ def _guess(
     bounds = (model.space.low[places] - 1e-9, model.space.high[places] + 1e-9)
     found = lsq_linear(root.T, np.linalg.solve(root, pull), bounds).x
     gain = float(2.0 * pull @ found - found @ curvature @ found)
-    ratio = float(np.abs(found).max() / abs(size))
-    if ratio > HOLDS or (ratio < 1.0 / HOLDS and abs(size) > SMALL[0]):
+    ratio = float(np.abs(found).max() / size)
+    if ratio > HOLDS or (ratio < 1.0 / HOLDS and size > SMALL[0]):
         gain *= 0.5  # a guess by a secant of another size
     own = model.space.of(name)
     x = _shaped(model, np.zeros(model.space.size), shape)
