@@ -33,7 +33,7 @@ class Kind:
         return f"{self.what}, {self.protocol}{scatter}"
 
 
-KINDS = (
+KINDS = (  # a first look has no rich case with anything hidden: those take minutes
     Kind("closures", "closures", (12, 1)),
     Kind("single", "poor", (60, 1)),
     Kind("single", "poor, duty", (40, 1)),
