@@ -10,7 +10,7 @@ from sled import KNOWN, TURBULENCE, Sled, effect, recordings
 from hannes._jit import kernel
 from hannes.catalogue import effects
 from hannes.diagnosis import far
-from hannes.diagnosis.far import _resized, deepest, from_afar, turning
+from hannes.diagnosis.far import _marks, _resized, deepest, from_afar, turning
 from hannes.diagnosis.fit import fitted
 from hannes.diagnosis.investigation import investigate
 from hannes.diagnosis.point import run_to_run
@@ -163,4 +163,5 @@ def test_amplitudes_of_one_side_each_are_tried_each_on_its_own_side():
     values = [point.x[k] * space.directions[k].scale for k in space.of("lopsided")]
     assert found.trials[0].effects == ("lopsided",)
     assert values == pytest.approx([2.0, -2.0], rel=0.1)
+    assert _marks(found.given, ["lopsided"], -8.0)["lopsided"].shape[0] == 2
     assert turning(found.given, ["lopsided"]) == []
