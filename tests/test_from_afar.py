@@ -163,5 +163,5 @@ def test_amplitudes_of_one_side_each_are_tried_each_on_its_own_side():
     values = [point.x[k] * space.directions[k].scale for k in space.of("lopsided")]
     assert found.trials[0].effects == ("lopsided",)
     assert values == pytest.approx([2.0, -2.0], rel=0.1)
-    assert _marks(found.given, ["lopsided"], -8.0)["lopsided"].shape[0] == 2
+    assert _marks(found.given, ["lopsided"], 8.0)["lopsided"].shape[0] == 2
     assert turning(found.given, ["lopsided"]) == []
