@@ -103,7 +103,7 @@ def secants(
     rows, spans, steps = list[np.ndarray](), [], list[float]()
     for name, shape, sizes in trials:
         amplitudes = [model.space.place(n) for n in amplitude_names(model.space.effects[name])]
-        pairs = zip(amplitudes, map(float, sizes), strict=True)
+        pairs = zip(amplitudes, sizes.tolist(), strict=True)
         rows += [_at(model, x, shape, place, size) for place, size in pairs]
         steps += sizes.tolist()
         spans.append(len(amplitudes))
