@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.harness import Row, table
-from hannes.files import write_text
+from hannes.core.io.atomic_files import write_text
 
 NAMES = ("accuracy_work", "parts", "peers", "batch", "start", "recognition")
 FOLDER = Path(__file__).parent

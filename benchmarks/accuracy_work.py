@@ -16,13 +16,13 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks.harness import Row, main, must_show
-from hannes.experiment import Experiment
-from hannes.hand import Hand
-from hannes.ivp import Initial
-from hannes.plan import Plan
-from hannes.simulate import simulate
-from hannes.spec import load_experiment
-from hannes.trajectory import Trajectory
+from hannes.simulation.compiled_call import Plan
+from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.experiment.load import load_experiment
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.integrate import Initial
+from hannes.simulation.simulate import simulate
+from hannes.simulation.trajectory import Trajectory
 
 RESAMPLES = 400
 TRACES = ("current", "force", "leader_tension")

@@ -1,4 +1,6 @@
-"""Which effects of the catalogue leave alike marks, in both protocols: hannes/alike.toml.
+"""Which effects of the catalogue leave alike marks, in both protocols.
+
+What ships of it: hannes/identification/confusability.toml.
 
 python -m benchmarks.alike
 
@@ -16,17 +18,17 @@ import tomli_w
 
 from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.protocol import PROTOCOLS
-from hannes.alike import FILE
-from hannes.campaign import read_campaign
-from hannes.diagnosis.base import FINE
-from hannes.diagnosis.deep import candidates
-from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.model import Model
-from hannes.diagnosis.point import Point, first
-from hannes.diagnosis.screen import likeness, screened
-from hannes.diagnosis.settings import read_settings
-from hannes.diagnosis.space import Space
-from hannes.files import write_text
+from hannes.campaigns.campaign_file import read_campaign
+from hannes.core.io.atomic_files import write_text
+from hannes.identification.confusability import FILE
+from hannes.identification.diagnosis.baseline import FINE
+from hannes.identification.diagnosis.campaign_diagnosis import candidates
+from hannes.identification.diagnosis.linearisation import Point, first
+from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.repeat_groups import grouped
+from hannes.identification.diagnosis.score_test import likeness, screened
+from hannes.identification.diagnosis.settings import read_settings
+from hannes.identification.diagnosis.simulator import Model
 
 SEED = 4_000_000  # no study has it
 TOLD = {"poor": "six free closures, six on the dynamometer", "rich": "sixteen runs, duty logged"}

@@ -22,9 +22,9 @@ from tqdm import tqdm
 from benchmarks.accuracy_work import TRACES, errors
 from benchmarks.harness import Row, aligned, interval, main, must_show, peak_mib
 from hannes import Hand, effects, load_experiment, simulate, simulate_many
-from hannes.effect import Effect
-from hannes.experiment import CONTROLLERS, Experiment
-from hannes.hand import EQUATIONS
+from hannes.core.effect import Effect
+from hannes.simulation.experiment.experiment import CONTROLLERS, Experiment
+from hannes.simulation.hand.hand import EQUATIONS
 
 # Tolerance and sampling [Hz] of what is asked for.
 SETTINGS = ((1e-2, 100.0), (1e-2, 1000.0), (1e-3, 1000.0), (1e-4, 1000.0))

@@ -8,11 +8,11 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks.harness import Row, must_show
+from hannes.core.errors import BadInput
 from hannes.dataset.read import read
-from hannes.errors import BadInput
 from hannes.recognition import model_file
 from hannes.recognition.features import CHANNELS, NAMES
-from hannes.recognition.passages import WHOLE
+from hannes.recognition.hysteresis_features import WHOLE
 
 BYTES = 6  # changed in a file
 Use = Callable[[Path], Any]

@@ -15,10 +15,10 @@ from tqdm import tqdm
 from benchmarks.batch import SMALL, grasp, with_effects
 from benchmarks.harness import Row, aligned, main
 from hannes import Hand, effects, simulate
-from hannes._jit import kernel
-from hannes.assemble import Compiled
-from hannes.hand import EQUATIONS
-from hannes.trajectory import Trajectory
+from hannes.core.kernels.jit import kernel
+from hannes.simulation.compiler.assemble import Compiled
+from hannes.simulation.hand.hand import EQUATIONS
+from hannes.simulation.trajectory import Trajectory
 
 PARTS = ("rates", "Jacobian", "factors", "solution")
 SHIFT = 1e3  # 1/s: of a step of 4 ms

@@ -49,10 +49,10 @@ from benchmarks.mujoco.cases import (
     own_limit,
 )
 from benchmarks.mujoco.elements import Idiom
-from hannes.hand import Hand
-from hannes.simulate import simulate
-from hannes.spec import load_experiment
-from hannes.trajectory import Trajectory
+from hannes.simulation.experiment.load import load_experiment
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
+from hannes.simulation.trajectory import Trajectory
 
 # What is asked: runner, which error [%] and how small, least ratio of its time to ours.
 CONTESTS = (

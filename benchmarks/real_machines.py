@@ -22,9 +22,9 @@ from pathlib import Path
 
 from benchmarks.harness import Row, aligned, main
 from benchmarks.real import axis, finger
-from hannes.campaign import Campaign, read_campaign
-from hannes.diagnose import Diagnosis, diagnose
-from hannes.errors import MissingRecording
+from hannes.campaigns.campaign_file import Campaign, read_campaign
+from hannes.commands.diagnose import Diagnosis, diagnose
+from hannes.core.errors import MissingRecording
 
 PAGES = Path("results/benchmarks/real_machines")
 QUICK = 5  # one of so many conditions

@@ -41,9 +41,9 @@ from benchmarks.recognition_rows import (
 )
 from benchmarks.truth import objects
 from hannes import Experiment, Hand, Reference, Target, simulate_many
+from hannes.core.errors import ComputationFailed
 from hannes.dataset.make import make
 from hannes.dataset.spec import Spec, load_spec, read_spec
-from hannes.errors import ComputationFailed
 from hannes.recognition import model_file
 from hannes.recognition.evaluate import CLASSES, Subject, evaluate, learning_curve
 from hannes.recognition.train import TREES, curve, train

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.harness import Row, interval
+from hannes.core.recording.recording import Recording
 from hannes.recognition.model import WORDS, Model
-from hannes.recording import Recording
 
 SHARES = ("f1_windows", "f1_grasps", "f1_worst", "stable_in_time")
 TURNS = 30  # of which the least counts

@@ -19,8 +19,8 @@ from benchmarks.mujoco import same
 from benchmarks.mujoco.cases import HELPED, TOLERANCES
 from benchmarks.mujoco.engine import Launch, called_back
 from hannes import Hand, load_experiment, simulate, simulate_many
-from hannes.experiment import Experiment
-from hannes.trajectory import Trajectory
+from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.trajectory import Trajectory
 
 GOOD = 1.0  # %, worst error anywhere on current, force and leader tension
 

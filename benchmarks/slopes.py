@@ -13,11 +13,11 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.harness import Row, main
-from hannes.batch import simulate_alike, simulate_many
-from hannes.experiment import Experiment
-from hannes.hand import Hand
-from hannes.hand_plant import HandPlant
-from hannes.spec import load_experiment
+from hannes.plants.hand.plant import HandPlant
+from hannes.simulation.batch.simulate_many import simulate_alike, simulate_many
+from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.experiment.load import load_experiment
+from hannes.simulation.hand.hand import Hand
 
 MOVED = 0.01  # of a value
 LEAST = 1e-6  # A RMS

@@ -12,7 +12,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from hannes.files import write_text
+from hannes.core.io.atomic_files import write_text
 
 Case = tuple[str, int]  # kind and seed
 

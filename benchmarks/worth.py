@@ -18,10 +18,10 @@ from tqdm import tqdm
 from benchmarks.harness import Row
 from benchmarks.truth import campaign, objects
 from benchmarks.truth.parameters import named
-from hannes.campaign import read_campaign
+from hannes.campaigns.campaign_file import read_campaign
+from hannes.commands.diagnose import diagnose
 from hannes.dataset.make import make
 from hannes.dataset.spec import find, read_spec
-from hannes.diagnose import diagnose
 from hannes.recognition.evaluate import CLASSES, Subject, evaluate
 from hannes.recognition.train import TREES, train
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from hannes.cli import main
+from hannes.commands.cli import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -7,9 +7,9 @@ from dataclasses import replace
 from runs import grasp, reference
 
 from benchmarks.truth import effects as second
-from hannes.catalogue import effects
-from hannes.hand import Hand
-from hannes.simulate import simulate
+from hannes.simulation.catalogue import effects
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
 
 CATALOGUE = effects()
 EVERYTHING = Hand(tuple(CATALOGUE))

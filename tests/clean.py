@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from hannes.axis import Axis
-from hannes.hand import Hand
-from hannes.observe import observe
-from hannes.recording import Recording
-from hannes.simulate import simulate
-from hannes.spec import load_experiment
+from hannes.core.recording.recording import Recording
+from hannes.plants.axis.plant import Axis
+from hannes.simulation.experiment.load import load_experiment
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.sensors import observe
+from hannes.simulation.simulate import simulate
 
 NOISE = {"current": 10e-3, "supply": 5e-3, "force": 0.2}
 

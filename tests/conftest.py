@@ -5,7 +5,7 @@ import signal
 import pytest
 from hypothesis import settings
 
-from hannes._jit import compiles
+from hannes.core.kernels.jit import compiles
 
 # A shell's background jobs start with Ctrl-C ignored, and so would all that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)

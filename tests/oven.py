@@ -9,12 +9,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from hannes.campaign import Campaign, Entry
-from hannes.errors import ComputationFailed
-from hannes.parameter import Parameter
-from hannes.plain_plant import PlainPlant
-from hannes.recording import Recording
-from hannes.table import Table
+from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.core.errors import ComputationFailed
+from hannes.core.io.toml_table import Table
+from hannes.core.parameter import Parameter
+from hannes.core.recording.recording import Recording
+from hannes.plants.plain import PlainPlant
 
 UNITS = {"time": "s", "power": "V", "heat": "m", "glow": "1"}
 TIMES = np.arange(0.0, 2.0, 0.01)

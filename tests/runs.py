@@ -4,13 +4,13 @@ import functools
 
 import numpy as np
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.experiment import Experiment, Reference, Target
-from hannes.hand import EQUATIONS, Hand
-from hannes.ivp import HOLD
-from hannes.parameter import Parameter
-from hannes.simulate import simulate
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
+from hannes.simulation.experiment.experiment import Experiment, Reference, Target
+from hannes.simulation.hand.hand import EQUATIONS, Hand
+from hannes.simulation.integrate import HOLD
+from hannes.simulation.simulate import simulate
 
 GRASP = ((0.0, 0.0), (0.637, 9.84), (1.022, 0.0))
 CLOSE = ((0.0, 0.0), (0.8, 14.0))  # winds more wire than the stops leave

@@ -10,14 +10,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from hannes._jit import kernel
-from hannes.campaign import Campaign, Entry
-from hannes.diagnose import diagnose
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
-from hannes.plain_plant import PlainPlant
-from hannes.recording import Recording
-from hannes.table import Table
+from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.commands.diagnose import diagnose
+from hannes.core.effect import Effect, Term
+from hannes.core.io.toml_table import Table
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
+from hannes.core.recording.recording import Recording
+from hannes.plants.plain import PlainPlant
 
 STEP, TIMES = 2e-3, np.arange(500) * 2e-3
 UNITS = {"time": "s", "drive": "N", "position": "m", "speed": "m/s"}

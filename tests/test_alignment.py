@@ -4,9 +4,9 @@ import clean
 import numpy as np
 import pytest
 
-from hannes.alignment import lag_behind
-from hannes.convert import convert
-from hannes.errors import BadInput
+from hannes.campaigns.convert import convert
+from hannes.core.errors import BadInput
+from hannes.core.recording.time_lag import lag_behind
 
 TIME = np.arange(2500) / 1000.0
 ASKED = np.interp(TIME, [0.3, 1.1, 1.4, 2.0], [0.0, 10.0, 10.0, 0.0])

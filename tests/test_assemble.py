@@ -12,20 +12,20 @@ import pytest
 from runs import grasp, worst
 
 import hannes
-from hannes.assemble import assemble
-from hannes.catalogue import effect as find_effect
-from hannes.effect import Effect, Term
-from hannes.errors import BadInput
-from hannes.hand import EQUATIONS, Hand
-from hannes.parameter import Parameter
-from hannes.simulate import simulate
+from hannes.core.effect import Effect, Term
+from hannes.core.errors import BadInput
+from hannes.core.parameter import Parameter
+from hannes.simulation.catalogue import effect as find_effect
+from hannes.simulation.compiler.assemble import assemble
+from hannes.simulation.hand.hand import EQUATIONS, Hand
+from hannes.simulation.simulate import simulate
 
 OWN = '''
 """Effects of a user's own."""
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.layout import Slot
-from hannes.parameter import Parameter
+from hannes.core.kernels.jit import kernel
+from hannes.core.effect import Effect, Term
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter
 
 
 @kernel
@@ -183,9 +183,9 @@ def test_an_effect_that_names_an_unknown_channel_is_refused(tmp_path, case):
     writes, argument, named = REFUSED[case]
     path = tmp_path / "bad.py"
     path.write_text(f"""
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
+from hannes.core.kernels.jit import kernel
+from hannes.core.effect import Effect, Term
+from hannes.core.parameter import Parameter
 
 @kernel
 def odd({argument}, share{"d" if argument == "share" else ""}):
@@ -240,7 +240,7 @@ def sample(t, y, dy, p, c, reference, hold, out):
     hold[0] = 0.0
 ''',
     "springs.py": """
-from hannes._jit import kernel
+from hannes.core.kernels.jit import kernel
 
 
 @kernel
@@ -251,9 +251,9 @@ def restoring(place, stiffness):
 from helper import scaled
 from numbers_of_mine import WEIGHT
 import more_numbers
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
+from hannes.core.kernels.jit import kernel
+from hannes.core.effect import Effect, Term
+from hannes.core.parameter import Parameter
 
 @kernel
 def inner(place):
@@ -272,7 +272,7 @@ EFFECT = Effect(
 )
 """,
     "helper.py": """
-from hannes._jit import kernel
+from hannes.core.kernels.jit import kernel
 
 
 @kernel
@@ -285,9 +285,9 @@ def scaled(x):
 import json
 import numpy as np
 import plant
-from hannes.assemble import Equations, assemble
-from hannes.catalogue import effect
-from hannes.layout import Layout, Slot
+from hannes.simulation.compiler.assemble import Equations, assemble
+from hannes.simulation.catalogue import effect
+from hannes.core.layout import Layout, Slot
 
 
 def layout(*names):

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from hannes import measured
-from hannes._jit import kernel
-from hannes.assemble import assemble
-from hannes.axis import EQUATIONS, Axis, start_state
-from hannes.axis_record import load
-from hannes.catalogue import effect
-from hannes.effect import Effect, Term
-from hannes.errors import BadInput, MissingRecording
-from hannes.parameter import Parameter
-from hannes.recording import Recording
+from hannes.campaigns import third_party
+from hannes.core.effect import Effect, Term
+from hannes.core.errors import BadInput, MissingRecording
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
+from hannes.core.recording.recording import Recording
+from hannes.plants.axis.matlab_file import load
+from hannes.plants.axis.plant import EQUATIONS, Axis, start_state
+from hannes.simulation.catalogue import effect
+from hannes.simulation.compiler.assemble import assemble
 
 
 def swing(duration: float = 2.0) -> Recording:
@@ -26,7 +26,7 @@ def swing(duration: float = 2.0) -> Recording:
 
 def emps(name: str) -> Recording:
     try:
-        return load(measured.folder("emps") / name)
+        return load(third_party.folder("emps") / name)
     except MissingRecording as error:
         pytest.skip(f"needs the EMPS recordings: {error}")
 

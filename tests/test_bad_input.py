@@ -2,10 +2,10 @@
 
 import pytest
 
-from hannes import library
-from hannes.cli import main
+from hannes.commands.cli import main
+from hannes.simulation.experiment import shipped
 
-BALL = library.find("soft-ball").read_text(encoding="utf-8")
+BALL = shipped.find("soft-ball").read_text(encoding="utf-8")
 
 
 def refused(capsys, arguments, status=2):

@@ -15,19 +15,20 @@ import pytest
 from runs import BREAK, grasp
 from scipy.integrate import solve_ivp
 
-from hannes import entries, windows
-from hannes._jit import kernel
-from hannes.batch import simulate_alike, simulate_many
-from hannes.effect import Effect, Term
-from hannes.entries import LONGEST, TOO_MANY
-from hannes.errors import BadInput, ComputationFailed
-from hannes.hand import Hand
-from hannes.ivp import HOLD, tolerances
-from hannes.parameter import Parameter
-from hannes.plan import ended
-from hannes.rodas.solver import Rodas
-from hannes.simulate import simulate
-from hannes.trajectory import Outcome
+from hannes.core.effect import Effect, Term
+from hannes.core.errors import BadInput, ComputationFailed
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
+from hannes.simulation.batch import chunks
+from hannes.simulation.batch.simulate_many import simulate_alike, simulate_many
+from hannes.simulation.compiled_call import ended
+from hannes.simulation.compiler import entry_points
+from hannes.simulation.compiler.entry_points import LONGEST, TOO_MANY
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.integrate import HOLD, tolerances
+from hannes.simulation.rodas.scipy_solver import Rodas
+from hannes.simulation.simulate import simulate
+from hannes.simulation.trajectory import Outcome
 
 CHANNELS = ("current", "force", "phalanx_force", "joint_angle", "motor_speed")
 COUNT = 7
@@ -91,7 +92,7 @@ def test_columns_give_the_bits_of_simulate(controller, columns):
 @pytest.mark.parametrize("most", [1, 2, 5])
 def test_windows_of_any_size_give_the_same_bits(monkeypatch, most):
     expected = list(simulate_many(Hand(), grasp(duration=0.4), COLUMNS, workers=1))
-    monkeypatch.setattr(windows, "MOST", most)
+    monkeypatch.setattr(chunks, "MOST", most)
     found = simulate_many(Hand(), grasp(duration=0.4), COLUMNS, workers=2)
     for mine, theirs in zip(found, expected, strict=True):
         assert np.array_equal(mine["force"], theirs["force"])
@@ -149,7 +150,7 @@ def test_where_the_first_one_fails_each_takes_its_own_steps_on_any_cores(monkeyp
     table["motor.resistance"] = np.linspace(3.0, 3.3, COUNT)
     asked = {"channels": ("current",), "rtol": 1e-4}
     alone = list(simulate_many(hand, grasp(duration=0.3), table, **asked, progress=False))
-    monkeypatch.setattr("hannes.batch._cores", lambda: cores)
+    monkeypatch.setattr("hannes.simulation.batch.simulate_many._cores", lambda: cores)
     found = simulate_alike(hand, grasp(duration=0.3), table, **asked)
     assert found[0].outcome is not Outcome.COMPLETED
     for mine, theirs in zip(found[1:], alone[1:], strict=True):
@@ -160,7 +161,7 @@ def test_where_the_first_one_fails_each_takes_its_own_steps_on_any_cores(monkeyp
 def test_grasps_by_the_first_ones_steps_have_the_same_bits_on_any_cores(monkeypatch, cores):
     asked = {"channels": ("force",), "rtol": 1e-3}
     expected = simulate_alike(Hand(), grasp(duration=0.4), COLUMNS, **asked)
-    monkeypatch.setattr("hannes.batch._cores", lambda: cores)
+    monkeypatch.setattr("hannes.simulation.batch.simulate_many._cores", lambda: cores)
     found = simulate_alike(Hand(), grasp(duration=0.4), COLUMNS, **asked)
     for mine, theirs in zip(found, expected, strict=True):
         assert mine.number == theirs.number
@@ -264,8 +265,8 @@ def test_a_grasp_that_takes_many_times_the_steps_of_the_first_ends_there():
     found = simulate_alike(hand, grasp(duration=0.3), table, **asked)
     assert [each.outcome for each in found[::2]] == [Outcome.COMPLETED] * 2
     assert found[1].outcome is Outcome.SOLVER_GAVE_UP and "Not near" in found[1].message
-    most = entries.APART * found[0].cost.jacobians
-    assert found[1].cost.jacobians <= most + entries.RUN
+    most = entry_points.APART * found[0].cost.jacobians
+    assert found[1].cost.jacobians <= most + entry_points.RUN
 
 
 REFUSED = {

@@ -7,8 +7,8 @@ import numpy as np
 from benchmarks.__main__ import NAMES, machine, page
 from benchmarks.batch import columns, ratio, with_effects
 from benchmarks.harness import aligned, interval, must_show, peak_mib, table
-from hannes.catalogue import effects
-from hannes.hand import Hand
+from hannes.simulation.catalogue import effects
+from hannes.simulation.hand.hand import Hand
 
 ROWS = [{"what": "a", "ms": 1.5}, {"what": "b", "ms": 2.0, "more": "x"}]
 BOUNDS = [

@@ -7,12 +7,12 @@ import pytest
 from scipy.optimize import lsq_linear
 from sled import STIFFER, TURBULENCE, Sled, recordings
 
-from hannes.diagnosis import investigation
-from hannes.diagnosis.far import bent_to
-from hannes.diagnosis.fit import newton_step
-from hannes.diagnosis.investigation import investigate
-from hannes.diagnosis.screen import screened
-from hannes.diagnosis.settings import Settings
+from hannes.identification.diagnosis import effect_search
+from hannes.identification.diagnosis.effect_search import investigate
+from hannes.identification.diagnosis.gauss_newton import newton_step
+from hannes.identification.diagnosis.global_starts import bent_to
+from hannes.identification.diagnosis.score_test import screened
+from hannes.identification.diagnosis.settings import Settings
 
 
 def point(columns, miss, x, low, high):
@@ -79,10 +79,10 @@ def test_a_base_bends_to_what_its_values_can_do(base):
 def test_what_a_base_bends_to_is_put_into_the_machine_as_given(monkeypatch):
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
     asked = []
-    monkeypatch.setattr(investigation, "from_afar", lambda *_: {})
-    monkeypatch.setattr(investigation, "bent_to", lambda base, guess: guess.gain > 0.0)
+    monkeypatch.setattr(effect_search, "from_afar", lambda *_: {})
+    monkeypatch.setattr(effect_search, "bent_to", lambda base, guess: guess.gain > 0.0)
     monkeypatch.setattr(
-        investigation, "put_in", lambda given, base, names, told: asked.append(names) or {}
+        effect_search, "put_in", lambda given, base, names, told: asked.append(names) or {}
     )
     investigate(Sled(), entries, [TURBULENCE], Settings(0.02, 0.005), 0)
     assert asked[0] == ["turbulence"]

@@ -8,13 +8,13 @@ import numpy as np
 import oven
 import pytest
 
-from hannes.calibrate import calibrate
-from hannes.calibration import least, search
-from hannes.calibration.features import measure
-from hannes.calibration.result import told
-from hannes.campaign import Campaign, Entry
-from hannes.errors import BadInput, ComputationFailed
-from hannes.recording import Recording
+from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.commands.calibrate import calibrate
+from hannes.core.errors import BadInput, ComputationFailed
+from hannes.core.recording.recording import Recording
+from hannes.identification.calibration import least_squares, search
+from hannes.identification.calibration.result import told
+from hannes.identification.grasp_features import measure
 
 TRUE = {"oven.gain": 2.5, "oven.time": 0.62, "oven.offset": 0.3}
 THREE = list(TRUE)
@@ -234,7 +234,7 @@ def test_interrupted_while_it_tells_its_intervals_the_fit_is_kept(monkeypatch, t
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["hannes.calibrate"], part, interrupted)
+    monkeypatch.setattr(sys.modules["hannes.commands.calibrate"], part, interrupted)
     found = calibrate(made, out=tmp_path / "out", progress=False)
     assert found.plain()["status"] == "interrupted" and found.gap == found.fitted_gap == {}
     for name, answer in by_name(found).items():
@@ -301,7 +301,7 @@ def test_a_machine_that_cannot_be_simulated_as_given_is_a_failed_computation():
 
 
 def test_a_search_that_does_not_settle_is_a_failed_computation(monkeypatch):
-    monkeypatch.setattr(least, "MOST_EVALUATIONS", 2)
+    monkeypatch.setattr(least_squares, "MOST_EVALUATIONS", 2)
     monkeypatch.setattr(search, "ROUNDS", 2)
     far = {"oven.gain": 9.0, "oven.time": 3.0, "oven.offset": 4.0}
     with pytest.raises(ComputationFailed, match="did not settle"):

@@ -7,12 +7,12 @@ import numpy as np
 import oven
 import pytest
 
-from hannes.axis import Axis
-from hannes.calibrate import calibrate
-from hannes.calibration.view import View
-from hannes.campaign import Entry
-from hannes.cli import main
-from hannes.errors import BadInput
+from hannes.campaigns.campaign_file import Entry
+from hannes.commands.calibrate import calibrate
+from hannes.commands.cli import main
+from hannes.core.errors import BadInput
+from hannes.identification.binned_run import View
+from hannes.plants.axis.plant import Axis
 
 ASKED = 'parameters = ["motor.dry_friction"]'
 
@@ -117,7 +117,7 @@ def test_honest_recordings_are_not_refused(tmp_path, monkeypatch):
     def run(_):
         raise Reached
 
-    monkeypatch.setattr("hannes.calibration.search.Search.run", run)
+    monkeypatch.setattr("hannes.identification.calibration.search.Search.run", run)
     with pytest.raises(Reached):
         main(campaign(tmp_path, closures()))
 
@@ -166,8 +166,8 @@ def test_a_kind_that_no_check_knows_cannot_be_accepted():
 
 
 def test_a_fit_that_does_not_settle_says_what_to_try(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("hannes.calibration.least.MOST_EVALUATIONS", 2)
-    monkeypatch.setattr("hannes.calibration.search.ROUNDS", 2)
+    monkeypatch.setattr("hannes.identification.calibration.least_squares.MOST_EVALUATIONS", 2)
+    monkeypatch.setattr("hannes.identification.calibration.search.ROUNDS", 2)
     far = {"oven.gain": 9.0, "oven.time": 3.0, "oven.offset": 4.0}
     runs = [each.recording for each in oven.campaign(2, far).entries]
     asked = 'parameters = ["oven.gain", "oven.time", "oven.offset"]'

@@ -9,18 +9,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hannes import hand_plant, hand_runs, library, measured
-from hannes.calibrate import calibrate
-from hannes.calibration.model import Model
-from hannes.calibration.state import JERK
-from hannes.calibration.view import BIN, View
-from hannes.campaign import Entry, read_campaign
-from hannes.cli import main
-from hannes.errors import MissingRecording
-from hannes.hand import Hand
-from hannes.hand_file import load_hand
-from hannes.recording import Recording
-from hannes.virtual import virtual_recordings
+from hannes.campaigns import third_party
+from hannes.campaigns.campaign_file import Entry, read_campaign
+from hannes.commands.calibrate import calibrate
+from hannes.commands.cli import main
+from hannes.core.errors import MissingRecording
+from hannes.core.recording.recording import Recording
+from hannes.identification.binned_run import BIN, View
+from hannes.identification.calibration.linearisation import JERK
+from hannes.identification.calibration.simulator import Model
+from hannes.plants.hand import batch_runs
+from hannes.plants.hand import plant as hand_plant
+from hannes.simulation.experiment import shipped as library
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.hand_file import load_hand
+from hannes.simulation.virtual_recordings import virtual_recordings
 
 
 def test_virtual_recordings_do_not_tell_what_made_them():
@@ -100,7 +103,7 @@ def test_closing_time_and_position_tell_none_of_the_papers_frictions():
 @pytest.mark.slow
 def test_the_real_axis_refitted_predicts_the_other_file():
     try:
-        measured.folder("emps")
+        third_party.folder("emps")
     except MissingRecording as missing:
         pytest.skip(f"needs the EMPS recordings: {missing}")
     found = calibrate("emps", progress=False)
@@ -140,7 +143,7 @@ def interrupting(monkeypatch, text):
 
         yield told
 
-    monkeypatch.setattr(sys.modules["hannes.calibrate"], "_bar", bar)
+    monkeypatch.setattr(sys.modules["hannes.commands.calibrate"], "_bar", bar)
     return misfits
 
 
@@ -148,7 +151,7 @@ def test_a_campaign_of_another_plant_is_refused(tmp_path):
     campaign = tmp_path / "campaign.toml"
     file = shipped_runs("closure-runs")
     campaign.write_text(f'plant = "axis"\n[[recording]]\nfile = "simulated:{file}"\n')
-    from hannes.errors import BadInput
+    from hannes.core.errors import BadInput
 
     with pytest.raises(BadInput, match="a recording of the plant"):
         read_campaign(campaign)
@@ -200,11 +203,11 @@ def test_quick_runs_of_firmware_are_as_good_as_those_of_a_plant(monkeypatch):
     columns = {"motor.dry_friction": shipped.parameters["motor.dry_friction"] * shares}
 
     def mean_force() -> np.ndarray:
-        made = hand_runs.many(shipped, asked, run, columns, ("force",), exact=True)
+        made = batch_runs.many(shipped, asked, run, columns, ("force",), exact=True)
         return np.mean([each["force"] for each in made], axis=0)
 
     used = mean_force()
-    monkeypatch.setattr(hand_runs, "TOLERANCE", 1e-7)
+    monkeypatch.setattr(batch_runs, "TOLERANCE", 1e-7)
     exact = mean_force()
     assert np.sqrt(np.mean((used - exact) ** 2)) < 1.2e-4 * exact.max()
 
@@ -217,11 +220,11 @@ def test_slopes_along_what_does_little_are_no_noise(monkeypatch):
     more = {"motor.inductance": usual * np.array([1.0, 0.98, 1.01, 1.015, 1.02, 1.03])}
 
     def slopes(tolerance):
-        monkeypatch.setattr(hand_runs, "TOLERANCE", tolerance)
+        monkeypatch.setattr(batch_runs, "TOLERANCE", tolerance)
         runs = [each["current"] for each in plant.many(more, run, ("current",), exact=False)]
         return np.array(runs[1:]) - runs[0]
 
-    used, wide, right = map(slopes, (hand_runs.TOLERANCE, hand_runs.WIDE, 1e-8))
+    used, wide, right = map(slopes, (batch_runs.TOLERANCE, batch_runs.WIDE, 1e-8))
     size = np.linalg.norm(right, axis=1)  # one pair's noise is as it happens: the middle of five
     assert np.median(np.linalg.norm(used - right, axis=1) / size) < 0.7
     assert np.median(np.linalg.norm(wide - right, axis=1) / size) > 2.0

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.calibrating.cases import NINE, ONE_RUN, QUICK, case
 from benchmarks.truth.protocol import DYNAMOMETER, PAPER, RICH, Condition, Protocol
-from hannes.calibrate import calibrate
+from hannes.commands.calibrate import calibrate
 
 DAMPING = "object.damping"
 FOUR = ("motor.torque_constant", "motor.resistance", "motor.dry_friction", "gear.pulley_radius")

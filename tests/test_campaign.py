@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hannes.campaign import Campaign, Entry, campaign_file, read_campaign, with_roles
-from hannes.errors import BadInput
-from hannes.experiment_file import experiment_text
-from hannes.hand_plant import HandPlant
-from hannes.recording import Recording
+from hannes.campaigns.campaign_file import Campaign, Entry, campaign_file, read_campaign, with_roles
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
+from hannes.plants.hand.plant import HandPlant
+from hannes.simulation.experiment.reader import experiment_text
 
 TIME = np.arange(0.0, 0.4, 2e-3)
 

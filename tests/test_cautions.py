@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hannes.axis import Axis
-from hannes.campaign import read_campaign
-from hannes.cautions import cautions
-from hannes.decision import lacking
-from hannes.diagnose import diagnose
-from hannes.errors import BadInput
-from hannes.period import period
-from hannes.pieces import cut, floors
-from hannes.recording import Recording
+from hannes.campaigns.campaign_file import read_campaign
+from hannes.campaigns.periodicity import period
+from hannes.campaigns.segments import cut, floors
+from hannes.campaigns.warnings import cautions
+from hannes.commands.diagnose import diagnose
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
+from hannes.identification.holdout.decision import lacking
+from hannes.plants.axis.plant import Axis
 
 UNITS = {"time": "s", "reference": "m", "position": "m", "drive": "V"}
 

@@ -6,20 +6,21 @@ import clean
 import numpy as np
 import pytest
 
-from hannes import library, measured
-from hannes.axis import Axis
-from hannes.axis_record import load as load_emps
-from hannes.check import check
-from hannes.cli import main
-from hannes.errors import MissingRecording
-from hannes.experiment import Experiment, Reference
-from hannes.findings import sensors
-from hannes.findings.finding import KINDS
-from hannes.hand import Hand
-from hannes.hand_plant import HandPlant
-from hannes.observe import observe
-from hannes.recording import Recording
-from hannes.simulate import simulate
+from hannes.campaigns import third_party
+from hannes.campaigns.check import check
+from hannes.campaigns.quality import sensors
+from hannes.campaigns.quality.finding import KINDS
+from hannes.commands.cli import main
+from hannes.core.errors import MissingRecording
+from hannes.core.recording.recording import Recording
+from hannes.plants.axis.matlab_file import load as load_emps
+from hannes.plants.axis.plant import Axis
+from hannes.plants.hand.plant import HandPlant
+from hannes.simulation.experiment import shipped
+from hannes.simulation.experiment.experiment import Experiment, Reference
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.sensors import observe
+from hannes.simulation.simulate import simulate
 
 CLOSURES = {
     "truth": clean.truth_closure,
@@ -57,7 +58,7 @@ def alarms(recording, plant):
 # --- clean recordings ---
 
 
-@pytest.mark.parametrize("name", library.names())
+@pytest.mark.parametrize("name", shipped.names())
 @pytest.mark.parametrize("noisy", [True, False])
 def test_shipped_experiments_raise_no_alarm(name, noisy):
     if name == "friction-curve":
@@ -75,7 +76,7 @@ def test_closures_of_the_truth_raise_no_alarm(seed, run):
 @pytest.mark.parametrize("file", ["DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"])
 def test_the_real_axis_raises_no_alarm(file):
     try:
-        recording = load_emps(measured.folder("emps") / file)
+        recording = load_emps(third_party.folder("emps") / file)
     except MissingRecording as missing:
         pytest.skip(f"needs the EMPS recordings: {missing}")
     assert alarms(recording, Axis()) == []

@@ -6,8 +6,9 @@ import shlex
 
 import pytest
 
-from hannes import __version__, cli
-from hannes.cli import INTERRUPTED, main
+from hannes import __version__
+from hannes.commands import cli
+from hannes.commands.cli import INTERRUPTED, main
 
 SHORT = """
 duration = "20 ms"
@@ -117,12 +118,12 @@ def test_run_in_words_says_where_the_results_are(tmp_path, monkeypatch, capsys):
 
 
 def test_effects_and_experiments_list_what_there_is(capsys):
-    from hannes import library
-    from hannes.catalogue import effects
+    from hannes.simulation.catalogue import effects
+    from hannes.simulation.experiment import shipped
 
     assert main(["effects"]) == main(["experiments"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert {*effects(), *library.names()} <= set(lines)
+    assert {*effects(), *shipped.names()} <= set(lines)
     for name, each in effects().items():
         assert main(["effects", name]) == 0
         told = capsys.readouterr().out
@@ -130,7 +131,7 @@ def test_effects_and_experiments_list_what_there_is(capsys):
 
 
 def test_ctrl_c_is_one_line_and_keeps_earlier_results(tmp_path, monkeypatch, capsys):
-    import hannes.run
+    import hannes.commands.run
 
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "summary.json").write_text("{}")
@@ -138,7 +139,7 @@ def test_ctrl_c_is_one_line_and_keeps_earlier_results(tmp_path, monkeypatch, cap
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(hannes.run, "observe", stopped)
+    monkeypatch.setattr(hannes.commands.run, "observe", stopped)
     (tmp_path / "my.toml").write_text(SHORT, encoding="utf-8")
     asked = ["run", str(tmp_path / "my.toml"), "--out", str(tmp_path / "out")]
     assert main(asked) == INTERRUPTED
@@ -149,8 +150,8 @@ def test_ctrl_c_is_one_line_and_keeps_earlier_results(tmp_path, monkeypatch, cap
 
 def test_an_error_of_our_own_keeps_its_traceback(monkeypatch):
     """Only what a user can act on becomes a line."""
-    from hannes import library
+    from hannes.simulation.experiment import shipped
 
-    monkeypatch.setattr(library, "names", lambda: 1 / 0)
+    monkeypatch.setattr(shipped, "names", lambda: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         main(["experiments"])

@@ -12,11 +12,11 @@ from scipy.linalg import eigh
 from scipy.optimize import minimize_scalar
 from scipy.special import ellipk
 
-from hannes import onset
-from hannes._jit import plain
 from hannes.contact import penalty, section
+from hannes.core.kernels import smooth_switches
+from hannes.core.kernels.jit import plain
 from hannes.dynamics import finger, friction, joints, wires
-from hannes.hand import Hand
+from hannes.simulation.hand.hand import Hand
 
 FREE = FRICTIONLESS | {"controller.sampled": 1.0}  # duty held at 0: no current flows at rest
 NO_SPRINGS = {
@@ -248,8 +248,8 @@ def test_stops_only_push_back(angle, speed, preload):
 @pytest.mark.parametrize(
     ("switch", "corners"),
     [
-        (lambda x: plain(onset.smoothstep)(x), (0.0, 1.0)),
-        (lambda x: plain(onset.limited)(x, 12.0), (-12.24, -11.76, 11.76, 12.24)),
+        (lambda x: plain(smooth_switches.smoothstep)(x), (0.0, 1.0)),
+        (lambda x: plain(smooth_switches.limited)(x, 12.0), (-12.24, -11.76, 11.76, 12.24)),
     ],
 )
 def test_switches_have_no_corner(switch, corners):
@@ -265,9 +265,9 @@ def test_switches_have_no_corner(switch, corners):
 
 @given(st.floats(-100, 100), st.floats(0.1, 50))
 def test_limited_keeps_to_its_limit_and_leaves_the_inside_alone(x, limit):
-    found = plain(onset.limited)(x, limit)
+    found = plain(smooth_switches.limited)(x, limit)
     assert abs(found) <= limit * (1 + 1e-12)
-    assert found == -plain(onset.limited)(-x, limit)
+    assert found == -plain(smooth_switches.limited)(-x, limit)
     if abs(x) <= 0.98 * limit:
         assert found == x
 

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 import scipy.io
 
-from hannes import measured
-from hannes.axis_record import load as load_emps
-from hannes.cli import main
-from hannes.cli_data import EXAMPLES
-from hannes.convert import SIDECAR, convert, write
-from hannes.errors import BadInput, MissingRecording
-from hannes.experiment_file import parse_experiment
-from hannes.foreign.mapping_file import read_mapping
-from hannes.recording import Recording
+from hannes.campaigns import third_party
+from hannes.campaigns.convert import SIDECAR, convert, write
+from hannes.campaigns.foreign.mapping_file import read_mapping
+from hannes.commands.cli import main
+from hannes.commands.cli_recordings import EXAMPLES
+from hannes.core.errors import BadInput, MissingRecording
+from hannes.core.recording.recording import Recording
+from hannes.plants.axis.matlab_file import load as load_emps
+from hannes.simulation.experiment.reader import parse_experiment
 
 TIME = np.round(np.arange(0.0, 1.0, 0.001), 6)
 POSITION = np.round(4.0 * (1.0 - np.cos(2.0 * np.pi * TIME)), 9)
@@ -161,7 +161,7 @@ def test_hdf5_matlab_and_csv_give_one_recording(tmp_path):
 
 def test_emps_by_a_mapping_is_what_its_own_reader_says(tmp_path):
     try:
-        folder = measured.folder("emps")
+        folder = third_party.folder("emps")
     except MissingRecording as missing:
         pytest.skip(f"needs the EMPS recordings: {missing}")
     mapping = """
@@ -178,7 +178,7 @@ def test_emps_by_a_mapping_is_what_its_own_reader_says(tmp_path):
 
 
 FINGER = """
-from hannes.plain_plant import PlainPlant
+from hannes.plants.plain import PlainPlant
 
 
 class Finger(PlainPlant):

@@ -14,15 +14,15 @@ import h5py
 import numpy as np
 import pytest
 
-from hannes.cli import main
-from hannes.dataset.draw import draw
-from hannes.dataset.file import fingerprint, write
+from hannes.commands.cli import main
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
+from hannes.dataset.hdf5_file import fingerprint, write
 from hannes.dataset.make import Parts, make, numbered
-from hannes.dataset.part import Part, count, made, recorded
 from hannes.dataset.read import read
+from hannes.dataset.sampling import draw
+from hannes.dataset.shard import Part, count, made, recorded
 from hannes.dataset.spec import load_spec, read_spec
-from hannes.errors import BadInput
-from hannes.recording import Recording
 
 REFERENCE = """
 duration = "0.15 s"

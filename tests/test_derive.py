@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from catalogued import CATALOGUE
 
-from hannes._jit import kernel, plain
-from hannes.core_slopes import WRITTEN
-from hannes.derive.alive import alive
-from hannes.derive.arithmetic import LANES
-from hannes.derive.derivation import Derivation
-from hannes.derive.value import Underivable, Value
-from hannes.lanes import direction, exp_minus_one, soft_sign
-from hannes.onset import limited, one_sided
+from hannes.core.kernels.jit import kernel, plain
+from hannes.core.kernels.smooth_switches import limited, one_sided
+from hannes.core.kernels.vector_math import direction, exp_minus_one, soft_sign
+from hannes.simulation.compiler.autodiff.dead_code import alive
+from hannes.simulation.compiler.autodiff.forward import Derivation
+from hannes.simulation.compiler.autodiff.rules import LANES
+from hannes.simulation.compiler.autodiff.values import Underivable, Value
+from hannes.simulation.hand.jacobian.drivetrain_block import WRITTEN
 
 STEP = 1e-6
 
@@ -154,7 +154,7 @@ def test_arrays_that_are_derived_by_cannot_be_handed_on():
     def reads(y):
         return sum(y)
 
-    from hannes.derive.value import Array
+    from hannes.simulation.compiler.autodiff.values import Array
 
     found = Derivation({}, {"f": reads}, {})
     found.cells["y", 0] = Value("y[0]", {0: "1.0"})

@@ -6,15 +6,15 @@ import json
 import numpy as np
 import pytest
 
-from hannes.axis import Axis
-from hannes.catalogue import effect
-from hannes.cli import main
-from hannes.diagnose import diagnose
-from hannes.plant_file import load_model
-from hannes.recording import Recording
-from hannes.refit import Fitted
-from hannes.trial import POWER_80, Trial, smallest_detectable
-from hannes.verdict import Verdict, untold
+from hannes.commands.cli import main
+from hannes.commands.diagnose import diagnose
+from hannes.core.recording.recording import Recording
+from hannes.identification.holdout.effect_test import POWER_80, Trial, smallest_detectable
+from hannes.identification.holdout.least_squares import Fitted
+from hannes.identification.verdict import Verdict, untold
+from hannes.plants.axis.plant import Axis
+from hannes.plants.plant_file import load_model
+from hannes.simulation.catalogue import effect
 
 UNITS = {"time": "s", "reference": "m", "position": "m", "drive": "V"}
 

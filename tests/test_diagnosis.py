@@ -23,15 +23,15 @@ from sled import (
     suction,
 )
 
-from hannes.campaign import Campaign, Entry
-from hannes.diagnose import diagnose
-from hannes.diagnosis.fit import fitted
-from hannes.diagnosis.investigation import Trial, _second, investigate
-from hannes.diagnosis.refits import joined
-from hannes.diagnosis.settings import Settings
-from hannes.effect import Term
-from hannes.parameter import Parameter
-from hannes.recording import Recording
+from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.commands.diagnose import diagnose
+from hannes.core.effect import Term
+from hannes.core.parameter import Parameter
+from hannes.core.recording.recording import Recording
+from hannes.identification.diagnosis.effect_search import Trial, _second, investigate
+from hannes.identification.diagnosis.gauss_newton import fitted
+from hannes.identification.diagnosis.multistart import joined
+from hannes.identification.diagnosis.settings import Settings
 
 
 @pytest.mark.parametrize(("hidden", "size"), [(HARDENING, 900.0), (TURBULENCE, 2.0)])

@@ -19,20 +19,26 @@ from sled import (
     recordings,
 )
 
-from hannes._jit import plain
-from hannes.alike import alike, told
-from hannes.axis import Axis
-from hannes.catalogue import effects
-from hannes.diagnosis import choice as choices
-from hannes.diagnosis import fit, investigation, refits
-from hannes.diagnosis.antedependence import covariance
-from hannes.diagnosis.base import based
-from hannes.diagnosis.choice import DOUBT, MOST, OUTSIDE, _at_end, _explained, _pair, chosen
-from hannes.diagnosis.deep import _masks
-from hannes.diagnosis.drift import drifts
-from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.heldout import held_out
-from hannes.diagnosis.investigation import (
+from hannes.core.errors import BadInput
+from hannes.core.io.toml_table import Table
+from hannes.core.kernels.jit import plain
+from hannes.identification.confusability import alike, told
+from hannes.identification.diagnosis import decision as choices
+from hannes.identification.diagnosis import effect_search, gauss_newton, multistart
+from hannes.identification.diagnosis.antedependence import covariance
+from hannes.identification.diagnosis.baseline import based
+from hannes.identification.diagnosis.campaign_diagnosis import _masks
+from hannes.identification.diagnosis.decision import (
+    DOUBT,
+    MOST,
+    OUTSIDE,
+    _at_end,
+    _explained,
+    _pair,
+    chosen,
+)
+from hannes.identification.diagnosis.drift import drifts
+from hannes.identification.diagnosis.effect_search import (
     FAINT,
     LIMIT,
     Trial,
@@ -41,17 +47,40 @@ from hannes.diagnosis.investigation import (
     _refuted,
     investigate,
 )
-from hannes.diagnosis.nameless import DRAGGING, EASING, EFFECTS, OPENING, SPOKEN, TORQUE
-from hannes.diagnosis.noise import Noise, of_repeats, white_levels
-from hannes.diagnosis.point import differenced
-from hannes.diagnosis.refits import FADING, _crossed, faded, joined, placed, without
-from hannes.diagnosis.remainder import Slow
-from hannes.diagnosis.screen import Guess, _twins, likeness, projected, screened, shapes
-from hannes.diagnosis.settings import Settings, read_settings
-from hannes.diagnosis.strain import strain
-from hannes.errors import BadInput
-from hannes.hand_plant import HandPlant
-from hannes.table import Table
+from hannes.identification.diagnosis.generic_disturbances import (
+    DRAGGING,
+    EASING,
+    EFFECTS,
+    OPENING,
+    SPOKEN,
+    TORQUE,
+)
+from hannes.identification.diagnosis.heldout import held_out
+from hannes.identification.diagnosis.linearisation import differenced
+from hannes.identification.diagnosis.multistart import (
+    FADING,
+    _crossed,
+    faded,
+    joined,
+    placed,
+    without,
+)
+from hannes.identification.diagnosis.noise_model import Noise, of_repeats, white_levels
+from hannes.identification.diagnosis.prior_distance import strain
+from hannes.identification.diagnosis.repeat_groups import grouped
+from hannes.identification.diagnosis.residual_tests import Slow
+from hannes.identification.diagnosis.score_test import (
+    Guess,
+    _twins,
+    likeness,
+    projected,
+    screened,
+    shapes,
+)
+from hannes.identification.diagnosis.settings import Settings, read_settings
+from hannes.plants.axis.plant import Axis
+from hannes.plants.hand.plant import HandPlant
+from hannes.simulation.catalogue import effects
 
 
 @pytest.fixture(scope="module")
@@ -99,10 +128,10 @@ def test_a_second_effect_that_only_led_the_first_back_is_dropped(investigated, m
     point = placed(best.point, own, np.array([0.01]))
     pair = Trial(("turbulence", "hardening"), point, best.gain)
     monkeypatch.setattr(
-        investigation, "_paired", lambda found, *_: [pair] if found.trials[0] is stuck else []
+        effect_search, "_paired", lambda found, *_: [pair] if found.trials[0] is stuck else []
     )
-    monkeypatch.setattr(investigation, "_paired_from_afar", lambda *_: [])
-    found = investigation._second(replace(investigated, trials=[stuck]), lambda text: None)
+    monkeypatch.setattr(effect_search, "_paired_from_afar", lambda *_: [])
+    found = effect_search._second(replace(investigated, trials=[stuck]), lambda text: None)
     assert found.pair is None
     assert found.trials[0].effects == best.effects
     assert found.trials[0].gain == pytest.approx(best.gain, abs=1.0)
@@ -112,14 +141,16 @@ def test_an_effect_is_let_go_little_by_little(investigated, monkeypatch):
     """All else follows after each share, and what is left is the other effect alone."""
     best = investigated.trials[0]
     own = best.point.ground.model.space.of("hardening")
-    starts, fitted = [], refits.fitted
+    starts, fitted = [], multistart.fitted
     point = placed(best.point, own, np.array([0.3]))
-    monkeypatch.setattr(refits, "fitted", lambda at, *how: starts.append(at) or fitted(at, *how))
+    monkeypatch.setattr(
+        multistart, "fitted", lambda at, *how: starts.append(at) or fitted(at, *how)
+    )
     alone = faded(point, "hardening")
     assert alone.misfit == pytest.approx(best.point.misfit, abs=1.0)
     assert np.array_equal(alone.active, best.point.active)
     assert [at.x[own][0] / 0.3 for at in starts] == pytest.approx(FADING)
-    monkeypatch.setattr(refits.Point, "moved", lambda *_: None)
+    monkeypatch.setattr(multistart.Point, "moved", lambda *_: None)
     assert faded(point, "hardening") is None
 
 
@@ -129,8 +160,8 @@ def test_one_of_a_pair_is_fitted_alone_from_the_machine_as_given_too(investigate
     own = best.point.ground.model.space.of("hardening")
     point = placed(best.point, own, np.array([0.3]))
     pair = Trial(("turbulence", "hardening"), point, 0.0)
-    monkeypatch.setattr(investigation, "faded", lambda *_: None)
-    alone = investigation._alone(investigated, pair, "turbulence", lambda text: None)
+    monkeypatch.setattr(effect_search, "faded", lambda *_: None)
+    alone = effect_search._alone(investigated, pair, "turbulence", lambda text: None)
     assert alone.effects == ("turbulence",)
     assert alone.gain == pytest.approx(best.gain, abs=1.0)
     assert np.array_equal(alone.point.active, best.point.active)
@@ -169,7 +200,7 @@ def test_the_machine_takes_over_what_an_effect_did_that_it_can_do_itself():
     x[place], x[own] = 1.5 / space.directions[place].scale, base.x[own] - 1.5 / 0.8
     bent = base.with_active(np.append(base.active, place)).moved(x, np.array([place]))
     assert bent.misfit == pytest.approx(base.misfit, abs=5.0)
-    rows = without(fit.relinearised(bent), ("stiffer",))
+    rows = without(gauss_newton.relinearised(bent), ("stiffer",))
     as_it_is, half, whole = base.misfits(rows)
     assert np.all(rows[:, place] == 0.0)
     assert whole < half < as_it_is
@@ -328,8 +359,10 @@ def test_a_rival_that_went_astray_starts_from_the_machine_of_the_best(monkeypatc
     twin, first = points["twin"], points["turbulence"]
     moved = twin.x + 0.5 * np.isin(np.arange(twin.x.size), base.active)
     points["twin"] = twin.moved(moved, space.of("twin"))
-    starts, settled = [], refits.settled
-    monkeypatch.setattr(refits, "settled", lambda at, *how: starts.append(at) or settled(at, *how))
+    starts, settled = [], multistart.settled
+    monkeypatch.setattr(
+        multistart, "settled", lambda at, *how: starts.append(at) or settled(at, *how)
+    )
     again = _crossed(points, base, LIMIT, lambda text: None)
     assert again["twin"].misfit == pytest.approx(twin.misfit, abs=0.5)
     assert again["turbulence"] is first
@@ -341,14 +374,16 @@ def test_a_rival_that_went_astray_starts_from_the_machine_of_the_best(monkeypatc
 
 
 def test_rounds_of_slopes_end_where_they_cannot_arrive(investigated, monkeypatch):
-    rounds, relinearised = [], fit.relinearised
-    monkeypatch.setattr(fit, "relinearised", lambda at: rounds.append(at) or relinearised(at))
+    rounds, relinearised = [], gauss_newton.relinearised
+    monkeypatch.setattr(
+        gauss_newton, "relinearised", lambda at: rounds.append(at) or relinearised(at)
+    )
     base = investigated.base
     beside = base.moved(base.x + 3.0 * np.isin(np.arange(base.x.size), base.active), base.active)
-    fit.settled(beside)
+    gauss_newton.settled(beside)
     assert len(rounds) > 1
     rounds.clear()
-    fit.settled(beside, below=base.misfit - 2.0 * (beside.misfit - base.misfit))
+    gauss_newton.settled(beside, below=base.misfit - 2.0 * (beside.misfit - base.misfit))
     assert len(rounds) == 1
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from catalogued import CATALOGUE
 
-from hannes._jit import plain
+from hannes.core.kernels.jit import plain
 
 
 def sign(x):

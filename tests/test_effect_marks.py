@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from catalogued import CATALOGUE, EVERYTHING, EXPERIMENTS, ran
 
-from hannes.experiment import Target
-from hannes.simulate import simulate
+from hannes.simulation.experiment.experiment import Target
+from hannes.simulation.simulate import simulate
 
 
 def sign(x):

@@ -10,12 +10,12 @@ from catalogued import AMPLITUDES, CATALOGUE, EVERYTHING, EXPERIMENTS, TABLE, ra
 from runs import grasp
 
 from benchmarks.truth import effects as second
-from hannes.errors import BadInput
-from hannes.experiment import Experiment, Target
-from hannes.hand import Hand
-from hannes.ledger import energy_ledger
-from hannes.simulate import simulate
-from hannes.spec import load
+from hannes.core.errors import BadInput
+from hannes.simulation.energy_balance import energy_ledger
+from hannes.simulation.experiment.experiment import Experiment, Target
+from hannes.simulation.experiment.load import load
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
 
 SHIPPED = ("dynamometer", "void-closure", "soft-ball")
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from runs import Bench, channels
 
-from hannes._jit import kernel, plain
+from hannes.core.kernels.jit import kernel, plain
 from hannes.dynamics import finger
 
 LENGTHS, MASSES = st.floats(0.005, 0.2), st.floats(1e-4, 0.5)

@@ -8,9 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from hannes import files
-from hannes.errors import BadInput
-from hannes.files import MARKER, atomic_file, atomic_folder, settled, write_bytes, write_text
+from hannes.core.errors import BadInput
+from hannes.core.io import atomic_files
+from hannes.core.io.atomic_files import (
+    MARKER,
+    atomic_file,
+    atomic_folder,
+    settled,
+    write_bytes,
+    write_text,
+)
 
 
 def tree(folder: Path) -> dict[str, str]:
@@ -64,7 +71,7 @@ def test_folder_is_replaced_as_a_whole_and_keeps_what_is_not_ours(
     tmp_path: Path, exchange: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if not exchange:
-        monkeypatch.setattr(files, "_exchange", lambda one, other: False)
+        monkeypatch.setattr(atomic_files, "_exchange", lambda one, other: False)
     target = tmp_path / "results" / "closure"
     write_results(target, a="1", b="1")
     (target / "notes.txt").write_text("mine")
@@ -128,7 +135,7 @@ def test_failed_second_rename_puts_the_old_folder_back(
             raise OSError(errno.EIO, "input/output error")
         rename(one, other)
 
-    monkeypatch.setattr(files, "_exchange", lambda one, other: False)
+    monkeypatch.setattr(atomic_files, "_exchange", lambda one, other: False)
     monkeypatch.setattr(os, "rename", refuse)
     with pytest.raises(BadInput, match="input/output error"):
         write_results(tmp_path / "d", a="new")

@@ -7,16 +7,16 @@ import re
 import numpy as np
 import pytest
 
-from hannes import measured
-from hannes.campaign import read_campaign
-from hannes.check import subjects
-from hannes.cli import main
-from hannes.diagnose import diagnose
-from hannes.errors import BadInput, MissingRecording
-from hannes.finger.plant import Finger
-from hannes.plant import Plant, find_plant
-from hannes.plant_file import load_model
-from hannes.recording import Recording
+from hannes.campaigns import third_party
+from hannes.campaigns.campaign_file import read_campaign
+from hannes.campaigns.check import subjects
+from hannes.commands.cli import main
+from hannes.commands.diagnose import diagnose
+from hannes.core.errors import BadInput, MissingRecording
+from hannes.core.recording.recording import Recording
+from hannes.plants.finger.plant import Finger
+from hannes.plants.plant_file import load_model
+from hannes.plants.protocol import Plant, find_plant
 
 TRUE = {"contact.stiffness": 5500.0, "contact.angle": 6.97, "contact.exponent": 1.9}
 HEAD = "Trial_Index,Trial_Elapsed_s,Commanded_Speed,Middle_Angle,Middle_Force_g,Middle_Force_N"
@@ -230,7 +230,7 @@ def test_the_check_reads_a_plants_own_log(tmp_path):
 def test_the_real_finger_lags_in_its_reading(tmp_path, capsys):
     """One command of the 35; benchmarks.real_machines judges all of them."""
     try:
-        folder = measured.folder("rh56_finger")
+        folder = third_party.folder("rh56_finger")
     except MissingRecording as missing:
         pytest.skip(f"needs the RH56 recordings: {missing}")
     (file,) = folder.glob("middlefinger_speed250_force500_20trials_*.csv*")

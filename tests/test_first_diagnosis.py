@@ -8,11 +8,11 @@ import sys
 import numpy as np
 import pytest
 
-from hannes import measured
-from hannes.cli import main
-from hannes.diagnose import diagnose
-from hannes.errors import MissingRecording
-from hannes.hand_file import load_hand
+from hannes.campaigns import third_party
+from hannes.commands.cli import main
+from hannes.commands.diagnose import diagnose
+from hannes.core.errors import MissingRecording
+from hannes.simulation.hand.hand_file import load_hand
 
 FIELDS = {
     *("verdict", "effects", "parameters", "gap", "where", "candidates", "next_run", "reason"),
@@ -79,7 +79,7 @@ def test_the_same_closures_without_slack_are_not_called_slack(tmp_path, seed):
 @pytest.mark.slow
 def test_the_real_axis_rubs_harder_one_way():
     try:
-        measured.folder("emps")
+        third_party.folder("emps")
     except MissingRecording as missing:
         pytest.skip(f"needs the EMPS recordings: {missing}")
     verdict = diagnose("emps").verdict

@@ -8,16 +8,16 @@ import pytest
 from runs import FRICTIONLESS
 
 from benchmarks.truth.parameters import named
-from hannes.anatomy import FINGERS
-from hannes.catalogue import effects, laws
-from hannes.dataset.part import made
+from hannes.dataset.shard import made
 from hannes.dataset.spec import read_spec
-from hannes.experiment import Experiment, Reference, Target
-from hannes.hand import Hand
-from hannes.ledger import account
-from hannes.simulate import simulate
-from hannes.spec import read
-from hannes.spec_text import experiment_toml
+from hannes.simulation.catalogue import effects, laws
+from hannes.simulation.energy_balance import account
+from hannes.simulation.experiment.experiment import Experiment, Reference, Target
+from hannes.simulation.experiment.load import read
+from hannes.simulation.experiment.writer import experiment_toml
+from hannes.simulation.hand.anatomy import FINGERS
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
 
 REST = Reference([[0.0, 1.0], [0.0, 0.0]])
 HOLD = Reference([[0.0, 0.6], [0.0, 9.2]])

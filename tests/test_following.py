@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from sled import KNOWN, TURBULENCE, Sled, recordings
 
-from hannes.diagnosis import choice as choices
-from hannes.diagnosis import fit
-from hannes.diagnosis.choice import GROWN_BESIDE, chosen
-from hannes.diagnosis.deep import _masks
-from hannes.diagnosis.drift import Drift
-from hannes.diagnosis.far import SIZES, _sizes
-from hannes.diagnosis.investigation import investigate
-from hannes.diagnosis.model import Model
-from hannes.diagnosis.point import differenced
-from hannes.diagnosis.settings import Settings
+from hannes.identification.diagnosis import decision as choices
+from hannes.identification.diagnosis import gauss_newton
+from hannes.identification.diagnosis.campaign_diagnosis import _masks
+from hannes.identification.diagnosis.decision import GROWN_BESIDE, chosen
+from hannes.identification.diagnosis.drift import Drift
+from hannes.identification.diagnosis.effect_search import investigate
+from hannes.identification.diagnosis.global_starts import SIZES, _sizes
+from hannes.identification.diagnosis.linearisation import differenced
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.simulator import Model
 
 
 class Follower(Sled):
@@ -85,8 +85,8 @@ def test_what_follows_a_place_is_told_by_slopes(both):
 def test_a_step_that_only_seemed_to_lead_down_is_not_taken(both, monkeypatch):
     base = both[1].base
     worse = base.moved(base.x + 3.0 * np.isin(np.arange(base.x.size), base.active), base.active)
-    monkeypatch.setattr(fit, "_stepped", lambda point: worse)
-    assert fit.fitted(base, 3) is base
+    monkeypatch.setattr(gauss_newton, "_stepped", lambda point: worse)
+    assert gauss_newton.fitted(base, 3) is base
 
 
 def test_sizes_from_afar_are_inside_the_range_and_none_is_twice(both):

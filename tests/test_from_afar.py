@@ -7,20 +7,26 @@ import numpy as np
 import pytest
 from sled import KNOWN, TURBULENCE, Sled, effect, recordings
 
-from hannes._jit import kernel
-from hannes.catalogue import effects
-from hannes.diagnosis import far
-from hannes.diagnosis.far import _marks, _resized, deepest, from_afar, turning
-from hannes.diagnosis.fit import fitted
-from hannes.diagnosis.investigation import investigate
-from hannes.diagnosis.point import run_to_run
-from hannes.diagnosis.refits import placed
-from hannes.diagnosis.screen import ALL_SIZES, stepped
-from hannes.diagnosis.settings import Settings
-from hannes.diagnosis.space import Space
-from hannes.diagnosis.weighing import lowered
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
+from hannes.identification.diagnosis import global_starts
+from hannes.identification.diagnosis.effect_search import investigate
+from hannes.identification.diagnosis.gauss_newton import fitted
+from hannes.identification.diagnosis.global_starts import (
+    _marks,
+    _resized,
+    deepest,
+    from_afar,
+    turning,
+)
+from hannes.identification.diagnosis.linearisation import run_to_run
+from hannes.identification.diagnosis.multistart import placed
+from hannes.identification.diagnosis.noise_scale import lowered
+from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.score_test import ALL_SIZES, stepped
+from hannes.identification.diagnosis.settings import Settings
+from hannes.simulation.catalogue import effects
 
 ELSEWHERE = 0.07  # m
 RUNS_DIFFER = 0.01  # N s/m, of drag: the 0.5 % told below of 2
@@ -55,7 +61,7 @@ def size(point):
 
 
 def test_what_has_another_mark_where_it_is_large_is_found_from_afar(shifted, monkeypatch):
-    monkeypatch.setattr(far, "LOST", np.inf)
+    monkeypatch.setattr(global_starts, "LOST", np.inf)
     given, base, told = shifted.given, shifted.base, []
     assert turning(given, ["shifted", "turbulence"]) == ["shifted"]
     fits = from_afar(given, base, ["turbulence", "shifted"], told.append)
@@ -71,14 +77,14 @@ def test_where_the_base_leaves_far_too_much_likely_effects_are_tried_from_afar(
     """As slack of 4.4 mm, which every slope leads away from."""
     given, base = shifted.given, shifted.base
     effects = [*KNOWN, "shifted"]
-    assert far._likely(given, effects)[0] == "shifted"
-    monkeypatch.setattr(far, "turning", lambda *_: [])
-    monkeypatch.setattr(far, "LIKELY", 1)
-    monkeypatch.setattr(far, "LOST", 0.9 * base.misfit / base.miss.size)
+    assert global_starts._likely(given, effects)[0] == "shifted"
+    monkeypatch.setattr(global_starts, "turning", lambda *_: [])
+    monkeypatch.setattr(global_starts, "LIKELY", 1)
+    monkeypatch.setattr(global_starts, "LOST", 0.9 * base.misfit / base.miss.size)
     fits = from_afar(given, base, effects, lambda text: None)
     assert list(fits) == ["shifted"]
     assert size(fits["shifted"]) == pytest.approx(ELSEWHERE, rel=0.01)
-    monkeypatch.setattr(far, "LOST", 1.1 * base.misfit / base.miss.size)
+    monkeypatch.setattr(global_starts, "LOST", 1.1 * base.misfit / base.miss.size)
     assert from_afar(given, base, effects, lambda text: None) == {}
 
 

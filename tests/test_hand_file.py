@@ -3,13 +3,13 @@
 import pytest
 from test_own_kernels import EFFECT
 
-from hannes.axis import Axis
-from hannes.catalogue import effect
-from hannes.cli import main
-from hannes.errors import BadInput
-from hannes.hand import Hand
-from hannes.hand_file import DEEPEST, differences, hand_toml, load_hand
-from hannes.plant_file import load_model, plant_toml, with_plant_file
+from hannes.commands.cli import main
+from hannes.core.errors import BadInput
+from hannes.plants.axis.plant import Axis
+from hannes.plants.plant_file import load_model, plant_toml, with_plant_file
+from hannes.simulation.catalogue import effect
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.hand_file import DEEPEST, differences, hand_toml, load_hand
 
 LOOSE = """\
 base = "hannes"

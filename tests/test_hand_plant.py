@@ -9,23 +9,23 @@ from runs import grasp
 from benchmarks.truth.bench import CURRENT
 from benchmarks.truth.campaign import make
 from benchmarks.truth.protocol import closures
-from hannes.campaign import Entry
-from hannes.catalogue import effects
+from hannes.campaigns.campaign_file import Entry
 from hannes.control.sensor_noise import gaussian
-from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.model import Model
-from hannes.diagnosis.settings import Settings
-from hannes.diagnosis.space import Space
-from hannes.errors import BadInput
-from hannes.experiment import Target
-from hannes.hand import Hand
-from hannes.hand_plant import HandPlant, posed
-from hannes.hand_proposals import proposals
-from hannes.hand_runs import own
-from hannes.observe import observe
-from hannes.roughness import roughness
-from hannes.simulate import simulate
-from hannes.spec import load_experiment
+from hannes.core.errors import BadInput
+from hannes.core.recording.white_noise import roughness
+from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.repeat_groups import grouped
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.simulator import Model
+from hannes.plants.hand.batch_runs import own
+from hannes.plants.hand.candidate_runs import proposals
+from hannes.plants.hand.plant import HandPlant, posed
+from hannes.simulation.catalogue import effects
+from hannes.simulation.experiment.experiment import Target
+from hannes.simulation.experiment.load import load_experiment
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.sensors import observe
+from hannes.simulation.simulate import simulate
 
 DURATION = 0.12  # s, until the reference has wound the wire
 

@@ -4,11 +4,17 @@ import re
 
 import pytest
 
-from hannes.axis import Axis
-from hannes.catalogue import effects
-from hannes.errors import BadInput
-from hannes.hand import Hand
-from hannes.hand_text import COLUMNS, described, equations_of, plant_described, value_table
+from hannes.core.errors import BadInput
+from hannes.plants.axis.plant import Axis
+from hannes.simulation.catalogue import effects
+from hannes.simulation.hand.description import (
+    COLUMNS,
+    described,
+    equations_of,
+    plant_described,
+    value_table,
+)
+from hannes.simulation.hand.hand import Hand
 
 STAGES = (
     *("reference", "sense", "control", "drive", "kinematics", "leader", "gear", "carts", "joints"),

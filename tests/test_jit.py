@@ -6,7 +6,7 @@ import importlib.util
 import pytest
 
 SOURCE = """\
-from hannes._jit import entry, routine
+from hannes.core.kernels.jit import entry, routine
 
 
 @routine

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from hannes.recognition.calibrated import _band, _widened, least_sure
-from hannes.recognition.estimates import judged
+from hannes.recognition.calibration import _band, _widened, least_sure
 from hannes.recognition.evaluate import delay, f1
+from hannes.recognition.interval_scores import judged
 from hannes.recognition.model import FADE, UNFELT, Band, Estimate, decided, running
 
 

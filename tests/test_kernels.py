@@ -18,13 +18,14 @@ from runs import grasp
 import hannes.contact
 import hannes.control
 import hannes.dynamics
-from hannes import axis, onset
-from hannes._jit import compiles, plain
-from hannes.catalogue import effects
-from hannes.hand import EQUATIONS, Hand
-from hannes.ivp import HOLD
-from hannes.simulate import simulate
-from hannes.units import quantity
+from hannes.core.io.units import quantity
+from hannes.core.kernels import smooth_switches
+from hannes.core.kernels.jit import compiles, plain
+from hannes.plants.axis import plant
+from hannes.simulation.catalogue import effects
+from hannes.simulation.hand.hand import EQUATIONS, Hand
+from hannes.simulation.integrate import HOLD
+from hannes.simulation.simulate import simulate
 
 POSITIVE = re.compile(
     "stiffness|damping|onset|width|limit|mass|length|inerti|induct|resist|gain|period|supply|radius"
@@ -34,7 +35,7 @@ POSITIVE = re.compile(
 
 def discovered():
     """Every kernel under dynamics, contact, control and in onset, by module and name."""
-    found, modules = {}, [onset]
+    found, modules = {}, [smooth_switches]
     for package in (hannes.dynamics, hannes.contact, hannes.control):
         for each in pkgutil.iter_modules(package.__path__):
             modules.append(importlib.import_module(f"{package.__name__}.{each.name}"))
@@ -103,14 +104,14 @@ def test_compiled_equals_plain(name):
 PLAIN = """
 import sys
 import numpy as np
-from hannes._jit import compiles
-from hannes.catalogue import effects
-from hannes.hand import EQUATIONS
+from hannes.core.kernels.jit import compiles
+from hannes.simulation.catalogue import effects
+from hannes.simulation.hand.hand import EQUATIONS
 
 assert not compiles()
 given = np.load(sys.argv[1])
 chosen = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
-from hannes.hand import Hand
+from hannes.simulation.hand.hand import Hand
 model = Hand(chosen).compiled(chosen)
 p, knots, hold = given["p"], given["knots"], given["hold"]
 rates = [model.fast.rates(t, y, p, knots, hold) for t, y in zip(given["t"], given["y"])]
@@ -244,7 +245,7 @@ def test_effect_ships_at_off_within_its_bounds(effect):
 
 @CATALOGUE
 def test_effect_fits_a_plant(effect):
-    assert EQUATIONS.accepts(effect) == "" or axis.EQUATIONS.accepts(effect) == ""
+    assert EQUATIONS.accepts(effect) == "" or plant.EQUATIONS.accepts(effect) == ""
 
 
 @CATALOGUE

@@ -6,8 +6,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hannes._jit import fused, kernel, plain, power_of_two
-from hannes.lanes import direction, exp_minus_one, soft_sign
+from hannes.core.kernels.jit import fused, kernel, plain, power_of_two
+from hannes.core.kernels.vector_math import direction, exp_minus_one, soft_sign
 
 RANDOM = np.random.default_rng(3)
 SIZES = 10.0 ** RANDOM.uniform(-12.0, 1.5, 400)

@@ -9,18 +9,18 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 from test_equations_of_motion import Touch, moving
 
-from hannes._jit import plain
-from hannes.anatomy import FINGERS
-from hannes.clearance import overlaps, require_clear
 from hannes.contact.leaning import ARCH, nearest_place
 from hannes.contact.shapes import frame
-from hannes.dataset.draw import draw
+from hannes.core.errors import BadInput
+from hannes.core.kernels.jit import plain
+from hannes.dataset.sampling import draw
 from hannes.dataset.spec import read_spec
-from hannes.errors import BadInput
-from hannes.experiment import Experiment, Target
-from hannes.hand import Hand
-from hannes.simulate import simulate
-from hannes.spec import read
+from hannes.simulation.experiment.clearance import overlaps, require_clear
+from hannes.simulation.experiment.experiment import Experiment, Target
+from hannes.simulation.experiment.load import read
+from hannes.simulation.hand.anatomy import FINGERS
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
 
 SHAPES = {"cylinder": (0.0, 0.0, 0.026), "prism": (0.014, 0.009, 0.006)}
 

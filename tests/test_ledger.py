@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from runs import grasp, reference
 
-from hannes.errors import BadInput
-from hannes.hand import Hand
-from hannes.ledger import MOST, account, energy_ledger
-from hannes.library import names
-from hannes.run import run
-from hannes.simulate import simulate
-from hannes.spec import load
+from hannes.commands.run import run
+from hannes.core.errors import BadInput
+from hannes.simulation.energy_balance import MOST, account, energy_ledger
+from hannes.simulation.experiment.load import load
+from hannes.simulation.experiment.shipped import names
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
 
 CLOSE = ((0.0, 0.0), (1.4, 23.0))  # winds all the wire up to the stops
 CASES = {

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hannes.diagnosis.choice import allowed
-from hannes.diagnosis.weighing import noise_left
+from hannes.identification.diagnosis.decision import allowed
+from hannes.identification.diagnosis.noise_scale import noise_left
 
 
 @pytest.mark.parametrize(

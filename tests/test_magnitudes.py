@@ -5,13 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hannes.diagnosis import magnitudes as module
-from hannes.diagnosis.choice import Choice
-from hannes.diagnosis.magnitudes import NORMAL, WIDER, interval, with_sizes
-from hannes.diagnosis.sized import Sized
-from hannes.diagnosis.space import Direction
 from hannes.dynamics.leader_slack import EFFECT as SLACK
 from hannes.dynamics.wire_compliance import EFFECT as COMPLIANCE
+from hannes.identification.diagnosis import effect_sizes as module
+from hannes.identification.diagnosis.decision import Choice
+from hannes.identification.diagnosis.effect_sizes import NORMAL, WIDER, interval, with_sizes
+from hannes.identification.diagnosis.final_fit import Sized
+from hannes.identification.diagnosis.parameter_space import Direction
 
 EFFECTS = {each.name: each for each in (SLACK, COMPLIANCE)}
 PLACES = ("leader_slack.length", "wire_compliance.leader", "wire_compliance.follower")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from hannes.errors import BadInput
-from hannes.matching import matching
+from hannes.core.errors import BadInput
+from hannes.core.io.file_patterns import matching
 
 
 def test_numbers_inside_names_are_in_order(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hannes.metrics import (
+from hannes.simulation.grasp_metrics import (
     DEFINITIONS,
     GraspMetrics,
     closing_time,

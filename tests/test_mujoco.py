@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 from runs import reference, worst
 
-from hannes._jit import kernel
-from hannes.anatomy import FINGERS
-from hannes.experiment import Experiment, Target
-from hannes.hand import Hand
-from hannes.simulate import simulate
-from hannes.spec import load_experiment
+from hannes.core.kernels.jit import kernel
+from hannes.simulation.experiment.experiment import Experiment, Target
+from hannes.simulation.experiment.load import load_experiment
+from hannes.simulation.hand.anatomy import FINGERS
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
 
 mujoco = pytest.importorskip("mujoco")
 

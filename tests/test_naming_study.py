@@ -11,8 +11,8 @@ from benchmarks.oracle.shapes import shapes
 from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
 from benchmarks.truth.protocol import RICH, Condition, Protocol
 from benchmarks.truth.record import checked
-from hannes.hand_proposals import proposals
-from hannes.recording import Recording
+from hannes.core.recording.recording import Recording
+from hannes.plants.hand.candidate_runs import proposals
 
 BLINK = Protocol((Condition("void", ((0.0, 0.0), (0.1, 1.5)), 2),), RICH)
 GAP = {"current": {"unit": "A", "as_given": 0.2, "before": 0.1, "after": 0.02, "floor": 0.01}}

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from hannes import Hand, effects, load_experiment, simulate, simulate_many
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.filling import Layouts
-from hannes.hand import EQUATIONS
-from hannes.layout import Layout, Slot
-from hannes.needed import Needed, gated
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.layout import Layout, Slot
+from hannes.core.parameter import Parameter
+from hannes.simulation.compiler.expansion import Layouts
+from hannes.simulation.compiler.output_slice import Needed, gated
+from hannes.simulation.hand.hand import EQUATIONS
 
 CATALOGUE = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
 OUT = Layout((Slot("a", "1", ""), Slot("b", "1", "", "finger", 5), Slot("z", "1", "")))

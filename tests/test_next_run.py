@@ -7,19 +7,19 @@ import pytest
 
 from benchmarks.truth.campaign import make
 from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
-from hannes.campaign import Entry
-from hannes.catalogue import effects
-from hannes.diagnosis.base import ROUGH
-from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.investigation import Found, Trial
-from hannes.diagnosis.model import Model
-from hannes.diagnosis.next_run import Separation, proposed, separation
-from hannes.diagnosis.point import first
-from hannes.diagnosis.settings import Settings
-from hannes.diagnosis.space import Space
-from hannes.hand_plant import HandPlant
-from hannes.hand_proposals import proposals
-from hannes.pieces import Piece, floors
+from hannes.campaigns.campaign_file import Entry
+from hannes.campaigns.segments import Piece, floors
+from hannes.identification.diagnosis.baseline import ROUGH
+from hannes.identification.diagnosis.effect_search import Found, Trial
+from hannes.identification.diagnosis.experiment_design import Separation, proposed, separation
+from hannes.identification.diagnosis.linearisation import first
+from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.repeat_groups import grouped
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.simulator import Model
+from hannes.plants.hand.candidate_runs import proposals
+from hannes.plants.hand.plant import HandPlant
+from hannes.simulation.catalogue import effects
 
 NAMES = ["current_offset", "direction_friction"]
 SIZES = {"current_offset.offset": 0.01, "direction_friction.dry": 0.05}

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from runs import grasp
 
-from hannes.channels import OUTPUTS
-from hannes.errors import ComputationFailed
-from hannes.experiment import Target
-from hannes.hand import Hand
-from hannes.hand_file import load_hand
-from hannes.observe import CHANNELS, observe
-from hannes.simulate import simulate
-from hannes.spec import read
-from hannes.trajectory import Outcome
+from hannes.core.errors import ComputationFailed
+from hannes.simulation.experiment.experiment import Target
+from hannes.simulation.experiment.load import read
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.hand_file import load_hand
+from hannes.simulation.hand.variables import OUTPUTS
+from hannes.simulation.sensors import CHANNELS, observe
+from hannes.simulation.simulate import simulate
+from hannes.simulation.trajectory import Outcome
 
 NOISE = {"current": 0.02, "position": 1e-3}
 

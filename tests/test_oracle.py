@@ -11,7 +11,7 @@ from benchmarks.oracle.search import NEAR, searched
 from benchmarks.oracle.store import Store, digest
 from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.protocol import DYNAMOMETER, POOR, Condition, Protocol
-from hannes.errors import ComputationFailed
+from hannes.core.errors import ComputationFailed
 
 SIGNATURE = np.array([1.0, 1.0, 0.0, 0.0, 0.0])
 MIXED = np.array([[3.0, 1, 0, 0, 0], [0, 0.5, 0, 2, 0], [0, 0, 1, 0, 0], [0, 0, 0, 1, 1.0]])

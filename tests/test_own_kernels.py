@@ -5,12 +5,12 @@ import sys
 import numpy as np
 import pytest
 
-from hannes.cli import main
+from hannes.commands.cli import main
 
 EFFECT = """\
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
+from hannes.core.kernels.jit import kernel
+from hannes.core.effect import Effect, Term
+from hannes.core.parameter import Parameter
 
 {code}
 
@@ -90,7 +90,7 @@ def test_diagnose_tells_it_in_one_line(tmp_path, capsys, fault):
 def test_numba_errors_that_are_nobodys_kernel_are_left_alone():
     from numba.core.errors import TypingError
 
-    from hannes.kernel_error import blamed
+    from hannes.simulation.compiler.kernel_error import blamed
 
     for error in (TypingError("in a kernel of nobody's"), ValueError("not numba's")):
         assert blamed(error) is None

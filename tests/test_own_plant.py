@@ -12,16 +12,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hannes._jit import kernel
-from hannes.campaign import read_campaign
-from hannes.catalogue import effect
-from hannes.check import check
-from hannes.cli import main
-from hannes.effect import Term
-from hannes.errors import BadInput
-from hannes.plain_plant import PlainPlant
-from hannes.plant import Plant, find_plant
-from hannes.recording import Recording
+from hannes.campaigns.campaign_file import read_campaign
+from hannes.campaigns.check import check
+from hannes.commands.cli import main
+from hannes.core.effect import Term
+from hannes.core.errors import BadInput
+from hannes.core.kernels.jit import kernel
+from hannes.core.recording.recording import Recording
+from hannes.plants.plain import PlainPlant
+from hannes.plants.protocol import Plant, find_plant
+from hannes.simulation.catalogue import effect
 
 ROOT = Path(__file__).parent.parent
 EXAMPLE = ROOT / "examples" / "own_plant"
@@ -94,7 +94,7 @@ def test_the_rail_is_named_with_its_friction(rubbing, capsys):
 
 @pytest.mark.slow
 def test_a_smooth_rail_is_not_called_rubbing(tmp_path):
-    from hannes.diagnose import diagnose
+    from hannes.commands.diagnose import diagnose
 
     verdict = diagnose(copied(tmp_path, "--runs", "4", "--friction", "0")).verdict
     assert verdict.effects == [] and verdict.verdict in ("no_gap", "recalibrated")

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 import pytest
 from sled import HARDENING, TURBULENCE, campaign
 
-from hannes._jit import kernel
-from hannes.diagnose import diagnose
-from hannes.diagnosis import parsimony
-from hannes.diagnosis.investigation import PRICE
-from hannes.diagnosis.parsimony import APART, spared
+from hannes.commands.diagnose import diagnose
+from hannes.core.effect import Term
+from hannes.core.kernels.jit import kernel
 from hannes.dynamics.wire_compliance import EFFECT
-from hannes.effect import Term
+from hannes.identification.diagnosis import pruning
+from hannes.identification.diagnosis.effect_search import PRICE
+from hannes.identification.diagnosis.pruning import APART, spared
 
 NAME = EFFECT.name
 
@@ -56,7 +56,7 @@ def fit(monkeypatch, without, effect=EFFECT, active=(3, 4)):
             else SimpleNamespace(misfit=misfit, off=off, ground=ground, active=active)
         )
 
-    monkeypatch.setattr(parsimony, "held_at", held)
+    monkeypatch.setattr(pruning, "held_at", held)
     return SimpleNamespace(misfit=100.0, off=(), ground=ground, active=active)
 
 

@@ -6,10 +6,10 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RationalQuadratic
 from threadpoolctl import threadpool_limits
 
-from hannes.recognition import gaussian_process, passages
-from hannes.recognition.cut import Cut
-from hannes.recognition.grasps import wholes
-from hannes.recognition.passages import of_grasp
+from hannes.recognition import gaussian_process, hysteresis_features
+from hannes.recognition.hysteresis_features import of_grasp
+from hannes.recognition.training_set import wholes
+from hannes.recognition.windowing import Cut
 
 
 def grasp_of_a_spring(closing, opening, lead=0.1):
@@ -26,12 +26,12 @@ def test_passages_are_of_the_same_angles_both_ways(closing, opening):
     samples, cut = grasp_of_a_spring(closing, opening), Cut()
     windows = cut.features(samples[np.newaxis])
     (found,) = wholes(samples[np.newaxis], windows, cut)
-    told = dict(zip(passages.WHOLE, found, strict=True))
+    told = dict(zip(hysteresis_features.WHOLE, found, strict=True))
     step = 0.5 * opening * 1e-3  # A, of one sample
     assert told["farthest"] == pytest.approx(9.0, abs=2.0 * step)
     assert told["squeeze"] == pytest.approx(2.0, abs=0.3)
     assert told["farthest_since"] == pytest.approx(told["squeeze"] / closing, abs=0.03)
-    for short in passages.SHORT:
+    for short in hysteresis_features.SHORT:
         if short < 0.005 * opening:  # the mean over 10 ms reaches across the turn
             continue
         spring, name = 0.5 * (2.0 - short), f"{1e3 * short:.0f}_mrad"

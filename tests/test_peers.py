@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from runs import worst
 
-from hannes.hand import Hand
-from hannes.simulate import simulate
-from hannes.spec import load_experiment
+from hannes.simulation.experiment.load import load_experiment
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
 
 pytest.importorskip("mujoco")
 

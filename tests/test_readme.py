@@ -21,9 +21,9 @@ def curves(svg):
 
 def test_the_figure_is_todays():
     """docs/grasp.svg is figure 8 of `hannes reproduce`; `make docs` draws it anew."""
-    from hannes.report.figure_grasp import dynamometer
-    from hannes.simulate import simulate
-    from hannes.spec import load_experiment
+    from hannes.report.paper.figure_grasp import dynamometer
+    from hannes.simulation.experiment.load import load_experiment
+    from hannes.simulation.simulate import simulate
 
     (grasp,) = load_experiment("dynamometer")
     now = dynamometer(simulate(grasp.hand, grasp.experiment).require()).svg
@@ -82,9 +82,9 @@ def row(start):
 
 
 def test_the_figures_are_what_reproduce_prints():
-    from hannes.report.checks import must_show
-    from hannes.report.closure import energy_row
-    from hannes.report.runs import run_all
+    from hannes.report.paper.checks import must_show
+    from hannes.report.paper.energy import energy_row
+    from hannes.report.paper.runs import run_all
 
     found = {each["name"]: each["value"] for each in must_show(run_all(progress=False, quick=True))}
     errors = [value for name, value in found.items() if name.endswith("off Table II's Hannes row")]
@@ -97,12 +97,13 @@ def test_the_figures_are_what_reproduce_prints():
 
 
 def test_the_figures_of_the_real_axis_are_what_reproduce_prints():
-    from hannes import diagnose, measured
-    from hannes.errors import MissingRecording
-    from hannes.reproduce import force_errors
+    from hannes import diagnose
+    from hannes.campaigns import third_party
+    from hannes.commands.reproduce import force_errors
+    from hannes.core.errors import MissingRecording
 
     try:
-        measured.folder("emps")
+        third_party.folder("emps")
     except MissingRecording as missing:
         pytest.skip(f"needs the EMPS recordings: {missing}")
     result = diagnose("emps")

@@ -5,8 +5,8 @@ import pytest
 
 from benchmarks import real_machines
 from benchmarks.real import blocks
-from hannes import measured
-from hannes.errors import MissingRecording
+from hannes.campaigns import third_party
+from hannes.core.errors import MissingRecording
 
 
 def test_the_interval_of_a_figure_holds_it_and_shrinks_with_more_blocks():
@@ -23,7 +23,7 @@ def test_missing_recordings_leave_no_rows(monkeypatch, capsys):
     def missing(name, base_url=None):
         raise MissingRecording(f"the recordings {name} are missing")
 
-    monkeypatch.setattr(measured, "folder", missing)
+    monkeypatch.setattr(third_party, "folder", missing)
     assert real_machines.measure(True) == ([], [])
     told = capsys.readouterr().err
     assert "emps left out" in told and "rh56 left out" in told
@@ -33,7 +33,7 @@ def test_missing_recordings_leave_no_rows(monkeypatch, capsys):
 def test_what_must_be_shown_holds_on_some_of_the_recordings(tmp_path, monkeypatch):
     for name in ("emps", "rh56_finger"):
         try:
-            measured.folder(name)
+            third_party.folder(name)
         except MissingRecording as error:
             pytest.skip(f"needs recordings: {error}")
     monkeypatch.chdir(tmp_path)

@@ -12,18 +12,18 @@ import pytest
 from sklearn.model_selection import GridSearchCV
 from sklearn.pipeline import Pipeline
 
-from hannes.cli import main
+from hannes.commands.cli import main
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
 from hannes.dataset.make import make
 from hannes.dataset.read import read
 from hannes.dataset.spec import read_spec
-from hannes.errors import BadInput
-from hannes.recognition import model_file, passages
+from hannes.recognition import hysteresis_features, model_file
 from hannes.recognition import train as learning
-from hannes.recognition.cut import Cut
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
 from hannes.recognition.features import CHANNELS, NAMES
 from hannes.recognition.train import train
-from hannes.recording import Recording
+from hannes.recognition.windowing import Cut
 
 TEXT = """
 title = "some grasps"
@@ -270,7 +270,7 @@ def test_the_same_seed_trains_the_same_bytes(data, trained, tmp_path):
     back = model_file.read(tmp_path / "a.h5")
     rows = np.random.default_rng(0).standard_normal((50, len(NAMES)))
     assert np.array_equal(back.windows(rows), model.windows(rows))
-    whole = np.random.default_rng(0).standard_normal((5, len(passages.WHOLE)))
+    whole = np.random.default_rng(0).standard_normal((5, len(hysteresis_features.WHOLE)))
     assert np.array_equal(back.peak(whole), model.peak(whole))
 
 
@@ -348,7 +348,9 @@ def test_fuzzed_models_are_read_or_refused(file, arrays):
         try:
             changed_model = model_file.read(file)
             changed_model.windows(rows)
-            assert np.isfinite(changed_model.peak(np.zeros((1, len(passages.WHOLE))))).all()
+            assert np.isfinite(
+                changed_model.peak(np.zeros((1, len(hysteresis_features.WHOLE))))
+            ).all()
         except BadInput as error:
             assert "\n" not in str(error)
 

@@ -5,8 +5,8 @@ import pickle
 import numpy as np
 import pytest
 
-from hannes.errors import BadInput
-from hannes.recording import Recording
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
 
 UNITS = {"time": "s", "current": "A", "force": "N"}
 

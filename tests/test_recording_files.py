@@ -17,9 +17,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from hannes import recording_csv, recording_hdf5
-from hannes.errors import BadInput
-from hannes.recording import Recording
+from hannes.core.errors import BadInput
+from hannes.core.recording import csv, hdf5
+from hannes.core.recording.recording import Recording
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 TEXT = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=20)
@@ -64,9 +64,7 @@ def test_hdf5_carries_everything(one: Recording, tmp_path: Path) -> None:
 @given(one=recordings(), suffix=st.sampled_from(["csv", "csv.gz"]))
 def test_csv_carries_channels_exactly(one: Recording, suffix: str, tmp_path: Path) -> None:
     one.write(tmp_path / f"r.{suffix}")
-    back = Recording.from_csv(
-        tmp_path / f"r.{suffix}", **{k: getattr(one, k) for k in recording_hdf5._TEXTS}
-    )
+    back = Recording.from_csv(tmp_path / f"r.{suffix}", **{k: getattr(one, k) for k in hdf5._TEXTS})
     assert back == Recording(**(vars(one) | {"seed": None}))
     for name, values in one.channels.items():
         assert np.array_equal(np.signbit(values), np.signbit(back[name]))
@@ -186,7 +184,7 @@ def test_absent_folder_unknown_suffix_and_oversize(
     with pytest.raises(BadInput, match="expected a recording named"):
         example().write(tmp_path / "r.mat")
     example().write(tmp_path / "r.csv.gz")
-    monkeypatch.setattr(recording_csv, "LARGEST", 100)
+    monkeypatch.setattr(csv, "LARGEST", 100)
     with pytest.raises(BadInput, match="longer than"):
         Recording.read(tmp_path / "r.csv.gz")
 
@@ -210,7 +208,7 @@ def expect_recording_or_bad_input(path: Path, data: bytes) -> None:
 def spoil(change: Callable[[h5py.File], object]) -> bytes:
     """Return the bytes of a good file after `change`."""
     one = example()
-    memory = io.BytesIO(recording_hdf5.dump(one.channels, one.units, {"schema": one.schema}))
+    memory = io.BytesIO(hdf5.dump(one.channels, one.units, {"schema": one.schema}))
     with h5py.File(memory, "r+") as file:
         change(file)
     return memory.getvalue()
@@ -290,8 +288,8 @@ def test_accepts_plain_gzip_storage_and_text_of_fixed_length(tmp_path: Path) -> 
 
 READ = """
 import sys
-from hannes.errors import BadInput
-from hannes.recording import Recording
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
 try: Recording.read(sys.argv[1])
 except BadInput as error: print(error)
 """

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hannes.diagnosis.remainder import CHANCE, hangs_together, stands_out
+from hannes.identification.diagnosis.residual_tests import CHANCE, hangs_together, stands_out
 
 BINS, NAMES = 115, ("current", "position")
 

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from hannes.cli import main
-from hannes.report.reproduce import reproduce
+from hannes.commands.cli import main
+from hannes.report.paper.page import reproduce
 
 
 @pytest.fixture(scope="module")
@@ -83,14 +83,14 @@ def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys)
 
 
 def test_table_3_stands_beside_the_papers(tmp_path):
-    from hannes.errors import BadInput
-    from hannes.report import recognition
+    from hannes.core.errors import BadInput
+    from hannes.report.paper import table_3
 
     told = evaluation(0.8)
     (tmp_path / "evaluation.json").write_text(json.dumps(told))
-    read = recognition.read(tmp_path)
-    assert [row["holds"] for row in recognition.checks(read)] == [True, True, False]
-    table, confusion, estimates, learning = recognition.found(read).tables
+    read = table_3.read(tmp_path)
+    assert [row["holds"] for row in table_3.checks(read)] == [True, True, False]
+    table, confusion, estimates, learning = table_3.found(read).tables
     assert confusion.rows == (("soft", "4", "75.0", "0.0", "25.0"),)
     assert (
         "2.1 points" in confusion.note
@@ -102,4 +102,4 @@ def test_table_3_stands_beside_the_papers(tmp_path):
     assert table.rows[-1][:4] == ("Average", "", "91.1", "96.0")
     (tmp_path / "evaluation.json").write_text("{}")
     with pytest.raises(BadInput, match="not written by this version's"):
-        recognition.read(tmp_path)
+        table_3.read(tmp_path)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from hannes.diagnosis.restlessness import (
+from hannes.identification.diagnosis.run_to_run import (
     LOOSER,
     MOST,
     SURE,
@@ -16,7 +16,7 @@ from hannes.diagnosis.restlessness import (
     in_keeping,
     times,
 )
-from hannes.diagnosis.settings import Settings
+from hannes.identification.diagnosis.settings import Settings
 
 BINS, REPEATS = 60, 6
 TIME = np.linspace(0.0, 1.0, BINS)

@@ -10,14 +10,14 @@ from runs import grasp, run
 from scipy.integrate import solve_ivp
 from scipy.sparse import csc_array
 
-from hannes._jit import kernel
-from hannes.hand import Hand
-from hannes.ivp import Initial
-from hannes.rodas.coefficients import LOOSE
-from hannes.rodas.problem import Plain, compiled
-from hannes.rodas.solver import Rodas
-from hannes.simulate import simulate
-from hannes.trajectory import Outcome
+from hannes.core.kernels.jit import kernel
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.integrate import Initial
+from hannes.simulation.rodas.coefficients import LOOSE
+from hannes.simulation.rodas.problem import Plain, compiled
+from hannes.simulation.rodas.scipy_solver import Rodas
+from hannes.simulation.simulate import simulate
+from hannes.simulation.trajectory import Outcome
 
 # --- order ------------------------------------------------------------------------------------
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hannes.roughness import roughness
+from hannes.core.recording.white_noise import roughness
 
 
 def test_noise_is_told_from_the_course_and_from_rare_jumps():

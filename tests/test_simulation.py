@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from runs import GRASP, WAYS, broken, grasp, reference, run, worst
 
-from hannes import ivp
-from hannes._jit import plain
-from hannes.anatomy import FINGERS
-from hannes.batch import simulate_many
-from hannes.errors import BadInput, ComputationFailed
-from hannes.experiment import Experiment, Reference, Target
-from hannes.hand import Hand
-from hannes.lanes import direction
-from hannes.simulate import simulate
-from hannes.trajectory import Outcome
+from hannes.core.errors import BadInput, ComputationFailed
+from hannes.core.kernels.jit import plain
+from hannes.core.kernels.vector_math import direction
+from hannes.simulation import integrate
+from hannes.simulation.batch.simulate_many import simulate_many
+from hannes.simulation.experiment.experiment import Experiment, Reference, Target
+from hannes.simulation.hand.anatomy import FINGERS
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
+from hannes.simulation.trajectory import Outcome
 
 TRACES = ("current", "force", "leader_tension")
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
@@ -130,7 +130,7 @@ def test_an_effect_compiled_in_at_off_changes_no_bit():
 
 
 def test_steps_without_end_are_told(monkeypatch):
-    monkeypatch.setattr("hannes.ivp.MOST", 20)
+    monkeypatch.setattr("hannes.simulation.integrate.MOST", 20)
     found = simulate(Hand(), grasp(), rtol=1e-6)
     assert found.outcome is Outcome.SOLVER_GAVE_UP and "More steps" in found.message
     assert 0 < found.time.size < grasp().times.size
@@ -138,14 +138,14 @@ def test_steps_without_end_are_told(monkeypatch):
 
 def test_seconds_leave_out_what_is_done_once(monkeypatch):
     """Compiling takes many times what a grasp does."""
-    solved, first = ivp.Initial._solve, [0.3]
+    solved, first = integrate.Initial._solve, [0.3]
 
     def slow_at_first(self, *given):
         time.sleep(first.pop() if first else 0.0)
         return solved(self, *given)
 
-    monkeypatch.setattr(ivp, "_ready", set())
-    monkeypatch.setattr(ivp.Initial, "_solve", slow_at_first)
+    monkeypatch.setattr(integrate, "_ready", set())
+    monkeypatch.setattr(integrate.Initial, "_solve", slow_at_first)
     assert simulate(Hand(), grasp()).cost.seconds < 0.3 and not first
 
 
@@ -254,7 +254,7 @@ def test_rates_that_are_not_finite_at_the_start_end_at_once(method):
 
 @pytest.mark.parametrize("method", ["BDF", "Radau"])
 def test_a_jacobian_that_is_not_finite_keeps_the_solvers_words(monkeypatch, method):
-    runner = sys.modules["hannes.ivp"].Initial
+    runner = sys.modules["hannes.simulation.integrate"].Initial
     monkeypatch.setattr(
         runner, "_method", lambda self, knots: {"method": self.method, "jac": not_finite}
     )

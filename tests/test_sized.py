@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from sled import KNOWN, TURBULENCE, Sled, recordings
 
-from hannes.diagnosis import profile as profiles
-from hannes.diagnosis import sized as module
-from hannes.diagnosis.base import FINE
-from hannes.diagnosis.fit import deviations
-from hannes.diagnosis.groups import Group
-from hannes.diagnosis.investigation import investigate
-from hannes.diagnosis.model import NOTHING, Model
-from hannes.diagnosis.profile import Profile, profile
-from hannes.diagnosis.settings import Settings
-from hannes.diagnosis.sized import FINER, sized
-from hannes.errors import ComputationFailed
+from hannes.core.errors import ComputationFailed
+from hannes.identification.diagnosis import final_fit as module
+from hannes.identification.diagnosis import profile_likelihood as profiles
+from hannes.identification.diagnosis.baseline import FINE
+from hannes.identification.diagnosis.effect_search import investigate
+from hannes.identification.diagnosis.final_fit import FINER, sized
+from hannes.identification.diagnosis.gauss_newton import deviations
+from hannes.identification.diagnosis.profile_likelihood import Profile, profile
+from hannes.identification.diagnosis.repeat_groups import Group
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.simulator import NOTHING, Model
 
 SIZE = 2.0  # N s^2/m^2
 NAME = ["turbulence"]

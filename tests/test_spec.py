@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from hannes import library
-from hannes.errors import BadInput
-from hannes.experiment_file import parse_experiment
-from hannes.friction_curve import FrictionCurve
-from hannes.hand import Hand
-from hannes.hand_file import differences
-from hannes.spec import load, load_experiment, read
-from hannes.spec_text import experiment_toml
-from hannes.variants import MOST
+from hannes.core.errors import BadInput
+from hannes.simulation.experiment import shipped
+from hannes.simulation.experiment.friction_curve import FrictionCurve
+from hannes.simulation.experiment.load import load, load_experiment, read
+from hannes.simulation.experiment.reader import parse_experiment
+from hannes.simulation.experiment.variants import MOST
+from hannes.simulation.experiment.writer import experiment_toml
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.hand_file import differences
 
 HEAD = """
 title = "mine"
@@ -30,14 +30,14 @@ def variants(text):
     return found
 
 
-@pytest.mark.parametrize("name", library.names())
+@pytest.mark.parametrize("name", shipped.names())
 def test_every_shipped_experiment_loads_and_says_what_it_asks(name):
     found = load(name)
     assert isinstance(found, FrictionCurve) or len({each.file for each in found}) == len(found) > 0
-    assert library.question(library.find(name)).partition("?")[1] == "?"
+    assert shipped.question(shipped.find(name)).partition("?")[1] == "?"
 
 
-@pytest.mark.parametrize("name", library.names())
+@pytest.mark.parametrize("name", shipped.names())
 def test_the_resolved_text_of_a_shipped_experiment_reads_back_to_it(name):
     found = load(name)
     if isinstance(found, FrictionCurve):

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from hannes.batch import simulate_many
-from hannes.catalogue import effects, laws
-from hannes.errors import BadInput
-from hannes.experiment import Experiment, Reference, Target
-from hannes.hand import Hand
-from hannes.hand_file import hand_toml
-from hannes.spec import read
+from hannes.core.errors import BadInput
+from hannes.simulation.batch.simulate_many import simulate_many
+from hannes.simulation.catalogue import effects, laws
+from hannes.simulation.experiment.experiment import Experiment, Reference, Target
+from hannes.simulation.experiment.load import read
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.hand_file import hand_toml
 
 HELD = slice(100, 1101)  # samples from 1 s to 11 s
 

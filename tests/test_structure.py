@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from runs import GRASP, reference, run
 
-from hannes._jit import kernel
-from hannes.catalogue import effects
-from hannes.effect import Effect, Term
-from hannes.experiment import Experiment, Target
-from hannes.hand import Hand
-from hannes.ivp import HOLD
-from hannes.layout import Slot
-from hannes.parameter import Parameter
-from hannes.simulate import simulate
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter
+from hannes.simulation.catalogue import effects
+from hannes.simulation.experiment.experiment import Experiment, Target
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.integrate import HOLD
+from hannes.simulation.simulate import simulate
 
 
 def made(name, term, *states):

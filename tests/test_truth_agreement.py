@@ -14,11 +14,11 @@ from benchmarks.truth.bench import CURRENT
 from benchmarks.truth.effects import CATALOGUE, SIZES
 from benchmarks.truth.parameters import named
 from benchmarks.truth.protocol import DYNAMOMETER, PAPER, SOFT_BALL, scaled
-from hannes.batch import simulate_many
-from hannes.catalogue import effects
-from hannes.experiment import Experiment, Reference, Target
-from hannes.hand import Hand
-from hannes.simulate import simulate
+from hannes.simulation.batch.simulate_many import simulate_many
+from hannes.simulation.catalogue import effects
+from hannes.simulation.experiment.experiment import Experiment, Reference, Target
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
 
 # State by the library's name -> columns of the truth's.
 COLUMNS = {

@@ -15,7 +15,7 @@ from benchmarks.truth.fitness import fit
 from benchmarks.truth.parameters import flat, named
 from benchmarks.truth.protocol import DYNAMOMETER, PAPER, POOR, PROTOCOLS, RICH, Condition, Protocol
 from benchmarks.truth.scatter import EXACT, normal, run_scatter, scatter
-from hannes.campaign import read_campaign
+from hannes.campaigns.campaign_file import read_campaign
 
 QUICK = Protocol((Condition("void", ((0.0, 0.0), (0.1, 1.5)), 2),), RICH)
 NONE = Spread(0.0, "normal", 0.0, 0.0)
@@ -66,7 +66,7 @@ def test_a_campaign_tells_how_far_its_hand_may_be_off(tmp_path):
 
 
 def test_answers_hold_the_hand_and_every_run_by_the_librarys_names():
-    from hannes.hand import Hand
+    from hannes.simulation.hand.hand import Hand
 
     answer = make(QUICK, 1).answer
     known = Hand().parameters

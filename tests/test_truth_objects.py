@@ -7,10 +7,10 @@ from benchmarks.truth import simulate
 from benchmarks.truth.box import nearest, outside
 from benchmarks.truth.objects import evaluation, grasp, things
 from benchmarks.truth.protocol import PAPER
-from hannes.batch import simulate_many
-from hannes.experiment import Experiment, Reference, Target
-from hannes.hand import Hand
-from hannes.report.paper import TABLE_3
+from hannes.report.paper.published import TABLE_3
+from hannes.simulation.batch.simulate_many import simulate_many
+from hannes.simulation.experiment.experiment import Experiment, Reference, Target
+from hannes.simulation.hand.hand import Hand
 
 BORDER = 5500.0  # N/m
 

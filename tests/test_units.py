@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hannes.errors import BadInput
-from hannes.units import quantity, text, unit_scale
+from hannes.core.errors import BadInput
+from hannes.core.io.units import quantity, text, unit_scale
 
 UNITS = ["m", "N m/rad", "kg m2", "kg m^2", "A s/rad", "1", "V/(A s)", "ohm", "K", "degC", "rad/s"]
 
@@ -152,7 +152,7 @@ def test_unit_like_text_is_a_finite_value_or_bad_input(came: str, unit: str) -> 
 
 
 def test_every_example_in_a_message_is_itself_accepted() -> None:
-    from hannes.units import _KINDS
+    from hannes.core.io.units import _KINDS
 
     for unit, (_, example) in _KINDS.items():
         quantity(example, unit, unit)
@@ -175,7 +175,7 @@ def test_text_refuses_what_is_not_finite() -> None:
 
 ASKED = """
 import json, sys
-from hannes.units import quantity
+from hannes.core.io.units import quantity
 values = [quantity("3.1 mm", "m", "x"), quantity("25 degC", "degC", "x")]
 print(json.dumps([values, "pint" in sys.modules]))
 """

@@ -24,11 +24,11 @@ from benchmarks.truth.protocol import (
     closures,
     scaled,
 )
-from hannes.campaign import Campaign, Entry
-from hannes.hand import Hand
-from hannes.hand_plant import HandPlant
-from hannes.table import Table
-from hannes.units import text
+from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.core.io.toml_table import Table
+from hannes.core.io.units import text
+from hannes.plants.hand.plant import HandPlant
+from hannes.simulation.hand.hand import Hand
 
 NINE = (
     "motor.torque_constant",

@@ -4,7 +4,7 @@ import time
 from typing import Any
 
 from benchmarks.calibrating.cases import Case
-from hannes.calibrate import calibrate
+from hannes.commands.calibrate import calibrate
 
 
 def outcome(case: Case, seed: int, workers: int | None = None) -> dict[str, Any]:

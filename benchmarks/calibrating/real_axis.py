@@ -3,8 +3,8 @@
 import sys
 
 from benchmarks.harness import Row, must_show
-from hannes.calibrate import calibrate
-from hannes.errors import MissingRecording
+from hannes.commands.calibrate import calibrate
+from hannes.core.errors import MissingRecording
 
 FITTED, OTHER = 4.5, 5.4  # % of the recorded drive
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from benchmarks.calibrating.cases import NINE, case
 from benchmarks.truth.protocol import DYNAMOMETER, PAPER, RICH, SOFT_BALL, Condition, Protocol
-from hannes.calibrate import Calibration, calibrate
-from hannes.experiment import Experiment
-from hannes.hand_plant import HandPlant
-from hannes.ivp import METHODS
-from hannes.recording import Recording
-from hannes.simulate import simulate
+from hannes.commands.calibrate import Calibration, calibrate
+from hannes.core.recording.recording import Recording
+from hannes.plants.hand.plant import HandPlant
+from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.integrate import METHODS
+from hannes.simulation.simulate import simulate
 
 SIX = Protocol(
     (

@@ -9,10 +9,10 @@ import numpy as np
 from benchmarks.accuracy_work import alone
 from benchmarks.mujoco import native, same
 from benchmarks.mujoco.elements import Idiom
-from hannes.experiment import Experiment
-from hannes.hand import Hand
-from hannes.simulate import simulate
-from hannes.trajectory import Trajectory
+from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.simulate import simulate
+from hannes.simulation.trajectory import Trajectory
 
 TOLERANCES = (5e-2, 3e-2, 2e-2, 1e-2, 7e-3, 5e-3, 3e-3, 2e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
 # Steps of MuJoCo between two samples, 1 ms apart.

@@ -27,8 +27,8 @@ from benchmarks.mujoco.engine import (
     as_numbers,
 )
 from benchmarks.mujoco.same import CONTROLLER, HOLD, KNOTS, P, Y, places
-from hannes.experiment import Experiment
-from hannes.hand import Hand
+from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.hand.hand import Hand
 
 SIZES = (P.size, 2 * KNOTS, HOLD, Y.size, Y.size)
 VALUES, REFERENCE, HELD, STATE, RATE = range(len(SIZES))

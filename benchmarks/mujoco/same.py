@@ -34,13 +34,13 @@ from benchmarks.mujoco.engine import (
     as_numbers,
 )
 from benchmarks.mujoco.skeleton import skeleton
-from hannes.anatomy import FINGERS
-from hannes.channels import CHANNELS, LANES, PARAMETER_SLOTS, STATES
-from hannes.experiment import Experiment
-from hannes.hand import Hand
-from hannes.ivp import HOLD
-from hannes.layout import Layout
-from hannes.onset import smoothstep
+from hannes.core.kernels.smooth_switches import smoothstep
+from hannes.core.layout import Layout
+from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.hand.anatomy import FINGERS
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.variables import CHANNELS, LANES, PARAMETER_SLOTS, STATES
+from hannes.simulation.integrate import HOLD
 
 Y, C, P = Layout(STATES), Layout(CHANNELS), Layout(PARAMETER_SLOTS)
 

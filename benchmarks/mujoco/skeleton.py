@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from hannes.anatomy import FINGERS
+from hannes.simulation.hand.anatomy import FINGERS
 
 LINKS = {"mcp": "second", "pip": "third"}  # the phalanx that each joint moves
 JOINTS = tuple(f"{finger}_{joint}" for finger in FINGERS for joint in LINKS)

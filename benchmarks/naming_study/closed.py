@@ -15,11 +15,11 @@ import numpy as np
 from benchmarks.naming_study.draw import Drawn
 from benchmarks.truth.expected import expected
 from benchmarks.truth.protocol import Protocol
-from hannes.campaign import Campaign
-from hannes.diagnosis.deep import Result
-from hannes.diagnosis.groups import grouped
-from hannes.diagnosis.model import Model
-from hannes.diagnosis.point import Care, Ground, differenced, surveyed
+from hannes.campaigns.campaign_file import Campaign
+from hannes.identification.diagnosis.campaign_diagnosis import Result
+from hannes.identification.diagnosis.linearisation import Care, Ground, differenced, surveyed
+from hannes.identification.diagnosis.repeat_groups import grouped
+from hannes.identification.diagnosis.simulator import Model
 
 CARE = Care(2.0, 4)
 DRAWS = 2  # runs of a mean

@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.naming_study.frozen import Smallest, smallest
 from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
 from benchmarks.truth.protocol import POOR, PROTOCOLS, Condition, Protocol, closures, scaled
-from hannes.hand_proposals import CHANGES
+from hannes.plants.hand.candidate_runs import CHANGES
 
 PLANS: dict[str, Protocol] = {
     **PROTOCOLS,

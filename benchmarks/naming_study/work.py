@@ -14,9 +14,9 @@ from benchmarks.naming_study.closed import left
 from benchmarks.naming_study.draw import Drawn
 from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.protocol import Protocol
-from hannes.diagnose import Diagnosis
-from hannes.diagnose import diagnose as library
-from hannes.errors import ComputationFailed
+from hannes.commands.diagnose import Diagnosis
+from hannes.commands.diagnose import diagnose as library
+from hannes.core.errors import ComputationFailed
 
 Diagnose = Callable[[Path, Path], Diagnosis | None]  # campaign file, folder for verdict.json
 

@@ -26,7 +26,7 @@ from benchmarks.oracle.store import Store, digest
 from benchmarks.truth.campaign import Spread
 from benchmarks.truth.effects import SIZES
 from benchmarks.truth.protocol import PROTOCOLS
-from hannes.files import write_text
+from hannes.core.io.atomic_files import write_text
 
 KEPT = Path("results/benchmarks/oracle")
 EMPTIES, HANDS = 200, 3

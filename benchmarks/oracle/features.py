@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.truth.bench import FORCES
 from benchmarks.truth.campaign import Made
 from benchmarks.truth.protocol import Condition, Protocol
-from hannes.recording import Recording
+from hannes.core.recording.recording import Recording
 
 BINS = 40  # of equal width, over a recording
 

@@ -9,7 +9,7 @@ from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import Discriminant, needed
 from benchmarks.oracle.shapes import Shape
 from benchmarks.truth.effects import SIZES
-from hannes.errors import ComputationFailed
+from hannes.core.errors import ComputationFailed
 
 NEAR = 1.12  # ratio within which the effect is as good as proportional to its size
 NEARBY = 1.3  # ratio from which on all hands are asked

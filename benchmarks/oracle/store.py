@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hannes.files import atomic_file
+from hannes.core.io.atomic_files import atomic_file
 
 
 class Store:

@@ -6,9 +6,9 @@ import numpy as np
 
 from benchmarks.harness import Row, must_show
 from benchmarks.real import blocks
-from hannes.diagnose import Diagnosis
-from hannes.gap import Traces
-from hannes.reproduce import force_errors
+from hannes.commands.diagnose import Diagnosis
+from hannes.commands.reproduce import force_errors
+from hannes.identification.residuals import Traces
 
 EFFECT = "direction_friction"  # the published answer
 MOST = 4.75  # % of the recorded drive, with the effect

@@ -6,11 +6,11 @@ import numpy as np
 
 from benchmarks.harness import Row, must_show
 from benchmarks.real import blocks
-from hannes import pieces as cutting
-from hannes.diagnose import Diagnosis
-from hannes.gap import inflated
-from hannes.pieces import Piece
-from hannes.refit import Fitted, Misfit, fit
+from hannes.campaigns import segments as cutting
+from hannes.campaigns.segments import Piece
+from hannes.commands.diagnose import Diagnosis
+from hannes.identification.holdout.least_squares import Fitted, Misfit, fit
+from hannes.identification.residuals import inflated
 
 EFFECT = "force_lag"
 TIME = (0.14, 0.15)  # s, of an independent fit

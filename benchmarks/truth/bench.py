@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.truth.protocol import Condition
-from hannes.recording import Recording
+from hannes.core.recording.recording import Recording
 
 # Standard deviation of white noise, and resolution. The encoder resolves 2^-12 turn without noise.
 CURRENT, CURRENT_STEP = 10e-3, 5e-3  # A; the controller sees the same samples

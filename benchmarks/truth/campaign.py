@@ -28,9 +28,9 @@ from benchmarks.truth.record import checked, posed
 from benchmarks.truth.scatter import LAWS, run_scatter, scatter
 from benchmarks.truth.simulation import trace
 from benchmarks.truth.state import CREPT
-from hannes.errors import BadInput, ComputationFailed, HannesError
-from hannes.files import write_text
-from hannes.recording import Recording
+from hannes.core.errors import BadInput, ComputationFailed, HannesError
+from hannes.core.io.atomic_files import write_text
+from hannes.core.recording.recording import Recording
 
 SHIPPED = 'base = "hannes"\n'
 MOST_DRAWS = 200

@@ -11,8 +11,8 @@ from pathlib import Path
 from benchmarks.truth.bench import experiment_text
 from benchmarks.truth.campaign import Spread, hidden_from, make
 from benchmarks.truth.protocol import closures
-from hannes.errors import HannesError
-from hannes.files import write_text
+from hannes.core.errors import HannesError
+from hannes.core.io.atomic_files import write_text
 
 EXPERIMENT = "closure.toml"  # beside the recordings: CSV does not carry what was done
 

@@ -24,9 +24,9 @@ from benchmarks.truth.protocol import PAPER, POOR, Condition
 from benchmarks.truth.record import posed
 from benchmarks.truth.scatter import normal, run_scatter, scatter
 from benchmarks.truth.simulation import trace
-from hannes.errors import ComputationFailed, HannesError
-from hannes.files import write_text
-from hannes.recording import Recording
+from hannes.core.errors import ComputationFailed, HannesError
+from hannes.core.io.atomic_files import write_text
+from hannes.core.recording.recording import Recording
 
 FILE = Path(__file__).with_name("ten_objects.toml")
 HAND, RUN = 0.02, 0.005  # relative scatter of hands, and of a hand from run to run

@@ -8,12 +8,12 @@ phalanx: eq. 3 and sliding friction.
 
 import math
 
-from hannes._jit import kernel
 from hannes.contact.leaning import support
 from hannes.contact.penalty import normal_law, tangential_law
-from hannes.effect import Effect, Term
-from hannes.layout import Slot
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter
 
 
 @kernel

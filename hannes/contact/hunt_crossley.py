@@ -2,10 +2,10 @@
 
 import math
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.lanes import exp_minus_one
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.vector_math import exp_minus_one
+from hannes.core.parameter import Parameter
 
 DEPTH = 1e-3  # m, at which the stiffness is that of eq. 3
 

@@ -13,7 +13,7 @@ ends. A point deeper inside than the section is round there has no one nearest p
 
 import math
 
-from hannes._jit import kernel
+from hannes.core.kernels.jit import kernel
 
 ARCH = 0.01
 CLOSE = 1e-11  # rad

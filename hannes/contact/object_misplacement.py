@@ -1,8 +1,8 @@
 """Object misplacement: the object is not where the experiment says."""
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
 
 
 @kernel

@@ -1,9 +1,9 @@
 """Penalty contact (paper eq. 3) with regularised tangential friction; it never pulls."""
 
-from hannes._jit import kernel
-from hannes.lanes import soft_sign
-from hannes.onset import smoothstep
-from hannes.parameter import Parameter, group
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.smooth_switches import smoothstep
+from hannes.core.kernels.vector_math import soft_sign
+from hannes.core.parameter import Parameter, group
 
 PARAMETERS = group(
     "object",

@@ -6,7 +6,7 @@ radius. A circle is a rounded rectangle whose core is a point.
 
 import math
 
-from hannes._jit import kernel
+from hannes.core.kernels.jit import kernel
 
 
 @kernel

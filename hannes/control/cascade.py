@@ -1,7 +1,7 @@
 """Sampled cascade of a position and a speed loop, as the controller of the EMPS axis runs it."""
 
-from hannes._jit import kernel
-from hannes.parameter import Parameter, group
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter, group
 
 EMPS = "EMPS data set, its controller"
 

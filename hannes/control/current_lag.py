@@ -1,9 +1,9 @@
 """Current-sensor lag: the reading follows the winding's current late."""
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.layout import Slot
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter
 
 
 @kernel

@@ -2,8 +2,8 @@
 
 import math
 
-from hannes._jit import kernel
-from hannes.parameter import Parameter, group
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter, group
 
 PARAMETERS = group(
     "encoder", Parameter("bits", 12.0, "1", (4, 32), "counts per output turn = 2^bits")

@@ -7,10 +7,10 @@ delay's phase to within (omega time)^5 / 720 rad. For 5 ms and what the hand doe
 is a thousandth of a radian; what changes within the delay itself comes through distorted.
 """
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.layout import Slot
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter
 
 
 @kernel

@@ -1,8 +1,8 @@
 """The two nested PIDs: position outside, current inside, both at the motor side."""
 
-from hannes._jit import kernel
-from hannes.onset import limited
-from hannes.parameter import Parameter, group
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.smooth_switches import limited
+from hannes.core.parameter import Parameter, group
 
 PARAMETERS = (
     group(

@@ -1,6 +1,6 @@
 """Position reference at the output shaft: straight lines between knots."""
 
-from hannes._jit import kernel
+from hannes.core.kernels.jit import kernel
 
 
 @kernel

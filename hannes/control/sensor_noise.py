@@ -2,7 +2,7 @@
 
 import math
 
-from hannes._jit import kernel
+from hannes.core.kernels.jit import kernel
 
 PRIME = 2147483647  # 2^31 - 1: squares of what is below it are whole numbers of 64 bits
 

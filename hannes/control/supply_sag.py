@@ -1,8 +1,8 @@
 """Supply sag: the bus voltage falls while current is drawn."""
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
 
 
 @kernel

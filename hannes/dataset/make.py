@@ -12,13 +12,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from hannes.dataset import file
-from hannes.dataset.draw import draw
-from hannes.dataset.part import SIZE, Part, count, simulated
+from hannes.core.errors import BadInput, ComputationFailed, Interrupted
+from hannes.core.io.atomic_files import write_bytes
+from hannes.core.recording.hdf5 import text_attribute
+from hannes.dataset import hdf5_file
+from hannes.dataset.sampling import draw
+from hannes.dataset.shard import SIZE, Part, count, simulated
 from hannes.dataset.spec import Spec, read_spec
-from hannes.errors import BadInput, ComputationFailed, Interrupted
-from hannes.files import write_bytes
-from hannes.recording_hdf5 import text_attribute
 
 BACKENDS = ("local", "dask")
 ANSWER = 5  # s in which a scheduler must answer
@@ -75,7 +75,7 @@ def _may_be_ours(path: Path) -> bool:
             return False
     try:
         with h5py.File(path) as found:
-            return text_attribute(found, "schema") == file.SCHEMA
+            return text_attribute(found, "schema") == hdf5_file.SCHEMA
     except Exception:  # a damaged file raises nearly anything from inside the library
         return True
 
@@ -94,7 +94,7 @@ class Parts:
 
     def __init__(self, target: Path, spec: Spec) -> None:
         self.target, self.spec = target, spec
-        self.folder = target.parent / f".parts-{file.fingerprint(spec)[:16]}.{target.name}"
+        self.folder = target.parent / f".parts-{hdf5_file.fingerprint(spec)[:16]}.{target.name}"
         self.whole, self.failed = False, 0
 
     def path(self, k: int) -> Path:
@@ -111,12 +111,12 @@ class Parts:
         """Numbers of the parts still to be simulated; those of a damaged file are taken over."""
         kept = {k for k in range(count(self.spec)) if self.read(k)}
         if self.target.exists():
-            sound = [part.failed for _, part in file.salvaged(self.target, self.spec)]
+            sound = [part.failed for _, part in hdf5_file.salvaged(self.target, self.spec)]
             self.whole, self.failed = len(sound) == count(self.spec), sum(sound)
-            self.whole = self.whole and file.well_headed(self.target, self.spec)
+            self.whole = self.whole and hdf5_file.well_headed(self.target, self.spec)
             if self.whole:
                 return []
-            for k, part in file.salvaged(self.target, self.spec):
+            for k, part in hdf5_file.salvaged(self.target, self.spec):
                 if k not in kept:
                     self.write(k, part.packed())
                     kept.add(k)
@@ -134,7 +134,7 @@ class Parts:
         if not self.whole:
             self.failed = 0
             temporary = self.folder / "whole.h5"
-            file.write(temporary, self.spec, self._all())
+            hdf5_file.write(temporary, self.spec, self._all())
             _flush(temporary)
             os.replace(temporary, self.target)
         shutil.rmtree(self.folder, ignore_errors=True)
@@ -186,7 +186,7 @@ def _quiet(progress: bool | None) -> bool | None:
 def _tasks(spec: Spec, numbers: list[int]) -> Iterator[Any]:
     from joblib import delayed
 
-    mark = file.fingerprint(spec)
+    mark = hdf5_file.fingerprint(spec)
     return (delayed(numbered)(spec.text, k, mark) for k in numbers)
 
 
@@ -202,12 +202,12 @@ def numbered(text: str, number: int, mark: str) -> tuple[int, bytes]:
 
 @functools.lru_cache(maxsize=4)
 def _mark(text: str) -> str:
-    return file.fingerprint(read_spec(text))
+    return hdf5_file.fingerprint(read_spec(text))
 
 
 def _make_ready(spec: Spec) -> None:
     """Compile once before workers do it all at a time."""
-    from hannes.plan import say_when_compiling
+    from hannes.simulation.compiled_call import say_when_compiling
 
     say_when_compiling(spec.hand.compiled(spec.hand.effects), "grasps")
     simulated(spec.text, 0)

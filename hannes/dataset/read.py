@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from hannes.dataset.file import SCHEMA
-from hannes.dataset.part import STORED
-from hannes.errors import BadInput
-from hannes.recording_hdf5 import OWN_FILTERS, text_attribute
+from hannes.core.errors import BadInput
+from hannes.core.recording.hdf5 import OWN_FILTERS, text_attribute
+from hannes.dataset.hdf5_file import SCHEMA
+from hannes.dataset.shard import STORED
 
 MOST_FIELDS = 2000
 DENSEST = 1100  # times that deflate can shrink anything

@@ -8,16 +8,23 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from hannes import library
 from hannes.contact.shapes import SHAPES
-from hannes.dataset.law import Law, read_law
-from hannes.errors import BadInput, nearest
-from hannes.experiment import CONTROLLERS, Experiment, Reference
-from hannes.experiment_file import MOST_SAMPLES, NOISE, read_reference
-from hannes.hand import Hand
-from hannes.hand_file import changed, declared, differences, effect_names, load_hand, texts
-from hannes.table import Table, read_text
-from hannes.units import quantity
+from hannes.core.errors import BadInput, nearest
+from hannes.core.io.toml_table import Table, read_text
+from hannes.core.io.units import quantity
+from hannes.dataset.distributions import Law, read_law
+from hannes.simulation.experiment import shipped
+from hannes.simulation.experiment.experiment import CONTROLLERS, Experiment, Reference
+from hannes.simulation.experiment.reader import MOST_SAMPLES, NOISE, read_reference
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.hand_file import (
+    changed,
+    declared,
+    differences,
+    effect_names,
+    load_hand,
+    texts,
+)
 
 KEYS = (
     "title", "hand", "effects", "parameters", "seed", "duration", "sampling", "controller",
@@ -117,7 +124,7 @@ def find(name: str | Path) -> Path:
     """File of a specification."""
     if str(name).endswith(".toml"):
         return Path(name)
-    folder = library.folder() / "datasets"
+    folder = shipped.folder() / "datasets"
     names = sorted(path.stem for path in folder.glob("*.toml"))
     if str(name) not in names:
         raise BadInput(

@@ -7,10 +7,10 @@ turn on its cart's pulley; the mean of its two ends' tensions is that of the str
 
 import math
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.lanes import exp_minus_one, soft_sign
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.vector_math import exp_minus_one, soft_sign
+from hannes.core.parameter import Parameter
 
 WIDTH = 5e-3  # m/s, of the change from one direction of sliding to the other
 

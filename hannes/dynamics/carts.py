@@ -1,8 +1,8 @@
 """The two carts on their linear guides, which share the leader's pull among the fingers."""
 
-from hannes._jit import kernel
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter, group
 from hannes.dynamics.friction import friction_parameters
-from hannes.parameter import Parameter, group
 
 PARAMETERS = group(
     "cart",

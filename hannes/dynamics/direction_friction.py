@@ -1,9 +1,9 @@
 """Direction-dependent friction: harder one way than the other."""
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.lanes import soft_sign
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.vector_math import soft_sign
+from hannes.core.parameter import Parameter
 
 
 @kernel

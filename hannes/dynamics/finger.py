@@ -6,7 +6,7 @@ slender uniform rods.
 
 import math
 
-from hannes._jit import kernel
+from hannes.core.kernels.jit import kernel
 
 
 @kernel

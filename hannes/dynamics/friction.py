@@ -2,9 +2,9 @@
 
 import math
 
-from hannes._jit import kernel
-from hannes.lanes import exp_minus_one, soft_sign
-from hannes.parameter import Parameter
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.vector_math import exp_minus_one, soft_sign
+from hannes.core.parameter import Parameter
 
 
 @kernel

@@ -7,10 +7,10 @@ the middle. Exact as long as the wire is taut where the shaft is turned; with a 
 shaft's own friction decides, and here it stays with the face that closes the hand.
 """
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.onset import limited
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.smooth_switches import limited
+from hannes.core.parameter import Parameter
 
 
 @kernel

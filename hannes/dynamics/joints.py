@@ -3,10 +3,10 @@
 The paper re-opens the hand by pulleys and wires; joint springs with preload stand in for them.
 """
 
-from hannes._jit import kernel
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.smooth_switches import one_sided
+from hannes.core.parameter import Parameter, group
 from hannes.dynamics.friction import friction_parameters
-from hannes.onset import one_sided
-from hannes.parameter import Parameter, group
 
 
 def _joint(name, arm, spring, preload, friction, row):

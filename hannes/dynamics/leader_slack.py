@@ -1,8 +1,8 @@
 """Leader-wire slack: wire that must be wound before anything moves."""
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
 
 
 @kernel

@@ -1,7 +1,7 @@
 """Brushed DC motor with inductance, behind the 19:1 reducer that winds the leader wire."""
 
-from hannes._jit import kernel
-from hannes.parameter import Parameter, group
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter, group
 
 FIT = "choice, fitted to Table II"
 

@@ -1,9 +1,9 @@
 """Return-spring error: re-opening springs stronger or weaker than told."""
 
-from hannes._jit import kernel
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
 from hannes.dynamics.joints import spring_torque
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
 
 
 @kernel

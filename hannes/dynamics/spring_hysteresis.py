@@ -1,10 +1,10 @@
 """Return-spring hysteresis: springs that pull harder while loaded than while let go."""
 
-from hannes._jit import kernel
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter
 from hannes.dynamics.joints import spring_torque
-from hannes.effect import Effect, Term
-from hannes.layout import Slot
-from hannes.parameter import Parameter
 
 
 @kernel

@@ -4,12 +4,12 @@ Equations 1 and 2 let friction vanish with speed, as does that between finger an
 then creeps. Here the same levels are reached through a bristle that bends first, and stays bent.
 """
 
-from hannes._jit import kernel
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.vector_math import soft_sign
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter
 from hannes.dynamics.friction import stribeck
-from hannes.effect import Effect, Term
-from hannes.lanes import soft_sign
-from hannes.layout import Slot
-from hannes.parameter import Parameter
 
 
 @kernel

@@ -2,9 +2,9 @@
 
 import math
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
 
 WHOLE = tuple(
     float(count) for count in range(1, 13)

@@ -1,8 +1,8 @@
 """Winding heating: copper resists more and magnets weaken as the motor warms."""
 
-from hannes._jit import kernel
-from hannes.effect import Effect, Term
-from hannes.parameter import Parameter
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.parameter import Parameter
 
 COPPER = 3.93e-3  # 1/K, of its resistance
 MAGNET = -1.1e-3  # 1/K, of NdFeB's remanence

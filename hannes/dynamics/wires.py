@@ -1,8 +1,8 @@
 """Leader and follower wires: elastic, damped, and never pushing."""
 
-from hannes._jit import kernel
-from hannes.onset import one_sided
-from hannes.parameter import Parameter, group
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.smooth_switches import one_sided
+from hannes.core.parameter import Parameter, group
 
 PARAMETERS = (
     group(

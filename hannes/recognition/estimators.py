@@ -13,10 +13,10 @@ from typing import Any, Self
 import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin, TransformerMixin
 
-from hannes.errors import BadInput
+from hannes.core.errors import BadInput
 from hannes.recognition.bagging import Rows, bagged
-from hannes.recognition.cut import Cut, Samples
 from hannes.recognition.features import NAMES
+from hannes.recognition.windowing import Cut, Samples
 
 SINCE = NAMES.index("since")
 

@@ -18,15 +18,15 @@ from typing import Any
 
 import numpy as np
 
-from hannes.dataset.part import touching
-from hannes.errors import BadInput
-from hannes.files import atomic_folder
-from hannes.matching import matching
-from hannes.recognition.estimates import judged
-from hannes.recognition.grasps import scored
+from hannes.core.errors import BadInput
+from hannes.core.io.atomic_files import atomic_folder
+from hannes.core.io.file_patterns import matching
+from hannes.core.io.toml_table import Table, read_text
+from hannes.core.recording.recording import Recording
+from hannes.dataset.shard import touching
+from hannes.recognition.interval_scores import judged
 from hannes.recognition.model import RIGID, UNKNOWN, WORDS, Model, decided, plain
-from hannes.recording import Recording
-from hannes.table import Table, read_text
+from hannes.recognition.training_set import scored
 
 CLASSES = WORDS[:2]
 STABLE = 0.15  # s from contact

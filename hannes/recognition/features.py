@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from hannes._jit import entry, kernel
+from hannes.core.kernels.jit import entry, kernel
 
 CHANNELS = ("current", "position", "reference")
 LEVELS = (0.25, 0.5, 1.0, 1.5)  # rad beyond the touch, at the output shaft

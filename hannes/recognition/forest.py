@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from hannes._jit import entry, inner
-from hannes.errors import BadInput
+from hannes.core.errors import BadInput
+from hannes.core.kernels.jit import entry, inner
 
 MOST_TREES = 10_000
 MOST_NODES = 20_000_000

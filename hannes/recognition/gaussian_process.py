@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from hannes.errors import BadInput
+from hannes.core.errors import BadInput
 
 CLIP = 3.0  # scales from the centre: what lies further out is taken to lie there
 CONSTANT = 1e-5  # of a feature's size: what varies by less is rounding, and tells nothing

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from hannes.recognition.cut import Cut
+from hannes.core.recording.recording import Recording
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import Forest
 from hannes.recognition.gaussian_process import ProcessMean
-from hannes.recognition.passages import of_grasp
-from hannes.recording import Recording
+from hannes.recognition.hysteresis_features import of_grasp
+from hannes.recognition.windowing import Cut
 
 SINCE, RISE = NAMES.index("since"), NAMES.index("rise")
 HELD = 0.06  # A above the free current, while an object is held

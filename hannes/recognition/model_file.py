@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from hannes import files
-from hannes.errors import BadInput
+from hannes.core.errors import BadInput
+from hannes.core.io import atomic_files
+from hannes.core.recording.hdf5 import OWN_FILTERS, set_attribute, text_attribute
 from hannes.recognition import gaussian_process
-from hannes.recognition.cut import Cut
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import FIELDS, MOST_NODES, Forest
 from hannes.recognition.gaussian_process import MOST_POINTS as MOST_PROCESS_POINTS
 from hannes.recognition.gaussian_process import ProcessMean
+from hannes.recognition.hysteresis_features import WHOLE
 from hannes.recognition.model import Band, Calibration, Model
-from hannes.recognition.passages import WHOLE
-from hannes.recording_hdf5 import OWN_FILTERS, set_attribute, text_attribute
+from hannes.recognition.windowing import Cut
 
 SCHEMA = "hannes-recogniser-7"
 LET_GO, STILL_HELD = "let go", "held"
@@ -60,7 +60,7 @@ def write(path: str | Path, model: Model) -> None:
             file.create_dataset(name, data=points, dtype="<f8", track_times=False)
     with h5py.File(io.BytesIO(memory.getvalue()), "r") as file:
         _model(file)
-    files.write_bytes(path, memory.getvalue())
+    atomic_files.write_bytes(path, memory.getvalue())
 
 
 def _put(file: Any, name: str, made: Any, fields: dict[str, np.dtype]) -> None:

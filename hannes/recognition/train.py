@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from hannes.core.errors import BadInput
 from hannes.dataset.read import DataSet, read
-from hannes.errors import BadInput
 from hannes.recognition.bagging import Bagged, Rows, bagged
-from hannes.recognition.calibrated import Answers, answered, answers, calibrated
-from hannes.recognition.cut import Cut
+from hannes.recognition.calibration import Answers, answered, answers, calibrated
 from hannes.recognition.gaussian_process import FEWEST as FEWEST_LET_GO
 from hannes.recognition.gaussian_process import ProcessMean, learnt
-from hannes.recognition.grasps import Grasps, grasps, last_held
 from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, held, running
+from hannes.recognition.training_set import Grasps, grasps, last_held
+from hannes.recognition.windowing import Cut
 
 LEAST = 0.5  # N, of the force that is learnt
 EARLIER = 0.03  # share that force is learnt from of the windows before a grasp's last

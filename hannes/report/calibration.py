@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hannes.core.io.provenance import versions
 from hannes.report.figure_calibration import figures
 from hannes.report.formats import number
 from hannes.report.page import render
-from hannes.report.tables import Table
-from hannes.versions import versions
+from hannes.report.paper.tables import Table
 
 if TYPE_CHECKING:
-    from hannes.calibration.result import Fit
+    from hannes.identification.calibration.result import Fit
 
 
 MOST_DOUBTED = 8
@@ -40,7 +40,7 @@ def page(result: "Fit") -> str:
 
 
 def _values(result: "Fit") -> Table:
-    from hannes.calibration.result import told
+    from hannes.identification.calibration.result import told
 
     rows = [
         (

@@ -2,14 +2,14 @@
 
 from typing import TYPE_CHECKING
 
+from hannes.identification.verdict import spoken, untold
 from hannes.report.figure_diagnosis import figures
 from hannes.report.formats import decimals, number
 from hannes.report.page import render
-from hannes.report.tables import Table
-from hannes.verdict import spoken, untold
+from hannes.report.paper.tables import Table
 
 if TYPE_CHECKING:
-    from hannes.diagnose import Diagnosis
+    from hannes.commands.diagnose import Diagnosis
 
 STAGES = ("as_given", "before", "after")
 MANY = 24  # recordings, beyond which a list of them tells nobody anything

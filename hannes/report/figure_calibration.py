@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hannes.report import style
-from hannes.report.drawn import Drawn, drawn
+from hannes.report.figure import Drawn, drawn
 from hannes.report.figure_diagnosis import GIVEN, MEASURED, thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from hannes.calibration.result import Fit
+    from hannes.identification.calibration.result import Fit
 
 WIDE = 30.0  # %, at which the bar of an interval is cut
 

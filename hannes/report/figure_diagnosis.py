@@ -5,15 +5,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hannes.report import style
-from hannes.report.drawn import Drawn, drawn
+from hannes.report.figure import Drawn, drawn
 from hannes.report.formats import decimals
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from hannes.diagnose import Diagnosis
-    from hannes.gap import Traces
+    from hannes.commands.diagnose import Diagnosis
+    from hannes.identification.residuals import Traces
 
 MEASURED: dict[str, Any] = {"color": style.BLACK, "linewidth": 2.4, "alpha": 0.35}
 GIVEN: dict[str, Any] = {"color": style.GREY, "linestyle": (0, (1, 1.2)), "linewidth": 1.2}

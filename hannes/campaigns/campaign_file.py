@@ -1,0 +1,315 @@
+"""Reads a campaign: which recordings, of which plant, under which conditions, in which role."""
+
+import re
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from hannes.campaigns import third_party
+from hannes.core.effect import Effect, joined
+from hannes.core.errors import BadInput, nearest
+from hannes.core.io.file_patterns import is_pattern, matching
+from hannes.core.io.toml_table import Table, read_text
+from hannes.core.recording.recording import Recording
+from hannes.plants.axis.matlab_file import load as load_mat
+from hannes.plants.plant_file import base_name, with_plant_file
+from hannes.plants.protocol import Plant, find_plant, require_usable
+from hannes.simulation.catalogue import effect, effects
+from hannes.simulation.experiment import shipped as library
+from hannes.simulation.hand.hand_file import own_catalogue
+
+KEYS = ("title", "plant", "base", "out", "effects", "recording", "calibrate", "diagnose")
+RECORDING_KEYS = ("file", "runs", "experiment", "condition", "role")
+ROLES = ("fit", "select", "show")
+MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/campaigns/third_party.py
+SIMULATED = "simulated:"  # file = "simulated:mine.toml": see virtual_recordings.py
+_SLICE = re.compile(r"(\d*):(\d*)(?::(\d*))?")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One recording of a campaign; entries of one `condition` are repeats.
+
+    `number`: how many recordings of its campaign come before it, as they were made.
+    """
+
+    name: str
+    recording: Recording
+    condition: str
+    role: str = ""
+    number: int = 0
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A plant at its given values, recordings with roles, and the effects that may be named.
+
+    `effects` maps the name by which an effect can be found again to the effect; `base` is what a
+    hand.toml of this plant starts from; `calibrate` and `diagnose` are the tables of these names,
+    yet to be read.
+    """
+
+    plant: Plant
+    shipped: Plant
+    entries: tuple[Entry, ...]
+    out: Path
+    effects: Mapping[str, Effect]
+    title: str = ""
+    base: str = "hannes"
+    calibrate: Table = field(default_factory=lambda: Table({}, "campaign", ()))
+    diagnose: Table = field(default_factory=lambda: Table({}, "campaign", ()))
+
+    def __post_init__(self) -> None:
+        numbered = (replace(each, number=k) for k, each in enumerate(self.entries))
+        object.__setattr__(self, "entries", tuple(numbered))
+
+    def of(self, *roles: str) -> tuple[Entry, ...]:
+        """Entries in any of these roles."""
+        return tuple(each for each in self.entries if each.role in roles)
+
+
+def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
+    """Read a campaign (a TOML file, or a shipped name) and its recordings.
+
+    Absent roles are drawn with `seed`. Raises BadInput with one line for whatever cannot be used:
+    nothing is computed before every recording is known to be sound.
+    """
+    if seed < 0:
+        raise BadInput(f"seed = {seed}: expected 0 or more")
+    path = campaign_file(path)
+    return _campaign(Table.parse(read_text(path), str(path), KEYS), path, seed)
+
+
+def campaign_file(name: str | Path) -> Path:
+    """Return the file of a campaign: a shipped name such as `emps`, or the path of a .toml file."""
+    shipped = {path.stem: path for path in (library.folder() / "campaigns").glob("*.toml")}
+    if Path(name).suffix == ".toml" or Path(name).exists():
+        return Path(name)
+    if str(name) not in shipped:
+        raise BadInput(
+            f'no campaign named "{name}"{nearest(str(name), shipped)} '
+            f"(shipped: {', '.join(sorted(shipped))}; or give the path of a .toml file)"
+        )
+    return shipped[str(name)]
+
+
+def _campaign(root: Table, path: Path, seed: int) -> Campaign:
+    folder, name = path.parent, root.text("plant", "hand")
+    shipped = _plant(root, name, folder)
+    plant = _at_base(root, shipped, base_name(name), folder)
+    rows = root.items("recording")
+    if not rows or not all(isinstance(row, dict) for row in rows):
+        root.refuse("recording", "is missing: expected [[recording]] with file = ... below")
+    found = [
+        one
+        for number, row in enumerate(rows, 1)
+        for one in _entries(
+            Table(row, root.where, RECORDING_KEYS, f"recording {number}."), folder, plant
+        )
+    ]
+    return Campaign(
+        plant,
+        shipped,
+        with_roles(_told_apart(root, found), seed),
+        Path(root.text("out", f"results/{path.stem}")),  # in the current folder
+        _effects(root, folder, plant),
+        root.text("title", path.stem),
+        base_name(name),
+        root.table("calibrate"),
+        root.table("diagnose"),
+    )
+
+
+def _told_apart(root: Table, found: list[tuple[Path, str, Entry]]) -> list[Entry]:
+    """Entries with names of their own; none is there twice, for then one copy may be fitted."""
+    seen, names = set(), Counter(each.name for _, _, each in found)
+    for path, run, each in found:
+        if (key := (path.resolve(), run)) in seen:
+            root.refuse("recording", f'lists "{each.name}" twice: leave it out of one of them')
+        seen.add(key)
+    return [
+        replace(each, name=f"{path}, {each.name}") if names[each.name] > 1 else each
+        for path, _, each in found
+    ]
+
+
+def _plant(root: Table, name: str, folder: Path) -> Plant:
+    try:
+        return find_plant(name, folder)
+    except BadInput as error:
+        root.refuse("plant", f'= "{name}": {error}')
+
+
+def _at_base(root: Table, plant: Plant, base: str, folder: Path) -> Plant:
+    """The plant at the values of the campaign's `base`, a hand.toml; as it is without."""
+    file = root.text("base", "")
+    return with_plant_file(plant, _existing(root, "base", folder / file), base) if file else plant
+
+
+def _existing(table: Table, key: str, path: Path) -> Path:
+    if path.is_file():
+        return path
+    if path.is_dir():
+        table.refuse(
+            key, f"= {path}: a folder; expected a file, or a glob such as {path.name}/*.csv"
+        )
+    near = nearest(path.name, [each.name for each in path.parent.glob("*")])
+    table.refuse(key, f"= {path}: there is no such file{near}")
+
+
+def _effects(root: Table, folder: Path, plant: Plant) -> dict[str, Effect]:
+    own = {}
+    for name in root.texts("effects"):
+        try:
+            own[_rooted(name, folder)] = effect(name, folder)
+        except BadInput as error:
+            root.refuse("effects", f"cannot be used: {error}")
+    found = {**effects(), **own_catalogue(plant), **own}
+    try:
+        joined((), found.values())
+    except BadInput as error:
+        root.refuse("effects", f"cannot be used: {error}")
+    return found
+
+
+def _rooted(name: str, folder: Path) -> str:
+    """A user's effect as it can be found from anywhere: a verdict may be written elsewhere."""
+    return str((folder / name).resolve()) if ".py:" in name else name
+
+
+def _entries(row: Table, folder: Path, plant: Plant) -> list[tuple[Path, str, Entry]]:
+    """Files, runs in them, recordings of one [[recording]], all fit to be simulated by `plant`."""
+    row.require("file", '"void_01.csv"')
+    name, experiment = row.text("file", ""), row.text("experiment", "")
+    role = row.choice("role", ROLES) if "role" in row else ""
+    condition = row.text("condition", experiment)
+    planned = _experiment_text(row, experiment, folder) if experiment else None
+    made = []
+    for path, run, recording in _recordings(row, name, folder, plant):
+        if planned is not None:
+            recording = replace(recording, experiment=planned)
+        _check(recording, plant, path)
+        place = _place(path, folder)
+        name = place if run == path.name else run
+        made.append((path, run, Entry(name, recording, condition or place, role)))
+    return made
+
+
+def _recordings(
+    row: Table, name: str, folder: Path, plant: Plant
+) -> list[tuple[Path, str, Recording]]:
+    """Files, names of runs, recordings: read, or simulated here."""
+    if not name.startswith(SIMULATED):
+        wanted, paths = _wanted(row), _paths(row, name, folder)
+        found = [(path, list(read_runs(path, plant).items())[wanted]) for path in paths]
+        if not any(runs for _, runs in found):
+            row.refuse("runs", f'= "{row.text("runs", ":")}": selects no run of these files')
+        return [(path, run, recording) for path, runs in found for run, recording in runs]
+    from hannes.simulation.virtual_recordings import virtual_recordings
+
+    experiment = name.removeprefix(SIMULATED)
+    place = folder / experiment if experiment.endswith(".toml") else experiment
+    try:
+        return [(Path(file), file, each) for file, each in virtual_recordings(place).items()]
+    except BadInput as error:
+        row.refuse("file", f"cannot be simulated: {error}")
+
+
+def _place(path: Path, folder: Path) -> str:
+    """A file's place in the campaign's folder, its name where it lies elsewhere."""
+    return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.name
+
+
+def _wanted(row: Table) -> slice:
+    """Which runs of each file: `runs = "1::5"` is every fifth from the second, as Python slices."""
+    text = row.text("runs", ":")
+    found = _SLICE.fullmatch(text)
+    if not found or (found[3] and int(found[3]) == 0):
+        row.refuse("runs", f'= "{text}": expected start:stop:step, counted from 0, such as "1::5"')
+    return slice(*(int(part) if part else None for part in found.groups()))
+
+
+def read_runs(path: Path, plant: Plant) -> dict[str, Recording]:
+    """Recordings of one file by name; most files hold one, a plant's own logger may put more."""
+    read = getattr(plant, "read", None)
+    return read(path) if read is not None else {path.name: read_recording(path)}
+
+
+def _paths(row: Table, name: str, folder: Path) -> list[Path]:
+    if name.startswith(MEASURED):
+        group, _, name = name.removeprefix(MEASURED).partition("/")
+        folder = third_party.folder(group)
+    if not is_pattern(name):
+        return [_existing(row, "file", folder / name)]
+    try:
+        found = matching(name, folder)
+    except BadInput as error:
+        row.refuse("file", f"cannot be used: {error}")
+    if not found:
+        row.refuse("file", f'= "{name}" matches no file in {folder}')
+    return found
+
+
+def read_recording(path: Path) -> Recording:
+    """Read a recording, or an EMPS file of MATLAB's; BadInput where it is neither."""
+    return load_mat(path) if path.suffix == ".mat" else Recording.read(path)
+
+
+def _check(recording: Recording, plant: Plant, path: Path) -> None:
+    """Raise BadInput, naming the file, unless `plant` can be driven and judged by `recording`."""
+    if recording.plant and recording.plant != plant.name:
+        raise BadInput(
+            f'{path}: a recording of the plant "{recording.plant}", not of "{plant.name}"; '
+            "choose the campaign's plant to match"
+        )
+    try:
+        recording.expect(plant.channels, plant.required, f"the plant {plant.name}")
+        require_usable(plant, recording)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from None
+    if not any(name in recording for name in plant.judged):
+        raise BadInput(f"{path}: has none of the channels {', '.join(plant.judged)} to compare")
+
+
+def _experiment_text(row: Table, name: str, folder: Path) -> str:
+    """Text of an experiment by name, or of a file relative to the campaign."""
+    from hannes.simulation.experiment.reader import experiment_text
+
+    try:
+        return experiment_text(name, folder)
+    except BadInput as error:
+        row.refuse("experiment", f"cannot be used: {error}")
+
+
+def with_roles(entries: list[Entry], seed: int) -> tuple[Entry, ...]:
+    """Give a role to entries that lack one: per condition, a quarter each to select and show.
+
+    Of show that is rounded down: nothing is learned from it. One at least of each.
+
+    Conditions with fewer than three recordings are drawn from together.
+    """
+    rng = np.random.default_rng([seed, len(entries)])
+    conditions: dict[str, list[int]] = {}
+    for place, entry in enumerate(entries):
+        if not entry.role:
+            conditions.setdefault(entry.condition, []).append(place)
+    groups = [places for places in conditions.values() if len(places) >= 3]
+    groups.append([p for places in conditions.values() if len(places) < 3 for p in places])
+    roles = {}
+    for group in groups:
+        drawn = rng.permutation(group)
+        for place, role in zip(drawn, _shares(len(group)), strict=True):
+            roles[int(place)] = role
+    return tuple(
+        replace(entry, role=roles.get(place, entry.role)) for place, entry in enumerate(entries)
+    )
+
+
+def _shares(count: int) -> list[str]:
+    if count < 3:
+        return ["fit", "show"][:count]
+    select, show = max(1, round(count / 4)), max(1, count // 4)
+    return ["select"] * select + ["show"] * show + ["fit"] * (count - select - show)

@@ -1,0 +1,94 @@
+"""`hannes check`: what may be wrong with a recording, before anything is fitted to it."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from hannes.campaigns.quality import clock, command, magnitudes, motion, sensors
+from hannes.campaigns.quality.finding import LEVELS, Finding
+from hannes.campaigns.quality.subject import Subject
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
+from hannes.plants.protocol import Plant, expectations, find_plant
+from hannes.simulation.experiment.reader import experiment_text, parse_experiment
+
+
+def check(recording: Recording, plant: Plant | None = None) -> list[Finding]:
+    """Return everything found in one recording, faults first.
+
+    What a plant expects of its channels (`Plant.expected`) sharpens the checks; without a plant
+    only what holds for any machine is looked at. Nothing is simulated, nothing raised: a fault
+    says that the recording would lead a fit astray, and what to do about it.
+    """
+    expected = dict(expectations(plant)) if plant is not None else {}
+    subject = Subject(recording, expected, plant.block if plant is not None else 0.0)
+    found = list(_found(subject))
+    return sorted(found, key=lambda each: LEVELS.index(each.level))
+
+
+def _found(subject: Subject) -> Iterator[Finding]:
+    yield from clock.inspect(subject)
+    yield from sensors.inspect(subject)
+    yield from magnitudes.inspect(subject)
+    yield from motion.inspect(subject)
+    plan = _plan(subject.recording)
+    if plan is not None:
+        yield from command.inspect(subject, plan)
+
+
+def _plan(recording: Recording) -> command.Plan | None:
+    """The command of the experiment that a recording carries, None where it carries none."""
+    if not recording.experiment:
+        return None
+    try:
+        experiment = parse_experiment(recording.experiment)
+    except BadInput:  # of another plant
+        return None
+    return command.Plan(*experiment.reference.knots)
+
+
+def subjects(
+    path: str | Path, plant: str | None = None, experiment: str | None = None
+) -> list[tuple[str, Recording, Plant]]:
+    """Names, recordings and plants of a recording's file, or of a campaign (TOML, shipped name).
+
+    `plant` and `experiment` are names, for a recording that does not tell them itself. Raises
+    BadInput for what cannot be read.
+    """
+    from hannes.campaigns.campaign_file import read_campaign, read_recording, read_runs
+
+    if Path(path).suffix in (".toml", ""):
+        if plant or experiment:
+            raise BadInput(f"{path}: a campaign tells plant and experiments itself: leave them out")
+        campaign = read_campaign(path)
+        return [(each.name, each.recording, campaign.plant) for each in campaign.entries]
+    if plant:
+        found = find_plant(plant, Path(path).parent)
+        runs = read_runs(Path(path), found)
+    else:
+        alone = read_recording(Path(path))
+        found, runs = find_plant(alone.plant or "hand", Path(path).parent), {"": alone}
+    if experiment is not None:
+        told = experiment_text(experiment)
+        if found.name == "hand":  # whose experiments these are
+            parse_experiment(told, experiment)
+        runs = {name: replace(each, experiment=told) for name, each in runs.items()}
+    for each in runs.values():
+        _expect(each, found, path)
+    return [(name if len(runs) > 1 else str(path), each, found) for name, each in runs.items()]
+
+
+def _expect(recording: Recording, plant: Plant, path: str | Path) -> None:
+    try:
+        recording.expect(plant.channels, what=f"the plant {plant.name}")
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}; name another plant with --plant") from None
+
+
+def refuse_faults(named: Iterable[tuple[str, Sequence[Finding]]]) -> None:
+    """Raise BadInput with the first fault and their number; `named` are files and findings."""
+    faults = [(name, each) for name, found in named for each in found if each.level == "fault"]
+    if faults:
+        name, first = faults[0]
+        more = f" ({len(faults) - 1} more faults: see `hannes check`)" if len(faults) > 1 else ""
+        raise BadInput(f"{name}: {first}{more}")

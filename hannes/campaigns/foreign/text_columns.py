@@ -1,0 +1,193 @@
+"""Columns of a text file: any delimiter, decimal comma, comments, lines above the numbers.
+
+A column is parsed by numpy at once; only where that fails are its cells walked one by one, to let
+missing values through and to say which line is at fault.
+"""
+
+import csv
+from collections.abc import Iterator
+from datetime import datetime
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hannes.campaigns.foreign.mapping import Column, TextRule
+from hannes.core.errors import BadInput, nearest
+from hannes.core.recording.csv import read_bytes
+
+FloatArray = NDArray[np.float64]
+
+GUESSES = ("\t", ";", ",")  # else any white space
+
+
+class Delimited:
+    """A text file cut into lines; NaN stands for a value that is missing."""
+
+    def __init__(self, path: Path, rule: TextRule, missing: tuple[str, ...]) -> None:
+        self.path, self.rule, self.missing = path, rule, {"", *missing}
+        lines = _decoded(path, rule.encoding)
+        kept = [
+            (number, line)
+            for number, line in enumerate(lines, start=1)
+            if number >= rule.first and not self._skipped(line)
+        ]
+        if len(kept) < 2:
+            raise BadInput(
+                f"{path}, line {len(lines)}: the file ends here; expected two or more lines of "
+                f"numbers from line {rule.first} on"
+            )
+        self.numbers_of_lines, self.rows = [n for n, _ in kept], [line for _, line in kept]
+        head = self._header(lines)
+        self.delimiter = rule.delimiter or self._guessed(head or self.rows[0])
+        self.names = [cell.strip() for cell in self._cells(head)] if head else []
+        self._check_widths(len(self.names) or len(self._cells(self.rows[0])))
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def place(self, row: int) -> str:
+        """File and line of a row, as messages show them."""
+        return f"{self.path}, line {self.numbers_of_lines[row]}"
+
+    def numbers(self, column: Column) -> FloatArray:
+        """Values of a column, shape (n,); BadInput with the line where one is no number."""
+        index = self._index(column)
+        try:
+            values = np.loadtxt(
+                self._dotted,
+                delimiter=None if self.delimiter == " " else self.delimiter,
+                comments=None,
+                usecols=index,
+                quotechar='"',
+                ndmin=1,
+            )
+        except ValueError:
+            cells = self._column_cells(index)
+            values = np.array([self._number(row, cell) for row, cell in enumerate(cells)])
+        for text in self.missing:
+            values[values == _as_number(text)] = np.nan
+        if np.isinf(values).any():
+            row = int(np.isinf(values).argmax())
+            raise BadInput(f"{self.place(row)}: the value is not finite; list it under missing")
+        return values
+
+    def stamps(self, column: Column) -> FloatArray:
+        """Seconds since the first stamp, shape (n,), of a column of ISO 8601 dates and times."""
+        cells = self._column_cells(self._index(column))
+        found = [self._stamp(row, cell) for row, cell in enumerate(cells)]
+        start = next((each for each in found if each is not None), None)
+        try:
+            return np.array([(x - start).total_seconds() if x and start else np.nan for x in found])
+        except TypeError:
+            raise BadInput(f"{self.path}: some time stamps name a time zone, some do not") from None
+
+    def _skipped(self, line: str) -> bool:
+        mark = self.rule.comment
+        return not line.strip() or bool(mark and line.lstrip().startswith(mark))
+
+    def _header(self, lines: list[str]) -> str:
+        number = self.rule.header
+        if number > len(lines):
+            raise BadInput(f"{self.path}: has {len(lines)} lines, none with number {number}")
+        line = lines[number - 1] if number else ""
+        return line.strip(" ").removeprefix(self.rule.comment) if self.rule.comment else line
+
+    def _guessed(self, line: str) -> str:
+        taken = "," if self.rule.decimal == "," else ""
+        return next((each for each in GUESSES if each in line and each != taken), " ")
+
+    def _cells(self, line: str) -> list[str]:
+        if self.delimiter == " ":
+            return line.split()
+        try:
+            return next(csv.reader([line], delimiter=self.delimiter), [])
+        except csv.Error as error:
+            raise BadInput(f"{self.path}: unreadable line {line!r:.60}: {error}") from None
+
+    def _check_widths(self, width: int) -> None:
+        """Every row has as many cells as there are names; one empty cell more ends a line."""
+        for row, line in enumerate(self.rows):
+            plain = '"' not in line and self.delimiter != " "
+            found = line.count(self.delimiter) + 1 if plain else len(self._cells(line))
+            ended = found == width + 1 and line.rstrip(" \r").endswith(self.delimiter)
+            if found != width and not ended:
+                raise BadInput(f"{self.place(row)}: expected {width} columns, got {found}")
+
+    def _index(self, column: Column) -> int:
+        if column.index:
+            raise BadInput(f"{self.path}: index is for HDF5 and MATLAB files, not for columns")
+        if isinstance(column.name, int):
+            width = len(self._cells(self.rows[0]))
+            if column.name > width:
+                raise BadInput(f"{self.path}: has {width} columns, none with number {column.name}")
+            return column.name - 1
+        found = [place for place, name in enumerate(self.names) if name == column.name]
+        if len(found) != 1:
+            raise BadInput(f"{self.path}: {self._absent(column.name, len(found))}")
+        return found[0]
+
+    def _absent(self, name: str, count: int) -> str:
+        if not self.names:
+            return f'has no header to look "{name}" up in; give the number of the column'
+        if count:
+            return f'{count} columns are called "{name}"; give the number of one'
+        shown = ", ".join(self.names)
+        return f'no column "{name}"{nearest(name, self.names)} (it has {shown:.300})'
+
+    @cached_property
+    def _dotted(self) -> list[str]:
+        if self.rule.decimal == ".":
+            return self.rows
+        return [line.replace(",", ".") for line in self.rows]
+
+    def _column_cells(self, index: int) -> Iterator[str]:
+        for line in self.rows:
+            yield self._cells(line)[index].strip()
+
+    def _number(self, row: int, cell: str) -> float:
+        if cell in self.missing:
+            return np.nan
+        number = _as_number(cell.replace(",", ".") if self.rule.decimal == "," else cell)
+        if np.isnan(number) and cell.strip("+-").lower() != "nan":
+            advice = "list it under missing if it stands for no value"
+            if "," in cell:
+                advice = 'is its comma a decimal one? set text.decimal = ","'
+            raise BadInput(f"{self.place(row)}: {cell!r:.60} is not a number; {advice}")
+        return number
+
+    def _stamp(self, row: int, cell: str) -> datetime | None:
+        if cell in self.missing:
+            return None
+        try:
+            return datetime.fromisoformat(cell)
+        except ValueError:
+            raise BadInput(
+                f"{self.place(row)}: {cell!r:.60} is no time stamp such as 2026-03-03 18:43:13.25"
+            ) from None
+
+
+def _as_number(text: str) -> float:
+    try:
+        return float(text) if "_" not in text else np.nan
+    except ValueError:
+        return np.nan
+
+
+def _decoded(path: Path, encoding: str) -> list[str]:
+    data = read_bytes(path)
+    try:
+        text = data.decode("utf-8-sig" if encoding == "utf-8" else encoding)
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise BadInput(
+            f"{path}, line {line}: not {encoding} text; set text.encoding, such as latin-1"
+        ) from None
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n").split("\n")
+    if lines == [""]:
+        raise BadInput(f"{path}, line 1: the file is empty")
+    if "\0" in text:
+        line = next(k for k, each in enumerate(lines, start=1) if "\0" in each)
+        raise BadInput(f"{path}, line {line}: holds a NUL character, this is no text")
+    return lines

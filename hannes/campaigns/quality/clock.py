@@ -1,0 +1,115 @@
+"""The recording's own clock: gaps, uneven and drifting intervals, seconds and milliseconds."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hannes.campaigns.quality.finding import Finding, fault, note, warning
+from hannes.campaigns.quality.subject import Subject, speeds, sustained
+
+FloatArray = NDArray[np.float64]
+
+GAP = 1.5  # median intervals
+JITTER = 0.05  # of the median interval, beyond which uneven times are worth a note
+LEAST_DRIFT = 2e-3  # of the rate, from the recording's start to its end
+SURE = 10.0  # standard deviations, from six degrees of freedom
+LEAST_LOST = 0.5  # samples by which a drifting clock is off
+PARTS = 8  # of a recording, whose rates are compared
+FEWEST = 80  # samples to compare rates by
+SLOWEST = 0.5  # of the time over which the plant forgets, between two samples
+MILLI = 1000.0
+
+
+def inspect(subject: Subject) -> Iterator[Finding]:
+    """Findings about the times alone, and about their unit."""
+    intervals = np.diff(subject.time)
+    even = intervals <= GAP * subject.interval
+    yield from _gaps(subject, intervals, ~even)
+    yield from _uneven(subject, intervals[even])
+    yield from _drift(subject, intervals, even)
+    yield from _unit(subject)
+
+
+def _gaps(subject: Subject, intervals: FloatArray, wide: NDArray[np.bool_]) -> Iterator[Finding]:
+    places = np.flatnonzero(wide)
+    if not places.size:
+        return
+    worst = int(places[np.argmax(intervals[places])])
+    lost = int(np.sum(np.round(intervals[places] / subject.interval) - 1))
+    yield warning(
+        "gap",
+        "time",
+        f"{places.size} gap{'s' if places.size > 1 else ''} with some {lost} samples lost, the "
+        f"longest {1e3 * intervals[worst]:.4g} ms at {subject.time[worst]:.4g} s: they stay gaps; "
+        "check the logger where they are many",
+        time=float(subject.time[places[0]]),
+        size=float(intervals[worst]),
+    )
+
+
+def _uneven(subject: Subject, intervals: FloatArray) -> Iterator[Finding]:
+    spread = float(np.std(intervals))
+    if spread > JITTER * subject.interval:
+        yield note(
+            "uneven",
+            "time",
+            f"intervals scatter by {1e3 * spread:.3g} ms about {1e3 * subject.interval:.4g} ms: "
+            "times are used as they are; convert with time.resample for an even clock",
+            size=spread,
+        )
+
+
+def _drift(subject: Subject, intervals: FloatArray, even: NDArray[np.bool_]) -> Iterator[Finding]:
+    """Time against sample count: a trend in the mean interval of parts of the recording."""
+    if np.count_nonzero(even) < FEWEST:
+        return
+    counts = np.array([part.sum() for part in np.array_split(even, PARTS)])
+    if counts.min() == 0:
+        return
+    sums = np.array([part.sum() for part in np.array_split(intervals * even, PARTS)])
+    means = sums / counts
+    place = np.linspace(-0.5, 0.5, PARTS) * (PARTS - 1) / PARTS
+    change = float(place @ means / (place @ place)) / float(means.mean())
+    rest = means / means.mean() - 1.0 - change * place
+    doubt = float(np.sqrt(rest @ rest / (PARTS - 2) / (place @ place)))
+    lost = abs(change) * intervals.size / 8.0  # samples off a steady clock, at worst
+    if abs(change) > max(LEAST_DRIFT, SURE * doubt) and lost > LEAST_LOST:
+        yield warning(
+            "drift",
+            "time",
+            f"the clock drifts: intervals change by {100 * change:+.2g} % from start to end "
+            f"against the count of samples, {lost * subject.interval:.2g} s in all: take times "
+            "from a steady clock, or give time.sampling when converting",
+            size=change,
+        )
+
+
+def _unit(subject: Subject) -> Iterator[Finding]:
+    """Milliseconds read as seconds, or the other way round, by what the plant can do."""
+    span = float(subject.time[-1] - subject.time[0])
+    if subject.block and subject.interval > SLOWEST * subject.block:
+        yield fault(
+            "unit",
+            "time",
+            f"samples lie {subject.interval:.4g} s apart, too far to see the plant move: "
+            "milliseconds taken for seconds? convert with time.unit",
+            size=MILLI,
+        )
+    for name, each in subject.expected.items():
+        if not each.rate or name not in subject.recording:
+            continue
+        fastest = sustained(speeds(subject.time, subject.recording[name]))
+        if fastest > each.rate and _plausible(subject, name):
+            yield fault(
+                "unit",
+                "time",
+                f"{name} would move at {fastest:.3g} {subject.recording.units[name]}/s over "
+                f"{span:.3g} s in all: seconds taken for milliseconds? convert with time.unit",
+                size=1.0 / MILLI,
+            )
+
+
+def _plausible(subject: Subject, name: str) -> bool:
+    """Whether the channel itself is of a plausible size, so that the time is to blame."""
+    return float(np.abs(subject.recording[name]).max()) <= subject.of(name).peak[1]

@@ -1,0 +1,118 @@
+"""The recorded command against that of the experiment: its unit, its clock, its start."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hannes.campaigns.quality.finding import Finding, fault, note, warning
+from hannes.campaigns.quality.motion import found_lag, pace, timed
+from hannes.campaigns.quality.subject import Subject
+
+FloatArray = NDArray[np.float64]
+
+SAME = 0.02  # of the range, that a command may differ from the plan and still be the same
+LEAST_DRIFT = 1e-3  # of the clock's rate
+GROSS_DRIFT = 1e-2  # beyond which a fit goes astray
+FACTOR = 0.05  # relative, about a factor that a mistake would make
+ROUNDS = 30
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The command of an experiment: `times` [s] and `values`, shape (m,), lines between."""
+
+    times: FloatArray
+    values: FloatArray
+
+    @property
+    def pace(self) -> float:
+        """How long it takes through its whole range, see motion.pace [s]."""
+        return pace(self.times, self.values)
+
+
+def inspect(subject: Subject, plan: Plan, command: str = "reference") -> Iterator[Finding]:
+    """Findings about the recording against the experiment that it is said to be of."""
+    if command in subject.recording:
+        yield from _recorded(subject, plan, command)
+        return
+    for name, expected in subject.expected.items():
+        if expected.follows == command and name in subject.recording:
+            lag = found_lag(subject, subject.recording[name], plan.times, plan.values)
+            if lag is not None:
+                yield from timed(subject, name, "the experiment's command", plan.pace, lag)
+
+
+def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
+    time, values = subject.time, subject.recording[command]
+    size = float(np.ptp(plan.values))
+    if size == 0.0 or np.ptp(values) == 0.0:
+        return
+    gain = float(np.ptp(values)) / size
+    for what, factor in subject.of(command).mistakes.items():
+        if abs(gain / factor - 1.0) < FACTOR or abs(gain * factor - 1.0) < FACTOR:
+            text = f"is {gain:.4g} times the experiment's: {what} ({factor:.4g})?"
+            yield fault("unit", command, f"{text} convert with its unit or side", size=gain)
+            return
+    rate, rest = _clock(time, values, plan)
+    if rest > SAME * size:
+        yield note(
+            "command",
+            command,
+            "is not that of the experiment: what was recorded drives the simulation",
+            size=rest,
+        )
+        return
+    yield from _drifting(subject, command, rate)
+
+
+def _drifting(subject: Subject, command: str, rate: float) -> Iterator[Finding]:
+    off = abs(rate - 1.0) * float(subject.time[-1] - subject.time[0])
+    if abs(rate - 1.0) < LEAST_DRIFT or off < subject.interval:
+        return
+    found = fault if abs(rate - 1.0) > GROSS_DRIFT else warning
+    yield found(
+        "drift",
+        command,
+        f"the recording's clock runs {100 * (1.0 / rate - 1.0):+.3g} % against the experiment's, "
+        f"{1e3 * off:.3g} ms over the recording: take the times of the controller's clock",
+        size=1.0 / rate - 1.0,
+    )
+
+
+def _clock(time: FloatArray, values: FloatArray, plan: Plan) -> tuple[float, float]:
+    """Rate of time at which the plan fits best, and the rms that is left, shift left free."""
+    starts = [_fitted(time, values, plan, shift) for shift in _starts(time, values, plan)]
+    return min(starts, key=lambda each: each[1])
+
+
+def _starts(time: FloatArray, values: FloatArray, plan: Plan) -> list[float]:
+    """No shift, and the one at which both first leave their start."""
+    moved = np.flatnonzero(np.abs(values - values[0]) > SAME * np.ptp(values))
+    asked = np.interp(time, plan.times, plan.values)
+    left = np.flatnonzero(np.abs(asked - asked[0]) > SAME * np.ptp(plan.values))
+    late = float(time[moved[0]] - time[left[0]]) if moved.size and left.size else 0.0
+    return [0.0, late]
+
+
+def _fitted(time: FloatArray, values: FloatArray, plan: Plan, shift: float) -> tuple[float, float]:
+    """Gauss-Newton on plan(rate * (t - t0) + t0 - shift), from one shift [s]."""
+    rate, since = 1.0, time - time[0]
+    for _ in range(ROUNDS):
+        at = time[0] + rate * since - shift
+        slope = _slope(plan, at)
+        rest = values - np.interp(at, plan.times, plan.values)
+        columns = np.column_stack((-slope, slope * since))
+        move, *_ = np.linalg.lstsq(columns, rest, rcond=None)
+        shift, rate = shift + float(move[0]), float(np.clip(rate + move[1], 0.5, 2.0))
+        if np.abs(move).max() < 1e-9:
+            break
+    rest = values - np.interp(time[0] + rate * since - shift, plan.times, plan.values)
+    return rate, float(np.sqrt(np.mean(rest**2)))
+
+
+def _slope(plan: Plan, at: FloatArray) -> FloatArray:
+    tiny = 1e-3 * float(plan.times[-1] - plan.times[0])
+    ahead, behind = (np.interp(at + d, plan.times, plan.values) for d in (tiny, -tiny))
+    return np.asarray((ahead - behind) / (2.0 * tiny))

@@ -1,0 +1,97 @@
+"""What the recordings of a campaign are to be taken with, told before any of them is fitted."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.campaigns.check import check, refuse_faults
+from hannes.campaigns.periodicity import inputs
+from hannes.campaigns.quality.finding import Finding
+
+FEWEST_REPEATS = 5  # to tell two machines from one that scatters; two at least of each
+SAME = 1e-2  # by which commands and lengths of repeats may differ
+APART = 3.5  # nearest two of different machines, in distances of the farthest two of one machine
+
+
+def cautions(campaign: Campaign) -> list[str]:
+    """One line for each kind of warning; BadInput where the data check finds a fault.
+
+    A fault (a wrong unit, a reversed sign, a dead channel) would be named as an effect.
+    """
+    found = [(each.name, check(each.recording, campaign.plant)) for each in campaign.entries]
+    refuse_faults(found)
+    kinds: dict[tuple[str, str], list[tuple[str, Finding]]] = {}
+    for name, findings in found:
+        for each in findings:
+            if each.level == "warning":
+                kinds.setdefault((each.kind, each.channel), []).append((name, each))
+    return [_line(told, len(found)) for told in kinds.values()] + list(_mixed(campaign))
+
+
+def _line(told: Sequence[tuple[str, Finding]], count: int) -> str:
+    name, first = told[0]
+    where = "" if len(told) == 1 else f"{len(told)} of {count} recordings, such as "
+    return f"{where}{name}: {first}"
+
+
+def _mixed(campaign: Campaign) -> Iterator[str]:
+    """Repeats that fall into two heaps, far apart and each close together."""
+    for condition in dict.fromkeys(each.condition for each in campaign.entries):
+        entries = _repeats(campaign, condition)
+        for channel in campaign.plant.judged:
+            if len(entries) < FEWEST_REPEATS or any(channel not in e.recording for e in entries):
+                continue
+            one, other = _heaps(np.array([_aligned(each, entries[0], channel) for each in entries]))
+            if one:
+                parts = [", ".join(entries[k].name for k in heap) for heap in (one, other)]
+                yield (
+                    f"the repeats of {condition} fall into two heaps by {channel}, {parts[0]} and "
+                    f"{parts[1]}: recordings of two machines, or before and after a change? "
+                    "diagnose them apart"
+                )
+                break
+
+
+def _repeats(campaign: Campaign, condition: str) -> list[Entry]:
+    """Recordings of a condition under the very command of its first, and as long."""
+    entries = [each for each in campaign.entries if each.condition == condition]
+    first, driving = entries[0], inputs(campaign.plant, entries[0].recording)
+    return [each for each in entries if _same(each, first, driving)]
+
+
+def _same(entry: Entry, first: Entry, driving: Sequence[str]) -> bool:
+    lasts = [float(np.ptp(each.recording.time)) for each in (entry, first)]
+    if abs(lasts[0] / lasts[1] - 1.0) > SAME:
+        return False
+    return all(
+        name in entry.recording
+        and np.abs(_aligned(entry, first, name) - first.recording[name]).max()
+        <= SAME * np.ptp(first.recording[name])
+        for name in driving
+    )
+
+
+def _aligned(entry: Entry, first: Entry, channel: str) -> np.ndarray:
+    """A channel at the times of another recording, both counted from their start."""
+    at, time = (each.recording.time - each.recording.time[0] for each in (first, entry))
+    return np.interp(at, time, entry.recording[channel])
+
+
+def _heaps(runs: np.ndarray) -> tuple[list[int], list[int]]:
+    """Numbers of the runs (m, n) of two heaps; both empty where there is one.
+
+    Single linkage cuts at the widest gap.
+    """
+    from scipy.cluster.hierarchy import fcluster, linkage
+    from scipy.spatial.distance import pdist, squareform
+
+    distances = pdist(runs)
+    label = fcluster(linkage(distances, "single"), 2, "maxclust")
+    heaps = [np.flatnonzero(label == k).tolist() for k in (1, 2)]
+    if min(map(len, heaps)) < 2:
+        return [], []
+    square = squareform(distances)
+    between = square[np.ix_(*heaps)].min()
+    within = max(square[np.ix_(heap, heap)].max() for heap in heaps)
+    return (heaps[0], heaps[1]) if between > APART * within else ([], [])

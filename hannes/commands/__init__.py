@@ -1,0 +1,1 @@
+"""What a user types: the verbs and the command line."""

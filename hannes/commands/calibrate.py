@@ -1,0 +1,153 @@
+"""Fit a plant's parameters to recordings, with intervals that hold and what the data cannot see.
+
+How: hannes/calibration/__init__.py. Recordings in roles fit and select are fitted, those in role
+show are only predicted.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from hannes.campaigns.campaign_file import Campaign, read_campaign
+from hannes.core.errors import BadInput
+from hannes.core.io import atomic_files
+from hannes.identification.binned_run import STRETCHES, View
+from hannes.identification.calibration.data_check import Findings, inspected
+from hannes.identification.calibration.heldout_prediction import prediction
+from hannes.identification.calibration.identifiability import answers
+from hannes.identification.calibration.intervals import spread
+from hannes.identification.calibration.linearisation import State
+from hannes.identification.calibration.profile_likelihood import sides
+from hannes.identification.calibration.repeat_noise import floors, sample_floors
+from hannes.identification.calibration.repeatable_residual import remains
+from hannes.identification.calibration.result import Fit
+from hannes.identification.calibration.search import Progress, Search
+from hannes.identification.calibration.settings import Plan, read_plan
+from hannes.identification.calibration.simulator import Model
+from hannes.plants.plant_file import plant_toml
+
+Gap = dict[str, dict[str, float]]
+
+
+class Calibration(Fit):
+    """The result of `calibrate`: see identification/calibration/result.py; it can be written."""
+
+    def write(self, folder: str | Path) -> Path:
+        """Write calibration.json, hand.toml, report.html into `folder`, whole or not at all."""
+        from hannes.report.calibration import page
+
+        with atomic_files.atomic_folder(folder) as temporary:
+            (temporary / "calibration.json").write_text(self.json(), encoding="utf-8")
+            (temporary / "hand.toml").write_text(self.toml(), encoding="utf-8")
+            (temporary / "report.html").write_text(page(self), encoding="utf-8")
+        return Path(folder)
+
+    def toml(self) -> str:
+        """Text of the hand.toml of the plant at the fitted values."""
+        return plant_toml(self.plant, self.campaign.shipped, self.campaign.base)
+
+
+def calibrate(
+    campaign: Campaign | str | Path,
+    *,
+    out: str | Path | None = None,
+    seed: int = 0,
+    plan: Plan | None = None,
+    workers: int | None = None,
+    progress: bool | None = None,
+) -> Calibration:
+    """Calibrate by a campaign, or the TOML file of one; writes to `out` where given.
+
+    `plan` replaces the campaign's table [calibrate]; `workers` threads simulate (default: one for
+    each processor), which changes no result; `progress`: a bar on standard error, by default where
+    that is a terminal. Interrupted (Ctrl-C), it returns the best so far. Raises BadInput for what
+    cannot be used, which is also what the data check finds wrong and the plan does not accept;
+    ComputationFailed where no simulation succeeds or the fit does not settle.
+    """
+    if not isinstance(campaign, Campaign):
+        campaign = read_campaign(campaign, seed)
+    entries = campaign.of("fit", "select") or campaign.entries
+    recorded = {name for entry in entries for name in entry.recording.names}
+    plan = plan or read_plan(campaign.calibrate, campaign.plant, recorded, seed)
+    findings = inspected(campaign, plan.accept)
+    views = [View(entry, campaign.plant, plan.channels, plan.features) for entry in entries]
+    _require_enough(plan, views)
+    level, how = floors(views)
+    workers = workers or os.cpu_count() or 1
+    with _bar(progress) as told:
+        found = Search(Model(campaign.plant, views), plan, level, workers, told).run()
+        result = _told(campaign, found, findings, workers, how, seed, told)
+    if out is not None:
+        result.write(out)
+    return result
+
+
+def _told(
+    campaign: Campaign,
+    found: State,
+    findings: Findings,
+    workers: int,
+    how: str,
+    seed: int,
+    told: Progress,
+) -> Calibration:
+    width, noise = spread(found), sample_floors(found.model.views)
+    halves, held_out, fitted = np.tile(width.reach, (2, 1)), {}, {}
+
+    def gap(*roles: str) -> Gap:
+        made = prediction(found, campaign.of(*roles))
+        return {name: {**each, "floor": noise[name]} for name, each in made.items()}
+
+    try:
+        told("intervals", found.misfit)
+        halves = sides(found, width, workers)
+        apart = bool(campaign.of("fit", "select"))
+        held_out = gap("show") if apart else {}
+        fitted = gap("fit", "select") if apart else gap("show")
+    except KeyboardInterrupt:  # then intervals are as wide above as below, and gaps not known
+        found = replace(found, interrupted=True)
+    return Calibration(
+        campaign,
+        findings,
+        found,
+        width,
+        tuple(answers(found, width, halves)),
+        remains(found),
+        held_out,
+        fitted,
+        how,
+        seed,
+    )
+
+
+def _require_enough(plan: Plan, views: list[View]) -> None:
+    """Raise BadInput where there is less to see than there is to find out."""
+    if not any(view.measured.size for view in views):
+        raise BadInput("no recording has a channel or a feature that [calibrate] asks for")
+    starts = 1 if plan.start_time else 0
+    bears = sum(max(0, view.bears - starts) for view in views)
+    if plan.named and len(plan.names) > bears:
+        block = views[0].stretch
+        raise BadInput(
+            f"{len(plan.names)} parameters are more than {len(views)} recordings of this length "
+            f"bear ({bears}: {STRETCHES} stretches of {block:g} s or a feature for each, one for "
+            "every start); record more runs, or name fewer parameters"
+        )
+
+
+@contextmanager
+def _bar(progress: bool | None) -> Iterator[Progress]:
+    from tqdm import tqdm
+
+    hidden = None if progress is None else not progress
+    with tqdm(desc="calibrating", unit=" runs", delay=2.0, disable=hidden, leave=False) as bar:
+
+        def told(text: str, misfit: float) -> None:
+            bar.set_description(f"{text}, misfit {misfit:.4g}", refresh=False)
+            bar.update()
+
+        yield told

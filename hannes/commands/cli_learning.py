@@ -1,0 +1,233 @@
+"""The commands about many grasps: make a data set, train a classifier on it, evaluate it."""
+
+import argparse
+import json
+from collections.abc import Callable
+from typing import Any
+
+EXAMPLES = {
+    "dataset": """\
+hannes dataset large                       a shipped one: results/large.h5
+hannes dataset my.toml --out my.h5 --workers 4
+hannes dataset my.toml --backend dask --scheduler tcp://host:8786
+hannes dataset large --grasp 4711 --out grasp.h5
+
+my.toml:
+  title = "Balls"
+  hand = "hannes"                          # or a hand.toml
+  effects = ["leader_slack"]
+  seed = 1
+  duration = "1.15 s"
+  border = "5.5 kN/m"                      # from which an object counts as rigid
+  channels = ["reference", "position", "current", "force"]
+  [reference]
+  kind = "ramp"
+  points = [["0 s", "0 rad"], ["0.637 s", "9.84 rad"], ["1.022 s", "0 rad"]]
+  [values]                                 # of all groups
+  "mcp.*" = { spread = "0.02" }            # the hand's own value times exp(0.02 z)
+  "leader_slack.length" = { uniform = ["0 mm", "3 mm"] }
+  "command.speed" = ["0.8", "1"]           # levels: every combination is a cell
+  "noise.current" = "10 mA"
+  "resolution.position" = "1.534 mrad"
+  [[grasps]]
+  name = "balls"
+  shape = "sphere"                         # cylinder, prism; none for an empty hand
+  draws = 100                              # grasps of each cell
+  role = "train"                           # or "test"
+  [grasps.values]
+  "object.radius" = { uniform = ["25 mm", "34 mm"] }
+  "object.stiffness" = { log_uniform = ["300 N/m", "40 kN/m"] }
+  # cylinders and prisms also lean: "object.tilt_x" = { uniform = ["-15 deg", "15 deg"] }
+A run that was ended goes on where it was when it is started again.""",
+    "train": """\
+hannes train results/large.h5                      writes results/large-model.h5
+hannes train results/large.h5 --out model.h5 --trees 640 --seed 3
+hannes train results/large.h5 --window "80 ms" --json""",
+    "evaluate": """\
+hannes evaluate model.h5 evaluation.toml
+hannes evaluate model.h5 grasp.h5                  rigid or soft, how stiff, how hard
+hannes evaluate model.h5 evaluation.toml --out results/evaluation --json
+hannes evaluate model.h5 evaluation.toml --learning-curve results/large.h5
+
+evaluation.toml, whose recordings have the force that tells contact from release:
+  title = "My objects"
+  [[object]]
+  name = "Ball"
+  class = "soft"                           # or "rigid"
+  file = "ball-*.h5"                       # one or more grasps of it
+  stiffness = "800 N/m"                    # where it is known""",
+}
+
+
+def add(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Add the commands; `command(name, call, told)` makes the parser of one."""
+    dataset = command("dataset", _dataset, "simulate many grasps into one HDF5 file")
+    dataset.add_argument("spec", help="a shipped specification's name, or a .toml file")
+    dataset.add_argument("--out", metavar="FILE.h5", help="the data set (results/<spec>.h5)")
+    dataset.add_argument("--workers", type=int, help="local processes (default: all cores)")
+    dataset.add_argument("--backend", default="local", help="local (default) or dask")
+    dataset.add_argument("--scheduler", default="", metavar="ADDRESS", help="of a Dask cluster")
+    dataset.add_argument(
+        "--grasp", type=int, metavar="K", help="only this one, as a recording to --out"
+    )
+    _json(dataset)
+
+    train = command("train", _train, "learn rigid from soft, stiffness and force from a data set")
+    train.add_argument("dataset", help="a data set made by `hannes dataset`")
+    train.add_argument("--out", metavar="MODEL.h5", help="the model (<dataset>-model.h5)")
+    train.add_argument("--trees", type=int, help="bagged trees that tell the class (default 320)")
+    train.add_argument("--seed", type=int, default=0, help="of what is drawn (default 0)")
+    train.add_argument("--window", default="50 ms", help="length of a window (default 50 ms)")
+    train.add_argument("--hop", default="10 ms", help="from window to window (default 10 ms)")
+    _json(train)
+
+    evaluate = command("evaluate", _evaluate, "score a model on recordings, or ask it about one")
+    evaluate.add_argument("model", help="a model made by `hannes train`")
+    evaluate.add_argument("recordings", help="an evaluation.toml, or one recording")
+    evaluate.add_argument("--out", metavar="FOLDER", help="folder of evaluation.json")
+    evaluate.add_argument(
+        "--learning-curve",
+        metavar="DATASET.h5",
+        help="score models too that learn from ever more of these grasps (a minute or so)",
+    )
+    _json(evaluate)
+
+
+def _json(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
+
+
+def _dataset(chosen: argparse.Namespace) -> None:
+    from pathlib import Path
+
+    from hannes.core.errors import BadInput
+    from hannes.dataset.make import make
+    from hannes.dataset.shard import recorded
+    from hannes.dataset.spec import load_spec
+
+    spec, stem = load_spec(chosen.spec), f"results/{Path(chosen.spec).stem}"
+    if chosen.grasp is not None:
+        if chosen.backend != "local" or chosen.scheduler or chosen.workers:
+            raise BadInput("--grasp makes one, here: leave out --backend, --scheduler, --workers")
+        out = chosen.out or f"{stem}-{chosen.grasp}.h5"
+        recorded(spec, chosen.grasp).write(out)
+        told: dict[str, Any] = {"out": out, "grasp": chosen.grasp}
+    else:
+        how = {"backend": chosen.backend, "scheduler": chosen.scheduler, "workers": chosen.workers}
+        told = make(spec, chosen.out or f"{stem}.h5", **how)
+    if chosen.json:
+        _print_json(told)
+    elif chosen.grasp is not None:
+        print(f"wrote {told['out']}")
+    else:
+        kept = told["parts"] - told["parts_simulated"]
+        print(
+            f"{told['grasps']} grasps, {told['failed']} of them without an end; "
+            f"{kept} of {told['parts']} parts were there already"
+        )
+        print(f"wrote {told['out']}")
+
+
+def _train(chosen: argparse.Namespace) -> None:
+    from pathlib import Path
+
+    from hannes.core.errors import BadInput
+    from hannes.core.io.units import quantity
+    from hannes.recognition import model_file
+    from hannes.recognition.train import TREES, train
+    from hannes.recognition.windowing import Cut
+
+    trees = TREES if chosen.trees is None else chosen.trees
+    if not 1 <= trees <= 2000:
+        raise BadInput(f"--trees {trees}: expected 1 to 2000")
+    cut = Cut(quantity(chosen.window, "s", "--window"), quantity(chosen.hop, "s", "--hop"))
+    model, told = train(chosen.dataset, trees=trees, seed=chosen.seed, cut=cut)
+    out = chosen.out or str(Path(chosen.dataset).with_suffix("")) + "-model.h5"
+    model_file.write(out, model)
+    if chosen.json:
+        _print_json({"out": out, **told})
+        return
+    print(f"learnt from {told['grasps']} grasps of {told['title']}")
+    for key, words in (
+        ("unseen_scores", "grasps, each told by what had not seen it"),
+        ("test_scores", "held-back grasps"),
+    ):
+        if found := told.get(key):
+            print(
+                f"  {found['grasps']} {words}: {100 * found['windows_right']:.1f} % of windows and "
+                f"{100 * found['grasps_right']:.1f} % of grasps told right"
+            )
+    print(f"wrote {out}")
+
+
+def _evaluate(chosen: argparse.Namespace) -> None:
+    from hannes.core.errors import BadInput
+    from hannes.core.recording.recording import Recording
+    from hannes.recognition import model_file
+    from hannes.recognition.evaluate import evaluate, learning_curve, read_subjects, told_of, write
+    from hannes.recognition.train import curve
+
+    model = model_file.read(chosen.model)
+    if not chosen.recordings.endswith(".toml"):
+        if chosen.out or chosen.learning_curve:
+            raise BadInput(
+                f"{chosen.recordings}: --out and --learning-curve are for an evaluation.toml"
+            )
+        told = told_of(model, Recording.read(chosen.recordings))
+        _print_json(told) if chosen.json else print(_grasp(told))
+        return
+    title, subjects = read_subjects(chosen.recordings)
+    told = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
+    if chosen.learning_curve:
+        models = curve(chosen.learning_curve, cut=model.cut)
+        told["learning_curve"] = learning_curve(models, subjects)
+    if chosen.out:
+        write(chosen.out, told)
+    _print_json(told) if chosen.json else print(_scores(told))
+
+
+def _grasp(told: dict[str, Any]) -> str:
+    lines = [f"{told['decision']} (probability of rigid {told['rigid']:.2f})"]
+    for key, words in (("stiffness", "stiffness"), ("peak_force", "peak grip force")):
+        if each := told[key]:
+            ends = f"{each['low']:.3g} to {each['high']:.3g}"
+            lines.append(f"  {words} {each['value']:.3g} {each['unit']} (95 %: {ends})")
+    if told["peak_force"] is None:
+        lines.append("  the motor felt nothing, so neither stiffness nor grip force is told")
+    return "\n".join(lines)
+
+
+def _scores(told: dict[str, Any]) -> str:
+    lines = [told["title"], f"  {'object':<20} class   F1 windows  F1 grasps  stable in time"]
+    lines += [
+        f"  {row['name']:<20} {row['class']:<6} {100 * row['f1_windows']:10.1f} % "
+        f"{100 * row['f1_grasps']:8.1f} % {100 * row['stable_in_time']:12.0f} %"
+        for row in told["objects"]
+    ]
+    lines.append(
+        f"  {'average':<27} {100 * told['f1_windows']:10.1f} % {100 * told['f1_grasps']:8.1f} % "
+        f"{100 * told['stable_in_time']:12.0f} %"
+    )
+    lines += [
+        f"  {row['grasps']:>8} grasps learnt    {100 * row['f1_windows']:10.1f} % "
+        f"{100 * row['f1_grasps']:8.1f} % {100 * row['stable_in_time']:12.0f} %"
+        for row in told.get("learning_curve", ())
+    ]
+    named = (("force", "peak force"), ("stiffness", "stiffness"))
+    lines += [_estimates(words, told[key]) for key, words in named if told[key]["told"]]
+    error = 100 * told["reliability"]["calibration_error"]
+    lines.append(f"  probabilities are off by {error:.1f} points on average")
+    return "\n".join(lines)
+
+
+def _estimates(words: str, told: dict[str, Any]) -> str:
+    middle = told["median_error_percent"]
+    off = "by more than can be told" if middle is None else f"by {middle:.1f} %"
+    return (
+        f"  {words}: off {off} (median); told of {told['told']} of {told['grasps']} grasps, "
+        f"95 % intervals hold {100 * told['interval_holds']:.1f} % of all"
+    )
+
+
+def _print_json(content: Any) -> None:
+    print(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))

@@ -1,0 +1,157 @@
+"""The commands about recordings at large: convert foreign files, check any before a fit."""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hannes.campaigns.quality.finding import Finding
+
+EXAMPLES = {
+    "convert": """\
+hannes convert log.csv --mapping rig.toml --out void_01.csv
+hannes convert logs/*.mat --mapping rig.toml --out recordings
+hannes convert log.csv --mapping rig.toml --out void_01.h5 --json
+
+rig.toml; all of it but time and channels may be left out:
+  plant = "hand"                  # whose channels these are; or "axis", "module:object"
+  experiment = "void-closure"     # what was done: a shipped name, or a .toml
+  missing = ["-999", "n/a"]       # stand for no value, as empty cells and NaN do
+  split = "trial"                 # a new run wherever this column changes
+  [text]                          # delimiter is found out where not given
+  delimiter = "semicolon"
+  decimal = ","
+  comment = "#"
+  header = 3                      # line with the names, 0 for none
+  first = 5                       # line of the first numbers
+  [time]
+  column = "t [ms]"               # or sampling = "1 kHz"
+  unit = "ms"                     # or format = "iso" for dates and times
+  from_zero = true
+  offset = "0.2 s"                # added to every time
+  resample = "1 kHz"              # else times stay as recorded
+  [channels.position]
+  column = "encoder"              # name or number; HDF5, MATLAB: path, with index = 2
+  unit = "deg"
+  scale = "0.0879"                # degrees per count
+  side = "motor"                  # divided by the reducer's ratio
+  reversed = true
+  offset = "-0.31 rad"            # added at the end
+  fill = "hold"                   # a missing value: drop its row, hold, or linear
+  [align]
+  to = "experiment"               # or "reference", where that is another logger's
+  by = "simulation"               # or "command", with lag = "60 ms" of the machine itself
+  within = "2 s\"""",
+    "check": """\
+hannes check void_01.csv void_02.h5
+hannes check campaign.toml --notes
+hannes check axis.csv --plant axis --json
+hannes check log.csv --experiment void-closure""",
+}
+
+
+def add(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Add the commands; `command(name, call, told)` makes the parser of one."""
+    convert = command("convert", _convert, "read foreign files into recordings")
+    convert.add_argument("file", nargs="+", help="CSV or other text (also .gz), HDF5, MATLAB")
+    convert.add_argument("--mapping", required=True, metavar="MAP.toml", help="what is what")
+    convert.add_argument(
+        "--out", required=True, metavar="FILE", help="a .csv or .h5 file, or a folder for several"
+    )
+    _json(convert)
+
+    check = command("check", _check, "say what may be wrong with recordings, before any fit")
+    check.add_argument("file", nargs="+", help="recordings, or a campaign's .toml file")
+    check.add_argument("--plant", help="hand (default), axis, or module:object of your own")
+    check.add_argument("--experiment", metavar="NAME", help="what was done, where it is not told")
+    check.add_argument("--notes", action="store_true", help="print notes too: noise, resolution")
+    _json(check)
+
+
+def _json(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
+
+
+def _convert(chosen: argparse.Namespace) -> None:
+    from hannes.campaigns.check import check
+    from hannes.campaigns.convert import convert, write
+    from hannes.campaigns.foreign.mapping_file import read_mapping
+
+    mapping = read_mapping(chosen.mapping)
+    made = convert(chosen.file, mapping)
+    found = [check(each.recording, mapping.plant) for each in made]
+    rows = [
+        {**each.report, "out": str(path)}
+        for each, path in zip(made, write(made, chosen.out), strict=True)
+    ]
+    if chosen.json:
+        for row, findings in zip(rows, found, strict=True):
+            row["findings"] = [asdict(each) for each in findings]
+        _print_json({"recordings": rows})
+        return
+    for row, findings in zip(rows, found, strict=True):
+        print("\n".join([_told(row), *_lines(findings, notes=False)]))
+
+
+def _check(chosen: argparse.Namespace) -> None:
+    from hannes.campaigns.check import check, refuse_faults, subjects
+
+    found = [
+        (name, check(recording, plant))
+        for path in chosen.file
+        for name, recording, plant in subjects(path, chosen.plant, chosen.experiment)
+    ]
+    if chosen.json:
+        rows = [
+            {"file": name, "findings": [asdict(each) for each in findings]}
+            for name, findings in found
+        ]
+        _print_json({"recordings": rows})
+    else:
+        for name, findings in found:
+            print("\n".join([f"{name}: {_counted(findings)}", *_lines(findings, chosen.notes)]))
+    sys.stdout.flush()  # before the line on standard error
+    refuse_faults(found)
+
+
+def _lines(findings: Sequence["Finding"], notes: bool) -> list[str]:
+    return [f"  {each}" for each in findings if notes or each.level != "note"]
+
+
+def _counted(findings: Sequence["Finding"]) -> str:
+    """`1 fault, 2 warnings, 6 notes`."""
+    levels = [each.level for each in findings]
+    counts = {level: levels.count(level) for level in ("fault", "warning", "note")}
+    return ", ".join(f"{n} {level}{'' if n == 1 else 's'}" for level, n in counts.items())
+
+
+def _print_json(content: Any) -> None:
+    print(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
+
+
+def _told(row: dict[str, Any]) -> str:
+    """What was done to make one recording, for a terminal."""
+    span, interval = row["span"], row["interval"]
+    lines = [
+        f"{row['out']}: {row['samples']} samples from {span['t0']:.6g} to {span['t1']:.6g} s, "
+        f"every {1e3 * interval['median']:.4g} ms "
+        f"({1e3 * interval['shortest']:.4g} to {1e3 * interval['longest']:.4g})"
+    ]
+    for name, each in row["channels"].items():
+        added = f" + {each['offset']:.6g}" if each["offset"] else ""
+        lines.append(
+            f"  {name} [{each['unit']}] = {each['factor']:.6g} x {each['column']!r}{added}"
+        )
+    if row["dropped_rows"]:
+        lines.append(f"  {row['dropped_rows']} rows left out: a value was missing")
+    for name, count in row["filled_values"].items():
+        lines.append(f"  {name}: {count} missing values filled in")
+    if shift := row["shift"]:
+        lines.append(
+            f"  shift {shift['value']:.6g} s ({shift['low']:.6g} to {shift['high']:.6g}): "
+            f"{shift['what']}"
+        )
+    return "\n".join(lines)

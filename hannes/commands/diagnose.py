@@ -1,0 +1,278 @@
+"""Find where simulation and recordings disagree, and which effect the model is missing.
+
+A plant that says what of it is uncertain is diagnosed as identification/diagnosis tells.
+Others take a lighter way, in this order: roles first; floor; base refitted; each effect refitted on the same
+pieces; the choice made on pieces that no fit has seen; then all but the show recordings refitted
+once more, and the show recordings opened.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from hannes.campaigns import segments as cutting
+from hannes.campaigns.campaign_file import Campaign, read_campaign
+from hannes.campaigns.segments import Piece, floors
+from hannes.campaigns.warnings import cautions
+from hannes.core.effect import Effect
+from hannes.core.io import atomic_files
+from hannes.identification.diagnosis.campaign_diagnosis import Result, deep, possible
+from hannes.identification.diagnosis.settings import Settings, read_settings
+from hannes.identification.holdout import decision
+from hannes.identification.holdout.effect_test import (
+    ALPHA,
+    Trial,
+    judge,
+    ranked,
+    smallest_detectable,
+    with_likeness,
+)
+from hannes.identification.holdout.least_squares import Fitted, Misfit, Progress, fit
+from hannes.identification.residuals import (
+    Traces,
+    gaps,
+    inflated,
+    times_floor,
+    traces,
+    undone,
+    where,
+)
+from hannes.identification.verdict import Verdict
+from hannes.plants.plant_file import base_name, plant_toml
+from hannes.plants.protocol import Plant
+from hannes.simulation.catalogue import effects
+
+# Of the catalogue, on a hand with too few recordings for a claim: what to show beside "undecided".
+HAND = base_name("hand")
+TRIED = ("direction_friction", "gear_load", "leader_slack")
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The verdict, the plant with what was found, and everything needed to draw it.
+
+    deep: of a plant that says what of it is uncertain, what the verdict came from.
+    """
+
+    campaign: Campaign
+    verdict: Verdict
+    plant: Plant
+    traces: tuple[Traces, ...]
+    floors: dict[str, float]
+    trials: tuple[Trial, ...]
+    deep: Result | None = field(default=None, repr=False)
+
+    def write(self, folder: str | Path) -> Path:
+        """Write verdict.json, hand.toml, report.html into `folder`, whole or not at all."""
+        from hannes.report.diagnosis import page
+
+        with atomic_files.atomic_folder(folder) as temporary:
+            (temporary / "verdict.json").write_text(self.verdict.json(), encoding="utf-8")
+            (temporary / "hand.toml").write_text(self.toml(), encoding="utf-8")
+            (temporary / "report.html").write_text(page(self), encoding="utf-8")
+        return Path(folder)
+
+    def toml(self) -> str:
+        """Text of the hand.toml of `plant`."""
+        return plant_toml(self.plant, self.campaign.shipped, self.campaign.base)
+
+
+def diagnose(
+    campaign: Campaign | str | Path,
+    *,
+    out: str | Path | None = None,
+    seed: int = 0,
+    progress: bool | None = None,
+) -> Diagnosis:
+    """Diagnose a campaign, or the TOML file of one; writes to `out` where given.
+
+    `progress`: a bar on standard error, by default where that is a terminal. Raises BadInput for
+    what cannot be used, which is also what the data check calls a fault; ComputationFailed where a
+    simulation fails.
+    """
+    if not isinstance(campaign, Campaign):
+        campaign = read_campaign(campaign, seed)
+    settings = read_settings(campaign.diagnose, campaign.plant)
+    told = cautions(campaign)
+    with _bar(progress) as tell:
+        if possible(campaign.plant) and not decision.lacking(
+            campaign, cutting.cut(campaign)[0], ()
+        ):
+            result = _deep(campaign, settings, seed, tell)
+        else:
+            result = _Work(campaign, seed, tell).result()
+    told += result.verdict.cautions
+    result = replace(result, verdict=replace(result.verdict, cautions=told))
+    if out is not None:
+        result.write(out)
+    return result
+
+
+def _deep(campaign: Campaign, settings: Settings, seed: int, tell: Progress) -> Diagnosis:
+    found = deep(campaign, settings, seed, tell)
+    return Diagnosis(campaign, found.verdict, found.plant, found.traces, found.floors, (), found)
+
+
+@contextmanager
+def _bar(progress: bool | None) -> Iterator[Progress]:
+    from tqdm import tqdm
+
+    hidden = None if progress is None else not progress
+    with tqdm(desc="diagnosing", unit=" steps", delay=2.0, disable=hidden, leave=False) as bar:
+
+        def tell(text: str) -> None:
+            bar.set_description(f"fitting {text}", refresh=False)
+            bar.update()
+
+        yield tell
+
+
+class _Work:
+    """One diagnosis in progress."""
+
+    def __init__(self, campaign: Campaign, seed: int, tell: Progress) -> None:
+        self.campaign, self.plant, self.seed, self.tell = campaign, campaign.plant, seed, tell
+        self.pieces, self.note = cutting.cut(campaign)
+        self.known = self.of("fit", "select") or self.pieces
+        self.floors, self.how = floors(self.plant, self.known)
+
+    def of(self, *roles: str) -> list[Piece]:
+        return cutting.of(self.pieces, *roles)
+
+    def misfit(self, pieces: Sequence[Piece]) -> Misfit:
+        return Misfit(self.plant, pieces, self.floors)
+
+    def result(self) -> Diagnosis:
+        fitted = self.of("fit") or self.known
+        base, scales = self.base(fitted)
+        trials = self.trials(fitted, base, scales)
+        best, said = self.choice(trials, base)
+        known = Misfit(self.plant, self.known, scales)
+        before = fit(known, self.plant, base.values, self.tell)
+        after = before
+        if best is not None and best.fitted is not None:
+            after = fit(known, best.fitted.plant, best.fitted.values, self.tell)
+        return self.closed(said, best, trials, before, after)
+
+    def base(self, fitted: Sequence[Piece]) -> tuple[Fitted, dict[str, float]]:
+        """Refit the base, twice: first by the floor, then by what it leaves."""
+        first = self.misfit(fitted)
+        rough = fit(first, self.plant, tell=self.tell)
+        scales = inflated(self.floors, first, rough)
+        return fit(Misfit(self.plant, fitted, scales), self.plant, rough.values, self.tell), scales
+
+    def trials(
+        self, fitted: Sequence[Piece], base: Fitted, scales: Mapping[str, float]
+    ) -> list[Trial]:
+        chosen, rng = self.misfit(self.of("select")), np.random.default_rng(self.seed)
+        present, made = {each.name for each in self.plant.effects}, []
+        for name, effect in self.candidates():
+            if why := self.plant.accepts(effect):
+                made.append(Trial(name, effect, f"not applicable: {why}"))
+            elif effect.name in present:
+                made.append(Trial(name, effect, "already in the model"))
+            else:
+                grown = self.plant.with_effects(effect)
+                misfit = Misfit(self.plant, fitted, scales)
+                trial = Trial(name, effect, fitted=fit(misfit, grown, base.values, self.tell))
+                made.append(
+                    judge(trial, chosen, base, rng)
+                    if chosen.pieces
+                    else replace(trial, why="no recording is left to choose by")
+                )
+        return ranked(with_likeness(made))
+
+    def candidates(self) -> list[tuple[str, Effect]]:
+        """The user's own effects, the plant's own, and those of the catalogue that are tried."""
+        named = self.campaign.effects.items()
+        if self.campaign.base != HAND:
+            return list(named)
+        return [(name, each) for name, each in named if name in TRIED or name not in effects()]
+
+    def choice(self, trials: Sequence[Trial], base: Fitted) -> tuple[Trial | None, decision.Said]:
+        """Return the winner or None, and the verdict's first fields."""
+        misfit = self.misfit(self.known)
+        given, left = (times_floor(misfit, self.plant, values) for values in ({}, base.values))
+        lacking = decision.lacking(self.campaign, self.pieces, trials)
+        if lacking and not self.of("show"):
+            lacking += f"; the gaps told are those on {self.shown()[1]}"
+        return decision.decided(trials, given, left, lacking, self.note)
+
+    def closed(
+        self,
+        said: decision.Said,
+        best: Trial | None,
+        trials: Sequence[Trial],
+        before: Fitted,
+        after: Fitted,
+    ) -> Diagnosis:
+        """Open the show recordings and put everything together."""
+        shown, gap_on = self.shown()
+        gap = gaps(self.misfit(shown), before, after)
+        said = decision.tempered(said, gap)
+        named = best is not None and bool(said["effects"])
+        found = after if named else before
+        result = Verdict(
+            **said,
+            parameters=_intervals(best, after) if best is not None and named else {},
+            gap=gap if named else undone(gap),
+            gap_on=gap_on,
+            where=where(self.misfit(self.known), before),
+            candidates=[_candidate(trial) for trial in trials if trial.applicable],
+            tried=[_attempt(trial) for trial in trials],
+            alpha=ALPHA,
+            recordings={role: [p.entry.name for p in self.of(role)] for role in
+                        ("fit", "select", "show")},
+            seed=self.seed,
+            floor_from=self.how,
+            cut=self.note,
+            smallest_detectable=smallest_detectable(trials) or None,
+        )  # fmt: skip
+        usable = result.verdict not in ("undecided", "no_gap")
+        plant = found.plant.with_values(found.values) if usable else self.plant
+        drawn = tuple(
+            traces(self.plant, entry, before, found, self.floors) for entry in self.campaign.entries
+        )
+        return Diagnosis(self.campaign, result, plant, drawn, self.floors, tuple(trials))
+
+    def shown(self) -> tuple[list[Piece], str]:
+        """The pieces on which the gaps are told, and what they are."""
+        shown = self.of("show")
+        if not shown:
+            return self.known, "the recordings that were fitted, for want of others"
+        if not self.of("fit", "select"):
+            return shown, "the recordings in role show, which were fitted too, for want of others"
+        return shown, "the recordings in role show, which were never fitted"
+
+
+def _intervals(best: Trial, after: Fitted) -> dict[str, dict]:
+    """Value and 95 % interval of each of the effect's parameters, cut off at its bounds."""
+    found = {}
+    for each in best.effect.parameters:
+        name = best.effect.full_name(each.name)
+        value, reach = after.values[name], 1.96 * after.deviation(name)
+        low, high = max(each.bounds[0], value - reach), min(each.bounds[1], value + reach)
+        found[name] = {"value": value, "unit": each.unit, "low": low, "high": high}
+        found[name]["off"] = each.off
+    return found
+
+
+def _candidate(trial: Trial) -> dict:
+    return {
+        "effect": trial.name,
+        "evidence": trial.evidence,
+        "gain_select": trial.share,
+        "confusable_with": list(trial.confusable_with),
+    }
+
+
+def _attempt(trial: Trial) -> dict:
+    return {
+        "effect": trial.name,
+        "applicable": trial.applicable,
+        "accepted": trial.accepted,
+        "why": trial.why or "accepted",
+    }

@@ -1,0 +1,1 @@
+"""Declarations and tools that know no hand."""

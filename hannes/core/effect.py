@@ -1,0 +1,104 @@
+"""An effect: physics that may be missing from a model, declared in one file.
+
+Its kernel's signature is the declaration: arguments are looked up by name among the effect's
+own parameters and states, then among the plant's parameters (`motor_dry_friction` for
+`motor.dry_friction`), states and channels. The kernel returns what it adds to each channel
+of `writes`, then the rate of each of its states.
+"""
+
+import inspect
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hannes.core.errors import BadInput
+from hannes.core.kernels.jit import plain
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter
+
+
+@dataclass(frozen=True)
+class Term:
+    """One kernel of an effect, the channels it adds to and the states whose rates it returns.
+
+    `unit` is that of what it adds, where the effect's own parameters fix it: a plant that has
+    `writes` in another unit cannot carry it.
+    """
+
+    kernel: Callable[..., Any]
+    writes: tuple[str, ...]
+    states: tuple[str, ...] = ()
+    unit: str = ""
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """Names of the kernel's arguments, in order."""
+        return tuple(inspect.signature(plain(self.kernel)).parameters)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect that can be added to a model without touching the model.
+
+    `meaning` is one sentence in plain words; `equation` and `source` say where it comes from.
+    Its amplitudes carry `off`; with every amplitude at `off` the effect vanishes exactly.
+    """
+
+    name: str
+    meaning: str
+    equation: str
+    source: str
+    parameters: tuple[Parameter, ...]
+    terms: tuple[Term, ...]
+    states: tuple[Slot, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.amplitudes:
+            raise BadInput(f"effect {self.name}: no parameter declares `off`")
+        own = {each.name for each in self.parameters} | {each.name for each in self.states}
+        used = {name for term in self.terms for name in term.arguments}
+        if unused := sorted(own - used):
+            raise BadInput(f"effect {self.name}: no kernel takes its {', '.join(unused)}")
+        kernels = [self.kernel_name(term) for term in self.terms]
+        if len(set(kernels)) < len(kernels):
+            raise BadInput(f"effect {self.name}: two of its kernels have the same name")
+        rated = [name for term in self.terms for name in term.states]
+        if sorted(rated) != sorted(each.name for each in self.states):
+            raise BadInput(f"effect {self.name}: each state needs its rate from exactly one term")
+
+    @property
+    def amplitudes(self) -> tuple[Parameter, ...]:
+        """The parameters whose `off` values, taken together, make the effect vanish."""
+        return tuple(each for each in self.parameters if each.off is not None)
+
+    def kernel_name(self, term: Term) -> str:
+        """Name of one of its kernels in generated code: no plant's function begins like this."""
+        return f"{self.name}__{plain(term.kernel).__name__}"
+
+    def full_name(self, parameter: str) -> str:
+        """Name under which a parameter of this effect is known outside."""
+        return f"{self.name}.{parameter}"
+
+    def __str__(self) -> str:
+        """Equation, meaning, source and parameters, as `hannes effects NAME` shows them."""
+        lines = [self.name, f"  {self.meaning}", f"  {self.equation}", f"  source: {self.source}"]
+        lines += [f"  adds to: {', '.join(w for term in self.terms for w in term.writes)}"]
+        for each in self.parameters:
+            low, high = each.bounds
+            end = f"shipped as {each.value:g}" if each.off is None else f"vanishes at {each.off:g}"
+            lines.append(f"  {self.full_name(each.name)} [{each.unit}]: {each.doc}")
+            lines.append(f"    {low:g} to {high:g}, {end}")
+        return "\n".join(lines)
+
+
+def joined(present: Sequence[Effect], added: Iterable[Effect]) -> tuple[Effect, ...]:
+    """Effects of a model and those that join it; those that are in it already stay as they are.
+
+    Raises BadInput where two that join have one name: their parameters would be the same, too.
+    """
+    known = {each.name for each in present}
+    fresh = [each for each in added if each.name not in known]
+    for number, each in enumerate(fresh):
+        if each.name in (other.name for other in fresh[:number]):
+            raise BadInput(f'two effects have the name "{each.name}": rename one of them')
+    return (*present, *fresh)

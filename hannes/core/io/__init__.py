@@ -1,0 +1,1 @@
+"""Files, units, caches."""

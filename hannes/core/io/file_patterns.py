@@ -1,0 +1,31 @@
+"""Which files a pattern in a campaign or an evaluation means, in the order of their numbers."""
+
+import re
+from pathlib import Path
+
+from hannes.core.errors import BadInput
+
+_SIGNS = "*?["
+
+
+def is_pattern(name: str) -> bool:
+    """Whether a name stands for any number of files."""
+    return any(sign in name for sign in _SIGNS)
+
+
+def matching(pattern: str, folder: Path) -> list[Path]:
+    """Files that match a pattern, relative to `folder` or absolute: void_2.csv before void_10.csv.
+
+    BadInput where it is no pattern that can be matched.
+    """
+    root = Path(pattern).anchor
+    inside = pattern.removeprefix(root)
+    if not inside or any("**" in part and part != "**" for part in Path(inside).parts):
+        raise BadInput(f'"{pattern}" is no pattern of files: expected a name, ** alone between /')
+    return sorted(Path(root or folder).glob(inside), key=_counted)
+
+
+def _counted(path: Path) -> tuple[list[str | int], str]:
+    """A key that puts numbers inside of names in order; 02 after 2."""
+    name = str(path)
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", name)], name

@@ -1,0 +1,1 @@
+"""What compiled formulas are made of."""

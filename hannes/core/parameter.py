@@ -1,0 +1,94 @@
+"""Named parameters with units and bounds, and the plain vector that compiled code reads."""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hannes.core.errors import BadInput, nearest
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a model: SI value, unit, inclusive bounds, meaning and source.
+
+    `off` is the value at which an effect vanishes exactly; None for what has no such value.
+    `tried` are values at which a search begins that knows nothing of it; none are spread over the
+    bounds. A count needs them: between whole numbers an effect may leave no mark.
+    `turns`, added to it, turns the sign of its effect, as half a turn does of a phase.
+    """
+
+    name: str
+    value: float
+    unit: str
+    bounds: tuple[float, float]
+    doc: str
+    source: str = "choice"
+    off: float | None = None
+    tried: tuple[float, ...] = ()
+    turns: float | None = None
+
+    def __post_init__(self) -> None:
+        low, high = self.bounds
+        if not low < high:
+            raise BadInput(f"{self.name}: lower bound {low:g} is not below upper bound {high:g}")
+        for value in (self.value, *self.tried):
+            self.check(value)
+
+    def check(self, value: float) -> float:
+        """Return `value` where it is finite and inside the bounds; raise BadInput otherwise."""
+        low, high = self.bounds
+        if not math.isfinite(value):
+            raise BadInput(f"{self.name} = {value} [{self.unit}] is not a finite number")
+        if value < low or value > high:
+            side, bound = ("below its lower", low) if value < low else ("above its upper", high)
+            raise BadInput(
+                f"{self.name} = {value:g} [{self.unit}] is {side} bound {bound:g}; "
+                f"choose a value between {low:g} and {high:g} {self.unit}"
+            )
+        return float(value)
+
+
+def group(prefix: str, *parameters: Parameter) -> tuple[Parameter, ...]:
+    """Give every parameter of one part the part's name: `motor` + `inertia`."""
+    return tuple(replace(each, name=f"{prefix}.{each.name}") for each in parameters)
+
+
+class ParameterSet(Mapping[str, float]):
+    """Immutable ordered mapping from full names to SI values."""
+
+    def __init__(self, declared: Iterable[Parameter]) -> None:
+        self.declared = {each.name: each for each in declared}
+        self._values = {name: each.value for name, each in self.declared.items()}
+
+    def __getitem__(self, name: str) -> float:
+        found = self._values.get(name)  # asked for thousands of times in a fit
+        return self.require(name).value if found is None else found
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def require(self, name: str) -> Parameter:
+        """Return the declaration of `name`; raise BadInput naming the nearest match."""
+        if name not in self.declared:
+            raise BadInput(f'unknown parameter "{name}"{nearest(name, self.declared)}')
+        return self.declared[name]
+
+    def with_values(self, values: Mapping[str, float]) -> "ParameterSet":
+        """Return a copy with other values; raise BadInput on unknown names or bounds."""
+        checked = {name: self.require(name).check(value) for name, value in values.items()}
+        changed = ParameterSet(())
+        changed.declared = self.declared
+        changed._values = {**self._values, **checked}
+        return changed
+
+    def vector(self) -> np.ndarray:
+        """Values in declared order, shape (number of parameters,), float64."""
+        return np.fromiter(self._values.values(), float, len(self._values))

@@ -1,0 +1,164 @@
+"""Recordings as HDF5: group `/channels` of 1-D float64 datasets, and root attributes.
+
+Bytes depend on the content alone: no time stamps, one file format version, no compression. A file
+read may come from anywhere, so its shapes are judged before its numbers are read, and nothing that
+leads outside the file (external links and storage, virtual data, plugin filters) is followed. Nor
+is text of variable length: where it is damaged, HDF5 itself loops or crashes (4 of 1500 files with
+bytes flipped); text of fixed length is refused in words.
+"""
+
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hannes.core.errors import BadInput
+
+FloatArray = NDArray[np.float64]
+
+MOST_VALUES = 50_000_000  # over all channels, 400 MB
+MOST_CHANNELS = 1000
+_TEXTS = ("schema", "plant", "experiment", "hand", "source", "conversion")
+OWN_FILTERS = {1, 2, 3}  # deflate, shuffle, Fletcher-32: built into the library
+
+
+def dump(
+    channels: Mapping[str, FloatArray], units: Mapping[str, str], metadata: Mapping[str, Any]
+) -> bytes:
+    """Return the file's bytes; a `seed` of None is left out."""
+    import h5py
+
+    memory = io.BytesIO()
+    with h5py.File(memory, "w", libver=("v108", "v110")) as file:
+        for key, value in metadata.items():
+            set_attribute(file, key, value)
+        group = _new_group(file)
+        for name, values in channels.items():
+            dataset = group.create_dataset(name, data=values, dtype="<f8", track_times=False)
+            set_attribute(dataset, "unit", units[name])
+    return memory.getvalue()
+
+
+def load(path: Path) -> dict[str, Any]:
+    """Return channels, units and metadata as `Recording` takes them; BadInput otherwise."""
+    import h5py
+
+    if not path.is_file():
+        raise BadInput(f"{path}: expected an HDF5 file, there is no such file")
+    try:
+        with h5py.File(path, "r") as file:
+            return _content(file)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from None
+    except Exception as error:  # a damaged file raises nearly anything from inside the library
+        reason = " ".join(str(error).split())[:100]
+        raise BadInput(
+            f"{path}: cannot be read as HDF5, it is damaged or of another kind ({reason})"
+        ) from None
+
+
+def set_attribute(item: Any, key: str, value: str | int | None) -> None:
+    """Attach an attribute, text with a fixed length; None is left out."""
+    import h5py
+
+    if isinstance(value, str):
+        data = value.encode()
+        item.attrs.create(key, data, dtype=h5py.string_dtype("utf-8", max(len(data), 1)))
+    elif value is not None:
+        item.attrs[key] = value
+
+
+def _new_group(file: Any) -> Any:
+    """Create `/channels` so that it remembers the order of its members but not the hour."""
+    import h5py
+
+    properties = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
+    properties.set_link_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
+    properties.set_obj_track_times(False)
+    return h5py.Group(h5py.h5g.create(file.id, b"channels", gcpl=properties))
+
+
+def _content(file: Any) -> dict[str, Any]:
+    metadata = {key: text_attribute(file, key) for key in _TEXTS if key in file.attrs}
+    if "schema" not in metadata:
+        raise BadInput("is not a recording: the root attribute schema is missing")
+    datasets = _datasets(file)
+    units = {name: text_attribute(each, "unit") for name, each in datasets.items()}
+    channels = {name: each[()] for name, each in datasets.items()}
+    return {"channels": channels, "units": units, "seed": _seed(file), **metadata}
+
+
+def _datasets(file: Any) -> dict[str, Any]:
+    """Return the channels' datasets, each found harmless; numbers are not read yet."""
+    import h5py
+
+    group = _member(file, "channels", h5py.Group)
+    if len(group) > MOST_CHANNELS:
+        raise BadInput(f"has {len(group)} channels, more than {MOST_CHANNELS}")
+    datasets = {name: _member(group, name, h5py.Dataset) for name in group}
+    for name, each in datasets.items():
+        _check_storage(name, each)
+    total = sum(each.shape[0] for each in datasets.values())
+    if total > MOST_VALUES:
+        raise BadInput(f"holds {total} values, more than {MOST_VALUES}; cut it into shorter ones")
+    if len({each.shape for each in datasets.values()}) > 1:
+        raise BadInput("has channels of unequal length")
+    return datasets
+
+
+def _member(group: Any, name: str, kind: type) -> Any:
+    import h5py
+
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+        raise BadInput(f'expected "{name}" inside the file, found no such member or a link')
+    if group.get(name, getclass=True) is not kind:
+        raise BadInput(f'expected "{name}" to be a {kind.__name__.lower()}')
+    return group[name]
+
+
+def _check_storage(name: str, dataset: Any) -> None:
+    if dataset.shape is None or len(dataset.shape) != 1 or dataset.dtype not in ("<f8", ">f8"):
+        raise BadInput(f'channel "{name}": expected a 1-D float64 dataset')
+    made = dataset.id.get_create_plist()
+    filters = {made.get_filter(i)[0] for i in range(made.get_nfilters())}
+    if dataset.is_virtual or dataset.external or not filters <= OWN_FILTERS:
+        raise BadInput(f'channel "{name}": expected plain or gzip storage inside this file')
+
+
+def text_attribute(item: Any, key: str) -> str:
+    if key not in item.attrs:
+        raise BadInput(f'"{item.name}" lacks the attribute {key}')
+    if (length := _text_length(item, key)) is None:
+        raise BadInput(
+            f'attribute {key} of "{item.name}" is text of variable length: write it with a fixed '
+            "one (h5py: attrs[name] = numpy.bytes_(text.encode())), or go through CSV"
+        )
+    value = item.attrs[key] if length > 0 else None
+    if isinstance(value, bytes):
+        value = value.decode()
+    if not isinstance(value, str):
+        raise BadInput(f'attribute {key} of "{item.name}" is not text')
+    return value
+
+
+def _text_length(item: Any, key: str) -> int | None:
+    """Bytes of a text, None where that varies, 0 for anything else; its value is not touched."""
+    import h5py
+
+    attribute = item.attrs.get_id(key)
+    text = h5py.check_string_dtype(attribute.dtype)
+    return text.length if text is not None and attribute.shape == () else 0
+
+
+def _seed(file: Any) -> int | None:
+    if "seed" not in file.attrs:
+        return None
+    attribute = file.attrs.get_id("seed")
+    whole = attribute.dtype.kind in "iu" and attribute.shape == ()
+    value = file.attrs["seed"] if whole else None
+    if not isinstance(value, np.integer):
+        raise BadInput("attribute seed is not a whole number")
+    return int(value)

@@ -1,0 +1,256 @@
+"""One class for what was measured and what was simulated, of any plant.
+
+Channels and units are those that the plant declares; the hand's are `time_s, reference_rad,
+position_rad, current_A, duty_1, supply_V, force_N, sensor_N`. Only time and one more are required.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hannes.core.errors import BadInput, nearest
+
+FloatArray = NDArray[np.float64]
+
+SCHEMA = "hannes-recording-1"
+SOURCES = ("simulated", "measured")
+SUFFIXES = (".csv", ".csv.gz", ".h5", ".hdf5")
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,63}")
+_UNIT = re.compile(r"[A-Za-z0-9%µμΩ°²³·^*/()-](?:[A-Za-z0-9%µμΩ°²³·^*/(). -]{0,31})(?<! )")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording:
+    """Channels over time: equally long, finite, read-only float64 arrays; `time` [s] first.
+
+    `units` gives each channel's unit ("1" for none). `experiment` and `hand` are resolved TOML
+    texts, empty where unknown; `seed` is None where nothing was drawn; `conversion` (JSON) tells
+    how a foreign file became this. Raises BadInput at birth for anything that is not a recording.
+    """
+
+    channels: Mapping[str, FloatArray]
+    units: Mapping[str, str]
+    plant: str = ""
+    experiment: str = ""
+    hand: str = ""
+    seed: int | None = None
+    source: str = "measured"
+    schema: str = SCHEMA
+    conversion: str = ""
+
+    def __post_init__(self) -> None:
+        _check_names(self.channels, self.units)
+        order = ["time", *(name for name in self.channels if name != "time")]
+        arrays = {name: _frozen(name, self.channels[name]) for name in order}
+        _check_time(arrays)
+        _check_metadata(self)
+        object.__setattr__(self, "channels", MappingProxyType(arrays))
+        units = MappingProxyType({name: self.units[name] for name in order})
+        object.__setattr__(self, "units", units)
+
+    @classmethod
+    def read(cls, path: str | Path) -> Self:
+        """Read a .csv, .csv.gz, .h5 or .hdf5 file; BadInput names the file and the line."""
+        return cls.from_csv(path) if is_csv(path) else cls.from_hdf5(path)
+
+    @classmethod
+    def from_csv(cls, path: str | Path, **metadata: Any) -> Self:
+        """Read `name_unit` columns; `metadata` are further fields, which CSV does not carry."""
+        from hannes.core.recording import csv
+
+        channels, units = csv.load(Path(path))
+        try:
+            return cls(channels, units, **metadata)
+        except BadInput as error:  # the rows were checked line by line: only the header is left
+            raise BadInput(f"{path}, line 1: {error}") from None
+
+    @classmethod
+    def from_hdf5(cls, path: str | Path) -> Self:
+        """Read group `/channels` and the root attributes."""
+        from hannes.core.recording import hdf5
+
+        content = hdf5.load(Path(path))
+        try:
+            return cls(**content)
+        except BadInput as error:
+            raise BadInput(f"{path}: {error}") from None
+
+    def write(self, path: str | Path) -> None:
+        """Write a .csv, .csv.gz, .h5 or .hdf5 file, whole or not at all."""
+        if is_csv(path):
+            self.to_csv(path)
+        else:
+            self.to_hdf5(path)
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write all channels with the digits that read back to the same floats."""
+        from hannes.core.io import atomic_files
+        from hannes.core.recording import csv
+
+        packed = str(path).lower().endswith(".gz")
+        atomic_files.write_bytes(path, csv.dump(self.channels, self.units, packed))
+
+    def to_hdf5(self, path: str | Path) -> None:
+        """Write everything; the same content gives the same bytes."""
+        from hannes.core.io import atomic_files
+        from hannes.core.recording import hdf5
+
+        metadata = {each.name: getattr(self, each.name) for each in fields(self)[2:]}
+        metadata["conversion"] = self.conversion or None  # left out of files born here
+        atomic_files.write_bytes(path, hdf5.dump(self.channels, self.units, metadata))
+
+    @property
+    def time(self) -> FloatArray:
+        """Sampling instants [s], strictly increasing; a gap in the data is a gap here."""
+        return self.channels["time"]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all channels besides time."""
+        return tuple(name for name in self.channels if name != "time")
+
+    def __getitem__(self, name: str) -> FloatArray:
+        if name not in self.channels:
+            hint = f"{nearest(name, self.names)} (it has {', '.join(self.names)})"
+            raise BadInput(f'the recording has no channel "{name}"{hint}')
+        return self.channels[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.channels
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def with_channels(self, added: Mapping[str, Any], units: Mapping[str, str]) -> Self:
+        """Return a copy with channels added or replaced; `units` may leave out known ones."""
+        return replace(self, channels={**self.channels, **added}, units={**self.units, **units})
+
+    def between(self, t0: float, t1: float) -> Self:
+        """Return the samples with t0 <= time <= t1 [s]; BadInput if fewer than two are left."""
+        inside = (self.time >= t0) & (self.time <= t1)
+        if np.count_nonzero(inside) < 2:
+            raise BadInput(
+                f"fewer than two samples lie between {t0:g} and {t1:g} s; "
+                f"the recording goes from {self.time[0]:g} to {self.time[-1]:g} s"
+            )
+        return replace(self, channels={name: each[inside] for name, each in self.channels.items()})
+
+    def expect(
+        self, declared: Mapping[str, str], required: Iterable[str] = (), what: str = "the plant"
+    ) -> Self:
+        """Return self if every channel is `declared` with the same unit and `required` ones exist.
+
+        Raises BadInput otherwise; `what` names in its message who declares the channels.
+        """
+        for name in self.names:
+            if name not in declared:
+                hint = f"{nearest(name, declared)} (it declares {', '.join(declared)})"
+                raise BadInput(f'channel "{name}" is unknown to {what}{hint}')
+            unit, wanted = self.units[name], declared[name]
+            if unit != wanted:
+                advice = "convert the values and rename the column"
+                raise BadInput(f'channel "{name}" comes in {unit}, expected {wanted}: {advice}')
+        for name in required:
+            self[name]
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Recording):
+            return NotImplemented
+        return _plain(self) == _plain(other) and all(
+            np.array_equal(each, other.channels[name]) for name, each in self.channels.items()
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        rest = (getattr(self, each.name) for each in fields(self)[2:])
+        return type(self), (dict(self.channels), dict(self.units), *rest)
+
+    def __repr__(self) -> str:
+        columns = ", ".join(f"{name} [{self.units[name]}]" for name in self.names)
+        origin = f"{self.source}, plant {self.plant}" if self.plant else self.source
+        span = f"{self.time[0]:g} to {self.time[-1]:g} s"
+        return f"Recording({origin}: {len(self)} samples, {span}; {columns})"
+
+
+def is_csv(path: str | Path) -> bool:
+    """Tell CSV from HDF5 by the name; BadInput where it is neither's."""
+    name = str(path).lower()
+    if not name.endswith(SUFFIXES):
+        raise BadInput(f"{path}: expected a recording named {', '.join(SUFFIXES)}")
+    return name.endswith((".csv", ".csv.gz"))
+
+
+def _check_names(channels: Mapping[str, Any], units: Mapping[str, str]) -> None:
+    for name in channels:
+        if not isinstance(name, str) or not _NAME.fullmatch(name):
+            raise BadInput(f"{name!r:.80} is no channel name: expected letters, digits, _ . -")
+        if not isinstance(unit := units.get(name), str) or not _UNIT.fullmatch(unit):
+            raise BadInput(f'channel "{name}" needs a unit ("1" for none), got {unit!r:.80}')
+    for name in units:
+        if name not in channels:
+            raise BadInput(f'a unit is given for "{name}", which is no channel')
+    if units.get("time") != "s":
+        raise BadInput("a recording needs the column time_s (channel time, unit s)")
+    if len(channels) < 2:
+        raise BadInput("a recording needs at least one channel besides time")
+
+
+def _frozen(name: str, values: Any) -> FloatArray:
+    """Return a read-only float64 copy; raise BadInput unless 1-D, real, finite and not masked."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        array = np.empty(())  # rows of unequal length
+    if array.ndim != 1 or array.dtype.kind not in "fiu" or np.ma.is_masked(values):
+        raise BadInput(f'channel "{name}": expected a row of real numbers')
+    with np.errstate(over="ignore"):
+        copy = array.astype(np.float64)
+    if not np.isfinite(copy).all():
+        raise BadInput(
+            f'channel "{name}" is not finite at sample {int(np.isfinite(copy).argmin())}'
+        )
+    copy.flags.writeable = False
+    return copy
+
+
+def _check_time(arrays: Mapping[str, FloatArray]) -> None:
+    time = arrays["time"]
+    for name, each in arrays.items():
+        if len(each) != len(time):
+            raise BadInput(f'channel "{name}" has {len(each)} samples, time has {len(time)}')
+    if len(time) < 2:
+        raise BadInput(f"a recording needs at least two samples, got {len(time)}")
+    late = np.flatnonzero(time[1:] <= time[:-1])
+    if late.size:
+        raise BadInput(f"time does not increase from sample {late[0]} to {late[0] + 1}")
+
+
+def _check_metadata(recording: Recording) -> None:
+    for name in ("plant", "experiment", "hand", "conversion"):
+        if not _is_text(getattr(recording, name)):
+            raise BadInput(f"{name} of a recording must be text, without NUL or lone surrogates")
+    if recording.schema != SCHEMA:
+        raise BadInput(f"schema {recording.schema!r:.80} is unknown, expected {SCHEMA!r}")
+    if recording.source not in SOURCES:
+        raise BadInput(f"source {recording.source!r:.80} is neither {' nor '.join(SOURCES)}")
+    seed = recording.seed
+    if seed is not None and not (type(seed) is int and 0 <= seed < 2**63):
+        raise BadInput(f"seed {seed!r:.80} is not a whole number from 0 to 2^63 - 1")
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and not re.search("[\0\ud800-\udfff]", value)
+
+
+def _plain(recording: Recording) -> tuple[Any, ...]:
+    rest = [getattr(recording, each.name) for each in fields(recording)[2:]]
+    return list(recording.channels), dict(recording.units), rest

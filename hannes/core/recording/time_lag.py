@@ -1,0 +1,191 @@
+"""How late a measured motion runs behind its command: least squares on the velocities.
+
+Both are brought to one grid and pass the same Savitzky-Golay derivative (Savitzky & Golay 1964), so
+that the filter moves neither against the other. The best whole step of their cross-correlation
+starts a Gauss-Newton search between steps. The deviation counts what remains as correlated in time
+(Newey & West 1987), and is the larger of two: as if what remains were alike throughout, and as it
+pulls where it stands. It does not know how a machine follows: a lag holds the machine's own.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hannes.core.errors import BadInput
+
+FloatArray = NDArray[np.float64]
+
+MOST_POINTS = 20_000  # of the common grid
+SMOOTHED = 21  # grid points under one derivative
+LEAST_LIKENESS = 0.5  # correlation below which nothing follows anything
+ALIKE = 0.95  # a second maximum this near the best makes the lag ambiguous
+ROUNDS = 20
+
+
+@dataclass(frozen=True)
+class Lag:
+    """Time by which a motion is late [s], its standard deviation [s], and how alike they are.
+
+    likeness: correlation of the two velocities at this lag; gain: motion per command.
+    """
+
+    value: float
+    deviation: float
+    likeness: float
+    gain: float
+
+
+@dataclass(frozen=True)
+class _Speeds:
+    """Velocities on a grid of `step` [s]; the command's reaches `margin` points further out.
+
+    Both are shares of their fastest; `ratio` is the motion's fastest over the command's.
+    """
+
+    motion: FloatArray
+    command: FloatArray
+    ratio: float
+    step: float
+    margin: int
+
+
+def lag_behind(
+    time: FloatArray,
+    motion: FloatArray,
+    command_time: FloatArray,
+    command: FloatArray,
+    within: float = 1.0,
+) -> Lag:
+    """Return how late `motion` at `time` [s], shape (n,), runs behind `command`, shape (m,).
+
+    The lag is searched between -`within` and +`within` [s]; the command holds its ends. Raises
+    BadInput where nothing moves, nothing follows, or several lags fit alike.
+    """
+    speeds = _speeds(time, motion, command_time, command, within)
+    likeness = _correlation(speeds)
+    best = int(np.argmax(likeness))
+    _check(likeness, best, speeds)
+    return _refined(speeds, float(best - speeds.margin))
+
+
+def _speeds(
+    time: FloatArray,
+    motion: FloatArray,
+    command_time: FloatArray,
+    command: FloatArray,
+    within: float,
+) -> _Speeds:
+    span = float(time[-1] - time[0])
+    step = max(float(np.median(np.diff(time))), (span + 2.0 * within) / MOST_POINTS)
+    margin, points = round(within / step), round(span / step) + 1
+    if points < 2 * SMOOTHED:
+        raise BadInput(f"{points} points of {step:g} s are too few to align by")
+    grid = time[0] + step * np.arange(-margin, points + margin)
+    inner = slice(margin, margin + points)
+    moved = _derivative(np.interp(grid[inner], time, motion), step)
+    asked = _derivative(np.interp(grid, command_time, command), step)
+    fastest = [float(np.abs(each).max()) for each in (moved, asked)]
+    for what, speed in zip(("the motion", "the command"), fastest, strict=True):
+        if not speed > 0.0:
+            raise BadInput(f"{what} stands still: nothing to align by")
+    ratio = fastest[0] / fastest[1]
+    return _Speeds(moved / fastest[0], asked / fastest[1], ratio, step, margin)
+
+
+def _derivative(values: FloatArray, step: float) -> FloatArray:
+    from scipy.signal import savgol_filter
+
+    return np.asarray(savgol_filter(values, SMOOTHED, 2, deriv=1, delta=step))
+
+
+def _correlation(speeds: _Speeds) -> FloatArray:
+    """Normalised correlation for every whole lag from -margin to +margin."""
+    from scipy.signal import correlate
+
+    points = speeds.motion.size
+    products = correlate(speeds.command, speeds.motion, "valid")[::-1]
+    energy = np.concatenate(([0.0], np.cumsum(speeds.command**2)))
+    windows = (energy[points:] - energy[:-points])[::-1]
+    floor = 1e-12 * float(windows.max())
+    size = float(np.linalg.norm(speeds.motion))
+    return np.asarray(products / (size * np.sqrt(np.maximum(windows, floor))))
+
+
+def _check(likeness: FloatArray, best: int, speeds: _Speeds) -> None:
+    if likeness[best] < LEAST_LIKENESS:
+        against = likeness.min() < -LEAST_LIKENESS
+        advice = "is its sign reversed?" if against else "are both of one run?"
+        raise BadInput(
+            f"the motion does not follow the command (correlation {likeness[best]:.2f} at best): "
+            f"{advice}"
+        )
+    if best in (0, likeness.size - 1) and likeness.size > 1:
+        reach = speeds.margin * speeds.step
+        raise BadInput(f"the best lag lies beyond {reach:g} s: search a wider range (within)")
+    peaks = _peaks(likeness, ALIKE * likeness[best])
+    if len(peaks) > 1:
+        lags = ", ".join(f"{(each - speeds.margin) * speeds.step:.4g} s" for each in peaks[:4])
+        raise BadInput(f"several lags fit alike ({lags}): search a narrower range (within)")
+
+
+def _peaks(likeness: FloatArray, level: float) -> list[int]:
+    """Best place of every separate stretch above `level`."""
+    above = np.flatnonzero(likeness > level)
+    stretches = np.split(above, np.flatnonzero(np.diff(above) > 1) + 1)
+    return [int(each[np.argmax(likeness[each])]) for each in stretches]
+
+
+def _refined(speeds: _Speeds, start: float) -> Lag:
+    """Gauss-Newton on lag (in steps) and gain from the best whole step."""
+    points = np.arange(speeds.motion.size, dtype=float)
+    bend = np.gradient(speeds.command)
+    lag = start
+    for _ in range(ROUNDS):
+        at = points + speeds.margin - lag
+        follows, slope = _at(speeds.command, at), _at(bend, at)
+        gain = float(follows @ speeds.motion / (follows @ follows))
+        rest = speeds.motion - gain * follows
+        change = -gain * slope  # of the model, per step of lag
+        free = change - follows * float(follows @ change / (follows @ follows))
+        move = float(np.clip(free @ rest / (free @ free), -1.0, 1.0))
+        lag = float(np.clip(lag + move, -speeds.margin, speeds.margin))
+        if abs(move) < 1e-6:
+            break
+    spread = max(_pulled(free * rest), _alike(free, rest))
+    deviation = speeds.step * float(np.sqrt(spread)) / float(free @ free)
+    likeness = float(follows @ speeds.motion) / float(
+        np.linalg.norm(follows) * np.linalg.norm(speeds.motion)
+    )
+    return Lag(lag * speeds.step, deviation, likeness, gain * speeds.ratio)
+
+
+def _at(values: FloatArray, places: FloatArray) -> FloatArray:
+    return np.interp(places, np.arange(values.size), values)
+
+
+def _pulled(pulls: FloatArray) -> float:
+    """Variance of the sum of a correlated series, wherever in it the large ones stand."""
+    products = _products(pulls - pulls.mean())
+    return float(max(products[0], 2.0 * _weights(products) @ products - products[0]))
+
+
+def _alike(free: FloatArray, rest: FloatArray) -> float:
+    """Variance of the sum of free * rest, were rest alike throughout and only correlated."""
+    covariance = _products(rest - rest.mean()) / rest.size
+    terms = _weights(covariance) * covariance * _products(free)
+    return float(max(0.0, 2.0 * terms.sum() - terms[0]))
+
+
+def _products(values: FloatArray) -> FloatArray:
+    """Sums of products of a series with itself, 0, 1, 2, ... places later."""
+    from scipy.signal import correlate
+
+    return np.asarray(correlate(values, values, "full")[values.size - 1 :])
+
+
+def _weights(products: FloatArray) -> FloatArray:
+    """Bartlett weights over the memory of a series: twice the time until it has forgotten."""
+    ended = np.flatnonzero(products <= 0.0)
+    memory = 2 * max(int(ended[0]) if ended.size else products.size // 4, SMOOTHED)
+    return np.maximum(0.0, 1.0 - np.arange(products.size) / memory)

@@ -1,0 +1,172 @@
+"""A part of a data set: some grasps simulated, packed as the file will hold them."""
+
+import functools
+import hashlib
+import io
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hannes.core.recording.recording import Recording
+from hannes.dataset.sampling import Drawn, draw, rounded
+from hannes.dataset.spec import ROLES, Spec, read_spec
+from hannes.simulation.batch.simulate_many import simulate_many
+from hannes.simulation.sensors import CHANNELS, logged, noisy
+from hannes.simulation.trajectory import Grasp, Outcome
+
+SIZE = 100  # grasps of a part, and rows of a chunk of the file
+TOUCH, SHARE = 1.0, 0.05  # N of total force, and share of its peak, that count as contact
+LEVEL = 4  # of deflate
+STORED = "<f4"  # seven digits, far below any sensor's noise
+OWN = (
+    ("number", "<i8", "1"),
+    ("noise_seed", "<i8", "1"),
+    ("group", "<i4", "1"),
+    ("role", "<i1", "1"),
+    ("completed", "<i1", "1"),
+    ("contact", "<f8", "s"),
+    ("release", "<f8", "s"),
+    ("peak_force", "<f8", "N"),
+)
+
+
+@dataclass(frozen=True)
+class Part:
+    """Rows of the table of grasps, and a deflated chunk of each channel."""
+
+    rows: np.ndarray
+    chunks: Mapping[str, bytes]
+
+    @property
+    def digest(self) -> bytes:
+        """SHA-256 of rows and chunks, in their order."""
+        found = hashlib.sha256(self.rows.tobytes())
+        for each in self.chunks.values():
+            found.update(each)
+        return found.digest()
+
+    @property
+    def failed(self) -> int:
+        """Grasps whose simulation did not end."""
+        return int((self.rows["completed"] == 0).sum())
+
+    def packed(self) -> bytes:
+        """Bytes of the part, its digest among them."""
+        memory = io.BytesIO()
+        arrays = {"rows": self.rows, "digest": np.frombuffer(self.digest, np.uint8)}
+        arrays |= {f"chunk {name}": np.frombuffer(x, np.uint8) for name, x in self.chunks.items()}
+        np.savez(memory, allow_pickle=False, **arrays)
+        return memory.getvalue()
+
+    @staticmethod
+    def unpacked(data: bytes) -> "Part | None":
+        """The part from its bytes, None where they are damaged."""
+        try:
+            with np.load(io.BytesIO(data), allow_pickle=False) as found:
+                names = [name for name in found.files if name.startswith("chunk ")]
+                chunks = {name.removeprefix("chunk "): found[name].tobytes() for name in names}
+                part, digest = Part(found["rows"], chunks), found["digest"].tobytes()
+        except Exception:  # a damaged archive raises nearly anything
+            return None
+        return part if part.digest == digest else None
+
+
+def table_type(spec: Spec) -> np.dtype:
+    """Fields of the table of grasps: what every data set has, then a column for all that varies."""
+    return np.dtype(
+        [*((name, kind) for name, kind, _ in OWN), *((name, "<f8") for name in spec.columns)]
+    )
+
+
+def units(spec: Spec) -> list[str]:
+    """Units of the fields."""
+    return [*(unit for _, _, unit in OWN), *(spec.unit(name) for name in spec.columns)]
+
+
+def count(spec: Spec) -> int:
+    """Number of parts."""
+    return -(-spec.count // SIZE)
+
+
+def chunk(spec: Spec) -> tuple[int, int]:
+    """Shape of a chunk of a channel: grasps, samples."""
+    return min(SIZE, spec.count), spec.base.times.size
+
+
+@functools.lru_cache(maxsize=4)
+def _read(text: str) -> Spec:
+    return read_spec(text)
+
+
+def simulated(text: str, number: int) -> bytes:
+    """Simulate a part of the data set of a resolved specification; runs in any process."""
+    return made(_read(text), number).packed()
+
+
+def made(spec: Spec, number: int) -> Part:
+    """Simulate part `number`."""
+    first = number * SIZE
+    drawn = [draw(spec, k) for k in range(first, min(first + SIZE, spec.count))]
+    ran = grasps(spec, drawn, tuple(dict.fromkeys((*spec.channels, "force"))))
+    rows = np.zeros(len(drawn), table_type(spec))
+    samples = np.zeros((len(spec.channels), *chunk(spec)), STORED)
+    for k, (each, grasp) in enumerate(zip(drawn, ran, strict=True)):
+        rows[k] = _row(spec, each, grasp)
+        for c, name in enumerate(spec.channels):
+            samples[c, k, : grasp.time.size] = sensed(each, grasp, name)
+            samples[c, k, grasp.time.size :] = np.nan  # it failed there
+    chunks = {name: _deflated(samples[c]) for c, name in enumerate(spec.channels)}
+    return Part(rows, chunks)
+
+
+def grasps(spec: Spec, drawn: list[Drawn], channels: tuple[str, ...]) -> list[Grasp]:
+    """Simulate what was drawn, on one core, keeping these channels."""
+    pairs = [(each.hand, each.experiment) for each in drawn]
+    how: dict[str, Any] = {"rtol": spec.rtol, "effects": spec.hand.effects, "workers": 1}
+    how["progress"] = False  # that of the whole data set is told
+    return list(simulate_many(pairs, channels=channels, **how))
+
+
+def sensed(drawn: Drawn, grasp: Grasp, name: str) -> np.ndarray:
+    """What the sensor of a channel tells: noise, then resolution."""
+    told = noisy(drawn.experiment, name, grasp[name])
+    return rounded(told, drawn.values.get(f"resolution.{name}", 0.0))
+
+
+def _row(spec: Spec, drawn: Drawn, grasp: Grasp) -> tuple[Any, ...]:
+    ends = touching(grasp.time, grasp["force"])
+    group = spec.groups.index(drawn.group)
+    own = (drawn.number, drawn.seed, group, ROLES.index(drawn.group.role))
+    complete = grasp.outcome is Outcome.COMPLETED
+    peak = grasp["force"].max(initial=0.0)
+    return (*own, complete, *ends, peak, *(drawn.values[name] for name in spec.columns))
+
+
+def touching(time: np.ndarray, force: np.ndarray, share: float = SHARE) -> tuple[float, float]:
+    """Contact and release [s]: first and last sample above 1 N and a share of the peak force.
+
+    Below 5 % of it, fingers that touched wait for the others to close. NaN where nothing is
+    touched.
+    """
+    found = np.flatnonzero(force > max(TOUCH, share * force.max(initial=0.0)))
+    return (float(time[found[0]]), float(time[found[-1]])) if found.size else (np.nan, np.nan)
+
+
+def _deflated(values: np.ndarray) -> bytes:
+    """As HDF5's filters shuffle and deflate leave a chunk."""
+    shuffled = np.frombuffer(values.tobytes(), np.uint8).reshape(-1, values.itemsize).T
+    return zlib.compress(shuffled.tobytes(), LEVEL)
+
+
+def recorded(spec: Spec, number: int) -> Recording:
+    """Simulate one grasp alone and return what its sensors told, as the data set has it."""
+    drawn = draw(spec, number)
+    (grasp,) = grasps(spec, [drawn], CHANNELS)
+    told = logged(drawn.hand, drawn.experiment, grasp.require())
+    steps = {name: drawn.values.get(f"resolution.{name}", 0.0) for name in told.names}
+    return told.with_channels(
+        {name: rounded(told[name], step) for name, step in steps.items() if step}, {}
+    )

@@ -1,0 +1,30 @@
+"""What the data check says of all recordings, before any of them is fitted."""
+
+from hannes.campaigns.campaign_file import Campaign
+from hannes.campaigns.check import check
+from hannes.campaigns.quality.finding import Finding
+from hannes.core.errors import BadInput
+
+Findings = tuple[tuple[str, Finding], ...]  # each with the name of its recording
+
+
+def inspected(campaign: Campaign, accepted: tuple[str, ...]) -> Findings:
+    """Return all faults and warnings; BadInput where one is of no kind that is `accepted`.
+
+    A fit believes every sample, so that what misleads in part is refused as well until the
+    campaign says that it may be taken as it is.
+    """
+    found = tuple(
+        (entry.name, each)
+        for entry in campaign.entries
+        for each in check(entry.recording, campaign.plant)
+        if each.level != "note"
+    )
+    refused = [(name, each) for name, each in found if each.kind not in accepted]
+    if refused:
+        name, first = refused[0]
+        more = f" ({len(refused) - 1} more: see `hannes check`)" if len(refused) > 1 else ""
+        raise BadInput(
+            f'{name}: {first}{more}; or take it as it is with [calibrate] accept = ["{first.kind}"]'
+        )
+    return found

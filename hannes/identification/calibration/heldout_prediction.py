@@ -1,0 +1,53 @@
+"""How well runs are predicted, above all those that no fit has seen."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from hannes.campaigns.campaign_file import Entry
+from hannes.identification.binned_run import View
+from hannes.identification.calibration.linearisation import State
+from hannes.identification.calibration.simulator import SHIFT, Channels
+
+ROUNDS = 3
+
+
+def prediction(found: State, entries: Sequence[Entry]) -> dict[str, dict[str, float]]:
+    """Channel -> RMS of simulated minus recorded [its unit]: `as_given`, `after`; `recorded`.
+
+    Over all counted samples of `entries`; every run starts when that suits it best, before and
+    after alike.
+    """
+    sums: dict[str, np.ndarray] = {}
+    plant = found.model.plant
+    simulated: dict[bytes, list[Channels]] = {}  # of repeats once
+    for entry in entries:
+        view = View(entry, plant, found.plan.channels, ())
+        mask, run = plant.judged_part(entry.recording), plant.same_run(entry.recording)
+        if run not in simulated:
+            points: tuple[Mapping[str, float], ...] = ({}, found.all_values)
+            simulated[run] = [plant.simulate(values, entry.recording) for values in points]
+        runs = [_aligned(found, view, channels) for channels in simulated[run]]
+        for name in view.channels:
+            recorded = entry.recording[name][mask]
+            misses = [run[name][mask] - recorded for run in runs]
+            squares = [float(np.sum(each**2)) for each in (*misses, recorded)]
+            sums[name] = sums.get(name, np.zeros(4)) + np.array([*squares, recorded.size])
+    return {name: _roots(total) for name, total in sums.items()}
+
+
+def _roots(total: np.ndarray) -> dict[str, float]:
+    roots = np.sqrt(total[:3] / max(total[3], 1.0)).tolist()
+    return dict(zip(("as_given", "after", "recorded"), roots, strict=True))
+
+
+def _aligned(found: State, view: View, channels: Channels) -> Channels:
+    """Channels of a simulation, moved to start when it fits the recording best."""
+    late, spread = 0.0, found.plan.start_time
+    for _ in range(ROUNDS if spread else 0):
+        noise = found.noise[view.part]
+        miss = (view.of(channels, late) - view.measured) / noise
+        moved = (view.of(channels, late + SHIFT) - view.of(channels, late)) / SHIFT / noise
+        late -= float(moved @ miss) / (float(moved @ moved) + 1.0 / spread**2)
+    since = view.since
+    return {name: np.interp(since - late, since, channels[name]) for name in view.channels}

@@ -1,0 +1,140 @@
+"""What is said of every parameter: its value, its interval, and whether the data can tell it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.identification.calibration.intervals import Spread
+from hannes.identification.calibration.linearisation import State
+
+NORMAL = 1.96
+SILENT = 1e-6  # of the prior's information: a parameter that moves nothing
+MOST_PARTNERS = 3
+MOSTLY = 0.75  # of a variance that a partner explains
+
+IDENTIFIED, AT_BOUND = "identified", "at its bound"
+NOT_IDENTIFIED, CONFOUNDED = "not identified", "confounded"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One parameter after a calibration; SI, `low` and `high` hold it with 95 % confidence.
+
+    given:     its value before
+    label:     identified, at its bound, not identified, confounded (with `partners`)
+    reason:    the label in words
+    deviation: one standard deviation, by run;  freedom: degrees of freedom that it has
+    textbook:  interval by the usual covariance, for contrast
+    skewed:    whether the interval is that of a profile, because it is lopsided
+    """
+
+    name: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    given: float
+    label: str
+    partners: tuple[str, ...]
+    reason: str
+    deviation: float
+    freedom: float
+    textbook: tuple[float, float]
+    skewed: bool
+
+    @property
+    def identified(self) -> bool:
+        """True where the interval may be taken at its word."""
+        return self.label == IDENTIFIED
+
+
+def answers(found: State, spread: Spread, sides: np.ndarray) -> list[Answer]:
+    """Answers in the order of the plan; `sides` are half-widths below and above, scaled, (2, p)."""
+    return [_answer(found, spread, sides, place) for place in range(len(found.plan.names))]
+
+
+def _answer(found: State, spread: Spread, sides: np.ndarray, place: int) -> Answer:
+    name, scale = found.plan.names[place], float(found.scales.scale[place])
+    declared = found.model.plant.parameters.declared[name]
+    value, bounds = found.values[name], found.plan.bounds[name]
+    low, high = value - scale * sides[0, place], value + scale * sides[1, place]
+    usual = NORMAL * scale * float(spread.textbook[place])
+    label, partners, reason = _label(found, spread, sides, place)
+    lopsided = not np.isclose(sides[0, place], sides[1, place], rtol=0.05)
+    return Answer(
+        name,
+        declared.unit,
+        value,
+        max(low, bounds[0]),
+        min(high, bounds[1]),
+        found.model.plant.parameters[name],
+        label,
+        partners,
+        reason,
+        scale * float(spread.deviation[place]),
+        float(spread.freedom[place]),
+        (value - usual, value + usual),
+        bool(lopsided),
+    )
+
+
+def _label(
+    found: State, spread: Spread, sides: np.ndarray, place: int
+) -> tuple[str, tuple[str, ...], str]:
+    names = found.plan.names
+    if place in found.on_bound:
+        return AT_BOUND, (), "it ended at a bound: widen the bound, or doubt the model"
+    if _silent(found, place):
+        return NOT_IDENTIFIED, (), "it moves nothing in these recordings"
+    width = _width(found, spread, sides, place)
+    if width <= found.plan.limit:
+        return IDENTIFIED, (), _alone(spread, place)
+    partners, left = _partners(spread.covariance, place, width, found.plan.limit)
+    told = f"known to ±{100 * width:.2g} %"
+    if not partners:
+        return NOT_IDENTIFIED, (), told
+    shown = tuple(names[each] for each in partners)
+    reason = f"{told}; to ±{100 * left:.2g} % were {' and '.join(shown)} known"
+    return CONFOUNDED, shown, reason
+
+
+def _alone(spread: Spread, place: int) -> str:
+    if spread.alone[place]:
+        return "one run alone decides it: its interval is by the assumed scatter of runs"
+    return ""
+
+
+def _silent(found: State, place: int) -> bool:
+    pairs = zip(found.whitenings, found.columns, strict=True)
+    information = sum(float(np.sum(white(columns[place]) ** 2)) for white, columns in pairs)
+    return information < SILENT * float(found.scales.prior[place]) ** 2
+
+
+def _width(found: State, spread: Spread, sides: np.ndarray, place: int) -> float:
+    """Half-width relative to the value; to the given one's scale where that is larger."""
+    reach = max(float(sides[:, place].max()), NORMAL * float(spread.working[place]))
+    value = abs(found.values[found.plan.names[place]]) / float(found.scales.scale[place])
+    return reach / max(value, 0.1)
+
+
+def _partners(
+    covariance: np.ndarray, place: int, width: float, limit: float
+) -> tuple[list[int], float]:
+    """Parameters that, were they known, would narrow this one, and its width then."""
+    found: list[int] = []
+    left = covariance.copy()
+    whole = covariance[place, place]
+    while len(found) < MOST_PARTNERS:
+        shared = left[place] ** 2 / np.maximum(np.diag(left), 1e-300)
+        shared[[place, *found]] = 0.0
+        best = int(np.argmax(shared))
+        if shared[best] < 0.3 * left[place, place]:
+            break
+        left = left - np.outer(left[best], left[best]) / left[best, best]
+        found.append(best)
+        narrow = width * float(np.sqrt(left[place, place] / whole))
+        if narrow <= limit:
+            return found, narrow
+    narrow = width * float(np.sqrt(max(left[place, place], 0.0) / whole))
+    explained = 1.0 - left[place, place] / whole
+    return (found, narrow) if found and explained > MOSTLY else ([], width)

@@ -1,0 +1,149 @@
+"""Intervals by run: the spread of the runs' own pulls, freed of the bias that few runs give it.
+
+Whitened, every run r has slopes X_r and misfit z_r; G_r = X_r' X_r, M = (sum G_r + prior)^-1, and
+u_r = M X_r' z_r is its pull on the parameters. At the fit the pulls balance, so the sum of their
+squares is less than the variance, the more so the fewer runs decide a parameter. Were the working
+covariance right, the pulls at the fit would have covariance B (runs x runs, known from the G_r);
+then the sum of squares times trace(M G M) / trace(B) is free of bias, and it is as sure as
+trace(B)^2 / trace(B^2) degrees of freedom (Satterthwaite 1946; Bell & McCaffrey 2002). Where the
+runs of one condition pull more on a parameter than those of another, against what is expected of
+them, B is scaled by as much, shrunk because few runs tell it: else runs that only seem to decide
+would leave too few degrees of freedom. Shrunk too little, three runs that happen to pull alike
+would narrow an interval twice, by their spread and by the degrees of freedom of all the others.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.identification.calibration.least_squares import weights
+from hannes.identification.calibration.linearisation import State
+
+LEVEL = 0.95
+SHRINK = 12.0  # runs, that believing all conditions alike counts for
+ALONE = 1.2  # degrees of freedom below which one run alone decides a parameter
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Of all parameters, scaled; shapes (p,) unless said otherwise.
+
+    deviation: standard deviation, by run;  freedom: its degrees of freedom
+    reach:     half-width of the 95 % interval
+    working:   standard deviation if the working covariance were right;  covariance: (p, p)
+    textbook:  standard deviation by the usual formula, s^2 (J'J)^-1
+    alone:     where one run alone decides, so that only the working covariance speaks
+    pulls:     of every cluster on every parameter, shape (clusters, p)
+    """
+
+    deviation: np.ndarray
+    freedom: np.ndarray
+    reach: np.ndarray
+    working: np.ndarray
+    covariance: np.ndarray
+    textbook: np.ndarray
+    alone: np.ndarray
+    pulls: np.ndarray
+    unit: str
+
+
+def spread(found: State) -> Spread:
+    """Intervals of a finished search."""
+    from scipy.stats import norm, t
+
+    count = len(found.plan.names)
+    information, scores, conditions, unit = _clusters(found)
+    prior = np.concatenate([found.scales.prior, np.ones(len(found.plan.doubt))]) ** 2
+    inverse = np.linalg.inv(information.sum(axis=0) + np.diag(prior))
+    pulls = (scores @ inverse)[:, :count]
+    pulls = pulls - pulls.mean(axis=0)  # the priors hold against their sum
+    lively = _lively(information, inverse, pulls, conditions)
+    honest, freedom = _correction(information, inverse, lively)
+    by_run = np.sqrt(honest * (pulls**2).sum(axis=0))
+    by_prior = np.sqrt(np.einsum("ij,j,ij->i", inverse, prior, inverse)[:count])
+    working = np.sqrt(np.diag(inverse)[:count])
+    alone = freedom < ALONE
+    by_run = np.where(alone, np.sqrt(np.maximum(working**2 - by_prior**2, 0.0)), by_run)
+    freedom = np.where(alone, np.inf, freedom)
+    level = 0.5 + LEVEL / 2.0
+    return Spread(
+        np.hypot(by_run, by_prior),
+        freedom,
+        np.hypot(t.ppf(level, freedom) * by_run, norm.ppf(level) * by_prior),
+        working,
+        inverse[:count, :count],
+        _textbook(found),
+        alone,
+        pulls,
+        unit,
+    )
+
+
+def _lively(
+    information: np.ndarray, inverse: np.ndarray, pulls: np.ndarray, conditions: np.ndarray
+) -> np.ndarray:
+    """Squares of pulls over what the working covariance expects, by condition, as `pulls`."""
+    told = inverse[: pulls.shape[1]]
+    expected = np.maximum(np.einsum("ki,rij,kj->rk", told, information, told), 1e-300)
+    overall = (pulls**2).sum(axis=0) / expected.sum(axis=0)
+    lively = np.empty_like(pulls)
+    for condition in np.unique(conditions):
+        inside = conditions == condition
+        own = (pulls[inside] ** 2).sum(axis=0) / expected[inside].sum(axis=0)
+        lively[inside] = (inside.sum() * own + SHRINK * overall) / (inside.sum() + SHRINK)
+    return lively
+
+
+def _correction(
+    information: np.ndarray, inverse: np.ndarray, lively: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Factor on the sum of squared pulls, and its degrees of freedom, shape (count,) each."""
+    count = lively.shape[1]
+    honest, freedom = np.ones(count), np.zeros(count)
+    for place in range(count):
+        factor = lively[:, place]
+        whole = inverse @ np.tensordot(factor, information, 1) @ inverse
+        rows = information @ inverse[place]  # G_r m, (clusters, p)
+        crossed = factor[:, np.newaxis] * rows @ inverse @ rows.T
+        expected = rows @ whole @ rows.T - crossed - crossed.T
+        expected += np.diag(factor * (rows @ inverse[place]))
+        trace, total = float(np.trace(expected)), float(whole[place, place])
+        if trace > 1e-12 * max(total, 1e-300):  # else no run speaks of it at all
+            honest[place] = total / trace
+            freedom[place] = trace**2 / float(np.sum(expected**2))
+    return honest, freedom
+
+
+def _clusters(found: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
+    """Information (clusters, p, p) and scores (clusters, p) of each run, or of its blocks.
+
+    Then the condition of each cluster, and what the clusters are.
+
+    p counts the doubtful parameters too, after those of the plan.
+    """
+    information, scores, conditions = [], [], []
+    views, everything = found.model.views, found.left()
+    runs = zip(found.whitenings, found.columns, found.doubts, everything, views, strict=True)
+    for white, columns, doubts, left, view in runs:
+        rows = white(np.vstack([columns, doubts]))
+        weight = weights(found.plan.loss, left)
+        groups = [np.ones(left.size, bool)]
+        if len(views) == 1:
+            groups = [view.block == number for number in np.unique(view.block)]
+        for inside in groups:
+            part, heavy = rows[:, inside], weight[inside]
+            information.append((part * heavy) @ part.T)
+            scores.append((part * heavy) @ left[inside])
+            conditions.append(view.entry.condition)
+    unit = "runs" if len(views) > 1 else "stretches of one run"
+    return np.array(information), np.array(scores), np.array(conditions), unit
+
+
+def _textbook(found: State) -> np.ndarray:
+    """Root of the diagonal of s^2 (J'J)^-1, every bin taken as independent."""
+    runs = list(zip(found.columns, found.misses, found.whitenings, strict=True))
+    rows = np.hstack([columns / white.noise for columns, _, white in runs])
+    left = np.concatenate([miss / white.noise for _, miss, white in runs])
+    square = float(left @ left) / max(1, left.size - rows.shape[0])
+    information = rows @ rows.T + np.diag(found.scales.prior**2) * 1e-6
+    return np.sqrt(square * np.diag(np.linalg.inv(information)))

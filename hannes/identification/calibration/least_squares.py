@@ -1,0 +1,77 @@
+"""One bounded least-squares search by scipy, ended where the data can tell no more."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.core.errors import ComputationFailed
+from hannes.identification.calibration.objective import NEAR, Problem, Settled
+
+MOST_EVALUATIONS = 40
+FINE = 1e-5  # relative gain of the misfit; scipy's tests know nothing of standard deviations
+ROBUST = 2.0  # standard deviations beyond which a robust loss bends
+NOTHING_SIMULATES = (
+    "no simulation succeeds at the starting values; try base = a hand.toml that runs, narrower "
+    "bounds, or fewer parameters"
+)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Where a search ended: scaled x, cost, places of those at a bound."""
+
+    x: np.ndarray
+    cost: float
+    on_bound: np.ndarray
+    settled: bool
+
+
+def solve(problem: Problem, x: np.ndarray, tolerance: float = FINE) -> Solved:
+    """Search from x; ComputationFailed where nothing can be simulated there."""
+    from scipy.optimize import least_squares
+
+    loss, scales = problem.state.plan.loss, problem.state.scales
+    inside = np.clip(x, scales.low + 1e-9, scales.high - 1e-9)
+    if not np.isfinite(problem.residual(inside)).all():
+        raise ComputationFailed(NOTHING_SIMULATES)
+    try:
+        found = least_squares(
+            problem.residual,
+            inside,
+            jac=problem.jacobian,
+            bounds=(scales.low, scales.high),
+            loss=loss,
+            f_scale=ROBUST,
+            ftol=tolerance,
+            xtol=FINE,
+            gtol=None,
+            max_nfev=MOST_EVALUATIONS,
+        )
+        at, settled = found.x, found.status > 0
+    except Settled:
+        at, settled = problem.last[0], True
+    left = problem.residual(at)
+    on_bound = np.flatnonzero((at - scales.low < NEAR) | (scales.high - at < NEAR))
+    return Solved(at, cost(loss, left), on_bound, settled)
+
+
+def cost(loss: str, left: np.ndarray) -> float:
+    """Half the sum of squares of a whitened misfit, bent as scipy's least_squares bends it."""
+    z = (left / ROBUST) ** 2
+    bent = {
+        "linear": lambda: z,
+        "soft_l1": lambda: 2.0 * (np.sqrt(1.0 + z) - 1.0),
+        "huber": lambda: np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
+        "cauchy": lambda: np.log1p(z),
+    }
+    return 0.5 * ROBUST**2 * float(np.sum(bent[loss]()))
+
+
+def weights(loss: str, left: np.ndarray) -> np.ndarray:
+    """What a robust loss leaves of every element's weight, shape (n,)."""
+    z = (left / ROBUST) ** 2
+    if loss == "soft_l1":
+        return 1.0 / np.sqrt(1.0 + z)
+    if loss == "huber":
+        return 1.0 / np.sqrt(np.maximum(z, 1.0))
+    return 1.0 / (1.0 + z) if loss == "cauchy" else np.ones_like(z)

@@ -1,0 +1,254 @@
+"""The misfit made linear about one point: what a round of the search starts from and ends with."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from hannes.identification.calibration.scaling import Scales
+from hannes.identification.calibration.settings import Plan
+from hannes.identification.calibration.simulator import Bundle, Map, Model
+from hannes.identification.whitening import Whitening
+from hannes.plants.protocol import Plant
+
+FIRST_STEP = 2e-3  # of a parameter's scale, of differences before anything is known
+FAR = 0.15  # of a parameter's scale, from where slow directions are had anew
+JERK = 10.0  # times a simulated jerk inside a bin is taken as noise there
+SENSELESS = 10.0  # misfit, in standard deviations, of a feature that a simulation does not have
+
+
+@dataclass(frozen=True)
+class Start:
+    """One search from its own starting point, and where it ended."""
+
+    begun: np.ndarray
+    ended: np.ndarray
+    cost: float
+
+
+@dataclass
+class State:
+    """Everything about one point x; lists have one item for each run.
+
+    late:     when each run starts [s], shape (runs,)
+    doubted:  doubtful parameters, in standard deviations from their given values, shape (q,)
+    noise:    standard deviation of every channel's bins and feature, shape (names,)
+    steps:    scaled difference steps, shape (p,)
+    bundle:   simulations about x; slow: those about slow_at, for directions that change little
+    misses:   simulated minus measured, shape (n,)
+    columns:  slopes by scaled parameter, shape (p, n); doubts: by doubtful one, shape (q, n)
+    shared:   whitens all runs together against what is doubtful, where anything is
+    """
+
+    model: Model
+    plan: Plan
+    scales: Scales
+    x: np.ndarray
+    late: np.ndarray
+    doubted: np.ndarray
+    noise: np.ndarray
+    steps: np.ndarray
+    bundle: Bundle
+    slow: Bundle | None
+    slow_at: np.ndarray
+    whitenings: list[Whitening]
+    misses: list[np.ndarray]
+    columns: list[np.ndarray]
+    doubts: list[np.ndarray]
+    shared: Whitening | None
+    costs: list[float] = field(default_factory=list)
+    starts: list[Start] = field(default_factory=list)
+    on_bound: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    floors: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    interrupted: bool = False
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Fitted parameters, SI."""
+        return self.scales.values(self.x)
+
+    @property
+    def all_values(self) -> dict[str, float]:
+        """Fitted and doubtful parameters, SI."""
+        return {**doubtful(self.model.plant, self.plan, self.doubted), **self.values}
+
+    def slopes(self) -> np.ndarray:
+        """Whitened slopes of all runs by the scaled parameters, shape (p, N)."""
+        return self.together(self.columns)
+
+    def together(self, rows: Sequence[np.ndarray]) -> np.ndarray:
+        """Rows of all runs, whitened by run and then against what is doubtful, (..., N)."""
+        pairs = zip(self.whitenings, rows, strict=True)
+        whole = np.concatenate([white(each) for white, each in pairs], axis=-1)
+        return self.shared(whole) if self.shared else whole
+
+    def missed(self, misses: Sequence[np.ndarray]) -> np.ndarray:
+        """Whitened misfit of all runs as it were with nothing known of what is doubtful, (N,)."""
+        if not self.shared:
+            return self.together(misses)
+        pairs = zip(misses, self.doubts, strict=True)
+        return self.together([miss - self.doubted @ rows for miss, rows in pairs])
+
+    def left(self) -> list[np.ndarray]:
+        """Whitened misfit of each run, what is doubtful where it fits best, shape (n,) each."""
+        moved = self.best_doubted() - self.doubted
+        runs = zip(self.whitenings, self.misses, self.doubts, strict=True)
+        return [white(miss + moved @ rows) for white, miss, rows in runs]
+
+    def best_doubted(self) -> np.ndarray:
+        """Where doubtful parameters most likely are, in standard deviations, shape (q,)."""
+        if not self.shared:
+            return self.doubted
+        runs = zip(self.whitenings, self.misses, self.doubts, strict=True)
+        whole = [white(miss - self.doubted @ rows) for white, miss, rows in runs]
+        return self.shared.blamed(-np.concatenate(whole))
+
+    def lateness(self) -> np.ndarray:
+        """How much later than assumed each run most likely starts [s], shape (runs,)."""
+        if not self.plan.start_time:
+            return np.zeros(len(self.misses))
+        pairs = zip(self.whitenings, self.misses, strict=True)
+        found = np.array([white.blamed(-miss)[-1] for white, miss in pairs])
+        return self.plan.start_time * found
+
+    @property
+    def misfit(self) -> float:
+        """RMS of the whitened misfit of all runs."""
+        return float(np.sqrt(np.mean(np.concatenate(self.left()) ** 2)))
+
+
+def doubtful(plant: Plant, plan: Plan, doubted: np.ndarray) -> dict[str, float]:
+    """SI values of the doubtful parameters, inside their bounds."""
+    found = {}
+    for (name, size), at in zip(plan.doubt.items(), doubted, strict=True):
+        low, high = plant.parameters.declared[name].bounds
+        found[name] = float(np.clip(plant.parameters[name] + size * at, low, high))
+    return found
+
+
+@dataclass
+class Maker:
+    """Makes states: simulates about points, `spread_over` threads."""
+
+    model: Model
+    plan: Plan
+    scales: Scales
+    spread_over: Map
+
+    def values(self, x: np.ndarray, doubted: np.ndarray) -> dict[str, float]:
+        """What is simulated at a point, SI."""
+        return {**doubtful(self.model.plant, self.plan, doubted), **self.scales.values(x)}
+
+    def bundle(self, x: np.ndarray, doubted: np.ndarray, steps: np.ndarray) -> Bundle:
+        """Simulations about a point for the slopes by all parameters."""
+        sizes = dict(zip(self.plan.names, steps * self.scales.scale, strict=True))
+        return self.model.bundle(self.values(x, doubted), sizes, self.spread_over)
+
+    def slow(self, x: np.ndarray, doubted: np.ndarray) -> Bundle:
+        """Simulations for the directions in which runs differ, and those of doubt."""
+        values, given = self.values(x, doubted), self.model.plant.parameters
+        sizes: Mapping[str, float] = {**self.plan.nuisance, **self.plan.doubt}
+        steps = {
+            name: FIRST_STEP * abs(values.get(name, given[name])) or size
+            for name, size in sizes.items()
+        }
+        return self.model.bundle(values, steps, self.spread_over)
+
+    def first(self, x: np.ndarray, noise: np.ndarray) -> State:
+        """The state at x before anything is known but noise; no run differs yet, all is certain."""
+        late, steps = np.zeros(len(self.model.views)), np.full(x.size, FIRST_STEP)
+        doubted = np.zeros(len(self.plan.doubt))
+        bundle = self.bundle(x, doubted, steps)
+        self.model.settle(self.values(x, doubted), bundle.base, self.spread_over)
+        return self.made(x, late, doubted, noise, steps, bundle, None, x)
+
+    def at(self, x: np.ndarray, state: State) -> State:
+        """The state at another x, all else as it was."""
+        bundle = self.bundle(x, state.doubted, state.steps)
+        self.model.settle(self.values(x, state.doubted), bundle.base, self.spread_over)
+        slow = state.slow or self.slow(x, state.doubted)
+        return self.made(
+            x, state.late, state.doubted, state.noise, state.steps, bundle, slow, state.slow_at
+        )
+
+    def moved(self, state: State, late: np.ndarray, doubted: np.ndarray) -> State:
+        """The state with other starts and doubtful values."""
+        bundle = state.bundle
+        if self.plan.doubt:
+            bundle = self.bundle(state.x, doubted, state.steps)
+            self.model.settle(self.values(state.x, doubted), bundle.base, self.spread_over)
+        return self.made(
+            state.x, late, doubted, state.noise, state.steps, bundle, state.slow, state.slow_at
+        )
+
+    def weighed(self, state: State, noise: np.ndarray) -> State:
+        """The state with other noise."""
+        made = self.made(
+            state.x, state.late, state.doubted, noise, state.steps, state.bundle, state.slow,
+            state.slow_at,
+        )  # fmt: skip
+        return replace(made, on_bound=state.on_bound)
+
+    def solved(self, state: State, x: np.ndarray, steps: np.ndarray, bundle: Bundle) -> State:
+        """The state at x, about which `bundle` was simulated; slow directions anew where far."""
+        self.model.settle(self.values(x, state.doubted), bundle.base, self.spread_over)
+        slow, slow_at = state.slow, state.slow_at
+        if slow is None or np.abs(x - slow_at).max() > FAR:
+            slow, slow_at = self.slow(x, state.doubted), x
+        return self.made(x, state.late, state.doubted, state.noise, steps, bundle, slow, slow_at)
+
+    def made(
+        self,
+        x: np.ndarray,
+        late: np.ndarray,
+        doubted: np.ndarray,
+        noise: np.ndarray,
+        steps: np.ndarray,
+        bundle: Bundle,
+        slow: Bundle | None,
+        slow_at: np.ndarray,
+    ) -> State:
+        """A state from its simulations."""
+        model, views = self.model, self.model.views
+        per_run = [
+            np.hypot(noise[view.part], JERK * jerk)
+            for view, jerk in zip(views, model.jerks(bundle.base), strict=True)
+        ]
+        seen = model.seen(bundle.base, late)
+        runs = zip(seen, views, per_run, strict=True)
+        misses = [missed(values, view.measured, n) for values, view, n in runs]
+        moved = self._stacked(slow, self.plan.nuisance, late)
+        if self.plan.start_time:
+            delays = model.delays(bundle.base, late)
+            pairs = zip(moved, delays, strict=True)
+            moved = [np.vstack([rows, self.plan.start_time * delay]) for rows, delay in pairs]
+        whitenings = [Whitening.of(n, rows) for n, rows in zip(per_run, moved, strict=True)]
+        doubts = self._stacked(slow, self.plan.doubt, late)
+        shared = None
+        if len(doubts[0]):
+            runs_of = zip(whitenings, doubts, strict=True)
+            whole = np.hstack([white(rows) for white, rows in runs_of])
+            shared = Whitening.of(np.ones(whole.shape[1]), whole)
+        return State(
+            model, self.plan, self.scales, x, late, doubted, noise, steps, bundle, slow, slow_at,
+            whitenings, misses, self.columns(bundle, late), doubts, shared,
+        )  # fmt: skip
+
+    def columns(self, bundle: Bundle, late: np.ndarray) -> list[np.ndarray]:
+        """Slopes of every run by the scaled parameters, shape (p, n) each."""
+        scale = dict(zip(self.plan.names, self.scales.scale.tolist(), strict=True))
+        return self._stacked(bundle, scale, late)
+
+    def _stacked(
+        self, bundle: Bundle | None, sizes: Mapping[str, float], late: np.ndarray
+    ) -> list[np.ndarray]:
+        """Slopes by each parameter times its size, for every run, shape (sizes, n) each."""
+        if bundle is None or not sizes:
+            return [np.zeros((0, view.measured.size)) for view in self.model.views]
+        return self.model.slopes(bundle, sizes, late)
+
+
+def missed(simulated: np.ndarray, measured: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Difference of two vectors; a feature that the simulation lacks counts as plainly wrong."""
+    difference = simulated - measured
+    return np.where(np.isnan(difference), SENSELESS * noise, difference)

@@ -1,0 +1,109 @@
+"""What a round makes small: the whitened misfit of all runs, over scaled parameters."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from threading import Event
+
+import numpy as np
+
+from hannes.core.errors import ComputationFailed
+from hannes.identification.calibration.linearisation import Maker, State, missed
+from hannes.identification.calibration.simulator import Bundle, Channels, Map
+
+Told = Callable[[float, np.ndarray], None]
+STEP = 0.5  # of a parameter's standard deviation: slopes as they are where it may lie
+LEAST, MOST = 3e-4, 3e-2  # of a parameter's scale, of a difference step
+CLOSE_BY = 0.03  # of a parameter's scale, within which slopes are as good as the same
+NEAR = 1e-5  # of a parameter's scale, to its bound
+ENOUGH = 0.1  # standard deviations: where the next step is shorter than this, a search ends
+
+
+class Stopped(Exception):
+    """Somebody asked the search to end."""
+
+
+class Settled(Exception):
+    """The next step would be small against what the data can tell."""
+
+
+@dataclass
+class Problem:
+    """Least squares with the working covariance of `state`; see __init__.py.
+
+    `bundle` keeps a point and the simulations about it, from which slopes come as long as searches
+    stay close by; `last` the last point that a residual was asked for, and that. Several threads
+    may ask for residuals.
+    """
+
+    state: State
+    spread_over: Map = map
+    told: Told = lambda misfit, x: None
+    stop: Event = field(default_factory=Event)
+    bundle: tuple[np.ndarray, Bundle] = field(init=False)
+    steps: np.ndarray = field(init=False)
+    last: tuple[np.ndarray, np.ndarray] = field(init=False)
+
+    def __post_init__(self) -> None:
+        state = self.state
+        self.bundle, self.steps = (state.x, state.bundle), state.steps
+        self.last = (np.zeros(0), np.zeros(0))
+        self.maker = Maker(state.model, state.plan, state.scales, self.spread_over)
+
+    def residual(self, x: np.ndarray) -> np.ndarray:
+        """Whitened misfit of all runs, then the priors'; infinite where a simulation fails."""
+        if self.stop.is_set():
+            raise Stopped
+        at, left = self.last
+        if np.array_equal(at, x):  # searches ask anew where they begin and where they end
+            return left
+        state = self.state
+        try:
+            values = self.maker.values(x, state.doubted)
+            done = state.model.run(values, self.spread_over)
+        except ComputationFailed:
+            return np.full(sum(each.size for each in state.misses) + x.size, np.inf)
+        data = state.missed(self._misses(done))
+        left = np.concatenate([data, state.scales.prior * x])
+        self.last = x.copy(), left
+        self.told(float(np.sqrt(np.mean(data**2))), x)
+        return left
+
+    def _misses(self, done: list[Channels]) -> list[np.ndarray]:
+        state = self.state
+        seen = state.model.seen(done, state.late)
+        runs = zip(seen, state.model.views, state.whitenings, strict=True)
+        return [missed(values, view.measured, white.noise) for values, view, white in runs]
+
+    def jacobian(self, x: np.ndarray) -> np.ndarray:
+        """Slopes of `residual`, shape (size, p); raises Settled where they lead nowhere."""
+        if self.stop.is_set():
+            raise Stopped
+        state = self.state
+        if np.abs(self.bundle[0] - x).max() > CLOSE_BY:
+            self.bundle = x.copy(), self.maker.bundle(x, state.doubted, self.steps)
+        columns = self.maker.columns(self.bundle[1], state.late)
+        whole = state.together(columns)
+        deviation = deviations(whole, state.scales.prior)
+        self.steps = np.clip(STEP * deviation, LEAST, MOST)
+        slopes = np.vstack([whole.T, np.diag(state.scales.prior)])
+        at, left = self.last
+        if np.array_equal(at, x) and self._stands(x, left, slopes):
+            raise Settled
+        return slopes
+
+    def _stands(self, x: np.ndarray, left: np.ndarray, slopes: np.ndarray) -> bool:
+        """Tell whether the step to the least misfit, were it linear, is short; bounds hold."""
+        pull, scales = -slopes.T @ left, self.state.scales
+        held = (x - scales.low < NEAR) & (pull < 0.0)
+        held |= (scales.high - x < NEAR) & (pull > 0.0)
+        free = ~held
+        curvature = slopes[:, free].T @ slopes[:, free]
+        return bool(pull[free] @ np.linalg.solve(curvature, pull[free]) < ENOUGH**2)
+
+
+def deviations(columns: np.ndarray, prior: np.ndarray) -> np.ndarray:
+    """Standard deviations of scaled parameters under the working covariance, shape (p,).
+
+    `columns` are whitened slopes, shape (p, n).
+    """
+    return np.sqrt(np.diag(np.linalg.inv(columns @ columns.T + np.diag(prior**2))))

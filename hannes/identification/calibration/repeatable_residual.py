@@ -1,0 +1,105 @@
+"""What a fit leaves: is it the same in every run?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.identification.binned_run import View
+from hannes.identification.calibration.linearisation import State
+
+FLIPS = 999
+CHANCE = 0.05
+SHARE = 0.25  # of what remains, that repeats, from where on it is worth a word
+
+
+@dataclass(frozen=True)
+class Remains:
+    """Whether what the fit leaves is the same in every run of a condition.
+
+    repeats: True, False, or None where no condition was repeated
+    chance:  probability of as much agreement if runs differed at random (signs flipped)
+    share:   of the whitened misfit's square, the part that repeats, 0 to 1
+    common:  channel -> RMS of the part that repeats [its unit]
+    """
+
+    repeats: bool | None
+    chance: float
+    share: float
+    common: dict[str, float]
+
+    @property
+    def sentence(self) -> str:
+        """The finding in words."""
+        if self.repeats is None:
+            return (
+                "No condition was recorded twice, so nobody can tell whether what remains repeats"
+            )
+        share = f"{100 * self.share:.0f} % of what remains is the same in every run"
+        if not self.repeats:
+            return f"What remains does not repeat from run to run beyond chance ({share})"
+        return (
+            f"What remains still repeats from run to run ({share}): the model lacks something, "
+            "and no interval here allows for that; see `hannes diagnose`"
+        )
+
+
+def remains(found: State) -> Remains:
+    """Compare what the fit leaves in the runs of each condition."""
+    groups = _groups(found)
+    if not groups:
+        return Remains(None, 1.0, 0.0, {})
+    common = sum(_shared(rows) for rows in groups)
+    whole = sum(float(np.sum(rows**2)) / len(rows) for rows in groups)
+    share = float(np.clip(common / max(whole, 1e-300), 0.0, 1.0))
+    chance = _chance(groups, found.plan.seed)
+    return Remains(chance <= CHANCE and share >= SHARE, chance, share, _by_channel(found))
+
+
+def _groups(found: State) -> list[np.ndarray]:
+    """Whitened misfit of the runs of each repeated condition, shape (runs, n) each."""
+    return _by_condition(found.model.views, found.left())
+
+
+def _by_condition(views: Sequence[View], rows: Sequence[np.ndarray]) -> list[np.ndarray]:
+    groups: dict[tuple[str, int], list[np.ndarray]] = {}
+    for view, row in zip(views, rows, strict=True):
+        groups.setdefault((view.entry.condition, row.size), []).append(row)
+    return [np.array(each) for each in groups.values() if len(each) > 1]
+
+
+def _shared(rows: np.ndarray) -> float:
+    """Unbiased square of what all rows share: mean product of different rows."""
+    count = len(rows)
+    return float((np.sum(rows.sum(axis=0) ** 2) - np.sum(rows**2)) / (count * (count - 1)))
+
+
+def _chance(groups: Sequence[np.ndarray], seed: int) -> float:
+    """How often runs with flipped signs agree as well as they do."""
+    rng = np.random.default_rng(seed)
+    products = [rows @ rows.T for rows in groups]
+
+    def agreement(signs: Sequence[np.ndarray]) -> float:
+        return sum(float(s @ each @ s) for s, each in zip(signs, products, strict=True))
+
+    seen = agreement([np.ones(len(each)) for each in groups])
+    drawn = [
+        agreement([rng.choice((-1.0, 1.0), len(each)) for each in groups]) for _ in range(FLIPS)
+    ]
+    return (1 + int(np.sum(np.array(drawn) >= seen * (1.0 - 1e-12)))) / (1 + FLIPS)
+
+
+def _by_channel(found: State) -> dict[str, float]:
+    """RMS of what repeats in each channel [its unit]."""
+    common = {}
+    for number, name in enumerate(found.model.views[0].names):
+        parts = [
+            miss[view.part == number]
+            for miss, view in zip(found.misses, found.model.views, strict=True)
+        ]
+        groups = [each for each in _by_condition(found.model.views, parts) if each.size]
+        if groups:
+            count = sum(each.shape[1] for each in groups)
+            square = sum(_shared(each) for each in groups) / count
+            common[name] = float(np.sqrt(max(square, 0.0)))
+    return common

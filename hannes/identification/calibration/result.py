@@ -1,0 +1,202 @@
+"""The result of a calibration, as plain data and as a sentence."""
+
+import json
+import re
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from hannes.campaigns.campaign_file import Campaign
+from hannes.core.io.provenance import versions
+from hannes.identification.calibration.data_check import Findings
+from hannes.identification.calibration.identifiability import (
+    AT_BOUND,
+    CONFOUNDED,
+    NOT_IDENTIFIED,
+    Answer,
+)
+from hannes.identification.calibration.intervals import LEVEL, Spread
+from hannes.identification.calibration.linearisation import State
+from hannes.identification.calibration.repeatable_residual import Remains
+from hannes.plants.protocol import Plant
+
+APART = 0.5  # half-widths of an interval within which two starts found the same
+MOST_WARNINGS = 5  # in a terminal; files hold all
+_MILLI = re.compile(r"(N|m|s|A|V)(?![\w^²³])")  # units that a small value is told in thousandths of
+NO_WORSE = 1.01  # times the least misfit: a start that ended there ended as well
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Everything that a calibration found; `calibrate` adds the campaign's view of it.
+
+    findings:   what the data check found and the campaign accepted, with the file's name
+    gap:        channel -> RMS as_given, after, recorded, floor [its unit], on the recordings that
+                no fit has seen; empty where none was held out
+    fitted_gap: the same on those that were fitted
+    """
+
+    campaign: Campaign
+    findings: Findings
+    found: State
+    spread: Spread
+    answers: tuple[Answer, ...]
+    remains: Remains
+    gap: dict[str, dict[str, float]]
+    fitted_gap: dict[str, dict[str, float]]
+    floor_from: str
+    seed: int
+
+    @property
+    def plant(self) -> Plant:
+        """The plant at the fitted values."""
+        return self.campaign.plant.with_values(self.found.all_values)
+
+    @property
+    def agreeing(self) -> list[bool]:
+        """For each start, whether it ended where the result is, as far as that is identified."""
+        reach = self.spread.reach
+        known = np.array([each.identified for each in self.answers])
+        reference = min(self.found.starts, key=lambda each: each.cost, default=None)
+        if reference is None:
+            return []
+        return [
+            bool(
+                start.cost <= reference.cost * NO_WORSE
+                and np.all(np.abs(start.ended - reference.ended)[known] < APART * reach[known])
+            )
+            for start in self.found.starts
+        ]
+
+    @property
+    def sentence(self) -> str:
+        """The result in one sentence."""
+        count = sum(each.identified for each in self.answers)
+        text = f"{count} of {len(self.answers)} parameters identified"
+        for label in (CONFOUNDED, NOT_IDENTIFIED, AT_BOUND):
+            some = [each.name for each in self.answers if each.label == label]
+            if some:
+                text += f"; {label}: {', '.join(some)}"
+        return ("Interrupted, best so far: " if self.found.interrupted else "") + text + "."
+
+    def plain(self) -> dict[str, Any]:
+        """Content of calibration.json."""
+        return {
+            "status": "interrupted" if self.found.interrupted else "converged",
+            "parameters": {each.name: _plain(each) for each in self.answers},
+            "findings": [{"file": name, **asdict(each)} for name, each in self.findings],
+            "level": LEVEL,
+            "intervals_by": self.spread.unit,
+            "gap": self._with_units(self.gap),
+            "fitted_gap": self._with_units(self.fitted_gap),
+            "floor_from": self.floor_from,
+            "remains": {
+                "repeats": self.remains.repeats,
+                "chance": self.remains.chance,
+                "share": self.remains.share,
+                "common": self.remains.common,
+                "sentence": self.remains.sentence,
+            },
+            "starts": self._starts(),
+            "runs": self._runs(),
+            "recordings": {
+                role: [each.name for each in self.campaign.of(role)]
+                for role in ("fit", "select", "show")
+            },
+            "doubted": self._doubted(),
+            "misfit": self.found.costs,
+            "seed": self.seed,
+            "versions": versions(),
+        }
+
+    def json(self) -> str:
+        """Text of calibration.json."""
+        return json.dumps(self.plain(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    def _with_units(self, gap: dict[str, dict[str, float]]) -> dict[str, dict[str, Any]]:
+        channels = self.plant.channels
+        return {name: {"unit": channels[name], **each} for name, each in gap.items()}
+
+    def _starts(self) -> list[dict[str, Any]]:
+        return [
+            {
+                "misfit": start.cost if np.isfinite(start.cost) else None,
+                "agrees": agrees,
+                "from": self.found.scales.values(start.begun),
+                "to": self.found.scales.values(start.ended),
+            }
+            for start, agrees in zip(self.found.starts, self.agreeing, strict=True)
+        ]
+
+    def _doubted(self) -> dict[str, dict[str, Any]]:
+        """Parameters that were not asked for but taken as uncertain, and where they came to lie."""
+        plant, found = self.campaign.plant, self.found
+        pulls = zip(found.plan.doubt.items(), found.doubted, strict=True)
+        return {
+            name: {
+                "value": found.all_values[name],
+                "unit": plant.parameters.declared[name].unit,
+                "given": plant.parameters[name],
+                "deviations": float(at),
+            }
+            for (name, _), at in pulls
+        }
+
+    def _runs(self) -> list[dict[str, Any]]:
+        """When each run started, and in what it most likely differed from the others."""
+        found, rows = self.found, []
+        for place, view in enumerate(found.model.views):
+            blamed = found.whitenings[place].blamed(-found.misses[place])
+            sizes = dict(zip(found.plan.nuisance.items(), blamed, strict=False))
+            rows.append(
+                {
+                    "file": view.entry.name,
+                    "condition": view.entry.condition,
+                    "starts_late_s": float(found.late[place]),
+                    "differs": {name: float(size * at) for (name, size), at in sizes.items()},
+                }
+            )
+        return rows
+
+    def summary(self) -> str:
+        """Some lines for a terminal."""
+        width = max(len(each.name) for each in self.answers)
+        lines = [self.sentence]
+        for each in self.answers:
+            note = "" if each.identified else f"  {each.label}"
+            lines.append(f"  {each.name:<{width}}  {told(each)}{note}")
+        return "\n".join([*lines, self.remains.sentence + ".", *self._warnings()])
+
+    def _warnings(self) -> list[str]:
+        more = len(self.findings) - MOST_WARNINGS
+        lines = [f"{name}: {each}" for name, each in self.findings[:MOST_WARNINGS]]
+        return [*lines, f"{more} more warnings: see `hannes check`"] if more > 0 else lines
+
+
+def told(answer: Answer) -> str:
+    """`18.083 mN m/A (18.071 to 18.095)`: as many digits as the interval bears."""
+    small = bool(_MILLI.match(answer.unit)) and 0.0 < abs(answer.value) < 0.1
+    factor, unit = (1e3, f"m{answer.unit}") if small else (1.0, answer.unit)
+    value, low, high = (factor * each for each in (answer.value, answer.low, answer.high))
+    width = max(high - low, 1e-12 * abs(value), 1e-300)
+    places = int(np.clip(2 - np.floor(np.log10(width)), 0, 12))
+    shown = f"{value:.{places}f}" + ("" if unit == "1" else f" {unit}")
+    return f"{shown} ({low:.{places}f} to {high:.{places}f})"
+
+
+def _plain(answer: Answer) -> dict[str, Any]:
+    return {
+        "value": answer.value,
+        "unit": answer.unit,
+        "low": answer.low,
+        "high": answer.high,
+        "given": answer.given,
+        "label": answer.label,
+        "confounded_with": list(answer.partners),
+        "reason": answer.reason,
+        "deviation": answer.deviation,
+        "degrees_of_freedom": answer.freedom if np.isfinite(answer.freedom) else None,
+        "textbook": list(answer.textbook),
+        "by_profile": answer.skewed,
+    }

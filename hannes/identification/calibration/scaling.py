@@ -1,0 +1,40 @@
+"""Parameters as the search moves them: scaled, about their given values."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.identification.calibration.settings import Plan
+
+
+@dataclass
+class Scales:
+    """x = (value - given) / scale; bounds and priors of x, shapes (p,).
+
+    `prior` is one over the standard deviation of x before any recording.
+    """
+
+    names: tuple[str, ...]
+    given: np.ndarray
+    scale: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    prior: np.ndarray
+
+    @classmethod
+    def of(cls, plan: Plan, given: Mapping[str, float]) -> "Scales":
+        """Scales of a plan about the given values."""
+        at = np.array([given[name] for name in plan.names])
+        scale = np.array([plan.scale[name] for name in plan.names])
+        bounds = np.array([plan.bounds[name] for name in plan.names])
+        low, high = (bounds - at[:, np.newaxis]).T / scale
+        spread = np.array([plan.spread[name] for name in plan.names])
+        return cls(plan.names, at, scale, low, high, scale / spread)
+
+    def values(self, x: np.ndarray) -> dict[str, float]:
+        """SI values by name, inside the bounds to the last bit."""
+        inside = np.clip(x, self.low, self.high)
+        values = self.given + inside * self.scale
+        edges = self.given + np.array([self.low, self.high]) * self.scale
+        return dict(zip(self.names, np.clip(values, *edges).tolist(), strict=True))

@@ -1,0 +1,152 @@
+"""The search: rounds of least squares, each with the working covariance of the round before."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+
+from hannes.core.errors import ComputationFailed
+from hannes.identification.calibration import model_error
+from hannes.identification.calibration.least_squares import NOTHING_SIMULATES, Solved, solve
+from hannes.identification.calibration.linearisation import Maker, Start, State
+from hannes.identification.calibration.objective import Problem, Stopped, deviations
+from hannes.identification.calibration.scaling import Scales
+from hannes.identification.calibration.settings import Plan
+from hannes.identification.calibration.simulator import Model
+from hannes.identification.calibration.starting_points import scattered
+
+ROUNDS = 6
+STILL = 0.3  # standard deviations within which a round may move and be the last
+COARSE = 0.1  # relative gain that ends the first round, whose weights are wrong
+AS_GOOD = 1.001  # times the least misfit: ends as well, so that the first start is kept
+
+Progress = Callable[[str, float], None]
+
+
+class Search:
+    """One calibration in progress."""
+
+    def __init__(
+        self,
+        model: Model,
+        plan: Plan,
+        floors: np.ndarray,
+        workers: int,
+        told: Progress = lambda text, misfit: None,
+    ) -> None:
+        self.model, self.plan, self.told, self.workers = model, plan, told, workers
+        self.scales = Scales.of(plan, model.plant.parameters)
+        self.floors = np.nan_to_num(floors)
+        self.least = plan.model_error * model_error.sizes(model)
+        self.best = (np.inf, np.zeros(len(plan.names)))
+        self.costs: list[float] = []
+        self.starts: list[Start] = []
+
+    def run(self) -> State:
+        """Search; ComputationFailed where nothing can be simulated or it does not settle."""
+        with ThreadPoolExecutor(self.workers) as self.pool:
+            self.maker = Maker(self.model, self.plan, self.scales, self.pool.map)
+            state = self._begin()
+            try:
+                found = self._rounds(state)
+            except KeyboardInterrupt:
+                x = self.best[1] if np.isfinite(self.best[0]) else state.x
+                found = replace(self.maker.at(x, state), interrupted=True)
+        return replace(found, costs=self.costs, starts=self.starts, floors=self.floors)
+
+    def _begin(self) -> State:
+        """The misfit at the given values, or where a scan found it least."""
+        x = np.zeros(len(self.plan.names))
+        try:
+            state = self.maker.first(x, model_error.first(self.least, self.floors))
+        except ComputationFailed as error:
+            raise ComputationFailed(f"{NOTHING_SIMULATES} ({error})") from None
+        self.order = scattered(self.plan, self.scales, self.plan.scan or self.plan.starts - 1)
+        if not self.plan.scan:
+            return state
+        misfits = list(self.pool.map(lambda point: self._looked(state, point), self.order))
+        self.order = [self.order[k] for k in np.argsort(misfits, kind="stable")]
+        if min(misfits) < self._looked(state, x):
+            return self.maker.at(self.order.pop(0), state)
+        return state
+
+    def _looked(self, state: State, x: np.ndarray) -> float:
+        residual = self._problem(state, "scan", parallel=False).residual(x)
+        return float(residual @ residual)
+
+    def _rounds(self, state: State) -> State:
+        for number in range(ROUNDS):
+            self.best, before = (np.inf, state.x), state.x
+            if number == 1 and self.plan.starts > 1:
+                solved, problem = self._from_all(state)
+            else:
+                problem = self._problem(state, f"round {number + 1}")
+                solved = solve(problem, state.x, *(() if number else (COARSE,)))
+            self.costs.append(solved.cost)
+            state = self._next(state, solved, problem)
+            if number > 0 and self._still(state, before):
+                break
+        if not solved.settled:
+            raise ComputationFailed(_unsettled(self.costs))
+        return state
+
+    def _from_all(self, state: State) -> tuple[Solved, Problem]:
+        """Search from here and from scattered points at once; return the best of all."""
+        points = [state.x, *self.order[: self.plan.starts - 1]]
+        problems = [self._problem(state, "starts", parallel=False) for _ in points]
+        try:
+            tasks = zip(problems, points, strict=True)
+            found = list(self.pool.map(lambda task: _tried(*task), tasks))
+        except KeyboardInterrupt:
+            for problem in problems:
+                problem.stop.set()
+            raise
+        self.starts = [
+            Start(point, each.x if each else point, each.cost if each else np.inf)
+            for point, each in zip(points, found, strict=True)
+        ]
+        least = min(each.cost for each in self.starts)
+        for solved, problem in zip(found, problems, strict=True):
+            if solved is not None and solved.cost <= least * AS_GOOD:
+                return solved, problem
+        raise ComputationFailed(NOTHING_SIMULATES)
+
+    def _problem(self, state: State, text: str, parallel: bool = True) -> Problem:
+        def told(misfit: float, x: np.ndarray) -> None:
+            if misfit < self.best[0]:
+                self.best = (misfit, x.copy())
+            self.told(text, self.best[0])
+
+        return Problem(state, self.pool.map if parallel else map, told)
+
+    def _next(self, state: State, solved: Solved, problem: Problem) -> State:
+        """The state from where the round ended: starts and doubts move, what remains weighs."""
+        at, bundle = problem.bundle
+        if not np.array_equal(at, solved.x):
+            bundle = self.maker.bundle(solved.x, state.doubted, problem.steps)
+        made = self.maker.solved(state, solved.x, problem.steps, bundle)
+        made = self.maker.moved(made, made.late + made.lateness(), made.best_doubted())
+        made = self.maker.weighed(made, model_error.remaining(made, self.least, self.floors))
+        return replace(made, on_bound=solved.on_bound)
+
+    def _still(self, state: State, before: np.ndarray) -> bool:
+        """Tell whether the last round moved less than what the data can tell."""
+        deviation = deviations(state.slopes(), self.scales.prior)
+        return bool(np.all(np.abs(state.x - before) < STILL * deviation))
+
+
+def _tried(problem: Problem, x: np.ndarray) -> Solved | None:
+    """A search from one of several points, None where it cannot set out."""
+    try:
+        return solve(problem, x)
+    except (ComputationFailed, Stopped):
+        return None
+
+
+def _unsettled(costs: Sequence[float]) -> str:
+    path = " -> ".join(f"{each:.4g}" for each in costs[-3:])
+    return (
+        f"the fit did not settle (misfit {path}); try fewer parameters, values nearer to the "
+        "hand's, narrower bounds, or scan = 256"
+    )

@@ -1,0 +1,125 @@
+"""Simulates all runs of a calibration at given values, and differences them by parameters.
+
+Repeats of one command share a simulation. Where a plant also has `smooth`, a quick simulation
+without the grain of its firmware, slopes come from that, and what it leaves out (`simulate` minus
+`smooth`) is computed once for a whole search.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hannes.core.errors import ComputationFailed
+from hannes.identification.binned_run import View
+from hannes.plants.protocol import Plant
+
+Channels = dict[str, np.ndarray]
+Map = Callable[[Callable[..., Any], Iterable[Any]], Iterable[Any]]
+SHIFT = 1e-3  # s, over which the effect of starting later is differenced
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """Simulations about one point: channels of each group of repeats, as they are and moved.
+
+    `moved` has, for each parameter, the channels of each group (None where no step succeeded) and
+    the step [SI].
+    """
+
+    base: list[Channels]
+    moved: dict[str, tuple[list[Channels] | None, float]]
+
+
+class Model:
+    """A plant and the runs that it shall explain."""
+
+    def __init__(self, plant: Plant, views: Sequence[View]) -> None:
+        self.plant, self.views = plant, list(views)
+        groups: dict[bytes, list[int]] = {}
+        for place, view in enumerate(views):
+            groups.setdefault(plant.same_run(view.recording), []).append(place)
+        self.groups = list(groups.values())
+        self._smooth = getattr(plant, "smooth", None)
+        self.grain: list[Channels] = [{} for _ in self.groups]
+
+    def settle(
+        self, values: Mapping[str, float], quick: Sequence[Channels], spread_over: Map = map
+    ) -> None:
+        """Compute anew what the quick simulation, `quick` at these values, leaves out."""
+        if self._smooth is None:
+            return
+
+        def grain(number: int) -> Channels:
+            exact = self.plant.simulate(values, self.views[self.groups[number][0]].recording)
+            return {name: exact[name] - quick[number][name] for name in exact}
+
+        self.grain = list(spread_over(grain, range(len(self.groups))))
+
+    def run(self, values: Mapping[str, float], spread_over: Map = map) -> list[Channels]:
+        """Quick simulation of every group of repeats; ComputationFailed where one breaks down."""
+        simulate = self._smooth or self.plant.simulate
+        recordings = [self.views[group[0]].recording for group in self.groups]
+        return list(spread_over(lambda recording: simulate(values, recording), recordings))
+
+    def seen(self, done: Sequence[Channels], late: np.ndarray) -> list[np.ndarray]:
+        """Vector of every run, grain included; `late` [s] is when each one starts, (runs,)."""
+        found: list[np.ndarray] = [np.zeros(0)] * len(self.views)
+        for channels, grain, group in zip(done, self.grain, self.groups, strict=True):
+            whole = {n: each + grain[n] for n, each in channels.items()} if grain else channels
+            for place in group:
+                found[place] = self.views[place].of(whole, float(late[place]))
+        return found
+
+    def jerks(self, done: Sequence[Channels]) -> list[np.ndarray]:
+        """How jerky each element of every run's vector is, see View.jerks."""
+        pairs = zip(done, self.groups, strict=True)
+        placed = {place: self.views[place].jerks(each) for each, group in pairs for place in group}
+        return [placed[place] for place in range(len(self.views))]
+
+    def delays(self, done: Sequence[Channels], late: np.ndarray) -> list[np.ndarray]:
+        """Change of every run's vector per second that it starts later."""
+        before, after = (self.seen(done, late + side * SHIFT) for side in (-0.5, 0.5))
+        return [np.nan_to_num((b - a) / SHIFT) for a, b in zip(before, after, strict=True)]
+
+    def bundle(
+        self, values: Mapping[str, float], steps: Mapping[str, float], spread_over: Map = map
+    ) -> Bundle:
+        """Simulate at `values` and with each parameter of `steps` [SI] moved.
+
+        A step that leads out of a parameter's bounds, or into a failed simulation, is taken the
+        other way.
+        """
+        base = self.run(values, spread_over)
+        made = list(spread_over(lambda name: self._moved(values, name, steps[name]), steps))
+        return Bundle(base, dict(zip(steps, made, strict=True)))
+
+    def _moved(
+        self, values: Mapping[str, float], name: str, step: float
+    ) -> tuple[list[Channels] | None, float]:
+        low, high = self.plant.parameters.declared[name].bounds
+        at = values.get(name, self.plant.parameters[name])
+        for side in (step, -step):
+            if low <= at + side <= high:
+                try:
+                    return self.run({**values, name: at + side}), side
+                except ComputationFailed:
+                    continue
+        return None, step
+
+    def slopes(
+        self, bundle: Bundle, sizes: Mapping[str, float], late: np.ndarray
+    ) -> list[np.ndarray]:
+        """Change of every run's vector by parameters times `sizes` [SI], shape (sizes, n) each.
+
+        Zero where no step was had.
+        """
+        base = self.seen(bundle.base, late)
+        found = [np.zeros((len(sizes), each.size)) for each in base]
+        for row, (name, size) in enumerate(sizes.items()):
+            moved, step = bundle.moved[name]
+            if moved is not None:
+                for rows, m, b in zip(found, self.seen(moved, late), base, strict=True):
+                    rows[row] = size * np.nan_to_num((m - b) / step)
+        return found

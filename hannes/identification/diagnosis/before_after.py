@@ -1,0 +1,47 @@
+"""What whole simulations, firmware and all, leave of recordings: before and after, in SI units."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hannes.campaigns.campaign_file import Entry
+from hannes.campaigns.segments import Piece
+from hannes.core.errors import ComputationFailed
+from hannes.identification.diagnosis.repeat_groups import Channels, grouped
+from hannes.identification.diagnosis.simulator import Model
+from hannes.identification.residuals import Raw, Traces
+
+STAGES = ("as_given", "before", "after")
+
+
+def simulated(model: Model, entries: Sequence[Entry], places: np.ndarray) -> list[list[Channels]]:
+    """Channels of each recording at each of the places x, shape (stages, size)."""
+    found: dict[int, list[Channels]] = {}
+    for group in grouped(model.small, entries):
+        made = model.simulated(group, places, True, exact=True)
+        runs = [each for each in made if each is not None]
+        if len(runs) < len(places):
+            raise ComputationFailed(f"{group.entries[0].name} cannot be simulated as refitted")
+        found.update({id(entry): runs for entry in group.entries})
+    return [found[id(entry)] for entry in entries]
+
+
+def left(pieces: Sequence[Piece], runs: Sequence[Channels], names: Sequence[str]) -> Raw:
+    """Simulated minus recorded of each piece and channel, over its counted samples."""
+    return [
+        {
+            name: (run[name] - piece.recording[name])[piece.mask]
+            for name in names
+            if name in piece.recording
+        }
+        for piece, run in zip(pieces, runs, strict=True)
+    ]
+
+
+def traced(piece: Piece, runs: Sequence[Channels], names: Sequence[str]) -> Traces:
+    """One recording and its simulations of the three stages."""
+    recording = piece.entry.recording
+    there = [name for name in names if name in recording]
+    measured = {name: recording[name] for name in there}
+    stages = ({name: np.asarray(run[name]) for name in there} for run in runs)
+    return Traces(piece.entry, recording.time, piece.mask, measured, *stages)

@@ -1,0 +1,154 @@
+"""The run most worth recording next: the one on which two explanations differ most.
+
+Each proposed run is simulated with both, as they fit what is recorded; their difference counts in
+standard deviations of what is not known there: sensors, firmware, run to run, and of the machine
+what the recordings so far leave open. Channels that were not logged so far are asked for only where
+no run without them tells the two apart.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hannes.campaigns.campaign_file import Entry
+from hannes.core.errors import ComputationFailed
+from hannes.core.recording.recording import Recording
+from hannes.core.recording.white_noise import roughness
+from hannes.identification.diagnosis.effect_search import Found, Trial
+from hannes.identification.diagnosis.linearisation import (
+    Care,
+    Point,
+    differenced,
+    run_to_run,
+    surveyed,
+)
+from hannes.identification.diagnosis.repeat_groups import Group
+from hannes.identification.diagnosis.simulator import Model
+from hannes.plants.protocol import Plant
+
+WORTH = 2.0  # standard deviations: a run that tells less is not proposed
+ENOUGH = 5.0  # the same: by so many two explanations are told apart for good
+MORE = 1.0  # the same: what more channels must add to be asked for
+BRIEF = Care(1.0, 20)  # of runs that are only proposed
+Proposals = Callable[[Mapping[str, Recording]], Mapping[str, Recording]]
+
+
+@dataclass(frozen=True)
+class Separation:
+    """How far a run tells two explanations apart, in standard deviations.
+
+    usual: by the channels that are logged so far; most: by those in `more` too
+    """
+
+    usual: float
+    most: float
+    more: tuple[str, ...] = ()
+
+
+def next_run(plant: Plant, found: Found, entries: Iterable[Entry]) -> dict | None:
+    """The run to record next, what it tells apart, and why; None where none is worth it.
+
+    A plant may lack `proposals`.
+    """
+    proposals: Proposals | None = getattr(plant, "proposals", None)
+    every = [*found.trials, *([found.anything] if found.anything else [])]
+    pair = sorted(every, key=lambda each: -each.gain)[:2]
+    if proposals is None or len(pair) < 2:
+        return None
+    recorded: dict[str, Recording] = {}
+    for each in entries:
+        recorded.setdefault(each.condition, each.recording)
+    told = {
+        name: separation(found, plant, Entry(name, run, name), list(recorded.values()), *pair)
+        for name, run in proposals(recorded).items()
+    }
+    return proposed(told, [trial.effects[0] for trial in pair])
+
+
+def proposed(told: Mapping[str, Separation], names: list[str]) -> dict | None:
+    """The run that tells most by what is logged so far, or with more where that is not enough."""
+    apart = " from ".join(name.replace("_", " ") for name in names)
+    best = max(told, key=lambda name: told[name].usual, default="")
+    if best and told[best].usual >= ENOUGH:
+        why = f"it would tell {apart} by {told[best].usual:.1f} standard deviations"
+        return {"experiment": best, "also_log": [], "separates": names, "why": why}
+    best = max(told, key=lambda name: told[name].most, default="")
+    if not best or told[best].most < WORTH:
+        return None
+    each = told[best]
+    why = f"it would tell {apart} by {each.most:.1f} standard deviations"
+    more = each.more if each.most > each.usual + MORE else ()
+    if more:
+        why += f", without {' and '.join(more)} by {each.usual:.1f}"
+    return {"experiment": best, "also_log": list(more), "separates": names, "why": why}
+
+
+def separation(
+    found: Found, plant: Plant, entry: Entry, recorded: Sequence[Recording], *pair: Trial
+) -> Separation:
+    """Distance between two explanations of one more run; none where it cannot be simulated."""
+    base, run, more = found.base, entry.recording, {}
+    if base.ground.told:  # else nothing tells how noisy channels are that were not recorded
+        more = {n: u for n, u in getattr(plant, "loggable", {}).items() if n not in run}
+        run = _rough(plant, run, recorded, more)
+    group, there = Group(plant, [replace(entry, recording=run)]), base.ground.model
+    model = Model(there.small, [group], there.space, ())
+    model.whole = there.whole
+    try:
+        for trial in pair:
+            model = model.ticking(trial.point.x, trial.effects)
+        difference, doubt = _differing(base, model, group, *pair)
+    except ComputationFailed:
+        return Separation(0.0, 0.0)
+    doubt *= max(1.0, found.unit)
+    usual = np.repeat([name not in more for name in group.names], group.bins)
+    return Separation(
+        _distance(difference[usual], doubt[np.ix_(usual, usual)]),
+        _distance(difference, doubt),
+        tuple(name for name in group.names if name in more),
+    )
+
+
+def _differing(
+    base: Point, model: Model, group: Group, one: Trial, other: Trial
+) -> tuple[np.ndarray, np.ndarray]:
+    """What two explanations differ by, shape (n,), and the covariance of what is not known."""
+    known = model.space.uncertain
+    vectors, slopes = differenced(model, base.x, known, False)
+    ends = model.vectors(group, np.array([one.point.x, other.point.x]), True)
+    channels = model.simulated(group, base.x[np.newaxis], False)[0]
+    if channels is None or not (np.isfinite(ends).all() and np.isfinite(vectors[0]).all()):
+        raise ComputationFailed(f"{group.entries[0].name} cannot be simulated")
+    open_left = np.linalg.solve(base.curvature[: known.size, : known.size], slopes[0])
+    return ends[0] - ends[1], _doubt(base, model, channels) + slopes[0].T @ open_left
+
+
+def _distance(difference: np.ndarray, covariance: np.ndarray) -> float:
+    return float(np.sqrt(difference @ np.linalg.solve(covariance, difference)))
+
+
+def _doubt(base: Point, model: Model, channels: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Covariance of a run by what is not known of it, the machine aside."""
+    noise, (group,) = base.ground.noise, model.groups
+    if base.ground.told:  # repeats may be noisier than simulated ones
+        more = np.repeat([noise.more.get(name, 1.0) for name in group.names], group.bins)
+        return surveyed(model, base.x, BRIEF, 0).covariances[0] * np.outer(more, more)
+    rows, jerk = run_to_run(model, base.x, group, channels), group.jerk(channels)
+    return noise.covariance(group) + np.diag((noise.jerk * jerk) ** 2) + rows.T @ rows
+
+
+def _rough(
+    plant: Plant, run: Recording, recorded: Sequence[Recording], more: Mapping[str, str]
+) -> Recording:
+    """The run with more channels, and those that were recorded as noisy as they were.
+
+    By that, noise in it is simulated.
+    """
+    rng, channels = np.random.default_rng(0), dict(run.channels)
+    for name in plant.judged:
+        levels = [roughness(each[name]) for each in recorded if name in each]
+        if name in run and levels:
+            channels[name] = np.median(levels) * rng.standard_normal(run.time.size)
+    channels |= {name: np.zeros(run.time.size) for name in more}
+    return replace(run, channels=channels, units={**run.units, **more})

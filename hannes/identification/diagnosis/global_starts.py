@@ -1,0 +1,156 @@
+"""Effects whose marks turn with their size, found from far off.
+
+What an object does that stands elsewhere depends on which fingers then touch it first: its mark at
+a millimetre tells nothing of the mark at four, and no guess leads there. The refitted base is no
+place to begin either: it has bent to what is missing. So such an effect is put in at the machine as
+given, at many sizes, and the best of these are refitted. So is one whose work the machine's values
+can do nearly alone, as wires that give more. Where the base leaves far too much the likeliest of
+all effects are: slack of several millimetres lies beyond the reach of any slope.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hannes.identification.diagnosis.gauss_newton import fitted, settled
+from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.multistart import Fits, Told, placed
+from hannes.identification.diagnosis.score_test import (
+    Guess,
+    amplitude_names,
+    projected,
+    secants,
+    shapes,
+    stepped,
+)
+
+TURNED = 0.3  # cosine of the marks of a small and a large size, below which one tells not the other
+LARGE = 8.0  # steps
+SIZES = (2.0, 4.0, 6.0, 9.0, 14.0)  # steps, both ways
+OWN = 0.01  # of a mark, squared: what no value of the machine can do, where a base bends to it
+LOST, LIKELY = 3.0, 3  # times the bins: a base that leaves more is far off; effects tried then
+TRIED, STEPS = 3, 2  # of all sizes the best by a linear guess, which take so many steps,
+CHOSEN, FURTHER = 2, 5  # and of these the best, which take more
+ABOUT = (0.8, 0.9, 1.1, 1.25)  # times the size found, from where to look for a deeper hollow,
+ROUNDS = 3  # as often at most
+DEEPER = 2.0  # of the misfit
+
+
+def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
+    """The best fit with each effect that turns, or is likely, if any is below the base."""
+    names = turning(given, effects)
+    if base.misfit > LOST * base.miss.size:
+        names += [name for name in _likely(given, effects)[:LIKELY] if name not in names]
+    return put_in(given, base, names, told)
+
+
+def put_in(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
+    """The best fit with each effect put into the machine as given, of those below the base."""
+    found = dict[str, Point]()
+    for name in effects:
+        told(f"{name.replace('_', ' ')}, from afar")
+        points = sorted(_begun(given, name), key=lambda each: each.misfit)[:CHOSEN]
+        points = [fitted(each, FURTHER) for each in points]
+        if points:
+            best = min(points, key=lambda each: each.misfit)
+            found[name] = settled(best, below=base.misfit)
+    return {name: point for name, point in found.items() if point.misfit < base.misfit}
+
+
+def bent_to(base: Point, guess: Guess) -> bool:
+    """Tell whether the machine's values can do nearly all that a guess does.
+
+    The refitted base has bent to it then, and far: there no slope tells the way back.
+    """
+    space = base.ground.model.space
+    names = amplitude_names(space.effects[guess.effect])
+    amplitudes = [guess.places.tolist().index(space.place(name)) for name in names]
+    mark = (guess.x[amplitudes] @ guess.columns)[np.newaxis]
+    _, beyond = projected(base, mark)
+    return bool(beyond[0, 0] < OWN * np.sum(mark**2))
+
+
+def deepest(given: Point, point: Point, name: str) -> Point:
+    """The best fit about one with an effect that turns: the misfit has many hollows there."""
+    if not turning(given, [name]):
+        return point
+    own = given.ground.model.space.of(name)
+    for _ in range(ROUNDS):
+        starts = (placed(given, own, _resized(point, name, share)[own]) for share in ABOUT)
+        fits = [fitted(each, FURTHER) for each in starts if each is not None]
+        settling = (settled(each, below=point.misfit) for each in fits)
+        best = min(settling, key=lambda each: each.misfit, default=point)
+        if best.misfit > point.misfit - DEEPER:
+            break
+        point = best
+    return point
+
+
+def _resized(point: Point, name: str, share: float) -> np.ndarray:
+    """x with an effect so many times as large within its range, its shape as it is, (size,)."""
+    space, x = point.ground.model.space, point.x.copy()
+    places = [space.place(each) for each in amplitude_names(space.effects[name])]
+    x[places] = np.clip(share * x[places], space.low[places], space.high[places])
+    return x
+
+
+def turning(point: Point, effects: Sequence[str]) -> list[str]:
+    """Of some effects those whose mark, by any amplitude, is another one where that is large."""
+    small = _marks(point, effects, 1.0)
+    sides = [_marks(point, list(small), side * LARGE) for side in (-1.0, 1.0)]
+    return [
+        name
+        for name, rows in small.items()
+        if any(_turned(rows, large[name]) for large in sides if name in large)
+    ]
+
+
+def _turned(small: np.ndarray, large: np.ndarray) -> bool:
+    return any(
+        abs(one @ other) < TURNED * np.sqrt((one @ one) * (other @ other))
+        for one, other in zip(small, large, strict=True)
+    )
+
+
+def _marks(point: Point, effects: Sequence[str], size: float) -> dict[str, np.ndarray]:
+    """Whitened change by each amplitude at a size, per step, of effects whose range it is in."""
+    known = point.ground.model.space.effects
+    trials = [
+        (name, shapes(known[name])[0], steps)
+        for name in effects
+        for steps in stepped(point, name, (1.0, size))[1:]
+    ]
+    found = secants(point, trials) if trials else []
+    return {name: rows for (name, _, _), rows in zip(trials, found, strict=True)}
+
+
+def _likely(given: Point, effects: Sequence[str]) -> list[str]:
+    """Effects in the order of what the best size of each would leave, were all else to follow."""
+    least = {name: _left(given, name, _sizes(given, name)).min(initial=np.inf) for name in effects}
+    return sorted(least, key=lambda name: least[name])
+
+
+def _left(given: Point, name: str, rows: np.ndarray) -> np.ndarray:
+    """Misfit of places with an effect, shape (m,), were all else to follow by its slopes."""
+    own = given.ground.model.space.of(name)
+    return given.with_active(np.union1d(given.active, own)).misfits(rows, following=True)
+
+
+def _begun(given: Point, name: str) -> list[Point]:
+    """A few steps from the best of all sizes."""
+    own = given.ground.model.space.of(name)
+    rows = _sizes(given, name)
+    best = rows[np.argsort(_left(given, name, rows))[:TRIED]]
+    points = [placed(given, own, row[own]) for row in best]
+    return [fitted(each, STEPS) for each in points if each is not None]
+
+
+def _sizes(given: Point, name: str) -> np.ndarray:
+    """Places with each amplitude of an effect at each size inside its range, (m, size)."""
+    space = given.ground.model.space
+    rows = []
+    for place in (space.place(each) for each in amplitude_names(space.effects[name])):
+        for size in (*SIZES, *np.negative(SIZES)):
+            if space.low[place] <= given.x[place] + size <= space.high[place]:
+                rows.append(given.x + size * (np.arange(space.size) == place))
+    return np.array(rows).reshape(-1, space.size)

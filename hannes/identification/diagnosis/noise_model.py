@@ -1,0 +1,215 @@
+"""How noisy the bin means of a run are: sensors, and what noisy sensors make the machine do.
+
+A noisy sensor inside a control loop moves the machine, and friction holds on to where it came: what
+is left hangs together over time and from channel to channel, and is more where fingers touch.
+Counted as white, it would make every fit surer than it may be. Its shape comes from simulations
+of the firmware with noisy sensors, its size from them or from repeats, whichever is more.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hannes.core.recording.white_noise import roughness
+from hannes.identification.diagnosis.antedependence import covariance
+from hannes.identification.diagnosis.repeat_groups import Group
+from hannes.identification.whitening import Whitening
+
+REACH = 0.6  # s, over which noise hangs together
+LEAST = 0.05  # of the mean eigenvalue: a covariance from few runs has none that is surely less
+FAINT = 0.03  # of a channel's roughness, that many simulations surely lack,
+FEW = 0.1  # and so much that few runs do
+SAME = 1.05  # times a simulated roughness: it is known no better than so
+NEAR = 5  # bins on each side, over which simulations tell how noisy a bin is
+MANY = 20  # simulations that tell how noise hangs together at each time of a run
+TYPICAL = 0.4549  # median of a squared standard normal number
+Levels = dict[str, float]  # channel -> standard deviation of a bin mean
+
+
+class Noise:
+    """Covariance of the bin means of a run of each group, without what differs from run to run.
+
+    strays: what runs of each group are off their mean, shape (runs, n) each: simulated ones, or
+            repeats (`of_repeats`)
+    roughs: roughness of each channel in these; white noise makes up for that of the recordings
+    jerk: how many times the stray inside a bin is noise there: what touches is known less well
+    """
+
+    def __init__(
+        self,
+        groups: Sequence[Group],
+        strays: Sequence[np.ndarray],
+        roughs: Sequence[Levels],
+        jerks: Sequence[np.ndarray],
+        restless: Sequence[np.ndarray],
+        jerk: float,
+    ) -> None:
+        self.groups, self.jerk = groups, jerk
+        self._white = {
+            id(group): white_levels(group, rough, FAINT if len(stray) >= MANY else FEW)
+            for group, rough, stray in zip(groups, roughs, strays, strict=True)
+        }
+        self._profiles = {
+            id(group): _profile(group, each)
+            for group, each in zip(groups, strays, strict=True)
+            if len(each)
+        }
+        self._strays = {id(group): each for group, each in zip(groups, strays, strict=True)}
+        self._lagged = self._correlations(strays)
+        self._correlated: dict[tuple, np.ndarray] = {}
+        self._covariances: dict[int, np.ndarray] = {}
+        self.more: Levels = {}
+        self.more = self._compared([jerk * each for each in jerks], restless)
+
+    def covariance(self, group: Group) -> np.ndarray:
+        """Shape (n, n), positive definite."""
+        levels = self._white.get(id(group)) or self._usual
+        white = np.repeat([levels.get(name, 0.0) for name in group.names], group.bins)
+        more = np.repeat([self.more.get(name, 1.0) for name in group.names], group.bins)
+        return (np.diag(white**2) + self.moved(group)) * np.outer(more, more)
+
+    @property
+    def _usual(self) -> Levels:
+        """Of a run that was not simulated: the most that any has."""
+        names = {name for levels in self._white.values() for name in levels}
+        return {n: max(each.get(n, 0.0) for each in self._white.values()) for n in names}
+
+    def moved(self, group: Group) -> np.ndarray:
+        """Covariance of what the sensors' noise makes the machine do, shape (n, n)."""
+        if not self._lagged:
+            return np.zeros((group.part.size, group.part.size))
+        strays = self._strays.get(id(group))
+        if strays is not None and len(strays) >= MANY:
+            return self._told(group, strays)
+        kind = group.width, group.names, group.bins
+        if kind not in self._correlated:
+            self._correlated[kind] = self._correlation(group)
+        return self._correlated[kind] * np.outer(self._profile(group), self._profile(group))
+
+    def _told(self, group: Group, strays: np.ndarray) -> np.ndarray:
+        if id(group) not in self._covariances:
+            self._covariances[id(group)] = covariance(strays, len(group.names))
+        return self._covariances[id(group)]
+
+    def _correlation(self, group: Group) -> np.ndarray:
+        width = min(self._lagged, key=lambda each: abs(each - group.width))
+        pairs = self._lagged[width]
+        rough = np.block([[_toeplitz(pairs, a, b, group.bins) for b in group.names]
+                          for a in group.names])  # fmt: skip
+        values, vectors = np.linalg.eigh(0.5 * (rough + rough.T))
+        return (vectors * np.maximum(values, LEAST * values.mean())) @ vectors.T
+
+    def _profile(self, group: Group) -> np.ndarray:
+        """Standard deviation of each bin; of a run that was not simulated, those of another."""
+        known = self._profiles.get(id(group))
+        if known is not None:
+            return known
+        usual = {
+            name: float(np.sqrt(np.mean(np.square(self._profiles[id(each)][each.of(name)]))))
+            for each in self.groups
+            if id(each) in self._profiles
+            for name in each.names
+        }
+        return np.repeat([usual.get(name, 0.0) for name in group.names], group.bins)
+
+    def _correlations(self, strays: Sequence[np.ndarray]) -> dict[float, dict[tuple, np.ndarray]]:
+        """Width of bin -> pair of channels -> correlation over lags, tapered."""
+        runs: dict[float, list[dict[str, np.ndarray]]] = {}
+        for group, rows in zip(self.groups, strays, strict=True):
+            for row in rows / np.maximum(self._profile(group), 1e-30):
+                runs.setdefault(group.width, []).append({n: row[group.of(n)] for n in group.names})
+        return {width: _covariances(width, each) for width, each in runs.items()}
+
+    def _compared(self, shaken: Sequence[np.ndarray], restless: Sequence[np.ndarray]) -> Levels:
+        """How many times as far repeats are from each other, by channel; at least 1."""
+        squares: dict[str, list[float]] = {}
+        for group, *each in zip(self.groups, shaken, restless, strict=True):
+            level = np.sqrt(np.diag(self.covariance(group)))
+            for rest in _rests(group, level, *each):
+                for name in group.names:
+                    ratio = (rest / level)[group.of(name)] ** 2
+                    squares.setdefault(name, []).append(float(np.median(ratio)) / TYPICAL)
+        return {name: max(1.0, float(np.sqrt(np.mean(each)))) for name, each in squares.items()}
+
+
+def _profile(group: Group, strays: np.ndarray) -> np.ndarray:
+    """Standard deviation of each bin among runs, from it and the bins about it, (n,)."""
+    window = np.full(2 * NEAR + 1, 1.0 / (2 * NEAR + 1))
+    variance = np.mean(np.square(strays), axis=0).reshape(len(group.names), group.bins)
+    padded = np.pad(variance, ((0, 0), (NEAR, NEAR)), "edge")
+    smooth = [np.convolve(row, window, "valid") for row in padded]
+    return np.sqrt(np.concatenate(smooth))
+
+
+def of_repeats(
+    groups: Sequence[Group],
+    jerks: Sequence[np.ndarray],
+    restless: Sequence[np.ndarray],
+    jerk: float,
+) -> tuple[list[np.ndarray], list[Levels]]:
+    """`strays` and `roughs` for Noise, of a plant that cannot simulate noisy sensors."""
+    strays, roughs = [], []
+    for group, stray, rows in zip(groups, jerks, restless, strict=True):
+        levels = white_levels(group, {})
+        level = np.repeat([levels[name] for name in group.names], group.bins)
+        rests = _rests(group, level, jerk * stray, rows)
+        strays.append(np.array(rests).reshape(-1, group.part.size))
+        roughs.append(recorded_roughness(group) if rests else {})
+    return strays, roughs
+
+
+def _rests(
+    group: Group, level: np.ndarray, shake: np.ndarray, restless: np.ndarray
+) -> list[np.ndarray]:
+    """What each run differs in from the mean of its group, what runs do taken away."""
+    if group.count < 2:
+        return []
+    white = Whitening.of(np.hypot(level, shake), restless)
+    apart = (group.measured - group.mean) * np.sqrt(group.count / (group.count - 1.0))
+    return [white.rest(each) for each in apart]
+
+
+def _covariances(width: float, runs: list[dict[str, np.ndarray]]) -> dict[tuple, np.ndarray]:
+    lags = np.arange(max(2, round(REACH / width)) + 1)
+    taper = 0.5 * (1.0 + np.cos(np.pi * lags / lags.size))
+    names = sorted({name for run in runs for name in run})
+    found = {}
+    for a in names:
+        for b in names:
+            both = [(run[a], run[b]) for run in runs if a in run and b in run]
+            size = sum(x.size for x, _ in both)
+            if size:
+                sums = [sum(float(x[: x.size - lag] @ y[lag:]) for x, y in both) for lag in lags]
+                found[a, b] = taper * np.array(sums) / size
+    return found
+
+
+def _toeplitz(pairs: dict[tuple, np.ndarray], a: str, b: str, size: int) -> np.ndarray:
+    from scipy.linalg import toeplitz
+
+    if (a, b) not in pairs:
+        return np.zeros((size, size))
+    later, earlier = np.zeros(size), np.zeros(size)
+    count = min(size, pairs[a, b].size)
+    later[:count], earlier[:count] = pairs[a, b][:count], pairs[b, a][:count]
+    return toeplitz(earlier, later)
+
+
+def white_levels(group: Group, known: Levels, least: float = FEW) -> Levels:
+    """Noise of each channel's bin means beyond one of a known roughness, were it white.
+
+    least: share of the roughness that is there however much is known.
+    """
+    found = {}
+    for name, rough in recorded_roughness(group).items():
+        samples = group.views[0].samples(name)
+        more = np.sqrt(max(rough**2 - (SAME * known.get(name, 0.0)) ** 2, (least * rough) ** 2))
+        level = float(more) / np.sqrt(samples.size / group.bins)
+        found[name] = max(level, 1e-6 * float(np.abs(samples).max()), 1e-12)
+    return found
+
+
+def recorded_roughness(group: Group) -> Levels:
+    """Roughness of each channel's samples, in the middle of its runs."""
+    runs = {name: [view.samples(name) for view in group.views] for name in group.names}
+    return {name: float(np.median([roughness(x) for x in each])) for name, each in runs.items()}

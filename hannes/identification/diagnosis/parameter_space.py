@@ -1,0 +1,165 @@
+"""Everything a simulation may be moved along: what is uncertain, and how large each effect is."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from hannes.core.effect import Effect
+from hannes.core.parameter import Parameter
+from hannes.identification.diagnosis.repeat_groups import Group
+from hannes.identification.diagnosis.settings import Settings
+from hannes.plants.protocol import Plant
+
+PARTS = 60.0  # of a parameter's span that make one step along it
+LOOSE = 1e-3  # weight of an effect's size, per step of its range: recordings alone shall tell it
+
+
+@dataclass(frozen=True)
+class Direction:
+    """One number x that a fit may move: parameter = centre + scale x, in SI, within bounds.
+
+    owner: what the parameter belongs to where it is not the machine's; effect: name of its effect
+    weight: of x^2 in the misfit; 1 where `scale` is the standard deviation of what is not known
+    """
+
+    name: str
+    owner: str
+    centre: float
+    scale: float
+    low: float
+    high: float
+    weight: float = 1.0
+    effect: str = ""
+
+    def value(self, x: np.ndarray | float) -> np.ndarray:
+        """Parameter [SI] at x."""
+        return np.clip(self.centre + self.scale * np.asarray(x), self.low, self.high)
+
+    def x(self, value: float) -> float:
+        """Where a parameter has a value [SI]."""
+        return (value - self.centre) / self.scale
+
+
+class Space:
+    """All directions: the uncertain parameters first, then those of the effects on trial."""
+
+    def __init__(
+        self, plant: Plant, groups: Sequence[Group], settings: Settings, effects: Sequence[Effect]
+    ) -> None:
+        self.effects = {each.name: each for each in effects}
+        known = _uncertain(plant, groups, settings)
+        self.directions = [*known, *_of_effects(effects)]
+        self.uncertain = np.arange(len(known))
+        self.prior = np.array([np.sqrt(each.weight) for each in self.directions])
+        self.low = np.array([(d.low - d.centre) / d.scale for d in self.directions])
+        self.high = np.array([(d.high - d.centre) / d.scale for d in self.directions])
+        self.settings = settings
+        self._acting: dict[str, np.ndarray] = {}
+
+    @property
+    def size(self) -> int:
+        """Number of directions."""
+        return len(self.directions)
+
+    def acting(self, group: Group) -> np.ndarray:
+        """Which directions make a difference to a group, shape (size,)."""
+        if group.owner not in self._acting:
+            owners = [each.owner for each in self.directions]
+            self._acting[group.owner] = np.array([not o or o == group.owner for o in owners])
+        return self._acting[group.owner]
+
+    @cached_property
+    def _places(self) -> dict[str, list[int]]:
+        found: dict[str, list[int]] = {name: [] for name in self.effects}
+        for place, each in enumerate(self.directions):
+            if each.effect:
+                found[each.effect].append(place)
+        return found
+
+    def of(self, *effects: str) -> np.ndarray:
+        """Places of the directions of these effects."""
+        return np.array([place for name in effects for place in self._places[name]], int)
+
+    def place(self, name: str) -> int:
+        """Place of an effect's parameter, by full name."""
+        return next(k for k, d in enumerate(self.directions) if d.effect and d.name == name)
+
+    def columns(self, group: Group, rows: np.ndarray, effects: bool) -> dict[str, np.ndarray]:
+        """Parameters by full name [SI] for rows of x, shape (m, size)."""
+        acting = self.acting(group)
+        return {
+            each.name: each.value(rows[:, place])
+            for place, each in enumerate(self.directions)
+            if acting[place] and (effects or not each.effect)
+        }
+
+    def values(self, x: np.ndarray, owner: str = "") -> dict[str, float]:
+        """Parameters of the machine at x [SI], with those of one owner."""
+        return {
+            d.name: float(d.value(x[k]))
+            for k, d in enumerate(self.directions)
+            if not d.owner or d.owner == owner
+        }
+
+
+def _uncertain(plant: Plant, groups: Sequence[Group], settings: Settings) -> list[Direction]:
+    """One direction for each uncertain parameter of the machine, and of each thing it handles."""
+    sizes: Mapping[str, float] = getattr(plant, "uncertain", {})
+    owners = {group.owner: group for group in groups}
+    apart = {name for group in groups for name in group.own}
+    found = [
+        _direction(plant, name, "", plant.parameters[name], settings.scatter * size)
+        for name, size in sizes.items()
+        if name not in apart
+    ]
+    for owner, group in owners.items():
+        for name in group.own:
+            if name in sizes:
+                value = group.nominal[name]
+                scaled = sizes[name] * _ratio(value, plant.parameters[name], sizes[name])
+                found.append(_direction(plant, name, owner, value, settings.scatter * scaled))
+    return found
+
+
+def _ratio(value: float, usual: float, size: float) -> float:
+    """Sizes that are shares of the given value follow it; others are sizes of their own."""
+    return abs(value / usual) if usual and np.isclose(size, abs(usual)) else 1.0
+
+
+def _direction(plant: Plant, name: str, owner: str, value: float, scale: float) -> Direction:
+    low, high = plant.parameters.declared[name].bounds
+    return Direction(name, owner, value, scale or 1.0, low, high)
+
+
+def _of_effects(effects: Sequence[Effect]) -> list[Direction]:
+    return [_of_effect(effect, each) for effect in effects for each in effect.parameters]
+
+
+def _of_effect(effect: Effect, parameter: Parameter) -> Direction:
+    """Along a parameter; held as lightly however short its steps are."""
+    low, high = parameter.bounds
+    span = _span(parameter)
+    centre = parameter.value if parameter.off is None else parameter.off
+    return Direction(
+        effect.full_name(parameter.name),
+        "",
+        centre,
+        span / PARTS,
+        low,
+        high,
+        LOOSE * (span / (high - low)) ** 2,
+        effect.name,
+    )
+
+
+def _span(parameter: Parameter) -> float:
+    """What an effect may be linear over, at a guess: its range, or from one value tried to another.
+
+    The mark of a count turns within less than one.
+    """
+    tried = np.unique(parameter.tried)
+    if tried.size > 1:
+        return float(np.diff(tried).min())
+    return parameter.bounds[1] - parameter.bounds[0]

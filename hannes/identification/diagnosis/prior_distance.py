@@ -1,0 +1,39 @@
+"""How far a fit takes the machine from its given values, against how far they were told to be off.
+
+A machine that is less well known than it is told to be bends to its recordings only where that is
+dear: an effect that it does not have then comes cheaper.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.identification.diagnosis.gauss_newton import LIGHT
+from hannes.identification.diagnosis.linearisation import Point
+
+
+@dataclass(frozen=True)
+class Strain:
+    """times: how far values are off, over how far that is told; chance: of so much or more.
+
+    excess: of their squares over what is expected
+    """
+
+    times: float
+    chance: float
+    excess: float
+
+
+def strain(point: Point) -> Strain:
+    """Of all that the recordings tell of the machine's values.
+
+    A value of which they tell the share h is off by a square of h, expected: so many numbers are
+    told as these shares add up to, about a chi square.
+    """
+    from scipy.stats import chi2
+
+    known = point.active < point.ground.model.space.uncertain.size
+    inverse = np.linalg.inv(point.curvature + LIGHT * np.eye(point.active.size))
+    told = max(float(known.sum() - np.trace(inverse[np.ix_(known, known)])), LIGHT)
+    off = float(np.sum(point.x[point.active[known]] ** 2))
+    return Strain((off / told) ** 0.5, float(chi2.sf(off, told)), off - told)

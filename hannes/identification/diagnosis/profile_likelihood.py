@@ -1,0 +1,82 @@
+"""How the misfit grows along one parameter, all else following: where it is least, and how surely.
+
+Where fingers touch the misfit has kinks within a standard deviation. Slopes at one place tell then
+neither where the floor of a valley is nor how wide it is, and a fit ends in any of its hollows. So
+it is walked along both ways until it has risen (Venzon & Moolgavkar 1988), and a parabola told by
+all of that.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hannes.identification.diagnosis.gauss_newton import fitted, settled
+from hannes.identification.diagnosis.linearisation import Point
+
+STEP, LONGER, SHORTER = 1.5, 1.5, 0.3  # standard deviations by slopes; times the step before
+MOST = 5  # steps each way
+RISEN = 6.0  # above the least misfit met: far enough
+OTHER = 16.0  # above it: another valley
+HOLLOWS = 3.0  # of the misfit, by which fits end higher or lower by chance
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Where the misfit is least along a direction, and its standard deviation there, in steps.
+
+    lowest: the best fit met on the way
+    """
+
+    least: float
+    deviation: float
+    lowest: Point = field(repr=False)
+
+
+def profile(point: Point, place: int, deviation: float) -> Profile | None:
+    """Of one direction, from a fit and its standard deviation by slopes; None without a valley.
+
+    One that is not seen from both sides, as at an end of a range, is none. The fit's model holds
+    its effects: a direction that is held is not active.
+    """
+    sides = [list(_walk(point, place, side * STEP * deviation)) for side in (-1.0, 1.0)]
+    met = [point, *sides[0], *sides[1]]
+    lowest = min(met, key=lambda each: each.misfit)
+    near = [[e for e in side if e.misfit < lowest.misfit + OTHER] for side in ([point], *sides)]
+    if not all(near):
+        return None
+    kept = [each for side in near for each in side]
+    away = np.array([each.x[place] - point.x[place] for each in kept]) / deviation
+    above = np.array([each.misfit for each in kept]) - lowest.misfit
+    bend, slope, _ = np.polyfit(away, above, 2, w=1.0 / (HOLLOWS + above))
+    if bend <= 0.0:
+        return None
+    least = float(np.clip(-slope / (2.0 * bend), away.min(), away.max()))
+    return Profile(float(point.x[place]) + deviation * least, deviation / bend**0.5, lowest)
+
+
+def held_at(point: Point, places: np.ndarray, values: np.ndarray) -> Point | None:
+    """The fit with some directions held at values of x; None where that cannot be simulated."""
+    x = point.x.copy()
+    x[places] = values
+    there = point.with_active(np.setdiff1d(point.active, places)).moved(x, np.array([], int))
+    return None if there is None else settled(fitted(there, 4))
+
+
+def _walk(point: Point, place: int, step: float) -> Iterator[Point]:
+    """Fits with one direction held, further and further off; a first step too long is shortened."""
+    space, here, lowest = point.ground.model.space, point, point.misfit
+    for _ in range(MOST):
+        value = float(np.clip(here.x[place] + step, space.low[place], space.high[place]))
+        if value == here.x[place]:
+            return
+        there = held_at(here, np.array([place]), np.array([value]))
+        if there is None or there.misfit > lowest + OTHER:
+            if here is not point:
+                return
+            step *= SHORTER
+            continue
+        yield there
+        here, lowest, step = there, min(lowest, there.misfit), LONGER * step
+        if there.misfit > lowest + RISEN:
+            return

@@ -1,0 +1,47 @@
+"""Which parameters of the effects named the recordings ask for: the others stay at off.
+
+An effect with two sizes, as wires that give in the leader and in the followers, may share out
+between them what one of them did: each is then far off, and neither is known. What lowers the
+misfit by less than its price is not told (Occam), unless the other could go as well: then nothing
+says which of them it is, and both stay, with intervals as wide as that.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hannes.identification.diagnosis.effect_search import PRICE
+from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.profile_likelihood import held_at
+from hannes.identification.diagnosis.score_test import amplitude_names
+
+APART = 4.0  # of the misfit: the size that goes is missed by so much less than the one that stays
+
+
+def spared(point: Point, effects: Sequence[str], unit: float) -> Point:
+    """The fit with sizes of these effects held at off that lower the misfit by too little.
+
+    unit: by how much misfits are divided. At least one size of each effect stays.
+    """
+    space = point.ground.model.space
+    for name in effects:
+        sizes = [space.place(each) for each in amplitude_names(space.effects[name])]
+        places = [each for each in sizes if each in point.active]  # of a class the first is fitted
+        while len(places) > 1 and (found := _without_one(point, places, unit)):
+            place, point = found
+            places.remove(place)
+    return point
+
+
+def _without_one(point: Point, places: Sequence[int], unit: float) -> tuple[int, Point] | None:
+    """The size that is missed least, and the fit without it; None where it is not to go."""
+    fits = {place: held_at(point, np.array([place]), np.zeros(1)) for place in places}
+    rises = {
+        place: np.inf if fit is None else (fit.misfit - point.misfit) / unit
+        for place, fit in fits.items()
+    }
+    least, next_least = sorted(rises, key=lambda place: rises[place])[:2]
+    fit = fits[least]
+    if fit is None or rises[least] > PRICE or rises[next_least] < rises[least] + APART:
+        return None
+    return least, fit

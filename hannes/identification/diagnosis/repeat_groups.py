@@ -1,0 +1,88 @@
+"""Recordings under one command, which one simulation does for all, as vectors of bin means."""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+
+import numpy as np
+
+from hannes.campaigns.campaign_file import Entry
+from hannes.identification.binned_run import BIN, View
+from hannes.plants.protocol import Plant
+
+BINS = 115  # of each channel, at most: longer runs are slower, and so have wider bins
+Channels = Mapping[str, np.ndarray]
+
+
+class Group:
+    """Repeats of one run, in bins as wide as quick simulations bear, or so many times finer.
+
+    measured: their bin means, shape (runs, n); `part` and `names` tell an element's channel
+    nominal:  full name -> the value that every parameter is given for this run (SI)
+    owner, own: what is handled, and which parameters belong to that alone
+    numbers: how many runs of the campaign came before each, shape (runs,)
+    """
+
+    def __init__(self, plant: Plant, entries: Sequence[Entry], finer: int = 1) -> None:
+        channels = tuple(name for name in plant.judged if name in entries[0].recording)
+        duration = float(np.ptp(entries[0].recording.time))
+        self.width = round(max(BIN, duration / BINS) / finer, 6)
+        self.entries = tuple(entries)
+        self.numbers = np.array([each.number for each in entries])
+        self.views = [View(each, plant, channels, (), self.width) for each in entries]
+        self.recording = entries[0].recording
+        self.names, self.part = self.views[0].channels, self.views[0].part
+        self.bins = self.views[0].bins
+        self.measured = np.array([view.measured for view in self.views])
+        self.nominal, (self.owner, self.own) = given(plant, self.recording)
+
+    def only(self, runs: Sequence[int]) -> "Group":
+        """The same with some of the runs alone, simulated as before."""
+        made = copy(self)
+        made.entries = tuple(self.entries[k] for k in runs)
+        made.numbers = self.numbers[list(runs)]
+        made.views = [self.views[k] for k in runs]
+        made.measured = self.measured[list(runs)]
+        return made
+
+    @property
+    def count(self) -> int:
+        """How many runs there are."""
+        return len(self.views)
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Bin means averaged over the runs, shape (n,)."""
+        return self.measured.mean(axis=0)
+
+    def vector(self, channels: Channels, late: float = 0.0) -> np.ndarray:
+        """The same of a simulation that starts `late` [s]."""
+        return self.views[0].of(channels, late)
+
+    def jerk(self, channels: Channels) -> np.ndarray:
+        """How far samples stray from a straight line in each bin, see View.jerks."""
+        return self.views[0].jerks(channels)
+
+    def of(self, name: str) -> slice:
+        """Where a channel lies in the vector."""
+        first = self.names.index(name) * self.bins
+        return slice(first, first + self.bins)
+
+
+def given(plant: Plant, recording: object) -> tuple[dict[str, float], tuple[str, tuple[str, ...]]]:
+    """A run's parameters as given, and which belong to what it handles: a plant may tell."""
+    nominal, own = getattr(plant, "nominal", None), getattr(plant, "own", None)
+    return (
+        nominal(recording) if nominal else dict(plant.parameters),
+        own(recording) if own else ("", ()),
+    )
+
+
+def grouped(plant: Plant, entries: Sequence[Entry]) -> list[Group]:
+    """Groups of repeats in the order of the recordings."""
+    found: dict[tuple[bytes, tuple[str, ...], int], list[Entry]] = {}
+    for entry in entries:
+        recording = entry.recording
+        names = tuple(name for name in plant.judged if name in recording)
+        kind = plant.same_run(recording), names, len(recording)
+        found.setdefault(kind, []).append(entry)
+    return [Group(plant, each) for each in found.values()]

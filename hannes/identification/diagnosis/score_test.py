@@ -1,0 +1,190 @@
+"""Which effects may explain what is left at a point, by the misfit each would take away.
+
+Linear in an effect's amplitudes, which are tried small: a guess that makes the short list.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from hannes.core.effect import Effect
+from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.parameter_space import LOOSE
+from hannes.identification.diagnosis.repeat_groups import Group
+from hannes.identification.diagnosis.simulator import Model
+
+SMALL = (1.0,)  # steps of an amplitude
+ALL_SIZES = (1.0, 8.0, 25.0, -8.0, -25.0)  # where what is missing may be large: no secant holds all
+HOLDS = 3.0  # times its size, or as small a part, within which a secant is believed
+SHAPES = 5  # values of a parameter that tells where or how fast an effect acts
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What an effect would take away of the misfit, and where it would lie.
+
+    x: values of the effect's directions at `places`; columns: whitened slopes by its amplitudes
+    """
+
+    effect: str
+    gain: float
+    places: np.ndarray
+    x: np.ndarray
+    columns: np.ndarray
+
+
+def screened(point: Point, effects: Sequence[str], sizes: Sequence[float] = SMALL) -> list[Guess]:
+    """The best guess for each effect, the largest gain first."""
+    trials = [
+        (name, shape, steps)
+        for name in effects
+        for k, shape in enumerate(shapes(point.ground.model.space.effects[name]))
+        for steps in stepped(point, name, sizes if k == 0 else sizes[:1])
+    ]
+    guesses: dict[str, Guess] = {}
+    if not trials:
+        return []
+    for (name, shape, steps), rows in zip(trials, secants(point, trials), strict=True):
+        for twin, side in _twins(point.ground.model.space.effects[name], shape):
+            found = _guess(point, name, twin, side * rows, abs(steps[0]))
+            if name not in guesses or found.gain > guesses[name].gain:
+                guesses[name] = found
+    return sorted(guesses.values(), key=lambda each: -each.gain)
+
+
+def stepped(point: Point, name: str, sizes: Sequence[float]) -> list[np.ndarray]:
+    """Steps of an effect's amplitudes at each size that their ranges hold, each (amplitudes,).
+
+    An amplitude whose range does not hold the first size is tried with the sign turned.
+    """
+    space = point.ground.model.space
+    places = [space.place(each) for each in amplitude_names(space.effects[name])]
+    low, high = space.low[places], space.high[places]
+    sides = np.where((low <= sizes[0]) & (sizes[0] <= high), 1.0, -1.0)
+    return [
+        sides * size for size in sizes if np.all((low <= sides * size) & (sides * size <= high))
+    ]
+
+
+def shapes(effect: Effect) -> list[dict[str, float]]:
+    """What parameters that have no `off` are tried at, by full name [SI]."""
+    free = [each for each in effect.parameters if each.off is None]
+    count = SHAPES if len(free) == 1 else 3
+    tried = [
+        np.unique([each.value, *(each.tried or _spread(*each.bounds, count - 1))]) for each in free
+    ]
+    names = [effect.full_name(each.name) for each in free]
+    return [dict(zip(names, map(float, values), strict=True)) for values in product(*tried)]
+
+
+def _twins(effect: Effect, shape: dict[str, float]) -> list[tuple[dict[str, float], float]]:
+    """A shape, and those whose marks are its mark with the sign turned; with the sign of each."""
+    found = [(shape, 1.0)]
+    for each in effect.parameters:
+        name = effect.full_name(each.name)
+        if each.turns is not None and shape[name] + each.turns <= each.bounds[1]:
+            found.append(({**shape, name: shape[name] + each.turns}, -1.0))
+    return found
+
+
+def _spread(low: float, high: float, count: int) -> np.ndarray:
+    """Values inside bounds, evenly in their logarithm where that can be had."""
+    inner = np.linspace(0.0, 1.0, count + 2)[1:-1]
+    return low * (high / low) ** inner if low > 0.0 else low + (high - low) * inner
+
+
+def secants(
+    point: Point, trials: Sequence[tuple[str, dict[str, float], np.ndarray]]
+) -> list[np.ndarray]:
+    """Whitened change of all groups per step of each trial's amplitudes, shape (amplitudes, N)."""
+    model, x = point.ground.model, point.x
+    rows, spans, steps = list[np.ndarray](), [], list[float]()
+    for name, shape, sizes in trials:
+        amplitudes = [model.space.place(n) for n in amplitude_names(model.space.effects[name])]
+        pairs = zip(amplitudes, sizes.tolist(), strict=True)
+        rows += [_at(model, x, shape, place, size) for place, size in pairs]
+        steps += sizes.tolist()
+        spans.append(len(amplitudes))
+    stacked, per_step = np.array(rows), np.array(steps)[:, np.newaxis]
+    changes = []
+    for group in model.groups:
+        made = _changes(model, group, x, stacked, float(np.abs(per_step).max()))
+        changes.append(np.nan_to_num(made / per_step, posinf=0.0, neginf=0.0))
+    whole = point.ground.together(changes)
+    return np.split(whole, np.cumsum(spans)[:-1])
+
+
+def _changes(
+    model: Model, group: Group, x: np.ndarray, rows: np.ndarray, most: float
+) -> np.ndarray:
+    """What rows change by; those that lie far off are runs of their own."""
+    if most <= max(SMALL):
+        return model.changes(group, x, rows, True)
+    made = model.vectors(group, np.vstack([x, rows]), True)
+    return made[1:] - made[0]
+
+
+def amplitude_names(effect: Effect) -> list[str]:
+    """Full names of the parameters that carry `off`."""
+    return [effect.full_name(each.name) for each in effect.amplitudes]
+
+
+def _at(
+    model: Model, x: np.ndarray, shape: dict[str, float], place: int, size: float
+) -> np.ndarray:
+    moved = _shaped(model, x, shape)
+    moved[place] += size
+    return moved
+
+
+def _shaped(model: Model, x: np.ndarray, shape: dict[str, float]) -> np.ndarray:
+    """A copy of x where an effect's shape has these values [SI]."""
+    moved = x.copy()
+    for name, value in shape.items():
+        where = model.space.place(name)
+        moved[where] = model.space.directions[where].x(value)
+    return moved
+
+
+def _guess(
+    point: Point, name: str, shape: dict[str, float], rows: np.ndarray, size: float
+) -> Guess:
+    from scipy.optimize import lsq_linear
+
+    model = point.ground.model
+    effect = model.space.effects[name]
+    places = np.array([model.space.place(each) for each in amplitude_names(effect)])
+    pull, curvature = projected(point, rows)
+    root = np.linalg.cholesky(curvature + LOOSE * np.eye(len(places)))
+    bounds = (model.space.low[places] - 1e-9, model.space.high[places] + 1e-9)
+    found = lsq_linear(root.T, np.linalg.solve(root, pull), bounds).x
+    gain = float(2.0 * pull @ found - found @ curvature @ found)
+    ratio = float(np.abs(found).max() / size)
+    if ratio > HOLDS or (ratio < 1.0 / HOLDS and size > SMALL[0]):
+        gain *= 0.5  # a guess by a secant of another size
+    own = model.space.of(name)
+    x = _shaped(model, np.zeros(model.space.size), shape)
+    x[places] = found
+    return Guess(name, gain, own, x[own], rows)
+
+
+def projected(point: Point, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pull and curvature of the misfit along further columns, all active directions free."""
+    moved = np.linalg.solve(point.curvature, point.columns @ rows.T)
+    pull = rows @ point.miss - moved.T @ point.pull
+    curvature = rows @ rows.T - (rows @ point.columns.T) @ moved
+    return pull, 0.5 * (curvature + curvature.T)
+
+
+def likeness(point: Point, one: np.ndarray, other: np.ndarray) -> float:
+    """Largest cosine between what two effects do beyond what the machine's parameters can."""
+    size = len(one)
+    _, whole = projected(point, np.vstack([one, other]))
+    roots = []
+    for part in (whole[:size, :size], whole[size:, size:]):
+        roots.append(np.linalg.cholesky(part + LOOSE * np.eye(len(part))))
+    between = np.linalg.solve(roots[0], whole[:size, size:])
+    cosines = np.linalg.svd(np.linalg.solve(roots[1], between.T), compute_uv=False)
+    return float(min(1.0, cosines[0]))

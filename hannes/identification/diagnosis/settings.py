@@ -1,0 +1,51 @@
+"""How uncertain the machine is: the table [diagnose] of a campaign, every part with a default."""
+
+from dataclasses import dataclass
+
+from hannes.core.io.toml_table import Table
+from hannes.plants.protocol import Plant
+
+KEYS = ("scatter", "run_scatter", "start_time")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Standard deviations of what is not known.
+
+    scatter:     share by which any given value of the machine may be off
+    run_scatter: share by which friction changes from run to run; what a plant says of its runs
+                 (`restless`) holds for 1 %, and is more or less in proportion
+    start_time:  s, of the moment at which a run starts
+    """
+
+    scatter: float = 0.03
+    run_scatter: float = 0.01
+    start_time: float = 0.0
+
+
+def read_settings(table: Table, plant: Plant) -> Settings:
+    """Return what a campaign says; BadInput for an unknown key, a wrong unit, a senseless size."""
+    table = Table(table.content, table.where, KEYS, table.prefix)
+    if table.content and not getattr(plant, "uncertain", {}):
+        why = f"cannot be used: the plant {plant.name} does not say what is uncertain in it"
+        table.refuse(next(iter(table.content)), why)
+    return Settings(
+        _share(table, "scatter", Settings.scatter),
+        _share(table, "run_scatter", Settings.run_scatter),
+        _time(table, plant),
+    )
+
+
+def _share(table: Table, key: str, default: float) -> float:
+    share = table.quantity(key, "1", "2 %") if key in table else default
+    if not 0.0 < share < 0.5:
+        table.refuse(key, f"= {share:g}: expected a share between 0 and 50 %")
+    return share
+
+
+def _time(table: Table, plant: Plant) -> float:
+    usual = float(getattr(plant, "start_time", 0.0))
+    spread = table.quantity("start_time", "s", "0.2 ms") if "start_time" in table else usual
+    if spread < 0.0:
+        table.refuse("start_time", f"= {spread:g} s: a standard deviation is not negative")
+    return spread

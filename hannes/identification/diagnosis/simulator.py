@@ -1,0 +1,253 @@
+"""Simulations of every group at many places of the space at once, as vectors."""
+
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.core.effect import Effect
+from hannes.core.errors import ComputationFailed
+from hannes.core.recording.white_noise import roughness
+from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.repeat_groups import Channels, Group
+from hannes.plants.protocol import Plant
+
+NOWHERE = "the base cannot be simulated under a recording's reference; try a base nearer to it"
+SHIFT = 0.4e-3  # s, over which the effect of starting later is differenced
+AROUND = 0.1  # standard deviations over which the grain is averaged
+TICKED = (0.5, 3.0)  # steps of an effect, at which to see what firmware's ticks do to it,
+AROUND_IT = (0.5, 1.0, 1.5)  # and times the size at which it lies
+LEAST = 2  # simulations that it takes
+NOTHING: Mapping[str, np.ndarray] = {}
+Unrounded = Callable[[int], Mapping[str, np.ndarray]]  # of a Plant, see there
+
+
+@dataclass(frozen=True)
+class Grain:
+    """What firmware adds to a group's run.
+
+    mean: shape (n,), the part that a model can know; strays: shape (samples, n), what each run was
+    off that mean, as any run may be: friction holds on to it for as long as the machine turns one
+    way; rough: of each channel's samples, see `roughness`
+    """
+
+    mean: np.ndarray
+    strays: np.ndarray
+    rough: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Marks:
+    """What firmware's ticks do to a group's run, at sizes of one effect.
+
+    sizes: of its amplitude, shape (k,), in its steps; rows: shape (k, n)
+    """
+
+    sizes: np.ndarray
+    rows: np.ndarray
+
+    def at(self, sizes: np.ndarray) -> np.ndarray:
+        """In between, and beyond the last as there, shape (m, n) for sizes of shape (m,)."""
+        at = np.interp(sizes, self.sizes, np.arange(self.sizes.size))
+        low = np.floor(at).astype(int)
+        high = np.minimum(low + 1, self.sizes.size - 1)
+        share = (at - low)[:, np.newaxis]
+        return (1.0 - share) * self.rows[low] + share * self.rows[high]
+
+    @staticmethod
+    def of(place: int, tried: Sequence[tuple[int, float]], rows: np.ndarray) -> "Marks":
+        """Of the effect at a place; rows: none, and one for each place and size tried."""
+        known = [(0.0, np.nan_to_num(rows[0]))]  # where none breaks down, all are unknown
+        for (at, size), row in zip(tried, rows[1:], strict=True):
+            if at == place and np.isfinite(row).all():
+                known.append((size, row))
+        known.sort(key=lambda each: each[0])
+        return Marks(np.array([size for size, _ in known]), np.array([row for _, row in known]))
+
+
+class Model:
+    """A plant, all runs it shall explain, and the effects on trial.
+
+    Simulations are quick ones: what the firmware's sampling and rounding add (`grain`) is computed
+    apart and changes little. `small` is the model without effects, `whole` the one with all that
+    are on trial in it, so that one compilation serves them all.
+    """
+
+    def __init__(
+        self, plant: Plant, groups: Sequence[Group], space: Space, effects: Sequence[Effect]
+    ) -> None:
+        self.groups, self.space = list(groups), space
+        self.small, self.whole = plant, plant.with_effects(*effects)
+        self._ticks: dict[int, dict[int, Marks]] = {}  # group, place
+        self._held = False  # effects are part of the machine, wherever it is looked at
+
+    def ticking(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
+        """The same, quick simulations mended by what firmware's ticks do to effects near x.
+
+        A lag of half a tick does in a loop that is closed once a tick what it does not in a
+        continuous one; one of many ticks does the same in both. So what ticks do is had at a few
+        small sizes, and about the size at x. Only effects on what firmware reads or puts out are
+        mended: on others ticks do less than these differences can tell. Where an effect has a shape
+        its mark turns with it, and nothing is known.
+        """
+        made = copy(self)
+        made._ticks = {key: dict(each) for key, each in self._ticks.items()}
+        places = self.space.of(*(name for name in effects if self.in_loop(name)))
+        unrounded: Unrounded | None = getattr(self.small, "unrounded", None)
+        if unrounded is None or not places.size:
+            return made
+        for group in self.groups:
+            found = self._by_ticks(group, x, places, unrounded)
+            made._ticks.setdefault(id(group), {}).update(found)
+        return made
+
+    def of(self, groups: Sequence[Group], numbers: Sequence[int]) -> "Model":
+        """The same for other runs under the commands of the groups of these numbers."""
+        made = copy(self)
+        made.groups, made._ticks = list(groups), {}
+        pairs = zip(groups, (self.groups[k] for k in numbers), strict=True)
+        made._ticks = {
+            id(new): self._ticks[id(old)] for new, old in pairs if id(old) in self._ticks
+        }
+        return made
+
+    def held(self, groups: Sequence[Group]) -> "Model":
+        """The same for its runs in other bins, effects being a part of the machine everywhere."""
+        made = copy(self)
+        made.groups, made.small, made._ticks, made._held = list(groups), self.whole, {}, True
+        return made
+
+    def in_loop(self, name: str) -> bool:
+        """Tell whether an effect acts on what firmware reads or puts out, and has no shape."""
+        effect, firmware = self.space.effects[name], getattr(self.small, "firmware", ())
+        written = {channel for term in effect.terms for channel in term.writes}
+        return bool(written & set(firmware)) and len(effect.amplitudes) == len(effect.parameters)
+
+    def _by_ticks(
+        self, group: Group, x: np.ndarray, places: np.ndarray, unrounded: Unrounded
+    ) -> dict[int, Marks]:
+        """Change by ticks of a group's bin means, by place, at some sizes of each effect."""
+        tried = [(int(place), size) for place in places for size in self._sizes(x, place)]
+        rows = np.repeat(x[np.newaxis], 1 + len(tried), axis=0)
+        rows[:, places] = 0.0
+        for row, (place, size) in zip(rows[1:], tried, strict=True):
+            row[place] = size
+        runs = self.simulated(group, rows, True, True, unrounded(len(rows)))
+        apart = self._vectors(group, runs) - self._vectors(group, self.simulated(group, rows, True))
+        return {int(place): Marks.of(int(place), tried, apart - apart[0]) for place in places}
+
+    def _sizes(self, x: np.ndarray, place: int) -> np.ndarray:
+        """Sizes of an effect, other than none, at which ticks are looked at."""
+        low, high = self.space.low[place], self.space.high[place]
+        there = (float(x[place]) * share for share in AROUND_IT)
+        sizes = np.unique([*TICKED, *(-size for size in TICKED), *there])
+        return sizes[(low <= sizes) & (sizes <= high) & (sizes != 0.0)]
+
+    def simulated(
+        self,
+        group: Group,
+        rows: np.ndarray,
+        effects: bool,
+        exact: bool = False,
+        further: Mapping[str, np.ndarray] = NOTHING,
+    ) -> list[Channels | None]:
+        """Channels of a group for rows of x, shape (m, size); None where a run breaks down.
+
+        further: columns by full name [SI], shape (m,) each, beside those that x tells
+        """
+        effects = effects or self._held
+        plant = self.whole if effects else self.small
+        columns = self.space.columns(group, rows, effects) | dict(further)
+        many = getattr(plant, "many", None)
+        if many is not None:
+            return list(many(columns, group.recording, group.names, exact))
+        return [
+            _alone(plant, {name: float(column[k]) for name, column in columns.items()}, group)
+            for k in range(len(rows))
+        ]
+
+    def vectors(
+        self, group: Group, rows: np.ndarray, effects: bool, exact: bool = False
+    ) -> np.ndarray:
+        """Bin means for rows of x, shape (m, n); nan where a run breaks down."""
+        effects = effects or self._held
+        found = self._vectors(group, self.simulated(group, rows, effects, exact))
+        return self._mended(group, found, rows) if effects and not exact else found
+
+    def changes(
+        self,
+        group: Group,
+        x: np.ndarray,
+        rows: np.ndarray,
+        effects: bool,
+        here: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """What bin means change by from x to rows, shape (m, n); nan where one breaks down.
+
+        By runs that take the same steps where the plant has them (`alike`): the solver's errors,
+        which are other ones for each run, are then no part of the change. Other plants need not run
+        x once more where its vector is known (`here`, shape (n,)).
+        """
+        effects = effects or self._held
+        plant, stacked = self.whole if effects else self.small, np.vstack([x, rows])
+        alike = getattr(plant, "alike", None)
+        if alike is None and here is not None:
+            return self.vectors(group, rows, effects) - here
+        if alike is None:
+            made = self.vectors(group, stacked, effects)
+        else:
+            columns = self.space.columns(group, stacked, effects)
+            made = self._vectors(group, alike(columns, group.recording, group.names))
+            made = self._mended(group, made, stacked) if effects else made
+        return made[1:] - made[0]
+
+    def _mended(self, group: Group, vectors: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Vectors of quick simulations with what firmware's ticks do to effects added to them."""
+        for place, marks in self._ticks.get(id(group), {}).items():
+            vectors = vectors + marks.at(rows[:, place])
+        return vectors
+
+    def _vectors(self, group: Group, runs: Sequence[Channels | None]) -> np.ndarray:
+        found = np.full((len(runs), group.part.size), np.nan)
+        for row, channels in zip(found, runs, strict=True):
+            if channels is not None:
+                row[:] = group.vector(channels)
+        return found
+
+    def grain(self, x: np.ndarray, samples: int, seed: int) -> "list[Grain]":
+        """What the firmware's grain adds to each group near x, and how it differs from run to run.
+
+        Its rounding makes a pattern that the least change moves, and its sensors' noise, where the
+        plant knows of it (`noisy`), moves the machine.
+        """
+        rows = x + np.zeros((samples, x.size))
+        known = self.space.uncertain
+        drawn = np.random.default_rng([seed, 7]).standard_normal((samples, known.size))
+        rows[:, known] += AROUND * drawn
+        return [self._grain(group, rows) for group in self.groups]
+
+    def _grain(self, group: Group, rows: np.ndarray) -> "Grain":
+        noisy = getattr(self.small, "noisy", None)
+        further = noisy(group.recording, len(rows)) if noisy else NOTHING
+        made = self.simulated(group, rows, False, exact=True, further=further)
+        pairs = [
+            (run, smooth)
+            for run, smooth in zip(made, self.vectors(group, rows, False), strict=True)
+            if run is not None and np.isfinite(smooth).all()
+        ]
+        if len(pairs) < LEAST:
+            raise ComputationFailed(NOWHERE)
+        difference = np.array([group.vector(run) - smooth for run, smooth in pairs])
+        mean = difference.mean(axis=0)
+        rough = [{name: roughness(run[name]) for name in group.names} for run, _ in pairs]
+        usual = {name: float(np.median([each[name] for each in rough])) for name in group.names}
+        strays = (difference - mean) * np.sqrt(len(pairs) / (len(pairs) - 1.0))
+        return Grain(mean, strays, usual)
+
+
+def _alone(plant: Plant, values: dict[str, float], group: Group) -> Channels | None:
+    try:
+        return plant.simulate(values, group.recording)
+    except ComputationFailed:
+        return None

@@ -1,0 +1,1 @@
+"""Each effect fitted on some stretches of a record and judged on others."""

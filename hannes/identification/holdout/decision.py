@@ -1,0 +1,91 @@
+"""From trials to a verdict: whether anything is missing, which effect is named, and why."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from hannes.campaigns import segments as cutting
+from hannes.campaigns.campaign_file import Campaign
+from hannes.campaigns.segments import Piece
+from hannes.identification.holdout.effect_test import FEWEST_BLOCKS, Trial, rivals
+
+WITHIN = 1.5  # times the floor: what repeats and a model that is nearly right leave
+
+Said = dict[str, Any]  # the verdict's first fields: verdict, effects, reason
+
+
+def decided(
+    trials: Sequence[Trial], given: float, left: float, lacking: str, note: str
+) -> tuple[Trial | None, Said]:
+    """Return the winner or None, and the verdict's first fields.
+
+    `trials`: best first. `given`, `left`: misfit of the worst channel as given and with the base
+    refitted, in units of its floor. `lacking`: why nothing can be claimed; `note`: how pieces
+    were cut.
+    """
+    best = trials[0] if trials and trials[0].accepted else None
+    if lacking:
+        return None, _said("undecided", lacking)
+    if given <= WITHIN:
+        return None, _said("no_gap", f"as given, the worst channel lies at {_floors(given)}")
+    if best is not None:
+        names = [best.name, *(each.name for each in rivals(best, trials))]
+        kind = "named" if len(names) == 1 else "one_of"
+        return best, _said(kind, _chosen(best, note), names)
+    kind = "recalibrated" if left <= WITHIN else "unknown"
+    return None, _said(kind, f"with the base refitted, the worst channel lies at {_floors(left)}")
+
+
+def _said(kind: str, reason: str, effects: Sequence[str] = ()) -> Said:
+    return {"verdict": kind, "effects": list(effects), "reason": reason}
+
+
+def _floors(times: float) -> str:
+    return f"{times:.1f} times the floor"
+
+
+def lacking(campaign: Campaign, pieces: Sequence[Piece], trials: Sequence[Trial]) -> str:
+    """Why these recordings allow no claim, and what to record; empty where they do."""
+    if len(campaign.entries) < 2 or not cutting.of(pieces, "show"):
+        return (
+            "no recording is left to show the result on that was never used to find it: "
+            "record at least two more runs under the same command"
+        )
+    if not cutting.of(pieces, "select") or not cutting.of(pieces, "fit"):
+        longer = f", or one of at least {cutting.FEWEST_BLOCKS * campaign.plant.block:g} s"
+        return (
+            "no recording is left to choose by that was not fitted: record at least one more "
+            f"run under the same command{longer * cutting.halved(campaign.plant)}"
+        )
+    blocks = [trial.block_gains.size for trial in trials if trial.applicable]
+    few = blocks and max(blocks) < FEWEST_BLOCKS
+    return "the recordings to choose by are too short: record longer runs" if few else ""
+
+
+def tempered(said: Said, gap: Mapping[str, Mapping[str, float]]) -> Said:
+    """Take a name back that the show recordings do not bear out; tell a remainder."""
+    if not said["effects"]:
+        return said
+    squares = [
+        sum((each[key] / each["floor"]) ** 2 for each in gap.values())
+        for key in ("before", "after")
+    ]
+    if squares[1] >= squares[0]:
+        reason = "an effect was chosen, but on the show recordings it closes nothing"
+        return _said("unknown", reason)
+    worst = max(each["after"] / each["floor"] for each in gap.values())
+    if said["verdict"] == "named" and worst > WITHIN:
+        reason = f"{said['reason']}; what remains is {_floors(worst)}"
+        return {**said, "verdict": "named_with_remainder", "reason": reason}
+    return said
+
+
+def _chosen(best: Trial, note: str) -> str:
+    better = int(np.sum(best.block_gains > 0.0))
+    text = (
+        f"on recordings not fitted it takes away {100 * best.share:.0f} % of the misfit above the "
+        f"floor, in {better} of {best.block_gains.size} blocks, and its size lies "
+        f"{best.evidence:.1f} standard deviations from none"
+    )
+    return f"{text}; {note}" if note else text

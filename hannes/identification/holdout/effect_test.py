@@ -1,0 +1,200 @@
+"""One effect on trial: fitted on some pieces, judged on others that no fit has seen."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from hannes.core.effect import Effect
+from hannes.core.parameter import Parameter
+from hannes.identification.holdout.least_squares import Fitted, Misfit
+
+ALPHA = 0.01  # false alarms accepted per effect, where the assumptions hold
+POWER_80 = 3.42  # standard deviations seen with 80 % power at ALPHA, two-sided: 2.576 + 0.842
+RESAMPLES = 2000
+FEWEST_BLOCKS = 6  # to judge a gain by
+LEAST_SHARE = 0.2  # of the reducible misfit that an effect must explain
+LEAST_GAIN = 0.2  # of the floor's own variance
+RIVAL = 0.8  # a rival that gains this share of the winner's gain cannot be told from it
+ALIKE = 0.95  # cosine of two effects' signatures beyond what the base can absorb
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What came of one effect; `why` tells in words why it was not accepted.
+
+    gain:      mean squared misfit taken away on the pieces to choose by, floor = 1
+    share:     the same as a share of what was there above the floor
+    sureness:  lower limit at level ALPHA of the blocks' mean log gain, by resampling blocks
+    evidence:  distance of its parameters from `off`, in standard deviations
+    """
+
+    name: str
+    effect: Effect
+    why: str = ""
+    fitted: Fitted | None = None
+    gain: float = 0.0
+    share: float = 0.0
+    sureness: float = 0.0
+    evidence: float = 0.0
+    block_gains: np.ndarray = field(default_factory=lambda: np.zeros(0), repr=False)
+    confusable_with: tuple[str, ...] = ()
+
+    @property
+    def accepted(self) -> bool:
+        """True where nothing speaks against it."""
+        return self.fitted is not None and not self.why
+
+    @property
+    def applicable(self) -> bool:
+        """True where the plant can carry it."""
+        return self.fitted is not None
+
+
+def judge(trial: Trial, misfit: Misfit, before: Fitted, rng: np.random.Generator) -> Trial:
+    """Return the trial with its gain over `before` on the pieces of `misfit`, and the decision."""
+    fitted = trial.fitted
+    assert fitted is not None
+    old, new = (_squares(misfit, f) for f in (before, fitted))
+    gains = _block_gains(old, new, misfit.clusters())
+    drawn = rng.integers(0, gains.size, (RESAMPLES, gains.size))
+    gain = float((old - new).mean())
+    judged = replace(
+        trial,
+        gain=gain,
+        share=gain / max(float(old.mean()) - 1.0, abs(gain), 1e-12),
+        sureness=float(np.quantile(gains[drawn].mean(1), ALPHA)),
+        evidence=evidence(fitted, trial.effect),
+        block_gains=gains,
+    )
+    return replace(judged, why=_objection(judged))
+
+
+def _block_gains(old: np.ndarray, new: np.ndarray, blocks: np.ndarray) -> np.ndarray:
+    """Logarithm of what an effect divides each block's squared misfit by, the floor added.
+
+    So that no single block, however bad before, carries the choice alone.
+    """
+    counts = np.bincount(blocks)
+    there = counts > 0
+    before, after = (np.bincount(blocks, each)[there] / counts[there] for each in (old, new))
+    return np.log((before + 1.0) / (after + 1.0))
+
+
+def _squares(misfit: Misfit, fitted: Fitted) -> np.ndarray:
+    """Squared misfit of every sample in units of the floor."""
+    raw = misfit.raw(fitted.plant, fitted.values)
+    return np.concatenate(
+        [(v / misfit.floors[n]) ** 2 for channels in raw for n, v in channels.items()]
+    )
+
+
+def evidence(fitted: Fitted, effect: Effect) -> float:
+    """Distance of the effect's amplitudes from `off`, in standard deviations (Mahalanobis)."""
+    names = [effect.full_name(each.name) for each in effect.amplitudes]
+    away = np.array(
+        [fitted.values[n] - (e.off or 0.0) for n, e in zip(names, effect.amplitudes, strict=True)]
+    )
+    places = [fitted.names.index(name) for name in names]
+    covariance = fitted.covariance[np.ix_(places, places)]
+    squared = float(away @ np.linalg.solve(covariance, away))
+    return float(np.sqrt(max(0.0, squared)))
+
+
+def _objection(trial: Trial) -> str:
+    from scipy.stats import chi2
+
+    needed = float(np.sqrt(chi2.ppf(1.0 - ALPHA, len(trial.effect.amplitudes))))
+    if trial.block_gains.size < FEWEST_BLOCKS:
+        return f"only {trial.block_gains.size} blocks to judge by, {FEWEST_BLOCKS} are needed"
+    if trial.sureness <= 0.0:
+        return "its gain on recordings not fitted is within what chance gives"
+    if trial.gain < LEAST_GAIN or trial.share < LEAST_SHARE:
+        return f"it explains only {100 * trial.share:.0f} % of what is above the floor"
+    if trial.evidence < needed:
+        return (
+            f"its size lies {trial.evidence:.1f} standard deviations from none, "
+            f"{needed:.1f} are needed"
+        )
+    return ""
+
+
+def ranked(trials: Sequence[Trial]) -> list[Trial]:
+    """Best first: accepted ones by gain, then the others by gain, inapplicable ones last."""
+    return sorted(trials, key=lambda t: (not t.accepted, not t.applicable, -t.gain, t.name))
+
+
+def with_likeness(trials: Sequence[Trial]) -> list[Trial]:
+    """Return the trials, each with the names of those it is easily confused with here."""
+    spaces = {trial.name: _signature(trial) for trial in trials if trial.applicable}
+    return [
+        replace(
+            trial,
+            confusable_with=tuple(
+                name
+                for name, space in spaces.items()
+                if trial.name in spaces
+                and name != trial.name
+                and _cosine(space, spaces[trial.name]) > ALIKE
+            ),
+        )
+        for trial in trials
+    ]
+
+
+def _signature(trial: Trial) -> np.ndarray:
+    """Orthonormal directions of the effect in the residual, beyond what the base absorbs."""
+    fitted = trial.fitted
+    assert fitted is not None
+    amplitudes = {trial.effect.full_name(each.name) for each in trial.effect.amplitudes}
+    own = [name in amplitudes for name in fitted.names]
+    mine = fitted.columns[:, own]
+    theirs = fitted.columns[:, [n in fitted.plant.free for n in fitted.names]]
+    prior = fitted.prior[[n in fitted.plant.free for n in fitted.names]]
+    absorbed = np.linalg.solve(theirs.T @ theirs + np.diag(prior**2), theirs.T @ mine)
+    left = mine - theirs @ absorbed
+    size = np.linalg.norm(left, axis=0)
+    return np.linalg.qr(left[:, size > 1e-9 * max(size.max(), 1e-30)])[0]
+
+
+def _cosine(one: np.ndarray, other: np.ndarray) -> float:
+    if one.size == 0 or other.size == 0 or one.shape[0] != other.shape[0]:
+        return 0.0
+    return float(np.linalg.svd(one.T @ other, compute_uv=False)[0])
+
+
+def rivals(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
+    """Accepted trials that gain nearly as much as the best, so that no choice can be made."""
+    return [
+        each
+        for each in trials
+        if each is not best and each.accepted and each.gain >= RIVAL * best.gain
+    ]
+
+
+def smallest_detectable(trials: Sequence[Trial]) -> dict[str, dict[str, dict[str, Any]]]:
+    """Per effect and amplitude: the size seen with 80 % power at ALPHA, were the fit linear.
+
+    `value` is None, with the `reason`, where no size inside the physical bounds would be seen.
+    """
+    return {
+        trial.name: {
+            each.name: _detectable(each, trial.fitted.deviation(trial.effect.full_name(each.name)))
+            for each in trial.effect.amplitudes
+        }
+        for trial in trials
+        if trial.fitted is not None
+    }
+
+
+def _detectable(amplitude: Parameter, deviation: float) -> dict[str, Any]:
+    size, off = POWER_80 * deviation, amplitude.off or 0.0
+    largest = max(amplitude.bounds[1] - off, off - amplitude.bounds[0])
+    if size <= largest:
+        return {"value": size, "unit": amplitude.unit}
+    reason = (
+        f"even the largest size inside its bounds, {largest:g}, would be missed: "
+        f"these recordings would show {size:.2g}"
+    )
+    return {"value": None, "unit": amplitude.unit, "reason": reason}

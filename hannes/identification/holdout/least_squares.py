@@ -1,0 +1,215 @@
+"""Fits a plant's parameters to pieces of recordings: least squares with the given values as prior.
+
+Differences are taken on the scale of each parameter's uncertainty, never of its value, first in
+coarse steps, then in finer ones. Coarse: a simulation from an adaptive solver is only smooth down
+to its tolerance, and small ripples must not stop the search. Fine: a contact that comes and goes
+bends what coarse steps take for a line.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.campaigns.segments import Piece
+from hannes.plants.protocol import Plant, free_amplitudes, robust
+
+STEPS = (0.1, 0.01, 0.001)  # of one standard deviation (of 1/20 of an effect's range)
+STARTS = (-4.0, -1.0, 1.0, 4.0)  # of 1/20 of an effect's range, from where it vanishes
+MOST_ROUNDS = 12  # with each of them
+PER_BLOCK = 4  # independent moments in one block of the plant
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fit: values by name, their covariance, and what it was made of.
+
+    `columns` is the Jacobian of the weighted residual, shape (samples, names), without priors;
+    `scales` turns scaled parameters into SI.
+    """
+
+    plant: Plant
+    names: tuple[str, ...]
+    values: dict[str, float]
+    scales: np.ndarray
+    covariance: np.ndarray
+    columns: np.ndarray
+    prior: np.ndarray
+
+    def deviation(self, name: str) -> float:
+        """Standard deviation of a fitted parameter [its unit]."""
+        place = self.names.index(name)
+        return float(np.sqrt(self.covariance[place, place]))
+
+
+class Misfit:
+    """Weighted difference between simulation and pieces of recordings."""
+
+    def __init__(self, plant: Plant, pieces: Sequence[Piece], floors: Mapping[str, float]) -> None:
+        self.plant, self.pieces, self.floors = plant, pieces, floors
+
+    def raw(self, plant: Plant, values: Mapping[str, float]) -> list[dict[str, np.ndarray]]:
+        """Simulated minus recorded of each piece and channel, over its counted samples."""
+        runs: dict[bytes, dict[str, np.ndarray]] = {}
+        found = []
+        for piece in self.pieces:
+            key = self.plant.same_run(piece.recording)
+            if key not in runs:
+                runs[key] = plant.simulate(values, piece.recording)
+            found.append(self._difference(piece, runs[key]))
+        return found
+
+    def _difference(self, piece: Piece, run: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        return {
+            name: (run[name] - piece.recording[name])[piece.mask]
+            for name in self.floors
+            if name in piece.recording
+        }
+
+    def weigh(self, raw: Sequence[Mapping[str, np.ndarray]]) -> np.ndarray:
+        """One vector in units of the floor, counting what is correlated once."""
+        parts = []
+        for piece, channels in zip(self.pieces, raw, strict=True):
+            interval = float(np.median(np.diff(piece.recording.time)))
+            together = max(1.0, self.plant.block / PER_BLOCK / interval)
+            parts += [
+                softened(v, robust(self.plant, n)) / (self.floors[n] * np.sqrt(together))
+                for n, v in channels.items()
+            ]
+        return np.concatenate(parts)
+
+    def clusters(self) -> np.ndarray:
+        """Block number of every element of `weigh`; the same block of repeats is one cluster."""
+        numbers: dict[tuple[bytes, int], int] = {}
+        parts = []
+        for piece in self.pieces:
+            key = self.plant.same_run(piece.recording)
+            time = piece.recording.time
+            blocks = ((time - time[0]) / self.plant.block).astype(int)[piece.mask]
+            ids = np.array([numbers.setdefault((key, int(b)), len(numbers)) for b in blocks])
+            parts += [ids for name in self.floors if name in piece.recording]
+        return np.concatenate(parts)
+
+
+def softened(difference: np.ndarray, size: float) -> np.ndarray:
+    """Differences whose squares are the soft L1 loss: as they are well within `size`.
+
+    Far beyond it a square grows only as the difference does (Triggs et al. 2000, section 4.3).
+    """
+    if not np.isfinite(size):
+        return difference
+    loss = 2.0 * size**2 * (np.sqrt(1.0 + (difference / size) ** 2) - 1.0)
+    return np.copysign(np.sqrt(loss), difference)
+
+
+def fit(
+    misfit: Misfit,
+    plant: Plant,
+    start: Mapping[str, float] | None = None,
+    tell: Progress = lambda text: None,
+) -> Fitted:
+    """Refit the free parameters of `plant` and all those of its effects, from `start`.
+
+    Raises ComputationFailed where a simulation fails.
+    """
+    from scipy.optimize import least_squares
+
+    scales = _scales(plant)
+    names, scale = tuple(scales), np.array(list(scales.values()))
+    given = np.array([plant.parameters[name] for name in names])
+    known = start or {}
+    begin = np.array([known.get(name, plant.parameters[name]) for name in names])
+    bounds = np.array([plant.parameters.declared[name].bounds for name in names], float).T
+    low, high = (bounds - given) / scale + [[-1e-9], [1e-9]]
+    prior = np.array([1.0 if name in plant.free else 0.1 for name in names])
+
+    def values(x: np.ndarray) -> dict[str, float]:
+        return dict(zip(names, np.clip(given + x * scale, *bounds).tolist(), strict=True))
+
+    def data(x: np.ndarray) -> np.ndarray:
+        return misfit.weigh(misfit.raw(plant, values(x)))
+
+    def columns(x: np.ndarray, step: float) -> np.ndarray:
+        tell(", ".join(each.name for each in plant.effects) or "base")
+        return differences(data, x, low, high, step)
+
+    unknown = [k for k, name in enumerate(names) if name not in plant.free and name not in known]
+    x = _begun(data, (begin - given) / scale, unknown, low, high)
+    for step in STEPS:
+        found = least_squares(
+            lambda x: np.concatenate((data(x), prior * x)),
+            np.clip(x, low + 1e-6, high - 1e-6),
+            jac=lambda x, step=step: np.vstack((columns(x, step), np.diag(prior))),
+            bounds=(low, high),
+            ftol=1e-4,
+            xtol=1e-4,
+            max_nfev=MOST_ROUNDS,
+        )
+        x = found.x
+    rows = found.jac[: -len(names)]
+    covariance = _covariance(rows, found.fun[: -len(names)], misfit.clusters(), prior)
+    return Fitted(
+        plant, names, values(found.x), scale, covariance * np.outer(scale, scale), rows, prior
+    )
+
+
+def _begun(
+    data: Callable[[np.ndarray], np.ndarray],
+    x: np.ndarray,
+    unknown: Sequence[int],
+    low: np.ndarray,
+    high: np.ndarray,
+) -> np.ndarray:
+    """Start each unknown where the misfit is least of a few sizes, one parameter after the other.
+
+    An effect may be flat at `off`: a lag far below the sampling interval changes nothing at all.
+    """
+    best, left = x, np.sum(data(x) ** 2) if unknown else 0.0
+    for place in unknown:
+        for size in x[place] + np.array(STARTS):
+            moved = best.copy()
+            moved[place] = np.clip(size, low[place], high[place])
+            if (found := np.sum(data(moved) ** 2)) < left:
+                best, left = moved, found
+    return best
+
+
+def _scales(plant: Plant) -> dict[str, float]:
+    scales = {name: size for name, size in plant.free.items() if size > 0.0}
+    for effect in plant.effects:
+        scales |= free_amplitudes(effect)
+    return scales
+
+
+def differences(
+    data: Callable[[np.ndarray], np.ndarray],
+    x: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    size: float,
+) -> np.ndarray:
+    """Forward differences by `size`, backward at the upper bound; shape (samples, parameters)."""
+    base, columns = data(x), []
+    for place in range(x.size):
+        step = size if x[place] + size <= high[place] else -size
+        moved = x.copy()
+        moved[place] = max(x[place] + step, low[place])
+        columns.append((data(moved) - base) / step)
+    return np.array(columns).T
+
+
+def _covariance(
+    columns: np.ndarray, rest: np.ndarray, clusters: np.ndarray, prior: np.ndarray
+) -> np.ndarray:
+    """The larger of two estimates for each parameter: by the weights, and by blocks of the rest.
+
+    The second ("sandwich") holds although what remains is no white noise.
+    """
+    inverse = np.linalg.inv(columns.T @ columns + np.diag(prior**2))
+    pulls = np.zeros((clusters.max() + 1, columns.shape[1]))
+    np.add.at(pulls, clusters, columns * rest[:, np.newaxis])
+    robust = inverse @ (pulls.T @ pulls + np.diag(prior**2)) @ inverse
+    larger = np.sqrt(np.maximum(np.diag(robust), np.diag(inverse)) / np.diag(robust))
+    return robust * np.outer(larger, larger)

@@ -1,0 +1,166 @@
+"""The verdict of a diagnosis: what verdict.json holds, and the sentence a person reads first."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from hannes.core.io.provenance import versions
+
+FAINT = 0.2  # of a squared floor, mean over channels: a gap that is less above it is not seen
+_SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The result contract: every field is plain data.
+
+    gap: channel -> unit, as_given, before (base refitted), after, floor: RMS on `gap_on`, the
+    show recordings where there are any; and all three in percent of the recorded channel's RMS.
+    parameters: full name -> value, unit, low, high (95 %), off (where its effect vanishes).
+    cautions: what the data check says of the recordings.
+    confusability: `effects` and their `cosines`, row by row: how alike the marks of two effects
+    are in these recordings beyond what the machine's own parameters can do; 1 is the same.
+    """
+
+    verdict: str
+    effects: list[str]
+    parameters: dict[str, dict[str, Any]]
+    gap: dict[str, dict[str, Any]]
+    where: list[dict[str, Any]]
+    candidates: list[dict[str, Any]]
+    reason: str
+    tried: list[dict[str, Any]]
+    alpha: float
+    recordings: dict[str, list[str]]
+    seed: int
+    gap_on: str = ""
+    floor_from: str = ""
+    cut: str = ""
+    cautions: list[str] = field(default_factory=list)
+    next_run: dict[str, Any] | None = None
+    smallest_detectable: dict[str, Any] | None = None
+    confusability: dict[str, Any] | None = None
+    versions: dict[str, str] = field(default_factory=versions)
+
+    def json(self) -> str:
+        """Text of verdict.json, keys in the order of the contract."""
+        return json.dumps(asdict(self), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    @property
+    def sentence(self) -> str:
+        """The result in one sentence."""
+        return SENTENCES[self.verdict](self)
+
+    @property
+    def advice(self) -> str:
+        """The run worth recording next, in one sentence; an empty string where there is none."""
+        if not self.next_run:
+            return ""
+        also = " and ".join(self.next_run.get("also_log", ()))
+        logged = f", with {also} logged" if also else ""
+        return f"Record next: {self.next_run['experiment']}{logged}; {self.next_run['why']}."
+
+    def summary(self) -> str:
+        """Some lines for a terminal."""
+        lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
+        lines += [self.advice] if self.next_run else []
+        if self.gap:
+            lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
+        for name, gap in self.gap.items():
+            shown = " -> ".join(f"{gap[key]:.3g}" for key in ("as_given", "before", "after"))
+            unit = "" if gap["unit"] == "1" else f" {gap['unit']}"
+            lines.append(
+                f"  {name}: {shown}{unit} (as given -> base refitted -> result; "
+                f"floor {gap['floor']:.2g})"
+            )
+        if self.gap and self.floor_from:
+            lines.append(f"floor: {self.floor_from}")
+        return "\n".join(lines)
+
+
+def explained(gap: dict[str, dict[str, Any]]) -> float:
+    """Share of the reducible misfit (before, above the floor) that is gone after; 0 to 1."""
+    before = sum((each["before"] / each["floor"]) ** 2 - 1.0 for each in gap.values())
+    gone = sum((each["before"] ** 2 - each["after"] ** 2) / each["floor"] ** 2
+               for each in gap.values())  # fmt: skip
+    return min(1.0, max(0.0, gone / before)) if before > 0.0 else 0.0
+
+
+def faint(gap: dict[str, dict[str, Any]]) -> bool:
+    """Whether the refitted base is hardly further off than repeats are from each other."""
+    above = [(each["before"] / each["floor"]) ** 2 - 1.0 for each in gap.values()]
+    return sum(above) < FAINT * len(above)
+
+
+def spoken(name: str) -> str:
+    """An effect's name in words: `leader_slack` -> `leader slack`."""
+    return name.rpartition(":")[2].replace("_", " ")
+
+
+def sized(parameter: dict[str, Any]) -> str:
+    """`3.1 mm (2.9 to 3.3)`."""
+    unit, factor = _SMALLER.get(parameter["unit"], (parameter["unit"], 1.0))
+    value, low, high = (factor * parameter[key] for key in ("value", "low", "high"))
+    shown = f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
+    return f"{shown} ({low:.3g} to {high:.3g})"
+
+
+def untold(parameters: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Names of fitted parameters whose interval contains the value at which they do nothing."""
+    return [
+        name
+        for name, each in parameters.items()
+        if each.get("off") is not None and each["low"] <= each["off"] <= each["high"]
+    ]
+
+
+def _named(result: Verdict, rest: str = "") -> str:
+    """The effects with what carries their gain first; then what may as well be none."""
+    vague = untold(result.parameters)
+    clear = [name for name in result.parameters if name not in vague] or vague
+    named = " and ".join(_sized_effect(name, clear, result) for name in result.effects)
+    verb = "explains" if len(result.effects) == 1 else "explain"
+    share = f"{100.0 * explained(result.gap):.0f} % of the reducible gap"
+    if faint(result.gap):
+        share = "what no other values do; it is less than what repeats differ by"
+    line = f"{named[:1].upper()}{named[1:]}, {verb} {share}{rest}."
+    if not vague:
+        return line
+    unclear = ", ".join(_told(name, result) for name in vague)
+    return f"{line} Not distinguishable from no effect: {unclear}."
+
+
+def _sized_effect(effect: str, clear: Sequence[str], result: Verdict) -> str:
+    """`leader slack, length 3.1 mm (2.9 to 3.3)`; a single effect owns all parameters."""
+    alone = len(result.effects) == 1
+    own = [name for name in clear if alone or name.partition(".")[0] == effect.rpartition(":")[2]]
+    return ", ".join([spoken(effect), *(_told(name, result) for name in own)])
+
+
+def _told(name: str, result: Verdict) -> str:
+    return f"{name.rpartition('.')[2].replace('_', ' ')} {sized(result.parameters[name])}"
+
+
+def _with_remainder(result: Verdict) -> str:
+    if explained(result.gap) > 0.995:
+        return _named(result, "; a little above the floor remains")
+    return _named(result, "; the rest is something else")
+
+
+def _one_of(result: Verdict) -> str:
+    names = " or ".join(spoken(name) for name in result.effects)
+    return f"One effect is missing, {names}: these recordings cannot tell which."
+
+
+SENTENCES = {
+    "no_gap": lambda result: "The simulation as given agrees with the recordings.",
+    "recalibrated": lambda result: (
+        "Parameters were off; refitted, nothing that shows here is missing."
+    ),
+    "named": _named,
+    "one_of": _one_of,
+    "named_with_remainder": _with_remainder,
+    "unknown": lambda result: "Something is missing, and no effect can be named for it.",
+    "undecided": lambda result: "These recordings do not decide it.",
+}

@@ -1,0 +1,1 @@
+"""Machines that can be identified: their protocol, the hand, the axis, the finger."""

@@ -1,0 +1,1 @@
+"""A single motor-driven axis as a plant."""

@@ -1,0 +1,43 @@
+"""A finger on a fixed object, stage by stage: its recorded angle presses, a sensor tells the force.
+
+The same conventions as the hand's equations.py. Angle and force are the hand's own counts, as it
+logs them. `hold`: angle of the first sample, its reading, speed of closing [100 counts/s].
+"""
+
+from hannes.control.reference import interpolate
+from hannes.plants.finger.elastic import pressed
+
+
+def equations(t, y, dy, p, c, reference, hold, out):
+    """Fill dy with the rates of whatever states the effects bring; the base has none."""
+    angle = closed(t, y, dy, p, c, reference, out)
+    rested = pressed(hold[0], p.contact_stiffness, p.contact_angle, p.contact_exponent)
+    force = contact(t, y, dy, p, c, angle, rested, hold[2], out)
+    sensor(t, y, dy, p, c, force, hold[1], out)
+
+
+def closed(t, y, dy, p, c, reference, out):
+    """Angle of the actuator [counts], open at 1000."""
+    reading_time = t
+    # effects: reading_time
+    out.angle = interpolate(reading_time, reference)
+    return interpolate(reading_time, reference)
+
+
+def contact(t, y, dy, p, c, angle, rested, closing_speed, out):
+    """Force of the object on the finger, F = k max(a_c - angle / 100, 0)^n, never pulling.
+
+    `rested` is the force at which the recording starts.
+    """
+    elastic = pressed(angle, p.contact_stiffness, p.contact_angle, p.contact_exponent)
+    contact_force = elastic
+    # effects: contact_force
+    out.contact_force = max(contact_force, 0.0)
+    return max(contact_force, 0.0)
+
+
+def sensor(t, y, dy, p, c, force, first_reading, out):
+    """What the hand tells of the force [counts]."""
+    told_force = force
+    # effects: told_force
+    out.force = told_force

@@ -1,0 +1,192 @@
+"""The finger as a plant: the recorded angle drives it, the force it tells is compared.
+
+Any recording with channels `angle` and `force`, both the hand's own counts, will do. Its effects
+are its own: a hand's wires and motor are not in it.
+"""
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from hannes.core.effect import Effect, joined
+from hannes.core.errors import BadInput, ComputationFailed
+from hannes.core.layout import Layout, Slot
+from hannes.core.parameter import Parameter, ParameterSet, group
+from hannes.core.recording.channel_limits import Expected
+from hannes.core.recording.recording import Recording
+from hannes.plants.finger import (
+    creeping_contact,
+    equations,
+    force_lag,
+    force_offset,
+    hunt_crossley,
+    reading_delay,
+    rh56_log,
+)
+from hannes.simulation.compiler.assemble import Equations, assemble
+
+PARAMETERS = group(
+    "contact",
+    Parameter("stiffness", 5000.0, "1", (1.0, 1e6), "force counts at 100 counts of depth"),
+    Parameter("angle", 7.0, "1", (0.0, 10.0), "at which it touches, 100 counts"),
+    Parameter("exponent", 1.5, "1", (0.5, 5.0), "of the depth", "Hertz (1882), a sphere"),
+)
+
+# A log is a staircase: between two samples the angle counts that stands at their end. Each state
+# answers to it exponentially, which is exact for one that is linear and stands alone.
+_RUN = '''
+
+@entry
+def run(times, y, p, reference, holds, states):
+    """Fill states (n, states) at `times` [s]; y is the state at times[0]."""
+    rate, moved, other = np.zeros(STATES), np.zeros(STATES), np.zeros(STATES)
+    c, out = np.zeros(CHANNELS), np.zeros(OUTPUTS)
+    for k in range(times.size):
+        if k > 0:
+            t, h = times[k], times[k] - times[k - 1]
+            equations(t, y, rate, p, c, reference, holds[k], out)
+            for j in range(STATES):
+                moved[:] = y
+                moved[j] += 1e-6 * max(abs(y[j]), 1.0)
+                equations(t, moved, other, p, c, reference, holds[k], out)
+                decay = h * (other[j] - rate[j]) / (moved[j] - y[j])
+                share = np.expm1(decay) / decay if abs(decay) > 1e-9 else 1.0
+                states[k, j] = y[j] + share * h * rate[j]
+            y[:] = states[k]
+        states[k] = y
+'''
+
+EQUATIONS = Equations(
+    equations,
+    Layout(tuple(Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in PARAMETERS)),
+    Layout(()),
+    Layout(
+        (
+            Slot("reading_time", "s", "time whose angle counts"),
+            Slot("contact_force", "1", "of the object on the finger, counts"),
+            Slot("told_force", "1", "what the hand tells of it, counts"),
+        )
+    ),
+    Layout(
+        (
+            Slot("angle", "1", "of the actuator, counts"),
+            Slot("contact_force", "1", "of the object on the finger, counts"),
+            Slot("force", "1", "what the hand tells of it, counts"),
+        )
+    ),
+    entries=_RUN,
+)
+
+OWN = (
+    creeping_contact.EFFECT,
+    force_lag.EFFECT,
+    force_offset.EFFECT,
+    hunt_crossley.EFFECT,
+    reading_delay.EFFECT,
+)
+
+
+@cache
+def _parameters(effects: tuple[Effect, ...]) -> ParameterSet:
+    own = (p for effect in effects for p in group(effect.name, *effect.parameters))
+    return ParameterSet((*PARAMETERS, *own))
+
+
+class Finger:
+    """Plant: the finger with `effects` in its model; see plants/protocol.py for the protocol."""
+
+    name = "finger"
+    channels: Mapping[str, str] = {"time": "s", "angle": "1", "force": "1"}
+    required = ("angle", "force")  # the reading starts as recorded
+    judged = ("force",)
+    expected: Mapping[str, Expected] = {
+        "angle": Expected(peak=(100.0, 2000.0), forward=True),
+        "force": Expected(peak=(1.0, 1e4)),
+    }
+    free: Mapping[str, float] = {
+        "contact.stiffness": 5000.0,
+        "contact.angle": 0.5,
+        "contact.exponent": 0.5,
+    }
+    robust: Mapping[str, float] = {"force": 100.0}  # a finger may slip, and an object give way
+    block = 1.0  # s, over which what remains is taken as independent
+    catalogue: Mapping[str, Effect] = {each.name: each for each in OWN}
+
+    def __init__(self, effects: tuple[Effect, ...] = ()) -> None:
+        self.effects = effects
+        self.parameters = _parameters(effects)
+
+    def with_effects(self, *effects: Effect) -> "Finger":
+        """Return a finger whose model has `effects` too."""
+        grown = Finger(joined(self.effects, effects))
+        return grown.with_values(dict(self.parameters))
+
+    def with_values(self, values: Mapping[str, float]) -> "Finger":
+        """Return a finger with other given values; BadInput on unknown name or bounds."""
+        changed = Finger(self.effects)
+        changed.parameters = self.parameters.with_values(values)
+        return changed
+
+    def accepts(self, effect: Effect) -> str:
+        """Return why the finger cannot carry `effect`, or an empty string."""
+        return EQUATIONS.accepts(effect)
+
+    def read(self, path: Path) -> dict[str, Recording]:
+        """Return the runs of a file by name: the trials of a hand's log, or one recording."""
+        return rh56_log.load(path) if rh56_log.is_log(path) else {path.name: Recording.read(path)}
+
+    def check(self, recording: Recording) -> None:
+        """Raise BadInput unless there is something to compare after the first sample."""
+        if len(recording) < 2:
+            raise BadInput("a finger's recording of one sample: expected a closing, or an opening")
+
+    def simulate(
+        self, parameters: Mapping[str, float], recording: Recording
+    ) -> dict[str, np.ndarray]:
+        """Press as the recorded angle does; channels at the recorded times, shape (n,).
+
+        Raises ComputationFailed where the force is not finite.
+        """
+        compiled = assemble(EQUATIONS, self.effects)
+        p = self.parameters.with_values(parameters).vector()
+        times, reference = recording.time, np.array([recording.time, recording["angle"]])
+        holds, state = _holds(recording), np.zeros(compiled.states.size)
+        states = np.zeros((times.size, state.size))
+        compiled.fast.run(times, state, p, reference, holds, states)
+        rows = compiled.observed.observe(times, states, p, reference, holds)
+        if not np.isfinite(rows).all():
+            raise ComputationFailed("the simulated force is not finite; check the angle's scale")
+        layout = compiled.outputs
+        return {slot.name: rows[:, layout[slot.name]][:, 0] for slot in layout.slots}
+
+    def same_run(self, recording: Recording) -> bytes:
+        """Equal for recordings of which one simulation does for all."""
+        start = recording["force"][:1].tobytes()
+        return start + recording.time.tobytes() + recording["angle"].tobytes()
+
+    def judged_part(self, recording: Recording) -> np.ndarray:
+        """Every sample counts."""
+        return np.ones(len(recording), bool)
+
+    def phases(self, recording: Recording) -> dict[str, np.ndarray]:
+        """Masks by what the angle does: closing, opening, or resting closed or open."""
+        angle = recording["angle"]
+        speed = np.gradient(angle, recording.time)
+        still = np.abs(speed) <= 0.02 * np.abs(speed).max()
+        far = angle > 0.5 * (angle.min() + angle.max())
+        return {
+            "closing": (speed < 0.0) & ~still,
+            "opening": (speed > 0.0) & ~still,
+            "held": still & ~far,
+            "open": still & far,
+        }
+
+
+def _holds(recording: Recording) -> np.ndarray:
+    """First angle, first reading, speed of closing [100 counts/s] of each sample, shape (n, 3)."""
+    angle, size = recording["angle"], len(recording)
+    speed = -0.01 * np.diff(angle) / np.diff(recording.time)
+    first = (np.full(size, angle[0]), np.full(size, recording["force"][0]))
+    return np.column_stack((*first, np.concatenate(([0.0], speed))))

@@ -1,0 +1,187 @@
+"""Many simulations of one recording's run at once: what makes a deep diagnosis of a hand quick."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hannes.core.effect import Effect
+from hannes.core.recording.recording import Recording
+from hannes.core.recording.white_noise import roughness
+from hannes.simulation.batch.simulate_many import simulate_alike, simulate_many
+from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.trajectory import Grasp, Outcome
+
+TOLERANCE = 1e-5  # slopes along what does little are right, which are mere noise at 1e-4
+WIDE = 1e-4  # for many runs near each other: firmware's ticks add up to 2e-4 of the peak
+# What firmware reads and puts out.
+FIRMWARE: tuple[str, ...] = ("reference_time", "sensed_current", "measured_current", "reading_age")
+FIRMWARE += ("delayed_position", "delayed_current", "duty")
+FINEST = 32.0  # bits of an encoder that rounds to a nanoradian
+COUNTED = 1e-3  # of a step, by which a number that was written down may miss it
+NOISE = "controller.current_noise"
+Channels = dict[str, np.ndarray]
+
+
+def alike(
+    hand: Hand,
+    experiment: Experiment,
+    recording: Recording,
+    columns: Mapping[str, np.ndarray],
+    channels: Sequence[str],
+) -> list[Channels | None]:
+    """As `many` with the continuous controller, of rows near the first one, by its steps.
+
+    For differences between them alone, of which the solver's errors are no part.
+    """
+    return _Runs(hand, experiment, recording, tuple(channels)).alike(columns, WIDE)
+
+
+def nominal(hand: Hand, experiment: Experiment) -> dict[str, float]:
+    """Every parameter as it is given for a run: the experiment's own values stand over the hand's.
+
+    In SI units, by full name.
+    """
+    return {**hand.parameters, **experiment.overrides()}
+
+
+def own(experiment: Experiment) -> tuple[str, tuple[str, ...]]:
+    """The object of a run, by all that its experiment says of it, and the parameters of it alone.
+
+    Two runs handle one object where its shape and every value given are the same.
+    """
+    if experiment.object is None:
+        return "nothing", ()
+    given = sorted((n, v) for n, v in experiment.overrides().items() if n.startswith("object."))
+    values = ", ".join(f"{name}={value!r}" for name, value in given)
+    return f"{experiment.object.shape} {values or 'of the hand'}", _FEATURES
+
+
+_FEATURES = ("object.stiffness", "object.damping", "object.friction", "object.x", "object.y")
+
+
+def many(
+    hand: Hand,
+    experiment: Experiment,
+    recording: Recording,
+    columns: Mapping[str, np.ndarray],
+    channels: Sequence[str],
+    exact: bool,
+) -> list[Channels | None]:
+    """Channels at the recorded times for each row of `columns`, None where a run breaks down.
+
+    `exact` runs the experiment's own controller, else the continuous one. All effects of the hand
+    are in the model, whatever their sizes. Rows with noisy sensors (`noisy`) lie near each other.
+    """
+    asked = experiment if exact else replace(experiment, controller="continuous")
+    runs = _Runs(hand, asked, recording, tuple(channels))
+    if exact and NOISE in columns:
+        return runs.near(columns)
+    return runs.of(columns, TOLERANCE)
+
+
+@dataclass(frozen=True)
+class _Runs:
+    """Runs of a hand in an experiment, at the times of a recording of it."""
+
+    hand: Hand
+    experiment: Experiment
+    recording: Recording
+    channels: tuple[str, ...]
+
+    def of(self, columns: Mapping[str, np.ndarray], rtol: float) -> list[Channels | None]:
+        """Channels at the recorded times for each row."""
+        effects: tuple[Effect, ...] = self.hand.effects
+        runs = simulate_many(
+            self.hand,
+            self.experiment,
+            columns,
+            channels=self.channels,
+            rtol=rtol,
+            effects=effects,
+            progress=False,  # whoever asks for many of these tells how far it is
+        )
+        return self._recorded(runs)
+
+    def alike(self, columns: Mapping[str, np.ndarray], rtol: float) -> list[Channels | None]:
+        """The same, all rows by the steps of the first one."""
+        runs = simulate_alike(
+            self.hand,
+            self.experiment,
+            columns,
+            channels=self.channels,
+            rtol=rtol,
+            effects=self.hand.effects,
+        )
+        return self._recorded(runs)
+
+    def _recorded(self, runs: Iterable[Grasp]) -> list[Channels | None]:
+        """At the recorded times."""
+        since = self.recording.time - self.recording.time[0]
+        if "reference" not in self.recording:
+            since = self.recording.time
+        return [
+            {name: np.interp(since, run.time, run[name]) for name in self.channels}
+            if run.outcome is Outcome.COMPLETED
+            else None
+            for run in runs
+        ]
+
+    def near(self, columns: Mapping[str, np.ndarray]) -> list[Channels | None]:
+        """The same of rows that differ little, quick.
+
+        What ticks add up to at a wide tolerance is the same for all of them: one run in their
+        middle, of a firmware that rounds nothing, tells it.
+        """
+        middle = {name: np.atleast_1d(np.mean(column)) for name, column in columns.items()}
+        middle |= {NOISE: np.zeros(1), "controller.noise_seed": np.ones(1), **unrounded(1)}
+        fine, wide = (self.of(middle, rtol)[0] for rtol in (TOLERANCE, WIDE))
+        more: Channels = {}
+        if fine is not None and wide is not None:
+            more = {name: fine[name] - wide[name] for name in self.channels}
+        found = self.of(columns, WIDE)
+        return [run and self._logged({n: run[n] + more.get(n, 0.0) for n in run}) for run in found]
+
+    def _logged(self, run: Channels) -> Channels:
+        """The run with its position in counts of the encoder, where the recording's is."""
+        step = 2.0 * np.pi / 2.0 ** self.hand.parameters["encoder.bits"]
+        if "position" in run and _in_steps(self.recording["position"], step):
+            run["position"] = step * np.round(run["position"] / step)
+        return run
+
+
+def _in_steps(values: np.ndarray, step: float) -> bool:
+    counts = values / step
+    return bool(np.all(np.abs(counts - np.round(counts)) < COUNTED))
+
+
+def noisy(
+    hand: Hand, experiment: Experiment, recording: Recording, count: int
+) -> dict[str, np.ndarray]:
+    """Columns that let the firmware of each of `count` runs read its current with other noise.
+
+    As much as makes the current as rough as the recorded one. Noise in the loop moves the motor,
+    which makes it rougher than the noise alone; rounding does too.
+    """
+    if "current" not in recording:
+        return {}
+    recorded = roughness(recording["current"])
+    columns = _noise(np.array([0.0, recorded]))
+    runs = _Runs(hand, experiment, recording, ("current",)).of(columns, WIDE)
+    quiet, loud = (0.0 if run is None else roughness(run["current"]) for run in runs)
+    noise = max(recorded**2 - quiet**2, 0.0) / max(loud**2 - quiet**2, 1e-30)
+    return _noise(np.full(count, recorded * min(1.0, float(np.sqrt(noise)))))
+
+
+def _noise(levels: np.ndarray) -> dict[str, np.ndarray]:
+    seeds = np.arange(1.0, levels.size + 1.0)
+    return {NOISE: levels, "controller.noise_seed": seeds}
+
+
+def unrounded(count: int) -> dict[str, np.ndarray]:
+    """Columns that let the firmware of each of `count` runs round neither angle nor current."""
+    return {
+        "encoder.bits": np.full(count, FINEST),
+        "controller.current_step": np.zeros(count),
+    }

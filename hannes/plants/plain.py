@@ -1,0 +1,136 @@
+"""A start for a plant of your own in plain Python: say what it is and simulate it, no more.
+
+Subclass `PlainPlant`, fill the attributes, write `simulate`: the rest of the protocol
+(hannes/plants/protocol.py) is here, with answers that suit a small machine and can be overridden.
+docs/own-plant.md walks through one. For compiled equations see hannes/plants/axis/plant.py.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from hannes.core.effect import Effect, Term, joined
+from hannes.core.errors import BadInput
+from hannes.core.kernels.jit import plain
+from hannes.core.parameter import Parameter, ParameterSet, group
+from hannes.core.recording.recording import Recording
+
+
+class PlainPlant:
+    """Plant: base class of machines simulated in plain Python, with effects or without.
+
+    base:  parameters of the machine itself, full names ("spring.stiffness")
+    open:  quantity that effects may add to -> what their kernels may read there, in the order in
+           which `simulate` hands it over
+
+    The other attributes are those of the protocol, hannes/plants/protocol.py.
+    """
+
+    name: str = ""
+    channels: Mapping[str, str] = {}
+    required: tuple[str, ...] = ()
+    judged: tuple[str, ...] = ()
+    base: ClassVar[tuple[Parameter, ...]] = ()
+    free: Mapping[str, float] = {}
+    block: float = 1.0
+    open: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+
+    def __init__(self, effects: tuple[Effect, ...] = ()) -> None:
+        self.effects = effects
+        own = (p for effect in effects for p in group(effect.name, *effect.parameters))
+        self.parameters = ParameterSet((*self.base, *own))
+
+    def with_effects(self, *effects: Effect) -> Self:
+        """Return a plant whose model has `effects` too."""
+        grown = type(self)(joined(self.effects, effects))
+        return grown.with_values(dict(self.parameters))
+
+    def with_values(self, values: Mapping[str, float]) -> Self:
+        """Return a plant with other given values; BadInput on unknown name or bounds."""
+        changed = type(self)(self.effects)
+        changed.parameters = self.parameters.with_values(values)
+        return changed
+
+    def accepts(self, effect: Effect) -> str:
+        """Return why the plant cannot carry `effect`, or an empty string where it can."""
+        if effect.states:
+            return f"it has states of its own ({effect.states[0].name}), which need assemble.py"
+        for term in effect.terms:
+            for channel in term.writes:
+                if channel not in self.open:
+                    return f"it needs a channel {channel}, which this plant does not have"
+                known = {*self.open[channel], *self._names(effect)}
+                for name in term.arguments:
+                    if name not in known:
+                        return f"it reads {name}, which this plant does not have"
+        return ""
+
+    def added(self, channel: str, values: Mapping[str, float]) -> Callable[..., float]:
+        """Return a function of what may be read at `channel` (see `open`): what effects add there.
+
+        `values` are parameters over the given ones, as `simulate` gets them.
+        """
+        parameters, reads = self.parameters.with_values(values), self.open[channel]
+        calls = [
+            _bound(term, term.writes.index(channel), self._fixed(effect, parameters), reads)
+            for effect in self.effects
+            for term in effect.terms
+            if channel in term.writes
+        ]
+
+        def all_of(*now: float) -> float:
+            if len(now) != len(reads):
+                what = f"the effects at {channel} are given {len(now)} values"
+                raise BadInput(f"{what}: expected {', '.join(reads)}, as `open` lists them")
+            return sum((call(now) for call in calls), 0.0)
+
+        return all_of
+
+    def _names(self, effect: Effect) -> dict[str, str]:
+        """A kernel's argument names for parameters -> their full names."""
+        found = {each.name.replace(".", "_"): each.name for each in self.base}
+        return found | {each.name: effect.full_name(each.name) for each in effect.parameters}
+
+    def _fixed(self, effect: Effect, parameters: ParameterSet) -> dict[str, float]:
+        return {name: parameters[full] for name, full in self._names(effect).items()}
+
+    def simulate(
+        self, parameters: Mapping[str, float], recording: Recording
+    ) -> dict[str, np.ndarray]:
+        """Channels at the recording's times, shape (n,); to be written by the subclass."""
+        raise BadInput(f"the plant {self.name or type(self).__name__} does not say how it moves")
+
+    def same_run(self, recording: Recording) -> bytes:
+        """Equal where the times and the required channels are."""
+        return b"".join(recording[name].tobytes() for name in ("time", *self.required))
+
+    def judged_part(self, recording: Recording) -> np.ndarray:
+        """Every sample counts."""
+        return np.ones(len(recording), bool)
+
+    def phases(self, recording: Recording) -> dict[str, np.ndarray]:
+        """One part: the whole run."""
+        return {"run": np.ones(len(recording), bool)}
+
+
+def _bound(
+    term: Term, place: int, fixed: Mapping[str, float], reads: tuple[str, ...]
+) -> Callable[[tuple[float, ...]], float]:
+    """Return a term's share of one channel as a function of what is read."""
+    function: Callable[..., Any] = plain(term.kernel)
+    several, names = len(term.writes) > 1, term.arguments
+    given = [fixed.get(name) for name in names]
+    late = [(k, reads.index(name)) for k, name in enumerate(names) if name in reads]
+
+    def call(now: tuple[float, ...]) -> float:
+        for k, read in late:
+            given[k] = now[read]
+        try:
+            found = function(*given)
+        except (ArithmeticError, ValueError):  # plain Python stops where compiled code goes on
+            return math.nan
+        return float(found[place] if several else found)
+
+    return call

@@ -1,0 +1,1 @@
+"""Equations to machine code, experiment to trajectory."""

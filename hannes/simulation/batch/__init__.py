@@ -1,0 +1,1 @@
+"""Many grasps at once."""

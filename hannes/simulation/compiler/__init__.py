@@ -1,0 +1,1 @@
+"""Any plant's written equations and effects, to machine code."""

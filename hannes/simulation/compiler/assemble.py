@@ -1,0 +1,210 @@
+"""From a plant's written equations and a list of effects to compiled entry points.
+
+The equations stay the text they are: names of slots become subscripts, lines that name open
+channels are followed by the calls of effects, and lines that only fill outputs are dropped
+from the version that the integrator runs.
+"""
+
+import ast
+import functools
+import inspect
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from hannes.core.effect import Effect
+from hannes.core.errors import BadInput
+from hannes.core.layout import Layout
+from hannes.simulation.compiler import dense_jacobian, module_cache
+from hannes.simulation.compiler import entry_points as entries
+from hannes.simulation.compiler import output_entry as observed
+from hannes.simulation.compiler.autodiff.rules import LANES
+from hannes.simulation.compiler.definite_assignment import worked_out
+from hannes.simulation.compiler.expansion import HOOK, Layouts, without_outputs
+from hannes.simulation.compiler.output_slice import Needed, gated
+from hannes.simulation.rodas import source as method
+from hannes.simulation.rodas.problem import Problem
+
+
+@dataclass(frozen=True)
+class Shape:
+    """How a plant's Jacobian is differenced and solved.
+
+    `modules` hold the text; `constants` its constants; `written` further text; `broken` says why
+    the shape does not hold with these effects, or nothing.
+    """
+
+    modules: tuple[ModuleType, ...]
+    constants: dict[str, str]
+    written: str
+    broken: str
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """A plant's written equations: the module that holds them and what its slots mean.
+
+    `entries` is the text of further entry points of its own, like entry_points.py.
+    `shape(layouts, source, names, stage_of)` finds the Shape of a plant that has one.
+    """
+
+    module: ModuleType
+    parameters: Layout
+    states: Layout
+    channels: Layout
+    outputs: Layout
+    entries: str = ""
+    shape: Callable[..., Shape] | None = None
+
+    def source(self) -> str:
+        """Text of the module's functions, without its imports and head."""
+        return _functions(self.module)
+
+    def stage_of(self, channel: str) -> str:
+        """Name of the written function whose hook is open for `channel`."""
+        stage = ""
+        for line in self.source().splitlines():
+            if line.startswith("def "):
+                stage = line[4 : line.index("(")]
+            if (hook := HOOK.match(line)) and channel in hook[2].split(", "):
+                return stage
+        return ""
+
+    def accepts(self, effect: Effect) -> str:
+        """Return why this plant cannot carry `effect`, or an empty string where it can."""
+        for term in effect.terms:
+            for channel in term.writes:
+                if not self.stage_of(channel):
+                    return f"it needs a channel {channel}, which this plant does not have"
+                here = self.channels.slot(channel).unit
+                if term.unit not in ("", here):
+                    return f"it adds {term.unit} to {channel}, which this plant has in {here}"
+            for name in term.arguments:
+                if why := self._unreadable(name, effect, term.writes[0]):
+                    return f"it reads {name}, which {why}"
+        return ""
+
+    def _unreadable(self, name: str, effect: Effect, channel: str) -> str:
+        """Why a kernel that adds to `channel` cannot read `name`, or nothing."""
+        own = {each.name for each in effect.parameters} | {each.name for each in effect.states}
+        if name in own or name == "t" or name in self.parameters or name in self.states:
+            return ""
+        if name in self.channels and self.channels.slot(name).axis:
+            late = name not in self._worked_out[channel]
+            return f"is not worked out yet where {channel} is open" if late else ""
+        if name in self._locals(channel):
+            return ""
+        if name in self.channels:
+            return f"is not at hand where {channel} is open"
+        return "this plant does not have"
+
+    @functools.cached_property
+    def _worked_out(self) -> dict[str, set[str]]:
+        return worked_out(self.source(), self.channels)
+
+    def _locals(self, channel: str) -> set[str]:
+        """Names bound in the stage of `channel` before its hook."""
+        stage, bound = self.stage_of(channel), set()
+        function = getattr(self.module, stage)
+        for line in inspect.getsource(function).splitlines():
+            if (hook := HOOK.match(line)) and channel in hook[2].split(", "):
+                break
+            if assigned := re.match(r"^    ([\w, ]+?) (?:=|\+=) ", line):
+                bound |= set(assigned[1].split(", "))
+        return bound | set(inspect.signature(function).parameters)
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """Entry points of one plant with one set of effects: `fast` by entry_points.py, `observed`."""
+
+    text: str
+    parameters: Layout
+    states: Layout
+    outputs: Layout
+    fast: ModuleType
+    observed: ModuleType
+    needed: Needed
+    jacobian_kind: str = "dense differences"
+
+    def problem(self, p: np.ndarray, reference: np.ndarray, hold: np.ndarray) -> Problem:
+        """The rates with these parameters as a problem for `Rodas`."""
+        return Problem(self.fast.steps_on, self.fast.look_up, (p, reference, hold))
+
+    def is_warm(self, entry: str = "rates") -> bool:
+        """Tell whether machine code of a former run can be used for an entry point."""
+        folder = Path(str(self.fast.__file__)).parent / "__pycache__"
+        stem = Path(str(self.fast.__file__)).stem
+        return any(folder.glob(f"{stem}.{entry}*.nbi"))
+
+
+def assemble(plant: Equations, effects: Iterable[Effect] = ()) -> Compiled:
+    """Compile `plant` with `effects`; the same set is assembled once per process.
+
+    Raises BadInput where an effect does not fit the plant.
+    """
+    return _assembled(plant, tuple(effects))
+
+
+@functools.cache
+def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
+    for effect in effects:
+        if why := plant.accepts(effect):
+            raise BadInput(f"effect {effect.name} does not fit: {why}")
+    layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, effects)
+    text, sizes = layouts.fill(plant.source()), layouts.sizes()
+    solution, kind = _solution(plant, layouts, text)
+    names = _names(plant, solution.modules, effects)
+    origin = module_cache.fingerprint(names)
+    needed = Needed.of(text, layouts.out)
+    sizes["STATEMENTS"] = str(len(needed.statements))
+    seen = module_cache.module("observed", gated(text) + _functions(observed), names, origin, sizes)
+    solved = "".join(map(_functions, solution.modules))
+    quick = without_outputs(text) + layouts.fill(solved) + solution.written
+    quick += method.source() + _functions(entries) + plant.entries
+    names |= {name: value for name, value in vars(entries).items() if name.isupper()}
+    names["fill_outputs"] = seen.fill_outputs
+    origin += seen.__name__
+    fast = module_cache.module("fast", quick, names, origin, sizes | solution.constants)
+    return Compiled(text, layouts.p, layouts.y, layouts.out, fast, seen, needed, kind)
+
+
+def jacobian_kind(plant: Equations, effects: Iterable[Effect] = ()) -> str:
+    """How the Jacobian of `plant` with `effects` is had: "structured", or what else and why."""
+    chosen = tuple(effects)
+    layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, chosen)
+    return _solution(plant, layouts, layouts.fill(plant.source()))[1]
+
+
+def _names(
+    plant: Equations, solution: tuple[ModuleType, ...], effects: tuple[Effect, ...]
+) -> dict[str, Any]:
+    """What the written texts and the calls of effects go by."""
+    kernels = {effect.kernel_name(term): term.kernel for effect in effects for term in effect.terms}
+    known = {name: value for each in solution for name, value in vars(each).items()}
+    return {**vars(plant.module), **known, **method.NAMES, **LANES, **kernels}
+
+
+def _solution(plant: Equations, layouts: Layouts, text: str) -> tuple[Shape, str]:
+    """How to difference and solve, and what to call it; `text` has the calls of effects."""
+    dense = Shape((dense_jacobian,), {}, "", "")
+    if plant.shape is None:
+        return dense, "dense differences"
+    names = _names(plant, (), layouts.effects)
+    shape = plant.shape(layouts, without_outputs(text), names, plant.stage_of)
+    if shape.broken:
+        return dense, f"dense differences, because {shape.broken}"
+    return shape, "structured"
+
+
+@functools.cache
+def _functions(module: ModuleType) -> str:
+    """Text of a module from its first function on."""
+    text = inspect.getsource(module)
+    first = next(node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef))
+    return "\n".join(text.splitlines()[first.lineno - 1 :]) + "\n"

@@ -1,0 +1,210 @@
+"""What Python calls of an assembled model, and the loop that runs whole grasps in one call.
+
+Text of the same kind as equations.py: compiled together with the equations, their solution and
+the method, by whose names it goes. Each function becomes machine code when it is first called.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from hannes.simulation.compiler.dense_jacobian import gather, linearise, slope, workspace
+from hannes.simulation.rodas.linear_algebra import copy_to
+from hannes.simulation.rodas.step import NOT_FINITE, TOO_MANY, WORK
+
+# Filled in by assemble.py; the functions are the plant's, the method's and those of `OBSERVED`.
+STATES, CHANNELS, OUTPUTS = 1, 1, 1
+steps = np.full(31, 1e-3)
+equations: Any = None
+sample: Any = None
+advance: Any = None
+sample_pieces: Any = None
+fill_outputs: Any = None
+
+LONGEST = 0.03  # s, of a step: a longer one may miss a contact that comes and goes
+RUN = 16  # steps whose dense output is kept until it is sampled
+MOST = 1_000_000  # steps of one grasp: seconds, where an ordinary one takes a few hundred
+PATH = 20_000  # steps of a grasp that others follow, at most
+APART = 20  # times as many steps: a grasp that needs them is not near the one it follows
+ASTRAY = -4  # failure of one that does, beside those of rodas/step.py
+
+
+def rates(t, y, p, reference, hold):
+    """dy/dt, shape (states,)."""
+    dy = np.zeros(STATES)
+    equations(t, y, dy, p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
+    return dy
+
+
+def jacobian(t, y, p, reference, hold):
+    """df/dy as the integrator has it, shape (states, states)."""
+    data, base = workspace(y, p, reference, hold), np.zeros(STATES)
+    slope(t, y, base, data)
+    linearise(t, y, base, np.zeros(STATES), data)
+    columns = np.zeros((STATES, STATES))
+    gather(data, columns)
+    return columns
+
+
+def differences(t, y, p, reference, hold):
+    """df/dy by forward differences, one column a state."""
+    c, out, moved = np.zeros(CHANNELS), np.zeros(OUTPUTS), y.copy()
+    base, dy, columns = np.zeros(STATES), np.zeros(STATES), np.zeros((STATES, STATES))
+    equations(t, moved, base, p, c, reference, hold, out)
+    for j in range(STATES):
+        moved[j] += 1e-7 * max(abs(y[j]), steps[j])
+        equations(t, moved, dy, p, c, reference, hold, out)
+        columns[:, j] = (dy - base) / (moved[j] - y[j])
+        moved[j] = y[j]
+    return columns
+
+
+def tick(t, y, p, reference, hold):
+    """One tick of the sampled controller, upon `hold`."""
+    sample(t, y, np.zeros(STATES), p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
+
+
+def steps_on(given, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
+    """Take steps, see rodas/step.py. given: parameters, reference, hold."""
+    data = workspace(y, given[0], given[1], given[2])
+    return advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+
+
+def look_up(times, ends, pieces, rows):
+    """Sample the dense output."""
+    sample_pieces(times, ends, pieces, rows)
+
+
+def grasps(
+    vectors, starts, reference, bounds, periods, times, columns, needed,
+    rtol, atol, stop, alike, rows, holds, kept, counts,
+):  # fmt: skip
+    """Run one grasp for each row of `vectors` (m, parameters), from `starts` (m, states).
+
+    Where `alike`, all go by the steps of the first one (with the continuous controller), cut
+    where a grasp needs shorter ones: what differs between them is then nearly as smooth as it is
+    without steps. Where the first one fails, or takes too many, each takes its own.
+
+    bounds (b,) [s]: ends of the smooth parts, the last one that of the grasp; periods (m,) [s]
+    of the sampled controller, 0 for the continuous one. Samples at `times` (n,) go into `rows`
+    (n, states) and `holds` (n, held numbers), which the next grasp overwrites, and the `columns`
+    (w,) among outputs, then states, into `kept` (m, w, n), outputs by the statements that are
+    `needed` (see output_slice.py). counts (m, 6): evaluations, Jacobians,
+    factorings, rejected steps, failure or 0, samples before it. Ends early where stop[0].
+    """
+    wanted = columns.size > 0 and columns.min() < OUTPUTS
+    outputs = np.zeros((times.size if wanted else 0, OUTPUTS))
+    path, none = np.zeros(PATH if alike else 1), np.zeros(1)
+    for k in range(vectors.shape[0]):
+        if stop[0]:
+            return
+        data = workspace(starts[k], vectors[k], reference, np.zeros(holds.shape[1]))
+        own, way = counts[k], path if k == 0 or path[0] > 0.0 else none
+        reached = grasp(
+            data, starts[k], bounds, periods[k], times, rtol, atol, stop, way, rows, holds, own
+        )
+        counts[k, 5] = finite(rows, reached)
+        if counts[k, 5] < reached:
+            counts[k, 4] = NOT_FINITE
+            path[0] = path[0] if k > 0 else 0.0
+        asked, filled = (columns, needed), counts[k, 5]
+        keep(vectors[k], reference, times, asked, rows, holds, outputs, kept[k], filled)
+
+
+def grasp(data, y, bounds, period, times, rtol, atol, stop, path, rows, holds, counts):
+    """Smooth part after smooth part, or tick after tick; returns how many samples were reached.
+
+    path (n,): how many steps another grasp took, and their ends, which are followed; where none
+    is known the grasp's own are noted there, as far as there is room.
+    """
+    p, reference, hold, c, out, dy, _ = data[0]
+    ends, pieces = np.zeros(RUN + 1), np.zeros((RUN + 1, 3, y.size))
+    work, clock = np.zeros((WORK, y.size)), np.ones(5)
+    last, end, filled = bounds[bounds.size - 1], 0.0, 0
+    clock[0], clock[1], clock[2], clock[3] = 0.0, 0.0, bounds[0], LONGEST
+    seen, turn = np.zeros((1, y.size)), np.ones(2)
+    place, follow, ahead = 0, path[0] > 0.0 and period == 0.0, np.zeros(1)
+    parts = 1 if period == 0.0 else int(np.ceil(last / period - 1e-9))
+    for part in range(parts):
+        start, end = end, last if period == 0.0 else min((part + 1) * period, last)
+        if period > 0.0:
+            bounds = np.full(1, end)
+            clock[0], clock[1], clock[2] = start, end - start, end
+            then = seen[part % seen.shape[0]] if hold[9] > 0.0 else y
+            sample(start, then, dy, p, c, reference, hold, out)
+            if part == 0 and hold[9] > 0.0:
+                seen = np.ones((int(hold[9] / period) + 2, 1)) * y
+        while clock[0] != end:
+            if follow:
+                if place == 0 or clock[0] == path[place]:
+                    place += 1
+                    ahead[0] = path[place]
+                    clock[1], clock[2] = ahead[0] - clock[0], ahead[0]
+                taken = advance(data, y, rtol, atol, clock, counts, ahead, ends, pieces, work)
+            else:
+                taken = advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+                place = noted(ends, taken, path, place)
+            if hold[9] > 0.0:
+                read_ahead(hold[9], period, ends[: taken + 1], pieces, turn, seen)
+            before = ends[taken] if period == 0.0 else ends[taken] * (1.0 - 1e-12)
+            first = filled
+            while filled < times.size and times[filled] < before:
+                filled += 1
+            sample_pieces(times[first:filled], ends[: taken + 1], pieces, rows[first:filled])
+            for row in range(first, filled):
+                copy_to(holds[row], hold)
+            if counts[4] == 0 and counts[1] > MOST:
+                counts[4] = TOO_MANY
+            if counts[4] == 0 and follow and counts[1] + counts[3] > APART * path[0]:
+                counts[4] = ASTRAY
+            if counts[4] != 0 or stop[0]:
+                return filled
+    for row in range(filled, times.size):
+        copy_to(rows[row], y)
+        copy_to(holds[row], hold)
+    path[0] = place if place < path.size else 0.0
+    return times.size
+
+
+def noted(ends, taken, path, place):
+    """Note the ends of steps taken after the first `place`; returns how many there are now."""
+    for k in range(taken):
+        place += 1
+        if place < path.size:
+            path[place] = ends[k + 1]
+    return place
+
+
+def read_ahead(age, period, ends, pieces, turn, seen):
+    """Keep what the firmware reads `age` later, at ticks to come: a row of `seen` for each.
+
+    turn: moment of a reading [s], tick that is next.
+    """
+    while turn[1] * period - age <= ends[ends.size - 1]:
+        turn[0] = turn[1] * period - age
+        row = int(turn[1]) % seen.shape[0]
+        if turn[0] > 0.0:
+            sample_pieces(turn[:1], ends, pieces, seen[row : row + 1])
+        turn[1] += 1.0
+
+
+def finite(rows, filled):
+    """How many of the first `filled` rows come before one that is not finite."""
+    for row in range(filled):
+        bad = 0
+        for i in range(rows.shape[1]):
+            bad += not abs(rows[row, i]) < np.inf
+        if bad > 0:
+            return row
+    return filled
+
+
+def keep(p, reference, times, asked, rows, holds, outputs, kept, filled):
+    """Fill `kept` (w, n) with what was asked for."""
+    columns, needed = asked
+    if outputs.size > 0:
+        fill_outputs(times[:filled], rows, p, reference, holds, needed, outputs)
+    for w in range(columns.size):
+        column = columns[w]
+        for row in range(filled):
+            kept[w, row] = outputs[row, column] if column < OUTPUTS else rows[row, column - OUTPUTS]

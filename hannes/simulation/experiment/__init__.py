@@ -1,0 +1,1 @@
+"""Experiments: what is declared, read, written and shipped."""

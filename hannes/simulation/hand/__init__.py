@@ -1,0 +1,1 @@
+"""The hand: equations, variables, anatomy, Jacobian."""

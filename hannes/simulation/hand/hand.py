@@ -1,0 +1,160 @@
+"""The hand: named parameter values and the effects in its model."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from hannes.contact.shapes import frame, sections
+from hannes.core.effect import Effect, joined
+from hannes.core.layout import Layout
+from hannes.core.parameter import ParameterSet
+from hannes.simulation.catalogue import effect as find_effect
+from hannes.simulation.compiler.assemble import Compiled, Equations, assemble
+from hannes.simulation.hand import anatomy, equations, variables
+from hannes.simulation.hand.anatomy import FINGERS
+from hannes.simulation.hand.jacobian import sparsity
+from hannes.simulation.hand.variables import LANES
+
+EQUATIONS = Equations(
+    equations,
+    Layout(variables.PARAMETER_SLOTS),
+    Layout(variables.STATES),
+    Layout(variables.CHANNELS),
+    Layout(variables.OUTPUTS),
+    shape=sparsity.shape,
+)
+
+# What the object's sections hang on.
+_POSE = ("turn", "tilt_x", "tilt_y")
+_CUT = {f"object.{name}" for name in ("radius", "half_x", "half_y", "z", *_POSE)} | {
+    f"{finger}.{name}" for finger in FINGERS for name in ("mount_z", "radius")
+}
+
+
+class Hand:
+    """A Hannes hand: immutable; `with_values` and `with_effects` return changed copies."""
+
+    def __init__(self, effects: Iterable[Effect | str] = ()) -> None:
+        found = [find_effect(each) if isinstance(each, str) else each for each in effects]
+        self.effects = joined((), found)
+        own = (
+            replace(each, name=effect.full_name(each.name))
+            for effect in self.effects
+            for each in effect.parameters
+        )
+        self.parameters = ParameterSet((*variables.PARAMETERS, *own))
+
+    def with_values(self, values: Mapping[str, float]) -> "Hand":
+        """Return a copy with other SI values by full name; BadInput on unknown name or bounds."""
+        return self._copy(self.effects, self.parameters.with_values(values))
+
+    def with_effects(self, *effects: Effect | str) -> "Hand":
+        """Return a copy whose model also has `effects`, at `off` until given a value."""
+        found = [find_effect(each) if isinstance(each, str) else each for each in effects]
+        grown = Hand(joined(self.effects, found))
+        return self._copy(grown.effects, grown.parameters.with_values(dict(self.parameters)))
+
+    def _copy(self, effects: tuple[Effect, ...], parameters: ParameterSet) -> "Hand":
+        copy = Hand.__new__(Hand)
+        copy.effects, copy.parameters = effects, parameters
+        return copy
+
+    def present_effects(self) -> tuple[Effect, ...]:
+        """Effects with an amplitude that is not `off`; the others are left out of the model."""
+        return tuple(
+            each
+            for each in self.effects
+            if any(self.parameters[each.full_name(a.name)] != a.off for a in each.amplitudes)
+        )
+
+    def compiled(self, effects: tuple[Effect, ...] | None = None) -> Compiled:
+        """Entry points of the model with its present effects, or with exactly `effects`."""
+        return assemble(EQUATIONS, self.present_effects() if effects is None else effects)
+
+    def equations(self) -> str:
+        """Text of the assembled equations, effects included."""
+        return self.compiled().text
+
+    def vector(self, shape: str | None, effects: tuple[Effect, ...] | None = None) -> np.ndarray:
+        """Pack all values for the compiled code, shape (parameter layout,), SI units.
+
+        `shape` is that of the object, None where there is none.
+        """
+        values, effects = self.parameters, self.present_effects() if effects is None else effects
+        packed = [values[name] for name in variables.PACKED]
+        if shape is None:
+            packed += [0.0] * (29 + LANES)
+        else:
+            turns = any("object_angle" in term.writes for each in effects for term in each.terms)
+            packed += [1.0, *self._sections(shape, turns)]
+        packed += [0.0, 1.0] * (LANES // 2)
+        for effect in effects:
+            packed += [values[effect.full_name(each.name)] for each in effect.parameters]
+        return np.array(packed)
+
+    def vectors(
+        self,
+        shape: str | None,
+        count: int,
+        columns: Mapping[str, np.ndarray],
+        effects: tuple[Effect, ...],
+    ) -> np.ndarray:
+        """Pack `count` vectors that differ in `columns` (full name -> (count,)), one a row.
+
+        A column is copied to its places at once, but where the object's sections hang on it.
+        """
+        if _CUT & columns.keys():
+            rows = zip(*columns.values(), strict=True)
+            posed = (self.with_values(dict(zip(columns, row, strict=True))) for row in rows)
+            return np.array([each.vector(shape, effects) for each in posed])
+        base = self.vector(shape, effects)
+        own = [effect.full_name(each.name) for effect in effects for each in effect.parameters]
+        table = np.tile(base, (count, 1))
+        for place, name in (*enumerate(variables.PACKED), *enumerate(own, base.size - len(own))):
+            if name in columns:
+                table[:, place] = columns[name]
+        return table
+
+    def _sections(self, shape: str, turns: bool) -> list[float]:
+        """Values of the slots from `object_flat` to `reach`; `turns`: an effect turns it."""
+        values = self.parameters
+        offsets = [values[f"{finger}.mount_z"] - values["object.z"] for finger in FINGERS]
+        radius, half_x, half_y = (values[f"object.{n}"] for n in ("radius", "half_x", "half_y"))
+        cuts = sections(shape, radius, half_x, half_y, offsets)
+        middle = sections(shape, radius, half_x, half_y, [0.0])[0]
+        pose = [0.0 if shape == "sphere" else values[f"object.{name}"] for name in _POSE]
+        halves = [cut[column] for column in (0, 1) for cut in cuts]
+        aside = [offset * math.tan(tilt) for tilt in pose[1:] for offset in offsets]
+        flat = 1.0 if any(halves) else 0.0
+        if any(pose[1:]) or (flat and (turns or pose[0])):
+            flat = 2.0
+        reach = [
+            values[f"{finger}.radius"] + cut[2] if cut[2] > 0.0 else -1.0
+            for finger, cut in zip(FINGERS, cuts, strict=True)
+            for _ in range(2)
+        ]
+        ghosts = [-1.0] * (LANES - len(reach))
+        return [flat, *halves, *aside, *middle, *frame(*pose), *reach, *ghosts]
+
+    def rest(self, compiled: Compiled) -> np.ndarray:
+        """State of the open hand at rest, shape (states,)."""
+        state = np.zeros(compiled.states.size)
+        state[compiled.states["joint_angle"]] = [
+            self.parameters[name] for name in anatomy.TABLES["rest"]
+        ]
+        return state
+
+    def rests(self, compiled: Compiled, vectors: np.ndarray) -> np.ndarray:
+        """The same for each row of `vectors`, shape (m, states)."""
+        states = np.zeros((vectors.shape[0], compiled.states.size))
+        angles = states[:, compiled.states["joint_angle"]]
+        angles[:] = vectors[:, compiled.parameters["rest"]][:, : angles.shape[1]]
+        return states
+
+    def __str__(self) -> str:
+        """Stages with their equations, effects, values that differ from the shipped, sources."""
+        from hannes.simulation.hand.description import described
+
+        return described(self)

@@ -1,0 +1,196 @@
+"""The one home of `hand.toml`: it holds only what differs from the shipped hand, or another plant.
+
+Reading and writing serve any model with named values and effects; `base` names what they change.
+"""
+
+import inspect
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Protocol, Self, TypeVar
+
+from hannes.core.effect import Effect
+from hannes.core.errors import BadInput, nearest
+from hannes.core.io.toml_table import Table, read_text
+from hannes.core.io.units import quantity, text
+from hannes.core.kernels.jit import plain
+from hannes.core.parameter import Parameter, ParameterSet
+from hannes.simulation import catalogue
+from hannes.simulation.hand.hand import Hand
+
+SHIPPED: dict[str, Callable[[], Hand]] = {"hannes": Hand}
+KEYS = ("base", "effects", "parameters")
+DEEPEST = 8  # hand files that build on one another
+
+
+class Model(Protocol):
+    """What such a file speaks of: a hand, or any other plant."""
+
+    @property
+    def parameters(self) -> ParameterSet: ...
+
+    @property
+    def effects(self) -> tuple[Effect, ...]: ...
+
+    def with_effects(self, *effects: Effect) -> Self: ...
+
+    def with_values(self, values: Mapping[str, float]) -> Self: ...
+
+
+M = TypeVar("M", bound=Model)
+
+
+def load_hand(name: str | Path, folder: Path | None = None) -> Hand:
+    """Return a shipped hand by name, or the one of a hand.toml (relative to `folder`).
+
+    Raises BadInput for an unknown name or a file that is not a hand's.
+    """
+    if str(name) not in SHIPPED and not str(name).endswith(".toml"):
+        raise BadInput(
+            f'no hand named "{name}"{nearest(str(name), SHIPPED)} (shipped: {", ".join(SHIPPED)}; '
+            "or give the path of a hand.toml)"
+        )
+    return load(str(name), folder or Path(), SHIPPED)
+
+
+def load(name: str, folder: Path, bases: Mapping[str, Callable[[], M]]) -> M:
+    """Return the model of a hand.toml, which starts from one of `bases` or from another such file.
+
+    A file without `base` starts from the first. Raises BadInput naming the file and the key.
+    """
+    if name in bases:
+        return bases[name]()
+    base, changes = next(iter(bases)), []
+    for table in chain(folder / name):
+        changes.append(table)
+        base = table.text("base", next(iter(bases)))
+    if base not in bases:
+        changes[-1].refuse("base", f'= "{base}": {_expected(base, bases)}')
+    model = bases[base]()
+    for table in reversed(changes):
+        model = changed(model, table, Path(table.where).parent)
+    return model
+
+
+def chain(path: Path) -> list[Table]:
+    """The tables of a hand.toml and of the files on which it builds, itself first."""
+    found: list[Table] = []
+    base = str(path)
+    while base.endswith(".toml"):
+        if len(found) == DEEPEST:
+            raise BadInput(
+                f"{path}: more than {DEEPEST} hand files build on one another, in a circle?"
+            )
+        found.append(Table.parse(read_text(path), str(path), KEYS))
+        base = found[-1].text("base", "")
+        path = path.parent / base
+    return found
+
+
+def _expected(base: str, bases: Mapping[str, Any]) -> str:
+    return (
+        f"expected {' or '.join(bases)}, or the path of a hand.toml{nearest(base, bases)}; values "
+        "of another plant serve as base of its campaigns, and `hannes hand` prints them"
+    )
+
+
+def changed(model: M, table: Table, folder: Path | None) -> M:
+    """Return `model` with the `effects` and `[parameters]` of a table."""
+    present = {each.name: each for each in model.effects}
+    for name in table.texts("effects"):
+        found = _effect(name, table, folder, own_catalogue(model))
+        if present.setdefault(found.name, found) != found:
+            table.refuse("effects", f'"{name}": another effect has the name "{found.name}"')
+        model = model.with_effects(found)
+    return model.with_values(values(table.table("parameters"), model))
+
+
+def own_catalogue(plant: object) -> Mapping[str, Effect]:
+    """Effects that only this plant has; a plant may leave out the attribute `catalogue`."""
+    return getattr(plant, "catalogue", {})
+
+
+def _effect(name: str, table: Table, folder: Path | None, known: Mapping[str, Effect]) -> Effect:
+    try:
+        return known[name] if name in known else catalogue.effect(name, folder)
+    except BadInput as error:
+        table.refuse("effects", f"cannot be used: {error}")
+
+
+def values(table: Table, model: Model) -> dict[str, float]:
+    """Return SI values by full name from a table of `"full.name" = "value unit"` lines."""
+    return {
+        name: checked(given, declared(name, model, table), table)
+        for name, given in table.content.items()
+    }
+
+
+def checked(given: object, parameter: Parameter, table: Table) -> float:
+    """Return the SI value of a text with its unit for `parameter`; BadInput names the file."""
+    number = quantity(given, parameter.unit, f"{table.where}: {parameter.name}")
+    try:
+        return parameter.check(number)
+    except BadInput as error:
+        raise BadInput(f"{table.where}: {error}") from None
+
+
+def declared(name: str, model: Model, table: Table) -> Parameter:
+    """Return a parameter's declaration; BadInput tells an absent effect from a misspelling."""
+    prefix = name.partition(".")[0]
+    if name == "controller.sampled":
+        table.refuse(name, 'is not set here: write controller = "sampled" in the experiment')
+    if name not in model.parameters.declared and prefix in catalogue.named():
+        if prefix not in {each.name for each in model.effects}:
+            table.refuse(name, f'belongs to an effect that is not on: add effects = ["{prefix}"]')
+    try:
+        return model.parameters.require(name)
+    except BadInput as error:
+        raise BadInput(f"{table.where}: {table.prefix[:-1]}: {error}") from None
+
+
+def hand_toml(model: Model, shipped: Model | None = None, base: str = "hannes") -> str:
+    """Return the text of the hand.toml that makes `model` from `shipped`, known as `base`.
+
+    Without `shipped` every value that is not the declared one is written.
+    """
+    import tomli_w
+
+    content = {
+        "base": base,
+        "effects": effect_names(model),
+        "parameters": texts(model, differences(model, shipped)),
+    }
+    return tomli_w.dumps(content)
+
+
+def differences(model: Model, shipped: Model | None = None) -> dict[str, float]:
+    """SI values by full name that are not those of `shipped`, or not the declared ones."""
+    known = dict(shipped.parameters) if shipped else {}
+    return {
+        name: number
+        for name, number in model.parameters.items()
+        if number != known.get(name, model.parameters.declared[name].value)
+    }
+
+
+def texts(model: Model, numbers: Mapping[str, float]) -> dict[str, str]:
+    """Values by full name as texts with their unit."""
+    return {name: text(x, model.parameters.require(name).unit) for name, x in numbers.items()}
+
+
+def effect_names(model: Model) -> list[str]:
+    """Names under which a model's effects are found again: catalogue, or `file.py:EFFECT`."""
+    return [_effect_name(each, own_catalogue(model)) for each in model.effects]
+
+
+def _effect_name(effect: Effect, known: Mapping[str, Effect]) -> str:
+    if (known.get(effect.name) or catalogue.named().get(effect.name)) == effect:
+        return effect.name
+    for place, own in catalogue.own_effects().items():
+        if own == effect:
+            return place
+    function = plain(effect.terms[0].kernel)
+    path, found = inspect.getsourcefile(function), function.__globals__
+    names = [name for name, held in found.items() if held is effect]
+    if not names or not path:
+        raise BadInput(f"effect {effect.name} lives in no file, so a hand.toml cannot name it")
+    return f"{Path(path).resolve()}:{names[0]}"

@@ -1,0 +1,1 @@
+"""The hand's Jacobian and its factorisation."""

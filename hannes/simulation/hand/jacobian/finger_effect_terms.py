@@ -1,0 +1,259 @@
+"""Derivatives of what effects add to joints and contacts, as text for finger_blocks.py.
+
+For kernels of one joint or phalanx that read its motion or its contact and their own states, and
+for those of what force sensors tell; with any other in them fingers are differenced.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hannes.core.effect import Effect, Term
+from hannes.simulation.compiler.autodiff.dead_code import alive
+from hannes.simulation.compiler.autodiff.forward import Derivation
+from hannes.simulation.compiler.autodiff.values import Value
+from hannes.simulation.compiler.expansion import Layouts
+from hannes.simulation.hand.jacobian.drivetrain_block import WRITTEN
+
+# By what a kernel of each stage may be felt, and under which name.
+_OF_JOINT = {
+    "joint_angle": "angle",
+    "lane_angle": "angle",
+    "joint_speed": "speed",
+    "lane_speed": "speed",
+}
+_OF_PHALANX = {"penetration": "depth", "penetration_rate": "rate"}
+_INPUTS = {
+    "spring_torque": _OF_JOINT,
+    "joint_friction": _OF_JOINT,
+    "normal_force": _OF_PHALANX,
+    "told_force": {"told_force": "told"},
+    "told_sensor": {"told_sensor": "told"},
+}
+_PLACED = {"object_x", "object_y", "object_angle"}  # nothing to derive where the object stands
+_TOLD = ("told_force", "told_sensor")
+
+
+@dataclass(frozen=True)
+class Felt:
+    """A kernel in the fingers, and the first row among a finger's states of each of its own."""
+
+    effect: Effect
+    term: Term
+    rows: Mapping[str, int]
+
+    @property
+    def channel(self) -> str:
+        """What it adds to."""
+        return self.term.writes[0]
+
+    @property
+    def of_joint(self) -> bool:
+        """Tell whether it adds to a joint's torque, not to a contact."""
+        return _INPUTS.get(self.channel) is _OF_JOINT
+
+    @property
+    def pressed(self) -> bool:
+        """Tell whether it adds to a phalanx' normal force."""
+        return self.channel == "normal_force"
+
+    @property
+    def told(self) -> bool:
+        """Tell whether it adds to what a force sensor tells."""
+        return self.channel in _TOLD
+
+
+def fits(effect: Effect, term: Term, layouts: Layouts) -> bool:
+    """Tell whether what a kernel adds in the fingers is derived here."""
+    inputs = _INPUTS.get(term.writes[0], {}) if len(term.writes) == 1 else {}
+    own = {each.name for each in effect.parameters}
+    states = {each.name: each.axis for each in effect.states}
+    axis = layouts.c.slot(term.writes[0]).axis
+    for name in term.arguments:
+        if name in states:
+            pair = {states[name], axis}
+            if name not in term.states or not (len(pair) == 1 or pair == {"joint", "phalanx"}):
+                return False
+        elif name not in own and name not in inputs and name not in layouts.p and name != "t":
+            return False
+    if term.writes[0] in _TOLD:
+        return len(term.states) == 1
+    return bool(inputs) or (set(term.writes) <= _PLACED and not term.states)
+
+
+def text(felt: Sequence[Felt], size: int, layouts: Layouts, names: Mapping[str, Any]) -> str:
+    """Functions `joint_effects` and `contact_effects`; `size`: of a finger's own states."""
+    parts = (
+        "def joint_effects(t, y, p, c, blocks):",
+        '    """Torque of a joint by its own motion and states, these by each other."""',
+        *[f"    blocks[2:4, 4:{size}] = 0.0", f"    blocks[4:{size}] = 0.0"] * (size > 4),
+        *_loop(10, _of_joints(_Loop([each for each in felt if each.of_joint], layouts, names))),
+        "",
+        "",
+        "def contact_effects(t, y, p, c, blocks):",
+        '    """Normal forces by their rates and states; positive where contacts move a state."""',
+        "    moves = 0.0",
+        "    for k in range(p.rest.size):",
+        "        c.pressing[k] = 0.0",
+        *_loop(
+            10, _of_phalanges(_Loop([each for each in felt if each.pressed], layouts, names), felt)
+        ),
+        *_loop(5, _of_sensors(_Loop([each for each in felt if each.told], layouts, names), felt)),
+        "    return moves",
+    )
+    return layouts.fill("\n".join(parts))
+
+
+def _loop(count: int, lines: Sequence[str]) -> list[str]:
+    if not lines:
+        return []
+    head = [f"    for k in range({count}):"]
+    head += ["        f, link = k // 2, k % 2"] if count == 10 else []
+    return head + ["        " + line for line in lines]
+
+
+class _Loop:
+    """Kernels in one loop over joints, phalanges or fingers, and the lines that derive them."""
+
+    def __init__(self, felt: Sequence[Felt], layouts: Layouts, names: Mapping[str, Any]) -> None:
+        self.felt, self._layouts, self._found = felt, layouts, Derivation({}, names, WRITTEN)
+        self.lines = self._found.lines
+
+    def derived(self, felt: Felt) -> tuple[Mapping[str, str], dict[str, Mapping[str, str]]]:
+        """Derivatives of what is added, and of the rate of each state."""
+        axis, inputs = self._layouts.c.slot(felt.channel).axis, _INPUTS[felt.channel]
+        columns = {**inputs, **{name: name for name in felt.rows}}
+        given = [
+            Value(
+                self._layouts.argument(name, felt.effect, axis),
+                {columns[name]: "1.0"} if name in columns else {},
+            )
+            for name in felt.term.arguments
+        ]
+        result = self._found.kernel(felt.effect.kernel_name(felt.term), given)
+        added, *rates = result if isinstance(result, tuple) else (result,)
+        slopes = {name: rate.slopes for name, rate in zip(felt.term.states, rates, strict=True)}
+        return added.slopes, slopes
+
+
+def _of_joints(loop: _Loop) -> list[str]:
+    for felt in loop.felt:
+        added, rates = loop.derived(felt)
+        for by, slope in added.items():
+            target = f"c.own_{by}_slope[k]" if by not in felt.rows else ""
+            loop.lines.append(
+                f"{target or f'blocks[2 + link, {felt.rows[by]} + link, f]'} -= {slope}"
+            )
+        for state, slopes in rates.items():
+            for by, slope in slopes.items():
+                column = {"angle": 0, "speed": 2}.get(by, felt.rows.get(by))
+                loop.lines.append(
+                    f"blocks[{felt.rows[state]} + link, {column} + link, f] = {slope}"
+                )
+    return alive(loop.lines)
+
+
+def _of_phalanges(loop: _Loop, felt: Sequence[Felt]) -> list[str]:
+    told = [each for each in felt if each.told]
+    if not told and not loop.felt:
+        return []
+    loop.lines += [
+        "pushes = 1.0 if c.normal_force[k] > 0.0 else 0.0",
+        "faces = 1.0 if c.normal_x[k] > 0.0 else 0.0",
+        "turned = soft_sign(c.slip_speed[k] / p.object_slip_speed)",
+        "drag = p.object_friction * turned",
+        "on_mcp = c.normal_arm_mcp[k] - drag * c.slip_arm_mcp[k]",
+        "on_pip = c.normal_arm_pip[k] - drag * c.slip_arm_pip[k]",
+        "on_sensor = faces * (c.normal_x[k] + drag * c.normal_y[k])",
+    ]
+    for each in loop.felt:
+        _press(loop, each, told)
+    loop.lines += [
+        "ramp = smoothstep(c.penetration[k] / p.object_onset)",
+        "rise = pushes * p.object_damping * ramp + c.pressing[k]",
+        "slip = p.object_friction * c.normal_force[k] * (1.0 - turned * turned)",
+        "slip *= faces * c.normal_y[k] / p.object_slip_speed",
+    ] * bool(told)
+    for each in told:
+        row = next(iter(each.rows.values()))
+        for column, joint in ((2, "mcp"), (3, "pip")):
+            by = f"-rise * c.normal_arm_{joint}[k]"
+            if each.channel == "told_sensor":
+                by += f" * on_sensor + slip * c.slip_arm_{joint}[k]"
+            loop.lines.append(f"blocks[{row}, {column}, f] += {by}")
+    return alive(loop.lines)
+
+
+def _press(loop: _Loop, felt: Felt, told: Sequence[Felt]) -> None:
+    """What one kernel adds to a normal force; by the depth finger_blocks.py differences it."""
+    added, rates = loop.derived(felt)
+    for by, slope in added.items():
+        if by == "rate":
+            loop.lines.append(f"c.pressing[k] += pushes * {slope}")
+        elif by in felt.rows:
+            place = f"{felt.rows[by]} + link, f"
+            loop.lines.append(f"blocks[2, {place}] += pushes * {slope} * on_mcp")
+            loop.lines.append(f"blocks[3, {place}] += pushes * {slope} * on_pip")
+            for each in told:
+                (row,) = each.rows.values()
+                share = " * on_sensor" if each.channel == "told_sensor" else ""
+                loop.lines.append(f"blocks[{row}, {place}] += pushes * {slope}{share}")
+    for state, slopes in rates.items():
+        at = f"{felt.rows[state]} + link"
+        for by, slope in slopes.items():
+            if by not in felt.rows:
+                loop.lines.append(f"moves += abs({slope})")
+            if by == "rate":
+                loop.lines.append(f"blocks[{at}, 2, f] = -{slope} * c.normal_arm_mcp[k]")
+                loop.lines.append(f"blocks[{at}, 3, f] = -{slope} * c.normal_arm_pip[k]")
+            elif by in felt.rows:
+                loop.lines.append(f"blocks[{at}, {felt.rows[by]} + link, f] = {slope}")
+
+
+def _of_sensors(loop: _Loop, felt: Sequence[Felt]) -> list[str]:
+    for each in loop.felt:
+        (state, row), (_, rates) = *each.rows.items(), loop.derived(each)
+        columns = [2, 3, *_pressed(felt)]
+        loop.lines += [
+            f"blocks[{row}, {column}, k] *= {rates[state].get('told', '0.0')}" for column in columns
+        ]
+        loop.lines.append(f"blocks[{row}, {row}, k] = {rates[state].get(state, '0.0')}")
+    return alive(loop.lines)
+
+
+def _pressed(felt: Sequence[Felt]) -> list[int]:
+    """Rows of the states that normal forces depend on."""
+    return [
+        row + link for each in felt if each.pressed for row in each.rows.values() for link in (0, 1)
+    ]
+
+
+def touched(felt: Sequence[Felt]) -> list[int]:
+    """Rows of the states whose rates depend on where contacts lie."""
+    return _pressed(felt) + [row for each in felt if each.told for row in each.rows.values()]
+
+
+def pattern(felt: Sequence[Felt], size: int) -> list[list[bool]]:
+    """Where the rates of a finger's own states may depend on these."""
+    full = [[i == j for j in range(size)] for i in range(size)]
+    full[0][2] = full[1][3] = True
+    for i in (2, 3):
+        full[i][:4] = [True] * 4
+    for each in felt:
+        for row in each.rows.values():
+            _join(full, each, row, felt)
+    return full
+
+
+def _join(full: list[list[bool]], felt: Felt, row: int, all_felt: Sequence[Felt]) -> None:
+    """Note by what the rate of a state goes, and what goes by it."""
+    if felt.told:
+        for column in (0, 1, 2, 3, *_pressed(all_felt)):
+            full[row][column] = True
+        return
+    for link in (0, 1):
+        full[2][row + link] = full[3][row + link] = True
+        for column in (link, 2 + link) if felt.of_joint else range(4):
+            full[row + link][column] = True
+        for other in felt.rows.values():
+            full[row + link][other + link] = True

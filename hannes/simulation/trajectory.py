@@ -1,0 +1,119 @@
+"""What a simulation returns: states over time, outputs on demand, and how it ended."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+
+import numpy as np
+
+from hannes.core.errors import BadInput, ComputationFailed, nearest
+from hannes.simulation.compiler.assemble import Compiled
+from hannes.simulation.experiment.experiment import Experiment
+
+
+class Outcome(Enum):
+    """How a simulation ended."""
+
+    COMPLETED = "completed"
+    SOLVER_GAVE_UP = "the solver gave up"
+    NOT_FINITE = "the state is no longer finite"
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a simulation took: evaluations, Jacobians, smooth parts and solver time [s]."""
+
+    evaluations: int = 0
+    jacobians: int = 0
+    steps: int = 0
+    seconds: float = 0.0
+
+    def __add__(self, other: "Cost") -> "Cost":
+        return Cost(
+            self.evaluations + other.evaluations,
+            self.jacobians + other.jacobians,
+            self.steps + other.steps,
+            self.seconds + other.seconds,
+        )
+
+
+def failed(title: str, outcome: Outcome, message: str, time: np.ndarray) -> ComputationFailed:
+    """The error for a run that ended after the samples at `time`, with what to try."""
+    last = time[-1] if time.size else 0.0
+    return ComputationFailed(
+        f"{title}: {outcome.value} at {last:.4f} s "
+        f"(solver: {message}); try a smaller rtol, method = Radau, or softer parameters"
+    )
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """States at the sample times, shape (n, states); outputs are computed when asked for.
+
+    Where the outcome is not COMPLETED the samples end before the failure and `message` keeps
+    the solver's own words.
+    """
+
+    experiment: Experiment
+    time: np.ndarray
+    states: np.ndarray
+    outcome: Outcome
+    message: str
+    cost: Cost
+    compiled: Compiled = field(repr=False)
+    parameters: np.ndarray = field(repr=False)
+    knots: np.ndarray = field(repr=False)
+    holds: np.ndarray = field(repr=False)
+
+    def require(self) -> "Trajectory":
+        """Return itself where completed; raise ComputationFailed with what to try otherwise."""
+        if self.outcome is Outcome.COMPLETED:
+            return self
+        raise failed(self.experiment.title, self.outcome, self.message, self.time)
+
+    @cached_property
+    def outputs(self) -> np.ndarray:
+        """All outputs at the sample times, shape (n, outputs); see hand/variables.py."""
+        observe = self.compiled.observed.observe
+        return observe(self.time, self.states, self.parameters, self.knots, self.holds)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return an output or a state by name, shape (n,) or (n, size); BadInput when unknown."""
+        if name in self.compiled.states and name not in self.compiled.outputs:
+            return self._column(self.states, self.compiled.states, name)
+        return self._column(self.outputs, self.compiled.outputs, name)
+
+    @staticmethod
+    def _column(table, layout, name):
+        part = table[:, layout[name]]
+        return part if layout.slot(name).axis else part[:, 0]
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """One grasp of a batch: `number` counts from 0, `grasp[name]` is a channel asked for.
+
+    Channels have the shape (n,) or (n, size), n the samples in `time` [s]. Where the outcome is
+    not COMPLETED they end before the failure, which `message` tells in the solver's words.
+    """
+
+    number: int
+    title: str
+    time: np.ndarray = field(repr=False)
+    channels: Mapping[str, np.ndarray] = field(repr=False)
+    outcome: Outcome
+    message: str
+    cost: Cost
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return a channel; BadInput where it was not asked for."""
+        if name not in self.channels:
+            raise BadInput(f'channel "{name}" was not asked for{nearest(name, self.channels)}')
+        return self.channels[name]
+
+    def require(self) -> "Grasp":
+        """Return itself where completed; raise ComputationFailed with what to try otherwise."""
+        if self.outcome is Outcome.COMPLETED:
+            return self
+        raise failed(f"{self.title}, grasp {self.number}", self.outcome, self.message, self.time)
