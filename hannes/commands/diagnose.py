@@ -1,9 +1,9 @@
 """Find where simulation and recordings disagree, and which effect the model is missing.
 
-A plant that says what of it is uncertain is diagnosed as identification/diagnosis tells.
-Others take a lighter way, in this order: roles first; floor; base refitted; each effect refitted on the same
-pieces; the choice made on pieces that no fit has seen; then all but the show recordings refitted
-once more, and the show recordings opened.
+A plant that says what of it is uncertain is diagnosed as identification/diagnosis tells. Others
+take a lighter way, in this order: roles first; floor; base refitted; each effect refitted on the
+same pieces; the choice made on pieces that no fit has seen; then all but the show recordings
+refitted once more, and the show recordings opened.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

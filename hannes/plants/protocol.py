@@ -35,7 +35,7 @@ class Plant(Protocol):
 
     Angles, times and all else in SI units. A plant may have these besides, and is used without:
 
-    expected:   channel -> Expected (core/recording/channel_limits.py), which sharpens `hannes check`
+    expected:   channel -> Expected (core/recording/channel_limits.py), for `hannes check`
     restless:   parameter -> how far runs of one machine differ in it (one standard deviation, SI);
                 calibrate takes what that explains for no misfit, and so does diagnose, where
                 they are those of a `run_scatter` of 1 %

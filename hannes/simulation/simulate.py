@@ -21,10 +21,10 @@ def simulate(
 ) -> Trajectory:
     """Simulate `experiment` with `hand` and return its Trajectory, completed or not.
 
-    `method` is "Rodas" (simulation/rodas) or one of scipy's; `rtol` the relative tolerance, absolute
-    ones follow from each state's declared tolerance. `effects` fixes the set that is compiled in
-    (default: those of `hand` that are not off). Raises BadInput for a bad method, tolerance or
-    value.
+    `method` is "Rodas" (simulation/rodas) or one of scipy's; `rtol` the relative tolerance,
+    absolute ones follow from each state's declared tolerance. `effects` fixes the set that is
+    compiled in (default: those of `hand` that are not off). Raises BadInput for a bad method,
+    tolerance or value.
     """
     if method not in METHODS:
         raise BadInput(f'unknown method "{method}"{nearest(method, METHODS)}')

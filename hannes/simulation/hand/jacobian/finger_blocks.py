@@ -1,7 +1,8 @@
 """Derivatives of the fingers' rates, mostly in closed form.
 
-Text of the same kind as arrowhead.py, for sets of effects of which finger_effect_terms.py can derive
-what they add; for all others there is finger_differences.py. Only where contacts lie is differenced.
+Text of the same kind as arrowhead.py, for sets of effects of which finger_effect_terms.py can
+derive what they add; for all others there is finger_differences.py. Only where contacts lie is
+differenced.
 """
 
 from typing import Any
