@@ -1,32 +1,30 @@
-"""The only place that imports numba: what a kernel is, and where its machine code is kept.
+"""Where numba comes in: what a kernel is, and where its machine code is kept.
 
 Machine code is cached under digests of every source that enters it, because numba itself watches
 only the file of the outermost function and would run stale code after an edit of an inner one.
 """
 
 import functools
-import gc
 import hashlib
 import platform
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler_lock import global_compiler_lock
-from numba.core.registry import cpu_target
 from numba.extending import lower_builtin, type_callable
 
 from hannes.core.io.cache import cache_home
+from hannes.core.kernels import numba_private
 
-# Options of all compiled code, and of what only compiled code calls.
-_COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
-_WITHIN = _COMMON | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_COMMON: dict[str, Any] = {"nogil": True, "error_model": "numpy"}  # of all compiled code
 
-WRAPPED = "_ZN7cpython"  # how numba's names of what Python calls begin
+
+def _within(**options: Any) -> dict[str, Any]:
+    """Options of what only compiled code calls."""
+    private = numba_private.options(no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
+    return _COMMON | private
 
 
 def fused(a: float, b: float, c: float) -> float:
@@ -74,7 +72,7 @@ def kernel(function: Callable[..., Any]) -> Any:
 
     It may allocate, whoever calls it: without `_nrt` it would be as its caller is (see `inner`).
     """
-    return numba.njit(**_COMMON, forceinline=True, _nrt=True)(function)
+    return numba.njit(**_COMMON, **numba_private.options(forceinline=True, _nrt=True))(function)
 
 
 def inner(function: Callable[..., Any]) -> Any:
@@ -82,108 +80,32 @@ def inner(function: Callable[..., Any]) -> Any:
 
     Nor may it allocate: it does not count references to arrays, as each count takes a lock.
     """
-    return numba.njit(**_WITHIN, forceinline=True, _nrt=False)(function)
+    return numba.njit(**_within(forceinline=True, _nrt=False))(function)
 
 
 def routine(function: Callable[..., Any]) -> Any:
     """Like `inner` for a function that stays one, long and called from several places."""
-    return numba.njit(**_WITHIN, _nrt=False)(function)
+    return numba.njit(**_within(_nrt=False))(function)
 
 
 def provider(function: Callable[..., Any]) -> Any:
     """Like `routine` for a function that allocates."""
-    return numba.njit(**_WITHIN, _nrt=True)(function)
+    return numba.njit(**_within(_nrt=True))(function)
 
 
 def folded(function: Callable[..., Any]) -> Any:
     """Like `inner`, put into its caller before types are known: cheap where there is only one."""
-    return numba.njit(**_WITHIN, inline="always")(function)
+    return numba.njit(**_within(), inline="always")(function)
 
 
 def entry(function: Callable[..., Any]) -> Any:
     """Compile an entry point with all that it calls, and keep its machine code on disk."""
     dispatcher = numba.njit(**_COMMON, cache=True)(function)
     if compiles():
-        dispatcher.compile = functools.partial(_compiled, dispatcher, dispatcher.compile)
+        dispatcher.compile = functools.partial(
+            numba_private.compiled, dispatcher, dispatcher.compile
+        )
     return dispatcher
-
-
-def _compiled(dispatcher: Any, method: Callable[..., Any], signature: Any) -> Any:
-    """Compile at LLVM's second level: a quarter less time than the third, and code as quick.
-
-    As measured on the hand (docs/speed.md), as is what `_Library` saves, and what it saves not to
-    look for garbage meanwhile, of which compiling leaves little. Under numba's own lock, for its
-    level and its libraries are global.
-    """
-    with global_compiler_lock, _no_collection():
-        level, codegen = numba.config.OPT, cpu_target.target_context.codegen()
-        library = codegen._library_class
-        numba.config.OPT = type(level)(min(int(level), 2))
-        codegen._library_class = _Library
-        try:
-            made = method(signature)
-        finally:
-            numba.config.OPT, codegen._library_class = level, library
-        for each in dispatcher.overloads.values():
-            for environment in each._find_referenced_environments():
-                codegen.set_env(environment.env_name, environment)
-        return made
-
-
-@contextmanager
-def _no_collection() -> Iterator[None]:
-    """Garbage is not looked for inside, where it was before."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
-
-
-class _Nowhere:
-    """Takes the environment of a function of which no machine code is made."""
-
-    @staticmethod
-    def set_env(name: str, environment: Any) -> None:
-        """An environment's place is told by machine code."""
-
-
-class _Library(JITCodeLibrary):
-    """Code of one function, which becomes machine code only where Python calls it.
-
-    What only compiled code calls is linked into its callers and made better there. Numba else does
-    so in each function, and again in all that call it; and of two machine codes of a function,
-    one alone and one in its caller, either may run.
-    """
-
-    _called = True
-
-    @property
-    def codegen(self) -> Any:
-        return self._codegen if self._called else _Nowhere
-
-    def _optimize_final_module(self) -> None:
-        functions = self._final_module.functions
-        self._called = any(
-            each.name.startswith(WRAPPED) and not each.is_declaration for each in functions
-        )
-        if self._called:
-            super()._optimize_final_module()
-            return
-        manager, builder = self._codegen._module_pass_manager(
-            loop_vectorize=False, slp_vectorize=False, opt=self._codegen._opt_level, cost="cheap"
-        )
-        manager.run(self._final_module, builder)
-
-    def _finalize_final_module(self) -> None:
-        if self._called:
-            super()._finalize_final_module()
-            return
-        self._finalize_dynamic_globals()
-        self._verify_declare_only_symbols()
-        self._finalized = True
 
 
 def plain(function: Any) -> Callable[..., Any]:
@@ -198,13 +120,15 @@ def compiles() -> bool:
 
 @functools.cache
 def compiler_digest() -> str:
-    """Digest of what compiles: this file's options and the versions behind them.
+    """Digest of what compiles: options here and in `numba_private`, and the versions behind them.
 
     A generated module's own digest covers every source that it reaches (assemble.py).
     """
     digest = hashlib.sha256(Path(__file__).read_bytes())
-    for version in (numba.__version__, np.__version__, platform.python_version()):
-        digest.update(version.encode())
+    digest.update(Path(numba_private.__file__).read_bytes())
+    missing = numba_private.missing()
+    for part in (numba.__version__, np.__version__, platform.python_version(), missing):
+        digest.update(part.encode())
     return digest.hexdigest()[:16]
 
 
