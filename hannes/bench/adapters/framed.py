@@ -1,0 +1,144 @@
+"""Boards that speak the protocol of `hannes/bench/messages.py`, the virtual board among them."""
+
+from hannes.bench.board_logic import profile_check
+from hannes.bench.events import About, Event, OtherVersion, Reply, Row, Status
+from hannes.bench.frames import Frame, Splitter, encode
+from hannes.bench.messages import (
+    AT_ONCE,
+    FROM_BOARD,
+    VERSION,
+    Alive,
+    Answer,
+    Ask,
+    Channel,
+    Hello,
+    Kind,
+    Points,
+    Profile,
+    Pulse,
+    Reason,
+    Resend,
+    SetPoint,
+    Start,
+    State,
+    Stop,
+    Telemetry,
+    lengths,
+)
+from hannes.bench.sequence import Received
+
+MICRO = 1e-6
+
+
+class Framed:
+    """Adapter for COBS frames with numbers, board time and CRC."""
+
+    name = "hannes"
+    baud = 1_000_000
+    polls = 0.0
+
+    def __init__(self) -> None:
+        self._lengths = lengths(FROM_BOARD)
+        self._splitter = Splitter(self._lengths)
+        self._received = Received()
+        self._hello: Hello | None = None
+        self._channels: dict[int, Channel] = {}
+        self._telemetry: Telemetry | None = None
+        self._number, self._check = 0, 0
+
+    def ask(self) -> bytes:
+        """Bytes that make the board introduce itself."""
+        return self._packet(Ask())
+
+    def alive(self, beat: int) -> bytes:
+        """Bytes that feed the watchdog."""
+        return self._packet(Alive(beat & 0xFFFFFFFF))
+
+    def poll(self) -> bytes:
+        """Nothing: the board speaks by itself."""
+        return b""
+
+    def profile(self, points: list[tuple[float, float]]) -> list[bytes]:
+        """Packets of a whole profile of (time [s], reference [rad])."""
+        raw = [(round(t / MICRO), round(reference / MICRO)) for t, reference in points]
+        self._check = profile_check(raw)
+        packets = [self._packet(Profile(len(raw), raw[-1][0], self._check))]
+        for first in range(0, len(raw), AT_ONCE):
+            some = raw[first : first + AT_ONCE]
+            some += [some[-1]] * (AT_ONCE - len(some))
+            packets.append(self._packet(Points(first, tuple(some))))
+        return packets
+
+    def start(self) -> bytes:
+        """Bytes that run the profile sent last."""
+        return self._packet(Start(self._check))
+
+    def set_point(self, reference: float) -> bytes:
+        """Bytes that make the board follow `reference` [rad]."""
+        return self._packet(SetPoint(round(reference / MICRO)))
+
+    def stop(self) -> bytes:
+        """Bytes that open the drive."""
+        return self._packet(Stop())
+
+    def resend(self, first: int, count: int) -> bytes:
+        """Bytes that ask for `count` frames again, from number `first` on."""
+        return self._packet(Resend(first, count))
+
+    def feed(self, data: bytes, host_time: float) -> list[Event]:
+        """What the whole frames in `data` say, each once."""
+        events: list[Event] = []
+        for frame in self._splitter.feed(data):
+            if self._received.accept(frame.sequence):
+                events += self._event(frame)
+        return events
+
+    @property
+    def damaged(self) -> int:
+        """Frames so far that failed their checks."""
+        return self._splitter.damaged
+
+    @property
+    def missing(self) -> tuple[tuple[int, int], ...]:
+        """Intervals of frame numbers that never came."""
+        return self._received.missing
+
+    def _packet(
+        self, message: "Ask | Alive | Profile | Points | Start | SetPoint | Stop | Resend"
+    ) -> bytes:
+        self._number = (self._number + 1) & 0xFFFFFFFF
+        return encode(Frame(message.KIND, self._number, 0, message.pack()))
+
+    def _event(self, frame: Frame) -> list[Event]:
+        time = frame.time / 1e6
+        if frame.kind == Kind.TELEMETRY and self._telemetry is not None:
+            return [Row(frame.sequence, time, self._telemetry.unpack(frame.payload))]
+        if frame.kind == Kind.PULSE:
+            pulse = Pulse.unpack(frame.payload)
+            state = State(pulse.state) if pulse.state in set(State) else State.STOPPED
+            return [Status(time, state, pulse.beat, pulse.refused, pulse.dropped)]
+        if frame.kind == Kind.ANSWER:
+            answer = Answer.unpack(frame.payload)
+            reason = Reason(answer.reason) if answer.reason in set(Reason) else Reason.UNKNOWN
+            return [Reply(time, answer.request, answer.kind, reason)]
+        if frame.kind == Kind.HELLO:
+            return self._greeted(Hello.unpack(frame.payload))
+        return self._described(Channel.unpack(frame.payload))
+
+    def _greeted(self, hello: Hello) -> list[Event]:
+        if hello.version != VERSION:
+            return [OtherVersion(hello.version)]
+        self._hello, self._channels = hello, {}
+        return []
+
+    def _described(self, channel: Channel) -> list[Event]:
+        """Once all channels are known, telemetry has a length, and the board is known."""
+        self._channels[channel.index] = channel
+        if self._hello is None or len(self._channels) != self._hello.channels:
+            return []
+        channels = tuple(self._channels[k] for k in sorted(self._channels))
+        self._telemetry = Telemetry(channels)
+        self._lengths[Kind.TELEMETRY] = self._telemetry.format.size
+        units = {each.name: each.unit for each in channels}
+        hello = self._hello
+        return [About(hello.firmware, units, float(hello.rate), hello.watchdog / 1e6)]

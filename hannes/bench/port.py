@@ -1,0 +1,108 @@
+"""A serial port, a pseudo-terminal or a TCP socket: one class around pyserial, errors in words."""
+
+import errno
+import time
+from types import TracebackType
+from typing import Any, Self
+
+from hannes.core.errors import BadInput
+
+BAUD = 1_000_000
+
+
+class LinkLost(Exception):
+    """The port went away while it was open: a cable that was pulled, a board without power."""
+
+
+class Port:
+    """An open port; reads what is there, writes all that is given.
+
+    `name`: a device, or a URL that pyserial knows (`socket://127.0.0.1:4000`). Raises BadInput in
+    one line where it cannot be opened. `notes` says what could be had of low latency.
+    """
+
+    def __init__(self, name: str, baud: int = BAUD) -> None:
+        import serial
+
+        self.name, self.baud = name, baud
+        try:
+            self._port: Any = serial.serial_for_url(
+                name, baudrate=baud, timeout=0.02, write_timeout=1.0, exclusive=True
+            )
+        except (OSError, ValueError) as error:  # SerialException is an OSError
+            raise BadInput(_why(name, error)) from None
+        self.notes = self._low_latency()
+
+    def read(self) -> bytes:
+        """Return what has come, waiting up to 20 ms for a first byte; LinkLost where it is gone."""
+        try:
+            data: bytes = self._port.read(1)
+            if data and (more := self._port.in_waiting):
+                data += self._port.read(more)
+            return data
+        except (OSError, TypeError) as error:
+            raise LinkLost(f"{self.name}: the link was lost ({error})") from None
+
+    def write(self, data: bytes) -> None:
+        """Write all of `data`; LinkLost where the port is gone or takes nothing for a second."""
+        try:
+            self._port.write(data)
+        except (OSError, TypeError) as error:
+            raise LinkLost(f"{self.name}: the link was lost ({error})") from None
+
+    def close(self) -> None:
+        """Close the port; harmless where it is gone."""
+        try:
+            self._port.close()
+        except OSError:
+            pass
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _low_latency(self) -> str:
+        """Ask the driver to hand over bytes at once; says whether it does."""
+        ask = getattr(self._port, "set_low_latency_mode", None)
+        if ask is None:
+            return "low latency: this kind of port has no such mode"
+        try:
+            ask(True)
+        except (OSError, ValueError):
+            return "low latency: refused by the driver"
+        return "low latency: on"
+
+
+def _why(name: str, error: Exception) -> str:
+    """One line: absent, forbidden, busy or something else, and what to do."""
+    number, text = getattr(error, "errno", None), str(error)
+    if number == errno.ENOENT or "No such file" in text or "could not find" in text:
+        return (
+            f"{name}: there is no such port; is the cable in? `hannes port` lists those there are"
+        )
+    if number == errno.EACCES or "Permission denied" in text:
+        return f"{name}: you may not open it; add yourself to the group of the device (dialout)"
+    if number in (errno.EBUSY, errno.EAGAIN) or "lock" in text or "busy" in text.lower():
+        return f"{name}: it is busy; another program has it open: close that first"
+    if number == errno.ECONNREFUSED or "refused" in text:
+        return f"{name}: nothing listens there; start the board first"
+    return f"{name}: it cannot be opened ({text})"
+
+
+def listed() -> list[tuple[str, str]]:
+    """Serial ports of this machine, and what they call themselves."""
+    from serial.tools import list_ports
+
+    return [(each.device, each.description) for each in list_ports.comports()]
+
+
+def now() -> int:
+    """Host time [ns] of a monotonic clock, the same in all processes of this machine."""
+    return time.monotonic_ns()

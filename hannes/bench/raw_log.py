@@ -1,0 +1,89 @@
+"""Bytes as they came, with a stamp a read: what every recording is made of, live or afterwards.
+
+A line of JSON says what follows; then one record after another: host time [ns] u64, direction u8
+(0: from the board, 1: to it, 2: an event in words), length u32, the bytes. A log that ends within
+a record was cut off there; all before it counts.
+"""
+
+import json
+import os
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hannes.core.errors import BadInput
+
+RECORD = struct.Struct("<QBI")
+SCHEMA = "hannes-raw-log-1"
+FROM_BOARD, TO_BOARD, EVENT = 0, 1, 2
+LARGEST = 1 << 24  # bytes of one record: more is no log
+
+
+@dataclass(frozen=True)
+class Record:
+    """One read, write or event: host time [ns], direction, bytes."""
+
+    time: int
+    direction: int
+    data: bytes
+
+
+class RawLogWriter:
+    """Writes a raw log; every record is handed to the system at once, so that a kill loses none."""
+
+    def __init__(self, path: str | Path, about: dict[str, Any]) -> None:
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
+        self._file = os.open(path, flags | getattr(os, "O_BINARY", 0), 0o644)
+        os.write(self._file, json.dumps({"schema": SCHEMA, **about}).encode() + b"\n")
+
+    def add(self, time: int, direction: int, data: bytes) -> None:
+        """Append one record."""
+        os.write(self._file, RECORD.pack(time, direction, len(data)) + data)
+
+    def close(self) -> None:
+        """Close the file, on disk."""
+        os.fsync(self._file)
+        os.close(self._file)
+
+
+class RawLogReader:
+    """Reads a raw log from its start, also while it is being written.
+
+    `about` is its first line. Raises BadInput where the file is no raw log.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self._file = open(path, "rb")
+        line = self._file.readline(65536)
+        try:
+            self.about = json.loads(line)
+            known = self.about.get("schema") == SCHEMA
+        except (ValueError, AttributeError):
+            known = False
+        if not known:
+            self._file.close()
+            raise BadInput(f"{path}: this is no raw log of `hannes record` (expected {SCHEMA})")
+        self._path, self._rest = path, b""
+
+    def records(self) -> Iterator[Record]:
+        """Whole records that are there and were not yet returned."""
+        self._rest += self._file.read()
+        at = 0
+        while len(self._rest) - at >= RECORD.size:
+            time, direction, length = RECORD.unpack_from(self._rest, at)
+            if length > LARGEST or direction > EVENT:
+                raise BadInput(
+                    f"{self._path}: a record of {length} bytes; the log is damaged there"
+                )
+            if len(self._rest) - at - RECORD.size < length:
+                break
+            start = at + RECORD.size
+            yield Record(time, direction, self._rest[start : start + length])
+            at = start + length
+        self._rest = self._rest[at:]
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()

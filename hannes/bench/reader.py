@@ -1,0 +1,208 @@
+"""The process that owns the port: it writes down what comes, feeds the watchdog, and obeys.
+
+Nothing else runs in it, its garbage collector stands still, and its priority is raised where the
+system allows: what is slow (display, recognition, files) reads the raw log from another process.
+It ends, and stops the board, when the program that started it does, however that ended.
+"""
+
+import contextlib
+import gc
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+from hannes.bench.adapters import adapter
+from hannes.bench.events import Adapter, Status
+from hannes.bench.messages import State
+from hannes.bench.port import LinkLost, Port, now
+from hannes.bench.raw_log import EVENT, FROM_BOARD, TO_BOARD, RawLogWriter
+from hannes.core.errors import BadInput
+
+NANO = 1e-9
+BEAT = 0.05  # s between two words to the board
+PATIENCE = 1.0  # s in which a stop must be seen in the telemetry
+RETRY = 0.2  # s between two tries to open a port that went away
+
+
+@dataclass(frozen=True)
+class Link:
+    """Where a board is and how to speak to it; seconds to wait for one that went away."""
+
+    port: str
+    board: str = "hannes"
+    options: dict[str, Any] = field(default_factory=dict)
+    baud: int = 0
+    reconnect: float = 0.0
+
+    def adapter(self) -> Adapter:
+        """A new adapter for this board."""
+        return adapter(self.board, **self.options)
+
+
+class Reader:
+    """Handle on the reader's process: send bytes to the board, end it.
+
+    Raises BadInput at birth where the port cannot be opened. `notes` tells priority and latency.
+    """
+
+    def __init__(self, link: Link, log: str | Path) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pipe, far = context.Pipe()
+        self._process = context.Process(
+            target=_run, args=(link, str(log), far), name="hannes-reader"
+        )
+        self._process.start()
+        far.close()
+        kind, said = self._pipe.recv()
+        if kind == "refused":
+            self._process.join()
+            raise BadInput(said)
+        self.notes: list[str] = said
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return int(self._process.pid or 0)
+
+    def send(self, data: bytes) -> None:
+        """Hand bytes over for the board; harmless where the reader has ended."""
+        with contextlib.suppress(OSError):
+            self._pipe.send_bytes(data)
+
+    def is_alive(self) -> bool:
+        """Whether the process still runs."""
+        return self._process.is_alive()
+
+    def close(self) -> bool:
+        """Stop the board, wait until its telemetry shows it, end; False where it was not seen."""
+        with contextlib.suppress(OSError):
+            self._pipe.send_bytes(b"")
+        self._process.join(PATIENCE + 5.0)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        return self._process.exitcode == 0
+
+
+def _run(link: Link, log: str, pipe: Connection) -> None:
+    """Body of the process; its exit status says whether the board was seen to stop."""
+    for each in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(each, signal.SIG_IGN)  # the parent decides; its end is seen in the pipe
+    try:
+        port = Port(link.port, link.baud or link.adapter().baud)
+    except BadInput as error:
+        pipe.send(("refused", str(error)))
+        return
+    notes = [port.notes, raise_priority()]
+    about = {"port": link.port, "board": link.board, "options": link.options, "notes": notes}
+    writer = RawLogWriter(log, about | {"start_ns": now()})
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    pipe.send(("ready", notes))
+    seen = _Loop(link, port, writer, pipe).run()
+    writer.close()
+    raise SystemExit(0 if seen else 1)
+
+
+def raise_priority() -> str:
+    """Ask for real time, else for a nicer nice; say which there is."""
+    with contextlib.suppress(AttributeError, OSError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
+        return "priority: real time (FIFO 10)"
+    with contextlib.suppress(AttributeError, OSError):
+        return f"priority: nice {os.nice(-10)}"
+    return "priority: ordinary (the system allows no more)"
+
+
+class _Loop:
+    """Read, write down, beat, obey."""
+
+    def __init__(self, link: Link, port: Port, writer: RawLogWriter, pipe: Connection) -> None:
+        self.link, self.port, self.writer, self.pipe = link, port, writer, pipe
+        self.speaker, self.listener = link.adapter(), link.adapter()
+        self.beat, self.beaten, self.polled = 0, 0, 0
+        self.ending, self.stopped = 0, False
+
+    def run(self) -> bool:
+        """Go on until told to end, the parent is gone, or the link is lost for good."""
+        while True:
+            try:
+                self._once()
+            except LinkLost as error:
+                self._event(str(error))
+                if self.ending or not self._reopened():
+                    return False
+            if self.stopped or (self.ending and now() - self.ending > PATIENCE / NANO):
+                self.port.close()
+                return self.stopped
+
+    def _once(self) -> None:
+        data = self.port.read()
+        stamp = now()
+        if data:
+            self.writer.add(stamp, FROM_BOARD, data)
+            if self.ending:
+                self._look_for_stop(data, stamp)
+        if stamp - self.beaten > BEAT / NANO:
+            self.beaten, self.beat = stamp, self.beat + 1
+            self._write(self.speaker.alive(self.beat))
+            if self.ending:
+                self._write(self.speaker.stop())
+        if self.speaker.polls and stamp - self.polled > self.speaker.polls / NANO:
+            self.polled = stamp
+            self._write(self.speaker.poll())
+        self._obey(stamp)
+
+    def _obey(self, stamp: int) -> None:
+        """Pass on what the parent sends; an empty message or its end means: stop and end."""
+        try:
+            while not self.ending and self.pipe.poll():
+                data = self.pipe.recv_bytes()
+                if not data:
+                    self._end(stamp)
+                self._write(data)
+        except (EOFError, OSError):
+            self._end(stamp)
+
+    def _end(self, stamp: int) -> None:
+        self.ending = stamp
+        self._write(self.speaker.stop())
+
+    def _look_for_stop(self, data: bytes, stamp: int) -> None:
+        """Boards that say no state have stopped as far as can be seen once they were asked."""
+        for event in self.listener.feed(data, stamp * NANO):
+            if isinstance(event, Status) and event.state not in (State.RUNNING, State.FOLLOWING):
+                self.stopped = True
+        if self.link.board != "hannes":
+            self.stopped = True
+
+    def _write(self, data: bytes) -> None:
+        if data:
+            self.writer.add(now(), TO_BOARD, data)
+            self.port.write(data)
+
+    def _event(self, words: str) -> None:
+        self.writer.add(now(), EVENT, words.encode())
+
+    def _reopened(self) -> bool:
+        """Try to open the port again for as long as was asked."""
+        import time
+
+        self.port.close()
+        until = now() + self.link.reconnect / NANO
+        while now() < until:
+            time.sleep(RETRY)
+            with contextlib.suppress(BadInput):
+                self.port = Port(self.link.port, self.link.baud or self.speaker.baud)
+                self._event("the link is back")
+                return True
+        return False
+
+
+Progress = Callable[[str], None]

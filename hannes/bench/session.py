@@ -1,0 +1,175 @@
+"""A conversation with a board: who it is, a profile run to its end, its answers."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from hannes.bench.events import About, Adapter, Event, OtherVersion, Reply, Row, Status
+from hannes.bench.messages import VERSION, Kind, Reason, State
+from hannes.bench.raw_log import FROM_BOARD, RawLogReader
+from hannes.bench.reader import NANO, Link, Reader
+from hannes.core.errors import BadInput, ComputationFailed
+
+HELLO_TIME = 2.0  # s within which a board introduces itself
+ASK_AGAIN = 0.25  # s
+POLL = 0.005  # s between two looks at the raw log
+ENDED = {
+    State.WATCHDOG: "its watchdog: it heard nothing from this machine for too long",
+    State.OVER_CURRENT: "its current limit",
+    State.OVER_TEMPERATURE: "its temperature limit",
+    State.OVER_TRAVEL: "its travel limit",
+    State.STOPPED: "a stop that it was sent",
+}
+
+
+@dataclass
+class Heard:
+    """What a board said so far; `bytes` counts what came, sense or not."""
+
+    about: About | None = None
+    status: Status | None = None
+    replies: list[Reply] = field(default_factory=list)
+    rows: int = 0
+    bytes: int = 0
+    version: int = VERSION
+    lost: str = ""
+
+
+class Session:
+    """Reader process, its raw log read as it grows, and requests that are answered."""
+
+    def __init__(self, link: Link, log: str | Path) -> None:
+        self.link, self.log = link, Path(log)
+        self.reader = Reader(link, log)
+        self.speaker: Adapter = link.adapter()
+        self._listener: Adapter = link.adapter()
+        self._follow = RawLogReader(log)
+        self.heard = Heard()
+
+    def events(self) -> Iterator[Event]:
+        """What has come since the last look."""
+        for record in self._follow.records():
+            if record.direction != FROM_BOARD:
+                if record.direction > 1:
+                    self.heard.lost = record.data.decode(errors="replace")
+                continue
+            self.heard.bytes += len(record.data)
+            for event in self._listener.feed(record.data, record.time * NANO):
+                self._note(event)
+                yield event
+
+    def wait(self, done: Callable[[], bool], seconds: float) -> bool:
+        """Look until `done` or the time is over; says whether it was done."""
+        until = time.monotonic() + seconds
+        while True:
+            for _ in self.events():
+                pass
+            if done():
+                return True
+            if time.monotonic() > until or not self.reader.is_alive():
+                return done()
+            time.sleep(POLL)
+
+    def hello(self) -> About:
+        """Wait for the board to introduce itself; BadInput says what came instead."""
+        for _ in range(round(HELLO_TIME / ASK_AGAIN)):
+            self.reader.send(self.speaker.ask())
+            if self.wait(lambda: self.heard.about is not None or self._other(), ASK_AGAIN):
+                break
+        if self.heard.about is None or self._other():
+            raise BadInput(self._stranger())
+        return self.heard.about
+
+    def profile(self, points: list[tuple[float, float]]) -> Reply:
+        """Send a whole profile of (time [s], reference [rad]) and start it.
+
+        Returns the board's answer to the start. Raises BadInput where it is refused.
+        """
+        for packet in self.speaker.profile(points):
+            self.reader.send(packet)
+        self.reader.send(self.speaker.start())
+        answered = self.wait(lambda: bool(self._answers(Kind.START)), HELLO_TIME)
+        if not answered:
+            raise ComputationFailed(f"{self.link.port}: no answer to the start within 2 s")
+        answer = self._answers(Kind.START)[-1]
+        if answer.reason is not Reason.DONE:
+            raise BadInput(
+                f"{self.link.port}: the board refuses the profile "
+                f"({answer.reason.name.lower().replace('_', ' ')})"
+            )
+        return answer
+
+    def run_to_end(self, seconds: float) -> None:
+        """Wait until the board is idle again; ComputationFailed where something stopped it."""
+        self.wait(lambda: self._state() not in (State.RUNNING, None), seconds + HELLO_TIME)
+        state = self._state()
+        if state in ENDED:
+            raise ComputationFailed(f"{self.link.port}: the board was stopped by {ENDED[state]}")
+        if not self.reader.is_alive():
+            raise ComputationFailed(self.heard.lost or f"{self.link.port}: the link was lost")
+
+    def close(self) -> bool:
+        """Stop the board and end the reader; False where the stop was not seen."""
+        seen = self.reader.close()
+        for _ in self.events():
+            pass
+        self._follow.close()
+        return seen
+
+    def _note(self, event: Event) -> None:
+        heard = self.heard
+        if isinstance(event, Row):
+            heard.rows += 1
+        elif isinstance(event, Status):
+            heard.status = event
+        elif isinstance(event, About):
+            heard.about = event
+        elif isinstance(event, Reply):
+            heard.replies.append(event)
+        else:
+            heard.version = event.version
+
+    def _answers(self, kind: Kind) -> list[Reply]:
+        return [reply for reply in self.heard.replies if reply.kind == kind]
+
+    def _state(self) -> State | None:
+        """State of the board after its last answer to a start, None before there is any."""
+        status, answers = self.heard.status, self._answers(Kind.START)
+        if status is None or (answers and status.time <= answers[-1].time):
+            return None
+        return status.state
+
+    def _other(self) -> bool:
+        return self.heard.version != VERSION
+
+    def _stranger(self) -> str:
+        """Why there was no hello: silence, no frame among the bytes, another version."""
+        port, heard = self.link.port, self.heard
+        if self._other():
+            return (
+                f"{port}: the board speaks version {heard.version} of the protocol, this hannes "
+                f"version {VERSION}; update the older one"
+            )
+        if heard.lost:
+            return heard.lost
+        if not heard.bytes:
+            return f"{port}: silence for {HELLO_TIME:g} s; is the board powered, and this its port?"
+        return (
+            f"{port}: {heard.bytes} bytes came, and no frame among them; wrong baud rate "
+            f"(--baud) or another kind of board (--board)?"
+        )
+
+
+@contextmanager
+def session(link: Link, log: str | Path) -> Iterator[Session]:
+    """A Session that stops the board at its end, however that comes."""
+    opened = Session(link, log)
+    try:
+        yield opened
+    finally:
+        opened.close()
+
+
+__all__ = ["Heard", "OtherVersion", "Session", "session"]

@@ -1,0 +1,104 @@
+"""Through a pseudo-terminal: a hello, a profile, a recording; a port that is busy, silent, gone."""
+
+import json
+import os
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from hannes.bench.board_logic import Settings
+from hannes.bench.finish import read_rows, recording
+from hannes.bench.misbehaviour import Misbehaviour
+from hannes.bench.reader import Link
+from hannes.bench.session import session
+from hannes.bench.virtual_board import Socket, Terminal, VirtualBoard
+from hannes.core.errors import BadInput
+
+from .toy import Lag
+
+RAMP = [(0.0, 0.0), (0.1, 1.0), (0.2, 0.0)]
+
+
+class Running:
+    """A virtual board in a thread."""
+
+    def __init__(self, far, how=None, **settings) -> None:
+        self.board = VirtualBoard(Lag, far, Settings(**settings), how or Misbehaviour())
+        self.over = threading.Event()
+        self.thread = threading.Thread(target=self.board.run, args=(self.over.is_set,))
+
+    def __enter__(self):
+        self.thread.start()
+        return self.board
+
+    def __exit__(self, *_):
+        self.over.set()
+        self.thread.join()
+        self.board.far.close()
+
+
+@pytest.mark.parametrize("far", [Terminal, lambda: Socket(0)], ids=["terminal", "socket"])
+def test_a_profile_becomes_a_recording(tmp_path, far):
+    log = tmp_path / "run.rawlog"
+    with Running(far()) as board, session(Link(board.far.address), log) as talk:
+        assert talk.hello().rate == 1000.0
+        talk.profile(RAMP)
+        talk.run_to_end(0.2)
+    assert board.logic.state.name in ("STOPPED", "IDLE")
+    rows = read_rows(log)
+    made = recording(rows, duration=0.2)
+    assert made.time[0] == pytest.approx(0.0, abs=2e-3)
+    assert made["reference"].max() == pytest.approx(1.0, abs=0.02)
+    said = json.loads(made.conversion)
+    lost = sum(round((b - a) * 1000) - 1 for a, b in said["gaps_s"])
+    assert made.time.size + lost == pytest.approx(201, abs=2)
+    assert abs(rows.clock().drift) < 0.05
+
+
+def test_a_log_that_was_cut_off_gives_all_before(tmp_path):
+    log = tmp_path / "run.rawlog"
+    with Running(Terminal()) as board, session(Link(board.far.address), log) as talk:
+        talk.hello()
+        talk.wait(lambda: False, 0.2)
+    whole = read_rows(log)
+    (tmp_path / "cut.rawlog").write_bytes(log.read_bytes()[:-25])
+    cut = read_rows(tmp_path / "cut.rawlog")
+    assert 0 < whole.board.size - cut.board.size <= 30
+    assert np.array_equal(whole.values[: cut.board.size], cut.values)
+
+
+def refusal(port, tmp_path, **link):
+    with pytest.raises(BadInput) as refused:
+        with session(Link(port, **link), tmp_path / f"{time.monotonic_ns()}.rawlog") as talk:
+            talk.hello()
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
+
+
+def test_a_port_that_is_absent(tmp_path):
+    assert "no such port" in refusal("/dev/no-such-port", tmp_path)
+
+
+def test_a_port_that_nobody_may_open(tmp_path):
+    if os.geteuid() == 0:
+        pytest.skip("root may open every port")
+    assert "may not open" in refusal("/dev/mem", tmp_path)
+
+
+def test_a_board_that_is_silent(tmp_path):
+    far = Terminal()
+    assert "silence" in refusal(far.address, tmp_path)
+    far.close()
+
+
+def test_a_wrong_baud_rate(tmp_path):
+    with Running(Terminal(), Misbehaviour(garbled=True)) as board:
+        assert "wrong baud rate" in refusal(board.far.address, tmp_path)
+
+
+def test_a_port_that_is_busy(tmp_path):
+    with Running(Terminal()) as board, session(Link(board.far.address), tmp_path / "a") as talk:
+        talk.hello()
+        assert "busy" in refusal(board.far.address, tmp_path)
