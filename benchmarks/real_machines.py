@@ -22,7 +22,8 @@ from pathlib import Path
 
 from benchmarks.harness import Row, aligned, main
 from benchmarks.real import axis, finger
-from hannes.campaigns.campaign_file import Campaign, read_campaign
+from hannes.campaigns.campaign import Campaign
+from hannes.campaigns.campaign_file import read_campaign
 from hannes.commands.diagnose import Diagnosis, diagnose
 from hannes.core.errors import MissingRecording
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.campaigns.campaign import Campaign, Entry
 from hannes.core.errors import ComputationFailed
 from hannes.core.io.toml_table import Table
 from hannes.core.parameter import Parameter

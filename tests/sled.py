@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.campaigns.campaign import Campaign, Entry
 from hannes.commands.diagnose import diagnose
 from hannes.core.effect import Effect, Term
 from hannes.core.io.toml_table import Table

@@ -21,7 +21,7 @@ def late(shift, values=ASKED):
 def test_a_known_shift_comes_back(shift):
     found = lag_behind(TIME, late(shift), TIME, ASKED, 0.5)
     assert found.value == pytest.approx(shift, abs=1e-5)
-    assert found.gain == pytest.approx(1.0, abs=1e-6) and found.likeness > 0.9999
+    assert found.gain == pytest.approx(1.0, abs=1e-6) and found.correlation > 0.9999
 
 
 def test_neither_offset_nor_scale_nor_other_sampling_matters():
@@ -54,7 +54,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(noise):
         (ASKED, 0.0 * ASKED, "the command stands still"),
         (-ASKED, ASKED, "sign reversed"),
         (np.sin(40.0 * TIME), ASKED, "does not follow"),
-        (np.sin(40.0 * TIME), np.sin(40.0 * TIME), "several lags fit alike"),
+        (np.sin(40.0 * TIME), np.sin(40.0 * TIME), "several lags fit equally well"),
         (late(0.45), ASKED, "beyond 0.3 s"),
     ],
 )

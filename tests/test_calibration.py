@@ -8,7 +8,7 @@ import numpy as np
 import oven
 import pytest
 
-from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.campaigns.campaign import Campaign, Entry
 from hannes.commands.calibrate import calibrate
 from hannes.core.errors import BadInput, ComputationFailed
 from hannes.core.recording.recording import Recording

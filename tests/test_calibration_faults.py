@@ -7,7 +7,7 @@ import numpy as np
 import oven
 import pytest
 
-from hannes.campaigns.campaign_file import Entry
+from hannes.campaigns.campaign import Entry
 from hannes.commands.calibrate import calibrate
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput

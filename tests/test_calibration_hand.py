@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from hannes.campaigns import third_party
-from hannes.campaigns.campaign_file import Entry, read_campaign
+from hannes.campaigns.campaign import Entry
+from hannes.campaigns.campaign_file import read_campaign
 from hannes.commands.calibrate import calibrate
 from hannes.commands.cli import main
 from hannes.core.errors import MissingRecording

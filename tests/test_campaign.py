@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hannes.campaigns.campaign_file import Campaign, Entry, campaign_file, read_campaign, with_roles
+from hannes.campaigns.campaign import Campaign, Entry
+from hannes.campaigns.campaign_file import campaign_file, read_campaign
+from hannes.campaigns.roles import with_roles
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
 from hannes.plants.hand.plant import HandPlant

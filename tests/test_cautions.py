@@ -8,8 +8,8 @@ import pytest
 
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.campaigns.periodicity import period
-from hannes.campaigns.segments import cut, floors
-from hannes.campaigns.warnings import cautions
+from hannes.campaigns.segments import noise_floors, split_campaign
+from hannes.campaigns.warnings import campaign_warnings
 from hannes.commands.diagnose import diagnose
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
@@ -50,7 +50,7 @@ def test_a_channel_off_by_a_factor_is_said_before_any_effect_is_named(tmp_path):
 
 def test_recordings_of_two_machines_are_told(tmp_path):
     runs = [swing(seed, 96.0 if seed < 3 else 99.0, noise=0.002) for seed in range(6)]
-    (told,) = cautions(read_campaign(campaign(tmp_path, runs)))
+    (told,) = campaign_warnings(read_campaign(campaign(tmp_path, runs)))
     assert "two machines" in told and "0.h5, 1.h5, 2.h5 and 3.h5, 4.h5, 5.h5" in told
 
 
@@ -58,19 +58,19 @@ def test_recordings_of_two_machines_are_told(tmp_path):
 def test_recordings_of_one_machine_that_scatters_are_not_taken_for_two(tmp_path, spread):
     masses = 96.0 + spread * np.random.default_rng(1).standard_normal(6)
     runs = [swing(seed, mass, noise=0.002) for seed, mass in enumerate(masses)]
-    assert cautions(read_campaign(campaign(tmp_path, runs))) == []
+    assert campaign_warnings(read_campaign(campaign(tmp_path, runs))) == []
 
 
 def test_a_command_that_repeats_gives_the_floor_and_the_cut(tmp_path):
     long = swing(0, seconds=20.0)
     assert period(Axis(), long) == 1000
     found = read_campaign(campaign(tmp_path, [long, swing(1, seconds=20.0)], ["fit", "show"]))
-    pieces, note = cut(found)
+    pieces, note = split_campaign(found)
     assert "between two of 20 runs" in note
     assert [piece.role for piece in pieces] == ["fit", "select", "show"]
     assert pieces[1].recording.time[pieces[1].mask][0] == pytest.approx(10.0, abs=1e-9)
     known = [piece for piece in pieces if piece.role != "show"]
-    floor, how = floors(Axis(), known)
+    floor, how = noise_floors(Axis(), known)
     assert floor["drive"] == pytest.approx(0.01, rel=0.1) and "whose command repeats" in how
 
 
@@ -79,7 +79,7 @@ def test_a_machine_of_which_all_is_uncertain_is_never_judged_on_half_a_run(tmp_p
     found = read_campaign(campaign(tmp_path, [swing(0, seconds=20.0), swing(1)], ["fit", "show"]))
     plant = Axis()
     plant.uncertain = {"axis.mass": 1.0}
-    pieces, note = cut(replace(found, plant=plant))
+    pieces, note = split_campaign(replace(found, plant=plant))
     assert [piece.role for piece in pieces] == ["fit", "show"] and note == ""
     assert lacking(replace(found, plant=plant), pieces, ()).endswith("under the same command")
     assert lacking(found, pieces, ()).endswith(" s")

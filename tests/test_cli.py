@@ -9,6 +9,7 @@ import pytest
 from hannes import __version__
 from hannes.commands import cli
 from hannes.commands.cli import INTERRUPTED, main
+from hannes.commands.cli_examples import EXAMPLES
 
 SHORT = """
 duration = "20 ms"
@@ -30,7 +31,7 @@ def commands():
 
 def examples(name):
     """Command lines that the help of a command shows."""
-    lines = [line.strip() for line in cli.EXAMPLES[name].splitlines()]
+    lines = [line.strip() for line in EXAMPLES[name].splitlines()]
     return [line for line in lines if line.startswith("hannes ")]
 
 
@@ -85,7 +86,7 @@ def test_the_version(capsys):
         (["effects", "leader_slak"], 'did you mean "leader_slack"?'),
         (["diagnose", "nowhere.toml"], "nowhere.toml: cannot be read"),
         (["dataset", "large", "--grasp", "1", "--backend", "dask"], "--grasp makes one, here"),
-        (["check", "emps", "--plant", "axis"], "a campaign tells plant and experiments itself"),
+        (["check", "emps", "--plant", "axis"], "a campaign names plant and experiments itself"),
         (["reproduce", "--slack", "nowhere"], "is no verdict of a diagnosis"),
     ],
 )

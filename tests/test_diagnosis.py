@@ -23,7 +23,7 @@ from sled import (
     suction,
 )
 
-from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.campaigns.campaign import Campaign, Entry
 from hannes.commands.diagnose import diagnose
 from hannes.core.effect import Term
 from hannes.core.parameter import Parameter

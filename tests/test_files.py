@@ -95,17 +95,17 @@ def test_a_foreign_folder_is_never_replaced(tmp_path: Path) -> None:
 
 KILLED = """
 import os, signal, sys
-from hannes import files
+from hannes.core.io import atomic_files
 stage, folder = sys.argv[1:]
 def die(*_): os.kill(os.getpid(), signal.SIGKILL)
 if stage == "between":
-    files._exchange = lambda one, other: False
+    atomic_files._exchange = lambda one, other: False
     rename = os.rename
     os.rename = lambda a, b: (rename(a, b), die())
 if stage == "after":
-    exchange = files._exchange
-    files._exchange = lambda a, b: (exchange(a, b), die())
-with files.atomic_folder(folder) as temporary:
+    exchange = atomic_files._exchange
+    atomic_files._exchange = lambda a, b: (exchange(a, b), die())
+with atomic_files.atomic_folder(folder) as temporary:
     (temporary / "a").write_text("new")
     if stage == "body": die()
     (temporary / "b").write_text("new")

@@ -9,7 +9,7 @@ from runs import grasp
 from benchmarks.truth.bench import CURRENT
 from benchmarks.truth.campaign import make
 from benchmarks.truth.protocol import closures
-from hannes.campaigns.campaign_file import Entry
+from hannes.campaigns.campaign import Entry
 from hannes.control.sensor_noise import gaussian
 from hannes.core.errors import BadInput
 from hannes.core.recording.white_noise import roughness

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.truth.campaign import make
 from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
-from hannes.campaigns.campaign_file import Entry
-from hannes.campaigns.segments import Piece, floors
+from hannes.campaigns.campaign import Entry
+from hannes.campaigns.segments import Segment, noise_floors
 from hannes.identification.diagnosis.baseline import ROUGH
 from hannes.identification.diagnosis.effect_search import Found, Trial
 from hannes.identification.diagnosis.experiment_design import Separation, proposed, separation
@@ -123,7 +123,7 @@ def test_the_ball_has_no_channels_that_the_dynamometer_measures():
 
 def test_a_channel_that_one_recording_has_alone_has_a_floor():
     """It once had none: such a campaign was refused."""
-    pieces = [Piece(each, "fit", np.ones(each.recording.time.size, bool))
+    pieces = [Segment(each, "fit", np.ones(each.recording.time.size, bool))
               for each in logged([False, False, True])]  # fmt: skip
-    found, how = floors(HandPlant(), pieces)
+    found, how = noise_floors(HandPlant(), pieces)
     assert found["duty"] > 0.0 and "roughness" in how

@@ -24,7 +24,7 @@ from benchmarks.truth.protocol import (
     closures,
     scaled,
 )
-from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.campaigns.campaign import Campaign, Entry
 from hannes.core.io.toml_table import Table
 from hannes.core.io.units import text
 from hannes.plants.hand.plant import HandPlant

@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.naming_study.draw import Drawn
 from benchmarks.truth.expected import expected
 from benchmarks.truth.protocol import Protocol
-from hannes.campaigns.campaign_file import Campaign
+from hannes.campaigns.campaign import Campaign
 from hannes.identification.diagnosis.campaign_diagnosis import Result
 from hannes.identification.diagnosis.linearisation import Care, Ground, differenced, surveyed
 from hannes.identification.diagnosis.repeat_groups import grouped

@@ -6,8 +6,7 @@ import numpy as np
 
 from benchmarks.harness import Row, must_show
 from benchmarks.real import blocks
-from hannes.campaigns import segments as cutting
-from hannes.campaigns.segments import Piece
+from hannes.campaigns.segments import Segment, in_roles, split_campaign
 from hannes.commands.diagnose import Diagnosis
 from hannes.identification.holdout.least_squares import Fitted, Misfit, fit
 from hannes.identification.residuals import inflated
@@ -19,9 +18,9 @@ MOST = 35.0  # counts
 
 def figures(found: Diagnosis) -> tuple[list[Row], list[Row]]:
     """What each model leaves, and what must be shown of the verdict."""
-    pieces = cutting.cut(found.campaign)[0]
-    shown = cutting.of(pieces, "show")
-    static = _base(found, cutting.of(pieces, "fit"))
+    pieces = split_campaign(found.campaign)[0]
+    shown = in_roles(pieces, "show")
+    static = _base(found, in_roles(pieces, "fit"))
     rows = [_left("the contact law alone", static, shown, found)]
     rows += [
         _left(f"with {each.name}", each.fitted, shown, found)
@@ -47,7 +46,7 @@ def figures(found: Diagnosis) -> tuple[list[Row], list[Row]]:
     ]  # fmt: skip
 
 
-def _base(found: Diagnosis, pieces: Sequence[Piece]) -> Fitted:
+def _base(found: Diagnosis, pieces: Sequence[Segment]) -> Fitted:
     """The base refitted on these pieces, weighed as in the diagnosis."""
     plant = found.campaign.plant
     floor = Misfit(plant, pieces, found.floors)
@@ -55,7 +54,7 @@ def _base(found: Diagnosis, pieces: Sequence[Piece]) -> Fitted:
     return fit(Misfit(plant, pieces, inflated(found.floors, floor, rough)), plant, rough.values)
 
 
-def _left(model: str, fitted: Fitted, shown: Sequence[Piece], found: Diagnosis) -> Row:
+def _left(model: str, fitted: Fitted, shown: Sequence[Segment], found: Diagnosis) -> Row:
     """RMS of what a model leaves on the pieces shown."""
     raw = Misfit(found.campaign.plant, shown, found.floors).raw(fitted.plant, fitted.values)
     sums = blocks.squares([(each["force"], np.ones(each["force"].size)) for each in raw])

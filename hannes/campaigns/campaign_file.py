@@ -2,19 +2,17 @@
 
 import re
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from hannes.campaigns import third_party
+from hannes.campaigns.campaign import Campaign, Entry
+from hannes.campaigns.roles import with_roles
 from hannes.core.effect import Effect, joined
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.file_patterns import is_pattern, matching
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.recording.recording import Recording
-from hannes.plants.axis.matlab_file import load as load_mat
 from hannes.plants.plant_file import base_name, with_plant_file
 from hannes.plants.protocol import Plant, find_plant, require_usable
 from hannes.simulation.catalogue import effect, effects
@@ -27,48 +25,6 @@ ROLES = ("fit", "select", "show")
 MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/campaigns/third_party.py
 SIMULATED = "simulated:"  # file = "simulated:mine.toml": see virtual_recordings.py
 _SLICE = re.compile(r"(\d*):(\d*)(?::(\d*))?")
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One recording of a campaign; entries of one `condition` are repeats.
-
-    `number`: how many recordings of its campaign come before it, as they were made.
-    """
-
-    name: str
-    recording: Recording
-    condition: str
-    role: str = ""
-    number: int = 0
-
-
-@dataclass(frozen=True)
-class Campaign:
-    """A plant at its given values, recordings with roles, and the effects that may be named.
-
-    `effects` maps the name by which an effect can be found again to the effect; `base` is what a
-    hand.toml of this plant starts from; `calibrate` and `diagnose` are the tables of these names,
-    yet to be read.
-    """
-
-    plant: Plant
-    shipped: Plant
-    entries: tuple[Entry, ...]
-    out: Path
-    effects: Mapping[str, Effect]
-    title: str = ""
-    base: str = "hannes"
-    calibrate: Table = field(default_factory=lambda: Table({}, "campaign", ()))
-    diagnose: Table = field(default_factory=lambda: Table({}, "campaign", ()))
-
-    def __post_init__(self) -> None:
-        numbered = (replace(each, number=k) for k, each in enumerate(self.entries))
-        object.__setattr__(self, "entries", tuple(numbered))
-
-    def of(self, *roles: str) -> tuple[Entry, ...]:
-        """Entries in any of these roles."""
-        return tuple(each for each in self.entries if each.role in roles)
 
 
 def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
@@ -113,7 +69,7 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
     return Campaign(
         plant,
         shipped,
-        with_roles(_told_apart(root, found), seed),
+        with_roles(_with_distinct_names(root, found), seed),
         Path(root.text("out", f"results/{path.stem}")),  # in the current folder
         _effects(root, folder, plant),
         root.text("title", path.stem),
@@ -123,7 +79,7 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
     )
 
 
-def _told_apart(root: Table, found: list[tuple[Path, str, Entry]]) -> list[Entry]:
+def _with_distinct_names(root: Table, found: list[tuple[Path, str, Entry]]) -> list[Entry]:
     """Entries with names of their own; none is there twice, for then one copy may be fitted."""
     seen, names = set(), Counter(each.name for _, _, each in found)
     for path, run, each in found:
@@ -235,7 +191,7 @@ def _wanted(row: Table) -> slice:
 def read_runs(path: Path, plant: Plant) -> dict[str, Recording]:
     """Recordings of one file by name; most files hold one, a plant's own logger may put more."""
     read = getattr(plant, "read", None)
-    return read(path) if read is not None else {path.name: read_recording(path)}
+    return read(path) if read is not None else {path.name: Recording.read(path)}
 
 
 def _paths(row: Table, name: str, folder: Path) -> list[Path]:
@@ -251,11 +207,6 @@ def _paths(row: Table, name: str, folder: Path) -> list[Path]:
     if not found:
         row.refuse("file", f'= "{name}" matches no file in {folder}')
     return found
-
-
-def read_recording(path: Path) -> Recording:
-    """Read a recording, or an EMPS file of MATLAB's; BadInput where it is neither."""
-    return load_mat(path) if path.suffix == ".mat" else Recording.read(path)
 
 
 def _check(recording: Recording, plant: Plant, path: Path) -> None:
@@ -282,34 +233,3 @@ def _experiment_text(row: Table, name: str, folder: Path) -> str:
         return experiment_text(name, folder)
     except BadInput as error:
         row.refuse("experiment", f"cannot be used: {error}")
-
-
-def with_roles(entries: list[Entry], seed: int) -> tuple[Entry, ...]:
-    """Give a role to entries that lack one: per condition, a quarter each to select and show.
-
-    Of show that is rounded down: nothing is learned from it. One at least of each.
-
-    Conditions with fewer than three recordings are drawn from together.
-    """
-    rng = np.random.default_rng([seed, len(entries)])
-    conditions: dict[str, list[int]] = {}
-    for place, entry in enumerate(entries):
-        if not entry.role:
-            conditions.setdefault(entry.condition, []).append(place)
-    groups = [places for places in conditions.values() if len(places) >= 3]
-    groups.append([p for places in conditions.values() if len(places) < 3 for p in places])
-    roles = {}
-    for group in groups:
-        drawn = rng.permutation(group)
-        for place, role in zip(drawn, _shares(len(group)), strict=True):
-            roles[int(place)] = role
-    return tuple(
-        replace(entry, role=roles.get(place, entry.role)) for place, entry in enumerate(entries)
-    )
-
-
-def _shares(count: int) -> list[str]:
-    if count < 3:
-        return ["fit", "show"][:count]
-    select, show = max(1, round(count / 4)), max(1, count // 4)
-    return ["select"] * select + ["show"] * show + ["fit"] * (count - select - show)

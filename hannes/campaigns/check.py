@@ -1,4 +1,4 @@
-"""`hannes check`: what may be wrong with a recording, before anything is fitted to it."""
+"""`hannes check`: finds what may be wrong with a recording, before anything is fitted to it."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -8,17 +8,17 @@ from hannes.campaigns.quality import clock, command, magnitudes, motion, sensors
 from hannes.campaigns.quality.finding import LEVELS, Finding
 from hannes.campaigns.quality.subject import Subject
 from hannes.core.errors import BadInput
-from hannes.core.recording.recording import Recording
-from hannes.plants.protocol import Plant, expectations, find_plant
+from hannes.core.recording.recording import SUFFIXES, Recording
+from hannes.plants.protocol import PLANTS, Plant, expectations, find_plant
 from hannes.simulation.experiment.reader import experiment_text, parse_experiment
 
 
 def check(recording: Recording, plant: Plant | None = None) -> list[Finding]:
     """Return everything found in one recording, faults first.
 
-    What a plant expects of its channels (`Plant.expected`) sharpens the checks; without a plant
-    only what holds for any machine is looked at. Nothing is simulated, nothing raised: a fault
-    says that the recording would lead a fit astray, and what to do about it.
+    What a plant expects of its channels (`Plant.expected`) sharpens the checks. Without a plant
+    only what holds for any machine is checked. Nothing is simulated, nothing raised. A fault
+    says that the recording would mislead a fit, and what to do about it.
     """
     expected = dict(expectations(plant)) if plant is not None else {}
     subject = Subject(recording, expected, plant.block if plant is not None else 0.0)
@@ -52,30 +52,44 @@ def subjects(
 ) -> list[tuple[str, Recording, Plant]]:
     """Names, recordings and plants of a recording's file, or of a campaign (TOML, shipped name).
 
-    `plant` and `experiment` are names, for a recording that does not tell them itself. Raises
+    `plant` and `experiment` are names, for a recording that does not carry them itself. Raises
     BadInput for what cannot be read.
     """
-    from hannes.campaigns.campaign_file import read_campaign, read_recording, read_runs
+    from hannes.campaigns.campaign_file import read_campaign, read_runs
 
     if Path(path).suffix in (".toml", ""):
         if plant or experiment:
-            raise BadInput(f"{path}: a campaign tells plant and experiments itself: leave them out")
+            raise BadInput(f"{path}: a campaign names plant and experiments itself: leave them out")
         campaign = read_campaign(path)
         return [(each.name, each.recording, campaign.plant) for each in campaign.entries]
     if plant:
         found = find_plant(plant, Path(path).parent)
         runs = read_runs(Path(path), found)
     else:
-        alone = read_recording(Path(path))
-        found, runs = find_plant(alone.plant or "hand", Path(path).parent), {"": alone}
+        found, runs = _without_plant(Path(path))
     if experiment is not None:
-        told = experiment_text(experiment)
+        text = experiment_text(experiment)
         if found.name == "hand":  # whose experiments these are
-            parse_experiment(told, experiment)
-        runs = {name: replace(each, experiment=told) for name, each in runs.items()}
+            parse_experiment(text, experiment)
+        runs = {name: replace(each, experiment=text) for name, each in runs.items()}
     for each in runs.values():
         _expect(each, found, path)
     return [(name if len(runs) > 1 else str(path), each, found) for name, each in runs.items()]
+
+
+def _without_plant(path: Path) -> tuple[Plant, dict[str, Recording]]:
+    """A recording and the plant that it names; other files by a shipped plant's own `read`."""
+    if path.name.lower().endswith(SUFFIXES):
+        recording = Recording.read(path)
+        return find_plant(recording.plant or "hand", path.parent), {"": recording}
+    errors = []
+    for plant in (find_plant(name) for name in PLANTS):
+        if (read := getattr(plant, "read", None)) is not None:
+            try:
+                return plant, read(path)
+            except BadInput as error:
+                errors.append(error)
+    raise errors[0]
 
 
 def _expect(recording: Recording, plant: Plant, path: str | Path) -> None:

@@ -1,4 +1,4 @@
-"""`hannes convert`: foreign files through a mapping into recordings; tells what was done."""
+"""`hannes convert`: foreign files through a mapping into recordings, with a report of each."""
 
 import json
 from collections.abc import Sequence
@@ -77,8 +77,8 @@ def write(converted: Sequence[Converted], out: str | Path) -> list[Path]:
 def _write(each: Converted, target: Path) -> None:
     each.recording.write(target)
     if is_csv(target):
-        told = json.dumps(each.report, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-        atomic_files.write_text(target.with_name(target.name + SIDECAR), told)
+        text = json.dumps(each.report, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        atomic_files.write_text(target.with_name(target.name + SIDECAR), text)
 
 
 def _converted(path: Path, number: int, run: Run, mapping: ColumnMap) -> Converted:
@@ -94,8 +94,8 @@ def _converted(path: Path, number: int, run: Run, mapping: ColumnMap) -> Convert
     except BadInput as error:
         raise BadInput(f"{path}{f', run {number}' if number else ''}: {error}") from None
     report = _report(path, run, mapping, recording, shift)
-    told = json.dumps(report, ensure_ascii=False, allow_nan=False)
-    return Converted(replace(recording, conversion=told), path, number, report)
+    text = json.dumps(report, ensure_ascii=False, allow_nan=False)
+    return Converted(replace(recording, conversion=text), path, number, report)
 
 
 def _report(
@@ -127,5 +127,5 @@ def _report(
             for name, rule in mapping.channels.items()
         },
         "time_offset": {"value": mapping.time.offset, "unit": "s"},
-        "shift": shift.told() if shift else None,
+        "shift": shift.as_dict() if shift else None,
     }

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.quality.subject import Subject, stretches
+from hannes.campaigns.quality.subject import Subject, true_runs
 from hannes.core.recording.recording import Recording
 from hannes.plants.protocol import Plant, expectations
 
@@ -15,9 +15,9 @@ AWAY = 0.1  # of its variance, that a command must change by before it comes bac
 
 
 def inputs(plant: Plant, recording: Recording) -> list[str]:
-    """Channels of a recording that drive the plant: commands, and what it requires to be told.
+    """Channels of a recording that drive the plant: commands, and those it requires.
 
-    Not those that are judged or follow another.
+    Not those that are compared or that follow another.
     """
     expected = dict(expectations(plant))
     commands = Subject(recording, expected).commands | set(plant.required)
@@ -52,5 +52,5 @@ def _returns(values: FloatArray) -> list[int]:
     ends = squares[size - shifts] + squares[-1] - squares[shifts]
     products = correlate(centred, centred, "full", "fft")[size - 1 :][shifts]
     distance = (ends - 2.0 * products) / (size - shifts) / np.var(centred)
-    near = stretches(distance < AWAY)
+    near = true_runs(distance < AWAY)
     return [first + int(np.argmin(distance[first : last + 1])) for first, last in near[1:]]

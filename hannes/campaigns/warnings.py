@@ -1,20 +1,20 @@
-"""What the recordings of a campaign are to be taken with, told before any of them is fitted."""
+"""Warnings about the recordings of a campaign, given before any of them is fitted."""
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Campaign, Entry
+from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.check import check, refuse_faults
 from hannes.campaigns.periodicity import inputs
 from hannes.campaigns.quality.finding import Finding
 
-FEWEST_REPEATS = 5  # to tell two machines from one that scatters; two at least of each
+FEWEST_REPEATS = 5  # that separate two machines from one that scatters; two at least of each
 SAME = 1e-2  # by which commands and lengths of repeats may differ
 APART = 3.5  # nearest two of different machines, in distances of the farthest two of one machine
 
 
-def cautions(campaign: Campaign) -> list[str]:
+def campaign_warnings(campaign: Campaign) -> list[str]:
     """One line for each kind of warning; BadInput where the data check finds a fault.
 
     A fault (a wrong unit, a reversed sign, a dead channel) would be named as an effect.
@@ -26,27 +26,29 @@ def cautions(campaign: Campaign) -> list[str]:
         for each in findings:
             if each.level == "warning":
                 kinds.setdefault((each.kind, each.channel), []).append((name, each))
-    return [_line(told, len(found)) for told in kinds.values()] + list(_mixed(campaign))
+    return [_line(group, len(found)) for group in kinds.values()] + list(_mixed(campaign))
 
 
-def _line(told: Sequence[tuple[str, Finding]], count: int) -> str:
-    name, first = told[0]
-    where = "" if len(told) == 1 else f"{len(told)} of {count} recordings, such as "
+def _line(found: Sequence[tuple[str, Finding]], count: int) -> str:
+    name, first = found[0]
+    where = "" if len(found) == 1 else f"{len(found)} of {count} recordings, such as "
     return f"{where}{name}: {first}"
 
 
 def _mixed(campaign: Campaign) -> Iterator[str]:
-    """Repeats that fall into two heaps, far apart and each close together."""
+    """Repeats that form two clusters, far apart and each compact."""
     for condition in dict.fromkeys(each.condition for each in campaign.entries):
         entries = _repeats(campaign, condition)
         for channel in campaign.plant.judged:
             if len(entries) < FEWEST_REPEATS or any(channel not in e.recording for e in entries):
                 continue
-            one, other = _heaps(np.array([_aligned(each, entries[0], channel) for each in entries]))
+            one, other = _clusters(
+                np.array([_aligned(each, entries[0], channel) for each in entries])
+            )
             if one:
-                parts = [", ".join(entries[k].name for k in heap) for heap in (one, other)]
+                parts = [", ".join(entries[k].name for k in each) for each in (one, other)]
                 yield (
-                    f"the repeats of {condition} fall into two heaps by {channel}, {parts[0]} and "
+                    f"the repeats of {condition} form two clusters by {channel}, {parts[0]} and "
                     f"{parts[1]}: recordings of two machines, or before and after a change? "
                     "diagnose them apart"
                 )
@@ -54,7 +56,7 @@ def _mixed(campaign: Campaign) -> Iterator[str]:
 
 
 def _repeats(campaign: Campaign, condition: str) -> list[Entry]:
-    """Recordings of a condition under the very command of its first, and as long."""
+    """Recordings of a condition with the command and the length of its first one."""
     entries = [each for each in campaign.entries if each.condition == condition]
     first, driving = entries[0], inputs(campaign.plant, entries[0].recording)
     return [each for each in entries if _same(each, first, driving)]
@@ -78,20 +80,20 @@ def _aligned(entry: Entry, first: Entry, channel: str) -> np.ndarray:
     return np.interp(at, time, entry.recording[channel])
 
 
-def _heaps(runs: np.ndarray) -> tuple[list[int], list[int]]:
-    """Numbers of the runs (m, n) of two heaps; both empty where there is one.
+def _clusters(runs: np.ndarray) -> tuple[list[int], list[int]]:
+    """Numbers of the runs (m, n) of two clusters; both empty where there is one.
 
-    Single linkage cuts at the widest gap.
+    Single linkage separates at the widest gap.
     """
     from scipy.cluster.hierarchy import fcluster, linkage
     from scipy.spatial.distance import pdist, squareform
 
     distances = pdist(runs)
     label = fcluster(linkage(distances, "single"), 2, "maxclust")
-    heaps = [np.flatnonzero(label == k).tolist() for k in (1, 2)]
-    if min(map(len, heaps)) < 2:
+    clusters = [np.flatnonzero(label == k).tolist() for k in (1, 2)]
+    if min(map(len, clusters)) < 2:
         return [], []
     square = squareform(distances)
-    between = square[np.ix_(*heaps)].min()
-    within = max(square[np.ix_(heap, heap)].max() for heap in heaps)
-    return (heaps[0], heaps[1]) if between > APART * within else ([], [])
+    between = square[np.ix_(*clusters)].min()
+    within = max(square[np.ix_(each, each)].max() for each in clusters)
+    return (clusters[0], clusters[1]) if between > APART * within else ([], [])

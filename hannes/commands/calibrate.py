@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Campaign, read_campaign
+from hannes.campaigns.campaign import Campaign
+from hannes.campaigns.campaign_file import read_campaign
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
 from hannes.identification.binned_run import STRETCHES, View

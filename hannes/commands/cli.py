@@ -11,78 +11,14 @@ from typing import Any, NoReturn
 
 from hannes import __version__
 from hannes.commands import cli_learning, cli_recordings
+from hannes.commands.cli_examples import EXAMPLES
+from hannes.commands.cli_output import add_json, print_json
 from hannes.core.errors import BadInput, HannesError, Interrupted, nearest
 from hannes.simulation.compiler.kernel_error import blamed
 
 INTERRUPTED, PIPE_CLOSED = 130, 141  # what a shell reports for SIGINT and SIGPIPE
 
 DESCRIPTION = "A model of the Hannes prosthetic hand that says what it is missing."
-EXAMPLES = {
-    "": """\
-hannes run dynamometer           simulate a shipped experiment, write results/dynamometer
-hannes experiments               what there is to run
-hannes reproduce                 the paper's figures and tables beside ours, one page
-hannes calibrate campaign.toml   parameters from recordings, with intervals that hold
-hannes diagnose campaign.toml    what a model is missing that recordings disagree with""",
-    "run": """\
-hannes run void-closure
-hannes run my.toml --out results/mine
-hannes run dynamometer --method Radau --rtol 1e-6 --json""",
-    "experiments": """\
-hannes experiments""",
-    "effects": """\
-hannes effects
-hannes effects leader_slack
-hannes effects my_effect.py:EFFECT""",
-    "hand": """\
-hannes hand
-hannes hand results/closure/hand.toml
-hannes hand --equations | less""",
-    "reproduce": """\
-hannes reproduce
-hannes reproduce --out results/paper --json""",
-    "calibrate": """\
-hannes calibrate campaign.toml
-hannes calibrate campaign.toml --out results/mine --json
-
-campaign.toml, after its [[recording]]s; all of it may be left out:
-  [calibrate]
-  parameters = ["motor.resistance", "motor.dry_friction"]
-  channels = ["current", "position"]
-  features = ["closing time", "I_max"]    # of the paper's Table II
-  loss = "soft_l1"                        # linear, soft_l1, huber, cauchy
-  starts = 4                              # searches from different points
-  scan = 64                               # points looked at before them
-  doubt = "2 %"                           # how far off all values may be that are not fitted
-  limit = "10 %"                          # half an interval beyond which nothing is identified
-  model_error = "1 %"                     # share of a channel in which no model is believed
-  accept = ["gap", "saturated"]           # what `hannes check` finds, taken as it is
-  [calibrate.spread]                      # how far off a given value may be, 1 deviation
-  "motor.resistance" = "20 %"
-  [calibrate.bounds]
-  "motor.resistance" = ["2 ohm", "5 ohm"]
-  [calibrate.nuisance]                    # what differs from run to run, 1 deviation
-  start_time = "10 ms"
-  "motor.dry_friction" = "1 %\"""",
-    "diagnose": """\
-hannes diagnose campaign.toml
-hannes diagnose campaign.toml --out results/verdict --json
-
-campaign.toml (docs/campaign.md has all of it):
-  plant = "hand"                          # or "axis", "finger", "module:Class" of your own
-  effects = ["my_effect.py:EFFECT"]       # beside those of `hannes effects`
-  [[recording]]
-  file = "void_*.csv"                     # repeats under one command
-  experiment = "void-closure"             # what was done: a shipped name, or a .toml
-  condition = "void, full speed"
-  role = "fit"                            # or select, show; drawn where absent
-  [diagnose]                              # standard deviations; may be left out
-  scatter = "2 %"                         # of given values (3 %)
-  run_scatter = "0.5 %"                   # of friction from run to run (1 %)
-  start_time = "0.2 ms"                   # of when a run starts (10 ms)""",
-    **cli_recordings.EXAMPLES,
-    **cli_learning.EXAMPLES,
-}
 
 
 class _Parser(argparse.ArgumentParser):
@@ -124,9 +60,9 @@ def _run(arguments: Sequence[str] | None) -> int:
     try:
         chosen.call(chosen)
     except Exception as error:
-        if (told := blamed(error)) is None:
+        if (fault := blamed(error)) is None:
             raise
-        raise told from None
+        raise fault from None
     sys.stdout.flush()
     return 0
 
@@ -143,13 +79,13 @@ def _parser() -> _Parser:
 
     run = _command(commands, "run", _run_experiment, "simulate an experiment and write its results")
     run.add_argument("experiment", help="a shipped experiment's name, or a .toml file")
-    _results(run, "results/<experiment>")
+    _add_output(run, "results/<experiment>")
     run.add_argument("--method", default="Rodas", help="Rodas (default) or one of scipy's")
     run.add_argument("--rtol", type=float, default=1e-4, help="relative tolerance (default 1e-4)")
 
     _command(commands, "experiments", _experiments, "list the shipped experiments")
 
-    effects = _command(commands, "effects", _effects, "list the effects, or tell all about one")
+    effects = _command(commands, "effects", _effects, "list the effects, or describe one")
     effects.add_argument("effect", nargs="?", help="a name, or file.py:EFFECT of your own")
     effects.add_argument("--plant", metavar="PLANT", help="those that this plant alone has")
 
@@ -161,7 +97,7 @@ def _parser() -> _Parser:
     hand.add_argument("--values", action="store_true", help="print every value with its source")
 
     reproduce = _command(commands, "reproduce", _reproduce, "the paper's results beside ours")
-    _results(reproduce, "results/reproduce")
+    _add_output(reproduce, "results/reproduce")
     reproduce.add_argument(
         "--slack", metavar="FOLDER", help="results of a diagnosis of closures with hidden slack"
     )
@@ -174,11 +110,11 @@ def _parser() -> _Parser:
 
     calibrate = _command(commands, "calibrate", _calibrate, "fit parameters, with intervals")
     calibrate.add_argument("campaign", help="a campaign's .toml file")
-    _results(calibrate, "as the campaign says")
+    _add_output(calibrate, "as the campaign says")
 
     diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
     diagnose.add_argument("campaign", help="a campaign's .toml file")
-    _results(diagnose, "as the campaign says")
+    _add_output(diagnose, "as the campaign says")
 
     cli_recordings.add(partial(_command, commands))
     cli_learning.add(partial(_command, commands))
@@ -186,9 +122,10 @@ def _parser() -> _Parser:
 
 
 def _command(
-    commands: Any, name: str, call: Callable[[argparse.Namespace], None], told: str
+    commands: Any, name: str, call: Callable[[argparse.Namespace], None], description: str
 ) -> _Parser:
-    parser = commands.add_parser(name, help=told, description=told, **_with_examples(name))
+    texts = {"help": description, "description": description, **_with_examples(name)}
+    parser = commands.add_parser(name, **texts)
     parser.set_defaults(call=call)
     return parser
 
@@ -202,9 +139,9 @@ def _with_examples(name: str) -> dict[str, Any]:
     }
 
 
-def _results(parser: _Parser, default: str) -> None:
+def _add_output(parser: _Parser, default: str) -> None:
     parser.add_argument("--out", metavar="FOLDER", help=f"folder of the results ({default})")
-    parser.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
+    add_json(parser)
 
 
 def _run_experiment(chosen: argparse.Namespace) -> None:
@@ -212,12 +149,12 @@ def _run_experiment(chosen: argparse.Namespace) -> None:
 
     summary = run(chosen.experiment, chosen.out, method=chosen.method, rtol=chosen.rtol)
     if chosen.json:
-        _print_json(summary)
+        print_json(summary)
     else:
-        print(_told(summary))
+        print(_summary_text(summary))
 
 
-def _told(summary: dict[str, Any]) -> str:
+def _summary_text(summary: dict[str, Any]) -> str:
     """A run's results for a terminal."""
     lines = [summary["title"]]
     for each in summary["runs"]:
@@ -237,8 +174,8 @@ def _experiments(chosen: argparse.Namespace) -> None:
 
     for name in shipped.names():
         print(name)
-        told = shipped.question(shipped.find(name))
-        print(textwrap.fill(told, 78, initial_indent="  ", subsequent_indent="  "))
+        question = shipped.question(shipped.find(name))
+        print(textwrap.fill(question, 78, initial_indent="  ", subsequent_indent="  "))
 
 
 def _effects(chosen: argparse.Namespace) -> None:
@@ -257,8 +194,8 @@ def _effects(chosen: argparse.Namespace) -> None:
             print(near)
         return
     for each in known.values():
-        told = textwrap.fill(each.meaning, 78, initial_indent="  ", subsequent_indent="  ")
-        print(f"{each.name}\n{told}\n  {each.equation}\n  source: {each.source}")
+        meaning = textwrap.fill(each.meaning, 78, initial_indent="  ", subsequent_indent="  ")
+        print(f"{each.name}\n{meaning}\n  {each.equation}\n  source: {each.source}")
 
 
 def _hand(chosen: argparse.Namespace) -> None:
@@ -287,7 +224,7 @@ def _reproduce(chosen: argparse.Namespace) -> None:
     given = {"slack": chosen.slack, "taut": chosen.taut, "recognition": chosen.recognition}
     found = reproduce(out, **given)
     if chosen.json:
-        _print_json(found)
+        print_json(found)
         return
     for row in found["must_show"]:
         verdict = "holds" if row["holds"] else "DOES NOT HOLD"
@@ -307,7 +244,7 @@ def _calibrate(chosen: argparse.Namespace) -> None:
     out = chosen.out or campaign.out
     result = calibrate(campaign, out=out)
     if chosen.json:
-        _print_json(result.plain())
+        print_json(result.plain())
     else:
         print(f"{result.summary()}\nopen {out}/report.html")
     if result.found.interrupted:
@@ -322,11 +259,7 @@ def _diagnose(chosen: argparse.Namespace) -> None:
     out = chosen.out or campaign.out
     result = diagnose(campaign, out=out)
     if chosen.json:
-        _print_json(json.loads(result.verdict.json()))
+        print_json(json.loads(result.verdict.json()))
         return
     print(result.verdict.summary())
     print(f"open {out}/report.html")
-
-
-def _print_json(content: Any) -> None:
-    print(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))

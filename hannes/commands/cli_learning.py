@@ -1,9 +1,10 @@
 """The commands about many grasps: make a data set, train a classifier on it, evaluate it."""
 
 import argparse
-import json
 from collections.abc import Callable
 from typing import Any
+
+from hannes.commands.cli_output import add_json, print_json
 
 EXAMPLES = {
     "dataset": """\
@@ -60,7 +61,7 @@ evaluation.toml, whose recordings have the force that tells contact from release
 
 
 def add(command: Callable[..., argparse.ArgumentParser]) -> None:
-    """Add the commands; `command(name, call, told)` makes the parser of one."""
+    """Add the commands; `command(name, call, description)` makes the parser of one."""
     dataset = command("dataset", _dataset, "simulate many grasps into one HDF5 file")
     dataset.add_argument("spec", help="a shipped specification's name, or a .toml file")
     dataset.add_argument("--out", metavar="FILE.h5", help="the data set (results/<spec>.h5)")
@@ -70,7 +71,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     dataset.add_argument(
         "--grasp", type=int, metavar="K", help="only this one, as a recording to --out"
     )
-    _json(dataset)
+    add_json(dataset)
 
     train = command("train", _train, "learn rigid from soft, stiffness and force from a data set")
     train.add_argument("dataset", help="a data set made by `hannes dataset`")
@@ -79,7 +80,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     train.add_argument("--seed", type=int, default=0, help="of what is drawn (default 0)")
     train.add_argument("--window", default="50 ms", help="length of a window (default 50 ms)")
     train.add_argument("--hop", default="10 ms", help="from window to window (default 10 ms)")
-    _json(train)
+    add_json(train)
 
     evaluate = command("evaluate", _evaluate, "score a model on recordings, or ask it about one")
     evaluate.add_argument("model", help="a model made by `hannes train`")
@@ -90,11 +91,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
         metavar="DATASET.h5",
         help="score models too that learn from ever more of these grasps (a minute or so)",
     )
-    _json(evaluate)
-
-
-def _json(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
+    add_json(evaluate)
 
 
 def _dataset(chosen: argparse.Namespace) -> None:
@@ -111,21 +108,21 @@ def _dataset(chosen: argparse.Namespace) -> None:
             raise BadInput("--grasp makes one, here: leave out --backend, --scheduler, --workers")
         out = chosen.out or f"{stem}-{chosen.grasp}.h5"
         recorded(spec, chosen.grasp).write(out)
-        told: dict[str, Any] = {"out": out, "grasp": chosen.grasp}
+        result: dict[str, Any] = {"out": out, "grasp": chosen.grasp}
     else:
         how = {"backend": chosen.backend, "scheduler": chosen.scheduler, "workers": chosen.workers}
-        told = make(spec, chosen.out or f"{stem}.h5", **how)
+        result = make(spec, chosen.out or f"{stem}.h5", **how)
     if chosen.json:
-        _print_json(told)
+        print_json(result)
     elif chosen.grasp is not None:
-        print(f"wrote {told['out']}")
+        print(f"wrote {result['out']}")
     else:
-        kept = told["parts"] - told["parts_simulated"]
+        kept = result["parts"] - result["parts_simulated"]
         print(
-            f"{told['grasps']} grasps, {told['failed']} of them without an end; "
-            f"{kept} of {told['parts']} parts were there already"
+            f"{result['grasps']} grasps, {result['failed']} of them without an end; "
+            f"{kept} of {result['parts']} parts were there already"
         )
-        print(f"wrote {told['out']}")
+        print(f"wrote {result['out']}")
 
 
 def _train(chosen: argparse.Namespace) -> None:
@@ -141,18 +138,18 @@ def _train(chosen: argparse.Namespace) -> None:
     if not 1 <= trees <= 2000:
         raise BadInput(f"--trees {trees}: expected 1 to 2000")
     cut = Cut(quantity(chosen.window, "s", "--window"), quantity(chosen.hop, "s", "--hop"))
-    model, told = train(chosen.dataset, trees=trees, seed=chosen.seed, cut=cut)
+    model, result = train(chosen.dataset, trees=trees, seed=chosen.seed, cut=cut)
     out = chosen.out or str(Path(chosen.dataset).with_suffix("")) + "-model.h5"
     model_file.write(out, model)
     if chosen.json:
-        _print_json({"out": out, **told})
+        print_json({"out": out, **result})
         return
-    print(f"learnt from {told['grasps']} grasps of {told['title']}")
+    print(f"learnt from {result['grasps']} grasps of {result['title']}")
     for key, words in (
         ("unseen_scores", "grasps, each told by what had not seen it"),
         ("test_scores", "held-back grasps"),
     ):
-        if found := told.get(key):
+        if found := result.get(key):
             print(
                 f"  {found['grasps']} {words}: {100 * found['windows_right']:.1f} % of windows and "
                 f"{100 * found['grasps_right']:.1f} % of grasps told right"
@@ -173,61 +170,57 @@ def _evaluate(chosen: argparse.Namespace) -> None:
             raise BadInput(
                 f"{chosen.recordings}: --out and --learning-curve are for an evaluation.toml"
             )
-        told = told_of(model, Recording.read(chosen.recordings))
-        _print_json(told) if chosen.json else print(_grasp(told))
+        result = told_of(model, Recording.read(chosen.recordings))
+        print_json(result) if chosen.json else print(_grasp(result))
         return
     title, subjects = read_subjects(chosen.recordings)
-    told = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
+    result = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
     if chosen.learning_curve:
         models = curve(chosen.learning_curve, cut=model.cut)
-        told["learning_curve"] = learning_curve(models, subjects)
+        result["learning_curve"] = learning_curve(models, subjects)
     if chosen.out:
-        write(chosen.out, told)
-    _print_json(told) if chosen.json else print(_scores(told))
+        write(chosen.out, result)
+    print_json(result) if chosen.json else print(_scores(result))
 
 
-def _grasp(told: dict[str, Any]) -> str:
-    lines = [f"{told['decision']} (probability of rigid {told['rigid']:.2f})"]
+def _grasp(result: dict[str, Any]) -> str:
+    lines = [f"{result['decision']} (probability of rigid {result['rigid']:.2f})"]
     for key, words in (("stiffness", "stiffness"), ("peak_force", "peak grip force")):
-        if each := told[key]:
+        if each := result[key]:
             ends = f"{each['low']:.3g} to {each['high']:.3g}"
             lines.append(f"  {words} {each['value']:.3g} {each['unit']} (95 %: {ends})")
-    if told["peak_force"] is None:
+    if result["peak_force"] is None:
         lines.append("  the motor felt nothing, so neither stiffness nor grip force is told")
     return "\n".join(lines)
 
 
-def _scores(told: dict[str, Any]) -> str:
-    lines = [told["title"], f"  {'object':<20} class   F1 windows  F1 grasps  stable in time"]
+def _scores(result: dict[str, Any]) -> str:
+    lines = [result["title"], f"  {'object':<20} class   F1 windows  F1 grasps  stable in time"]
     lines += [
         f"  {row['name']:<20} {row['class']:<6} {100 * row['f1_windows']:10.1f} % "
         f"{100 * row['f1_grasps']:8.1f} % {100 * row['stable_in_time']:12.0f} %"
-        for row in told["objects"]
+        for row in result["objects"]
     ]
     lines.append(
-        f"  {'average':<27} {100 * told['f1_windows']:10.1f} % {100 * told['f1_grasps']:8.1f} % "
-        f"{100 * told['stable_in_time']:12.0f} %"
+        f"  {'average':<27} {100 * result['f1_windows']:10.1f} % "
+        f"{100 * result['f1_grasps']:8.1f} % {100 * result['stable_in_time']:12.0f} %"
     )
     lines += [
         f"  {row['grasps']:>8} grasps learnt    {100 * row['f1_windows']:10.1f} % "
         f"{100 * row['f1_grasps']:8.1f} % {100 * row['stable_in_time']:12.0f} %"
-        for row in told.get("learning_curve", ())
+        for row in result.get("learning_curve", ())
     ]
     named = (("force", "peak force"), ("stiffness", "stiffness"))
-    lines += [_estimates(words, told[key]) for key, words in named if told[key]["told"]]
-    error = 100 * told["reliability"]["calibration_error"]
+    lines += [_estimates(words, result[key]) for key, words in named if result[key]["told"]]
+    error = 100 * result["reliability"]["calibration_error"]
     lines.append(f"  probabilities are off by {error:.1f} points on average")
     return "\n".join(lines)
 
 
-def _estimates(words: str, told: dict[str, Any]) -> str:
-    middle = told["median_error_percent"]
+def _estimates(words: str, result: dict[str, Any]) -> str:
+    middle = result["median_error_percent"]
     off = "by more than can be told" if middle is None else f"by {middle:.1f} %"
     return (
-        f"  {words}: off {off} (median); told of {told['told']} of {told['grasps']} grasps, "
-        f"95 % intervals hold {100 * told['interval_holds']:.1f} % of all"
+        f"  {words}: off {off} (median); told of {result['told']} of {result['grasps']} grasps, "
+        f"95 % intervals hold {100 * result['interval_holds']:.1f} % of all"
     )
-
-
-def _print_json(content: Any) -> None:
-    print(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))

@@ -1,11 +1,12 @@
 """The commands about recordings at large: convert foreign files, check any before a fit."""
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
+
+from hannes.commands.cli_output import add_json, print_json
 
 if TYPE_CHECKING:
     from hannes.campaigns.quality.finding import Finding
@@ -21,7 +22,7 @@ rig.toml; all of it but time and channels may be left out:
   experiment = "void-closure"     # what was done: a shipped name, or a .toml
   missing = ["-999", "n/a"]       # stand for no value, as empty cells and NaN do
   split = "trial"                 # a new run wherever this column changes
-  [text]                          # delimiter is found out where not given
+  [text]                          # delimiter is detected where not given
   delimiter = "semicolon"
   decimal = ","
   comment = "#"
@@ -54,25 +55,23 @@ hannes check log.csv --experiment void-closure""",
 
 
 def add(command: Callable[..., argparse.ArgumentParser]) -> None:
-    """Add the commands; `command(name, call, told)` makes the parser of one."""
+    """Add the commands; `command(name, call, description)` makes the parser of one."""
     convert = command("convert", _convert, "read foreign files into recordings")
     convert.add_argument("file", nargs="+", help="CSV or other text (also .gz), HDF5, MATLAB")
     convert.add_argument("--mapping", required=True, metavar="MAP.toml", help="what is what")
     convert.add_argument(
         "--out", required=True, metavar="FILE", help="a .csv or .h5 file, or a folder for several"
     )
-    _json(convert)
+    add_json(convert)
 
     check = command("check", _check, "say what may be wrong with recordings, before any fit")
     check.add_argument("file", nargs="+", help="recordings, or a campaign's .toml file")
     check.add_argument("--plant", help="hand (default), axis, or module:object of your own")
-    check.add_argument("--experiment", metavar="NAME", help="what was done, where it is not told")
+    check.add_argument(
+        "--experiment", metavar="NAME", help="what was done, where the file does not say"
+    )
     check.add_argument("--notes", action="store_true", help="print notes too: noise, resolution")
-    _json(check)
-
-
-def _json(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
+    add_json(check)
 
 
 def _convert(chosen: argparse.Namespace) -> None:
@@ -90,10 +89,10 @@ def _convert(chosen: argparse.Namespace) -> None:
     if chosen.json:
         for row, findings in zip(rows, found, strict=True):
             row["findings"] = [asdict(each) for each in findings]
-        _print_json({"recordings": rows})
+        print_json({"recordings": rows})
         return
     for row, findings in zip(rows, found, strict=True):
-        print("\n".join([_told(row), *_lines(findings, notes=False)]))
+        print("\n".join([_summary_text(row), *_lines(findings, notes=False)]))
 
 
 def _check(chosen: argparse.Namespace) -> None:
@@ -109,7 +108,7 @@ def _check(chosen: argparse.Namespace) -> None:
             {"file": name, "findings": [asdict(each) for each in findings]}
             for name, findings in found
         ]
-        _print_json({"recordings": rows})
+        print_json({"recordings": rows})
     else:
         for name, findings in found:
             print("\n".join([f"{name}: {_counted(findings)}", *_lines(findings, chosen.notes)]))
@@ -128,12 +127,8 @@ def _counted(findings: Sequence["Finding"]) -> str:
     return ", ".join(f"{n} {level}{'' if n == 1 else 's'}" for level, n in counts.items())
 
 
-def _print_json(content: Any) -> None:
-    print(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
-
-
-def _told(row: dict[str, Any]) -> str:
-    """What was done to make one recording, for a terminal."""
+def _summary_text(row: dict[str, Any]) -> str:
+    """What was done to make one recording, as lines for a terminal."""
     span, interval = row["span"], row["interval"]
     lines = [
         f"{row['out']}: {row['samples']} samples from {span['t0']:.6g} to {span['t1']:.6g} s, "

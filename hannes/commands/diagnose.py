@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from hannes.campaigns import segments as cutting
-from hannes.campaigns.campaign_file import Campaign, read_campaign
-from hannes.campaigns.segments import Piece, floors
-from hannes.campaigns.warnings import cautions
+from hannes.campaigns.campaign import Campaign
+from hannes.campaigns.campaign_file import read_campaign
+from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_campaign
+from hannes.campaigns.warnings import campaign_warnings
 from hannes.core.effect import Effect
 from hannes.core.io import atomic_files
 from hannes.identification.diagnosis.campaign_diagnosis import Result, deep, possible
@@ -96,16 +96,16 @@ def diagnose(
     if not isinstance(campaign, Campaign):
         campaign = read_campaign(campaign, seed)
     settings = read_settings(campaign.diagnose, campaign.plant)
-    told = cautions(campaign)
+    found = campaign_warnings(campaign)
     with _bar(progress) as tell:
         if possible(campaign.plant) and not decision.lacking(
-            campaign, cutting.cut(campaign)[0], ()
+            campaign, split_campaign(campaign)[0], ()
         ):
             result = _deep(campaign, settings, seed, tell)
         else:
             result = _Work(campaign, seed, tell).result()
-    told += result.verdict.cautions
-    result = replace(result, verdict=replace(result.verdict, cautions=told))
+    found += result.verdict.cautions
+    result = replace(result, verdict=replace(result.verdict, cautions=found))
     if out is not None:
         result.write(out)
     return result
@@ -135,14 +135,14 @@ class _Work:
 
     def __init__(self, campaign: Campaign, seed: int, tell: Progress) -> None:
         self.campaign, self.plant, self.seed, self.tell = campaign, campaign.plant, seed, tell
-        self.pieces, self.note = cutting.cut(campaign)
+        self.pieces, self.note = split_campaign(campaign)
         self.known = self.of("fit", "select") or self.pieces
-        self.floors, self.how = floors(self.plant, self.known)
+        self.floors, self.how = noise_floors(self.plant, self.known)
 
-    def of(self, *roles: str) -> list[Piece]:
-        return cutting.of(self.pieces, *roles)
+    def of(self, *roles: str) -> list[Segment]:
+        return in_roles(self.pieces, *roles)
 
-    def misfit(self, pieces: Sequence[Piece]) -> Misfit:
+    def misfit(self, pieces: Sequence[Segment]) -> Misfit:
         return Misfit(self.plant, pieces, self.floors)
 
     def result(self) -> Diagnosis:
@@ -157,7 +157,7 @@ class _Work:
             after = fit(known, best.fitted.plant, best.fitted.values, self.tell)
         return self.closed(said, best, trials, before, after)
 
-    def base(self, fitted: Sequence[Piece]) -> tuple[Fitted, dict[str, float]]:
+    def base(self, fitted: Sequence[Segment]) -> tuple[Fitted, dict[str, float]]:
         """Refit the base, twice: first by the floor, then by what it leaves."""
         first = self.misfit(fitted)
         rough = fit(first, self.plant, tell=self.tell)
@@ -165,7 +165,7 @@ class _Work:
         return fit(Misfit(self.plant, fitted, scales), self.plant, rough.values, self.tell), scales
 
     def trials(
-        self, fitted: Sequence[Piece], base: Fitted, scales: Mapping[str, float]
+        self, fitted: Sequence[Segment], base: Fitted, scales: Mapping[str, float]
     ) -> list[Trial]:
         chosen, rng = self.misfit(self.of("select")), np.random.default_rng(self.seed)
         present, made = {each.name for each in self.plant.effects}, []
@@ -238,7 +238,7 @@ class _Work:
         )
         return Diagnosis(self.campaign, result, plant, drawn, self.floors, tuple(trials))
 
-    def shown(self) -> tuple[list[Piece], str]:
+    def shown(self) -> tuple[list[Segment], str]:
         """The pieces on which the gaps are told, and what they are."""
         shown = self.of("show")
         if not shown:

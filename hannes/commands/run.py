@@ -110,7 +110,7 @@ def _row(variant: Variant, ran: Trajectory) -> dict[str, Any]:
 
 
 def _cost(cost: Cost) -> dict[str, Any]:
-    """What the solver took; smooth parts are the stretches between kinks of the reference."""
+    """Work of the solver; smooth parts lie between kinks of the reference."""
     return {
         "evaluations": cost.evaluations,
         "jacobians": cost.jacobians,

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Entry
+from hannes.campaigns.campaign import Entry
 from hannes.core.errors import BadInput
 from hannes.identification.grasp_features import measure
 from hannes.plants.protocol import Plant

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Entry
-from hannes.campaigns.segments import Piece
+from hannes.campaigns.campaign import Entry
+from hannes.campaigns.segments import Segment
 from hannes.identification.holdout.least_squares import Fitted, Misfit
 from hannes.plants.protocol import Plant
 
@@ -40,7 +40,7 @@ def gaps(misfit: Misfit, before: Fitted, after: Fitted) -> dict[str, dict[str, A
 
 def tabled(
     stages: Mapping[str, Raw],
-    pieces: Sequence[Piece],
+    pieces: Sequence[Segment],
     units: Mapping[str, str],
     floors: Mapping[str, float],
 ) -> dict[str, dict[str, Any]]:
@@ -70,7 +70,7 @@ def where(misfit: Misfit, fitted: Fitted) -> list[dict[str, Any]]:
 
 
 def placed(
-    plant: Plant, pieces: Sequence[Piece], raw: Raw, floors: Mapping[str, float]
+    plant: Plant, pieces: Sequence[Segment], raw: Raw, floors: Mapping[str, float]
 ) -> list[dict[str, Any]]:
     """Channel and phase of simulated minus recorded, worst first."""
     places: dict[tuple[str, str], list[tuple[np.ndarray, np.ndarray, str]]] = {}
@@ -146,7 +146,7 @@ def pooled(raw: Raw, names: Mapping[str, float]) -> dict[str, float]:
     }
 
 
-def relative(raw: Raw, pieces: Sequence[Piece], name: str) -> float:
+def relative(raw: Raw, pieces: Sequence[Segment], name: str) -> float:
     """100 |difference| / |recorded| of a channel over all pieces [%]."""
     there = [(r, p) for r, p in zip(raw, pieces, strict=True) if name in r]
     miss = np.concatenate([r[name] for r, _ in there])

@@ -1,6 +1,6 @@
 """Moves one clock of a recording onto the other: reference and measurement, or experiment and log.
 
-A machine follows its reference late even when every clock is right. Measured is therefore compared
+A machine lags its reference even when every clock is right. Measured motion is therefore compared
 with *simulated* motion under the same command, unless the mapping says by = "command" and gives
 the machine's own lag.
 """
@@ -22,14 +22,14 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Shift:
-    """How a clock was moved: `value` [s] is how late the measurement stood; see `what`."""
+    """How a clock was shifted: `value` [s] is the delay of the measurement; see `what`."""
 
     rule: AlignRule
     lag: Lag
     value: float
     what: str
 
-    def told(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """Plain data, with a 95 % interval."""
         reach = 1.96 * self.lag.deviation
         return {
@@ -41,7 +41,7 @@ class Shift:
             "channel": self.rule.channel,
             "by": self.rule.by,
             "machine_lag": self.rule.lag if self.rule.by == "command" else None,
-            "correlation": self.lag.likeness,
+            "correlation": self.lag.correlation,
         }
 
 
@@ -63,14 +63,14 @@ def _onto_reference(recording: Recording, rule: AlignRule, plant: Plant) -> tupl
         followed = plant.simulate({}, recording)[rule.channel]
     lag = _lag(recording, rule, time, followed)
     value = lag.value - rule.lag
-    told = "the reference was moved by this much, later where positive; times without it were cut"
+    what = "the reference was moved by this much, later where positive; times without it were cut"
     kept = (time - value >= time[0]) & (time - value <= time[-1])
     if np.count_nonzero(kept) < 2:
         raise BadInput("align: nothing is left once the reference is moved")
     moved = np.interp(time - value, time, reference)
     cut = {name: values[kept] for name, values in recording.channels.items()}
     return replace(recording, channels={**cut, "reference": moved[kept]}), Shift(
-        rule, lag, value, told
+        rule, lag, value, what
     )
 
 
@@ -83,9 +83,9 @@ def _onto_experiment(
     early = replace(recording, channels={**recording.channels, "time": recording.time - rough})
     lag = _lag(early, rule, times, followed)
     value = lag.value - rule.lag + rough
-    told = "every time was made smaller by this much: zero is where the experiment begins"
+    what = "every time was made smaller by this much: zero is where the experiment begins"
     channels = {**recording.channels, "time": recording.time - value}
-    return replace(recording, channels=channels), Shift(rule, lag, value, told)
+    return replace(recording, channels=channels), Shift(rule, lag, value, what)
 
 
 def _experiment_motion(

@@ -161,7 +161,7 @@ def _text(root: Table) -> TextRule:
     decimal = table.choice("decimal", (".", ","), ".")
     delimiter = _delimiter(table)
     if decimal == delimiter == ",":
-        table.refuse("decimal", "and delimiter are both a comma: which is which cannot be told")
+        table.refuse("decimal", "and delimiter are both a comma: nothing distinguishes them")
     encoding = table.choice("encoding", ENCODINGS, "utf-8")
     return TextRule(delimiter, decimal, table.text("comment", ""), header, first, encoding)
 

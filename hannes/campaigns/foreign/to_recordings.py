@@ -78,7 +78,7 @@ def _times(source: Source, rule: TimeRule, count: int) -> FloatArray:
 
 
 def _parts(source: Source, mapping: ColumnMap, count: int) -> list[NDArray[np.intp]]:
-    """Rows of each run: stretches over which the column `split` does not change."""
+    """Rows of each run: successive rows with one value in the column `split`."""
     rows = np.arange(count)
     if mapping.split is None:
         return [rows]
@@ -129,12 +129,12 @@ def _filled(times: FloatArray, values: FloatArray, rule: ChannelRule) -> FloatAr
 
 
 def _require_increasing(source: Source, times: FloatArray, rows: NDArray[np.intp]) -> None:
-    late = np.flatnonzero(np.diff(times) <= 0.0)
-    if late.size:
-        first = int(late[0])
+    stalled = np.flatnonzero(np.diff(times) <= 0.0)
+    if stalled.size:
+        first = int(stalled[0])
         raise BadInput(
             f"{source.place(int(rows[first + 1]))}: time does not increase, {times[first]:.9g} s "
-            f"is followed by {times[first + 1]:.9g} s ({late.size} such rows); name the split "
+            f"is followed by {times[first + 1]:.9g} s ({stalled.size} such rows); name the split "
             "column of several runs, or give time.sampling instead of a clock that is too coarse"
         )
 

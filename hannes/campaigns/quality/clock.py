@@ -72,9 +72,9 @@ def _drift(subject: Subject, intervals: FloatArray, even: NDArray[np.bool_]) -> 
     place = np.linspace(-0.5, 0.5, PARTS) * (PARTS - 1) / PARTS
     change = float(place @ means / (place @ place)) / float(means.mean())
     rest = means / means.mean() - 1.0 - change * place
-    doubt = float(np.sqrt(rest @ rest / (PARTS - 2) / (place @ place)))
+    deviation = float(np.sqrt(rest @ rest / (PARTS - 2) / (place @ place)))
     lost = abs(change) * intervals.size / 8.0  # samples off a steady clock, at worst
-    if abs(change) > max(LEAST_DRIFT, SURE * doubt) and lost > LEAST_LOST:
+    if abs(change) > max(LEAST_DRIFT, SURE * deviation) and lost > LEAST_LOST:
         yield warning(
             "drift",
             "time",

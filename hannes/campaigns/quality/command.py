@@ -92,8 +92,8 @@ def _starts(time: FloatArray, values: FloatArray, plan: Plan) -> list[float]:
     moved = np.flatnonzero(np.abs(values - values[0]) > SAME * np.ptp(values))
     asked = np.interp(time, plan.times, plan.values)
     left = np.flatnonzero(np.abs(asked - asked[0]) > SAME * np.ptp(plan.values))
-    late = float(time[moved[0]] - time[left[0]]) if moved.size and left.size else 0.0
-    return [0.0, late]
+    offset = float(time[moved[0]] - time[left[0]]) if moved.size and left.size else 0.0
+    return [0.0, offset]
 
 
 def _fitted(time: FloatArray, values: FloatArray, plan: Plan, shift: float) -> tuple[float, float]:

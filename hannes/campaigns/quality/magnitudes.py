@@ -1,4 +1,4 @@
-"""Values too large or too small to be what they are called: the marks of a wrong unit."""
+"""Values too large or too small for their channel: signs of a wrong unit."""
 
 from collections.abc import Iterator
 
@@ -26,7 +26,7 @@ def inspect(subject: Subject) -> Iterator[Finding]:
             yield fault(
                 "sign",
                 name,
-                f"goes down to {subject.told(float(values.min()), name)}, and its positive "
+                f"goes down to {subject.with_unit(float(values.min()), name)}, and its positive "
                 "direction is the other one: convert with reversed = true",
                 size=float(values.min()),
             )
@@ -34,29 +34,29 @@ def inspect(subject: Subject) -> Iterator[Finding]:
 
 def _large(subject: Subject, name: str, peak: float) -> Finding:
     low, high = subject.of(name).peak
-    told = f"reaches {subject.told(peak, name)}, far beyond {subject.told(high, name)}"
+    found = f"reaches {subject.with_unit(peak, name)}, far beyond {subject.with_unit(high, name)}"
     fitting = {
         what: factor
         for what, factor in subject.of(name).mistakes.items()
         if low <= peak / factor <= high
     }
     if not fitting:
-        return warning("unit", name, f"{told}: check its unit and its scale", size=peak / high)
+        return warning("unit", name, f"{found}: check its unit and its scale", size=peak / high)
     ways = " or ".join(f"{what} ({factor:.4g})" for what, factor in fitting.items())
     return fault(
-        "unit", name, f"{told}: {ways}? convert with the column's unit", size=min(fitting.values())
+        "unit", name, f"{found}: {ways}? convert with the column's unit", size=min(fitting.values())
     )
 
 
 def _small(subject: Subject, name: str, peak: float) -> Iterator[Finding]:
     """Too small for what it moves is a fault; alone it may be an honest light touch."""
     low, high = subject.of(name).peak
-    told = f"reaches only {subject.told(peak, name)}"
+    found = f"reaches only {subject.with_unit(peak, name)}"
     fitting = [f for f in subject.of(name).mistakes.values() if low <= peak * f <= high]
     advice = f"a factor of {fitting[0]:.4g} too small? " if fitting else ""
     moved = subject.of(name).drives
     if moved in subject.recording and np.ptp(subject.recording[moved]) > subject.of(moved).peak[0]:
-        text = f"{told} while {moved} moves: {advice}check its unit"
+        text = f"{found} while {moved} moves: {advice}check its unit"
         yield fault("unit", name, text, size=1.0 / fitting[0] if fitting else None)
     elif fitting:
-        yield warning("unit", name, f"{told}: {advice}check its unit", size=1.0 / fitting[0])
+        yield warning("unit", name, f"{found}: {advice}check its unit", size=1.0 / fitting[0])

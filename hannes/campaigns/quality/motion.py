@@ -70,8 +70,8 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
         yield warning(
             "late-start",
             name,
-            f"starts {subject.told(apart, name)} away from {command}: the recording begins after "
-            "its command, or zero is elsewhere (offset, when converting)",
+            f"starts {subject.with_unit(apart, name)} away from {command}: the recording begins "
+            "after its command, or zero is elsewhere (offset, when converting)",
             time=float(subject.time[0]),
             size=apart,
         )
@@ -90,16 +90,16 @@ def found_lag(
 
 def _gain(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Finding]:
     low, high = HONEST
-    if low <= lag.gain <= high or (lag.gain < low and lag.likeness < SURE):
+    if low <= lag.gain <= high or (lag.gain < low and lag.correlation < SURE):
         return
-    told = f"moves {lag.gain:.4g} times as far as {command}"
+    moves = f"moves {lag.gain:.4g} times as far as {command}"
     for what, factor in subject.of(name).mistakes.items():
         for culprit, gain in ((name, lag.gain), (command, 1.0 / lag.gain)):
             if max(gain / factor, factor / gain) < NEAR:
-                text = f"{told}: {what} ({factor:.4g}) in {culprit}? convert with its unit or side"
+                text = f"{moves}: {what} ({factor:.4g}) in {culprit}? convert with its unit or side"
                 yield fault("unit", name, text, size=lag.gain)
                 return
-    yield fault("unit", name, f"{told}: check unit and scale of both", size=lag.gain)
+    yield fault("unit", name, f"{moves}: check unit and scale of both", size=lag.gain)
 
 
 def pace(times: FloatArray, values: FloatArray) -> float:
@@ -110,17 +110,17 @@ def pace(times: FloatArray, values: FloatArray) -> float:
 
 
 def timed(subject: Subject, name: str, command: str, across: float, lag: Lag) -> Iterator[Finding]:
-    """Findings about a motion that comes too late behind its command, or before it.
+    """Findings about a motion that follows its command too late, or precedes it.
 
     `across` is the command's `pace` [s]: friction holds slow motion back by an angle, not a time.
     """
     advice = "shift it with [align] when converting"
-    doubt = 3.0 * lag.deviation
-    if lag.value < -BEFORE - doubt:
+    margin = 3.0 * lag.deviation
+    if lag.value < -BEFORE - margin:
         text = f"moves {1e3 * -lag.value:.4g} ms before {command}: two clocks; {advice}"
         yield fault("late-start", name, text, size=lag.value)
     longest = subject.of(name).lag
-    if longest and lag.value > max(longest, APART * across) + doubt:
+    if longest and lag.value > max(longest, APART * across) + margin:
         text = f"moves {1e3 * lag.value:.4g} ms behind {command}, longer than the machine takes"
         yield warning("late-start", name, f"{text}: {advice}", size=lag.value)
 

@@ -12,8 +12,8 @@ from hannes.campaigns.quality.subject import (
     quantum,
     running_median,
     speeds,
-    stretches,
     sustained,
+    true_runs,
 )
 
 FloatArray = NDArray[np.float64]
@@ -27,7 +27,7 @@ ABRUPT = 3.0  # steps of quantisation from sample to sample; a round top is ente
 FEWEST_LEVELS = 8  # a signal of fewer values is switched, not measured
 LEAST_FROZEN = 20  # samples without any change, where there is noise otherwise
 REPEATS = 0.2  # share of repeated values beyond which a channel simply rests
-RARE = 4  # times longer than any other stretch of one value
+RARE = 4  # times longer than any other run of one value
 JUMP = 3.0  # times the fastest sustained move
 LEAST_JUMP = 0.01  # of the channel's range
 COARSE = 50.0  # steps in the range, below which resolution hurts
@@ -51,15 +51,15 @@ def inspect(subject: Subject) -> Iterator[Finding]:
 def _dead(subject: Subject, name: str) -> Finding:
     """A channel that never moves: a fault where the plant says that something must move it."""
     recording, expected = subject.recording, subject.of(name)
-    value = subject.told(float(recording[name][0]), name)
+    value = subject.with_unit(float(recording[name][0]), name)
     other = expected.follows or expected.drives
     if other in recording and np.ptp(recording[other]) > 0.0:
         return fault(
             "dead",
             name,
             f"stays at {value} while {other} moves by "
-            f"{subject.told(float(np.ptp(recording[other])), other)}: leave the channel out, or "
-            "check its sensor and its column",
+            f"{subject.with_unit(float(np.ptp(recording[other])), other)}: leave the channel out, "
+            "or check its sensor and its column",
         )
     return note("dead", name, f"stays at {value} throughout")
 
@@ -78,7 +78,7 @@ def _clipped(subject: Subject, name: str, values: FloatArray) -> Iterator[Findin
             continue
         count = sum(last - first + 1 for first, last in tops)
         lasting = float(count * subject.interval)
-        limit, value = expected.limit, subject.told(float(extreme), name)
+        limit, value = expected.limit, subject.with_unit(float(extreme), name)
         start = float(subject.time[tops[0][0]])
         if limit and abs(abs(extreme) - limit) < 0.02 * limit:
             text = f"at its limit {value} for {lasting:.3g} s: the drive gives all it has there"
@@ -92,32 +92,32 @@ def _clipped(subject: Subject, name: str, values: FloatArray) -> Iterator[Findin
 
 
 def _flat_tops(values: FloatArray, extreme: float) -> list[tuple[int, int]]:
-    """Stretches at the extreme: any where noise is clipped away, else those entered at speed."""
+    """Runs at the extreme: any where noise is clipped away, else those entered at speed."""
     if extreme == 0.0:  # a rest, not a range
         return []
     span, rough, step = float(np.ptp(values)), noise(values), quantum(values)
-    tops = stretches(np.abs(values - extreme) <= 1e-9 * span)
+    tops = true_runs(np.abs(values - extreme) <= 1e-9 * span)
     tops = [each for each in tops if each[1] - each[0] + 1 >= SHORTEST_TOP]
     if rough > 3.0 * step:
         return tops
-    grain = max(step, 1e-9 * span)
-    return [(first, last) for first, last in tops if _abrupt(values, first, last, grain)]
+    step = max(step, 1e-9 * span)
+    return [(first, last) for first, last in tops if _abrupt(values, first, last, step)]
 
 
-def _abrupt(values: FloatArray, first: int, last: int, grain: float) -> bool:
-    """Whether a stretch is entered and left at speed; one that only ends so is a held reading."""
+def _abrupt(values: FloatArray, first: int, last: int, step: float) -> bool:
+    """Whether a run is entered and left at speed; one that only ends so is a held reading."""
     before = values[max(first - ENTRY, 0) : first + 1]
     after = values[last : last + ENTRY + 1]
     if before.size <= ENTRY:
         return False
     ends = [before] if after.size <= ENTRY else [before, after]
-    return min(abs(float(each[-1] - each[0])) / ENTRY for each in ends) > ABRUPT * grain
+    return min(abs(float(each[-1] - each[0])) / ENTRY for each in ends) > ABRUPT * step
 
 
 def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
     """The same value again and again in a channel that is noisy otherwise."""
     same = np.diff(values) == 0.0
-    still = stretches(same)
+    still = true_runs(same)
     if not still or noise(values) == 0.0:
         return
     first, last = max(still, key=lambda each: each[1] - each[0])
@@ -127,12 +127,12 @@ def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding
     if last - first + 2 < max(LEAST_FROZEN, RARE * natural) or elsewhere.mean() > REPEATS:
         return
     if values[first] in (values.min(), values.max()):
-        return  # told as clipped
+        return  # reported as clipped
     lasting = float(subject.time[last + 1] - subject.time[first])
     yield warning(
         "frozen",
         name,
-        f"exactly {subject.told(float(values[first]), name)} for {lasting:.3g} s though it is "
+        f"exactly {subject.with_unit(float(values[first]), name)} for {lasting:.3g} s though it is "
         "noisy otherwise: the sensor dropped out, or a dead band holds it; cut these samples out",
         time=float(subject.time[first]),
         size=lasting,
@@ -146,8 +146,8 @@ def _jumps(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]
     fastest = sustained(speed)
     beyond = np.abs(speed - usual) > JUMP * fastest
     odd = np.abs(steps - usual * np.diff(subject.time))
-    grain = max(8.0 * quantum(values), 12.0 * noise(values), LEAST_JUMP * float(np.ptp(values)))
-    places = np.flatnonzero(beyond & (odd > grain))
+    least = max(8.0 * quantum(values), 12.0 * noise(values), LEAST_JUMP * float(np.ptp(values)))
+    places = np.flatnonzero(beyond & (odd > least))
     if not places.size or places.size > values.size / 20:
         return
     worst = int(places[np.argmax(odd[places])])
@@ -155,7 +155,8 @@ def _jumps(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]
         "jump",
         name,
         f"{places.size} step{'s' if places.size > 1 else ''} faster than anything moves, the "
-        f"largest {subject.told(float(steps[worst]), name)} at {subject.time[worst + 1]:.4g} s: "
+        f"largest {subject.with_unit(float(steps[worst]), name)} "
+        f"at {subject.time[worst + 1]:.4g} s: "
         f"{_jump_advice(subject, steps[worst], worst)}",
         time=float(subject.time[places[0] + 1]),
         size=float(steps[worst]),
@@ -171,15 +172,15 @@ def _jump_advice(subject: Subject, step: float, place: int) -> str:
 
 
 def _resolution(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
-    """What the channel can tell at best: noise and step of quantisation."""
+    """What the channel resolves at best: noise and quantisation step."""
     rough, step, span = noise(values), quantum(values), float(np.ptp(values))
-    shown = f"noise {subject.told(rough, name)}, "
-    shown += f"step {subject.told(step, name)}" if step else "no step of quantisation to be seen"
-    shown += f", from {values.min():.4g} to {subject.told(float(values.max()), name)}"
+    shown = f"noise {subject.with_unit(rough, name)}, "
+    shown += f"step {subject.with_unit(step, name)}" if step else "no quantisation step seen"
+    shown += f", from {values.min():.4g} to {subject.with_unit(float(values.max()), name)}"
     yield note("resolution", name, shown, size=rough)
     measured = name not in subject.commands and values.size >= FEWEST_LEVELS
-    dithered = noise(values) > 0.5 * step  # noise tells what lies between the steps
+    dithered = noise(values) > 0.5 * step  # noise resolves values between the steps
     many = np.unique(values).size >= FEWEST_LEVELS
     if measured and step * COARSE > span and many and not dithered:
-        text = f"only {span / step:.0f} steps of {subject.told(step, name)} cover its range"
+        text = f"only {span / step:.0f} steps of {subject.with_unit(step, name)} cover its range"
         yield warning("coarse", name, f"{text}: choose a finer range", size=step)

@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 NOTHING = Expected()
 MOTIONS = ("rad", "m", "deg", "mm")  # units of what has inertia and cannot jump
 WINDOW = 9  # samples of a running median
-ALTERNATES = 0.55  # share of sign changes that tells noise from a bend
+ALTERNATES = 0.55  # share of sign changes that separates noise from curvature
 FEWEST_SIGNS = 10
 ROUNDING = 1e-7  # of the range; less is the rounding of digits
 FINEST = 1e-5  # of the range; a smaller step of quantisation matters to nobody
@@ -55,7 +55,7 @@ class Subject:
         measured = name not in self.commands
         return measured and (bool(self.of(name).follows) or self.recording.units[name] in MOTIONS)
 
-    def told(self, value: float, name: str) -> str:
+    def with_unit(self, value: float, name: str) -> str:
         """A value with the channel's unit."""
         unit = self.recording.units[name]
         return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"
@@ -67,8 +67,8 @@ def noise(values: FloatArray) -> float:
     The second difference of white noise changes sign 73 times in 100 samples (its correlation
     from one to the next is -2/3), that of a smooth signal hardly ever.
     """
-    bends = np.diff(values, 2)
-    signs = np.sign(bends[bends != 0.0])
+    second = np.diff(values, 2)
+    signs = np.sign(second[second != 0.0])
     if signs.size < FEWEST_SIGNS or np.mean(signs[1:] != signs[:-1]) < ALTERNATES:
         return 0.0
     size = roughness(values)
@@ -107,7 +107,7 @@ def running_median(values: FloatArray) -> FloatArray:
     return np.asarray(median_filter(values, size=WINDOW, mode="nearest"))
 
 
-def stretches(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def true_runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """First and last index of every run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], mask.astype(np.int8), [0]))))
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]

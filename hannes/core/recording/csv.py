@@ -131,9 +131,9 @@ def _require_increasing(path: Path, table: FloatArray, names: list[str]) -> None
     if "time" not in names:
         raise BadInput(f"{path}, line 1: expected a column time_s, got {', '.join(names):.200}")
     time = table[:, names.index("time")]
-    late = np.flatnonzero(time[1:] <= time[:-1])
-    if late.size:
-        first = int(late[0])
+    stalled = np.flatnonzero(time[1:] <= time[:-1])
+    if stalled.size:
+        first = int(stalled[0])
         raise BadInput(
             f"{path}, line {first + 3}: time does not increase, "
             f"{time[first]:.15g} s is followed by {time[first + 1]:.15g} s"

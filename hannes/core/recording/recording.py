@@ -31,8 +31,8 @@ class Recording:
     """Channels over time: equally long, finite, read-only float64 arrays; `time` [s] first.
 
     `units` gives each channel's unit ("1" for none). `experiment` and `hand` are resolved TOML
-    texts, empty where unknown; `seed` is None where nothing was drawn; `conversion` (JSON) tells
-    how a foreign file became this. Raises BadInput at birth for anything that is not a recording.
+    texts, empty where unknown; `seed` is None where nothing was drawn; `conversion` (JSON) says
+    how a foreign file became this. Raises BadInput on creation for anything that is no recording.
     """
 
     channels: Mapping[str, FloatArray]
@@ -103,7 +103,7 @@ class Recording:
         from hannes.core.recording import hdf5
 
         metadata = {each.name: getattr(self, each.name) for each in fields(self)[2:]}
-        metadata["conversion"] = self.conversion or None  # left out of files born here
+        metadata["conversion"] = self.conversion or None  # left out of files that hannes wrote
         atomic_files.write_bytes(path, hdf5.dump(self.channels, self.units, metadata))
 
     @property
@@ -182,7 +182,7 @@ class Recording:
 
 
 def is_csv(path: str | Path) -> bool:
-    """Tell CSV from HDF5 by the name; BadInput where it is neither's."""
+    """Return whether a name is that of a CSV file, not HDF5; BadInput where it is neither's."""
     name = str(path).lower()
     if not name.endswith(SUFFIXES):
         raise BadInput(f"{path}: expected a recording named {', '.join(SUFFIXES)}")
@@ -229,9 +229,9 @@ def _check_time(arrays: Mapping[str, FloatArray]) -> None:
             raise BadInput(f'channel "{name}" has {len(each)} samples, time has {len(time)}')
     if len(time) < 2:
         raise BadInput(f"a recording needs at least two samples, got {len(time)}")
-    late = np.flatnonzero(time[1:] <= time[:-1])
-    if late.size:
-        raise BadInput(f"time does not increase from sample {late[0]} to {late[0] + 1}")
+    stalled = np.flatnonzero(time[1:] <= time[:-1])
+    if stalled.size:
+        raise BadInput(f"time does not increase from sample {stalled[0]} to {stalled[0] + 1}")
 
 
 def _check_metadata(recording: Recording) -> None:

@@ -1,10 +1,10 @@
-"""How late a measured motion runs behind its command: least squares on the velocities.
+"""The lag of a measured motion behind its command: least squares on the velocities.
 
-Both are brought to one grid and pass the same Savitzky-Golay derivative (Savitzky & Golay 1964), so
-that the filter moves neither against the other. The best whole step of their cross-correlation
-starts a Gauss-Newton search between steps. The deviation counts what remains as correlated in time
-(Newey & West 1987), and is the larger of two: as if what remains were alike throughout, and as it
-pulls where it stands. It does not know how a machine follows: a lag holds the machine's own.
+Both are interpolated on one grid and pass the same Savitzky-Golay derivative (Savitzky & Golay
+1964), so the filter shifts neither against the other. The best whole step of their
+cross-correlation starts a Gauss-Newton search between steps. The standard deviation takes the
+residual as correlated in time (Newey & West 1987). It is the larger of two: with a stationary
+residual, and with the residual as it stands. The lag includes the machine's own.
 """
 
 from dataclasses import dataclass
@@ -18,21 +18,21 @@ FloatArray = NDArray[np.float64]
 
 MOST_POINTS = 20_000  # of the common grid
 SMOOTHED = 21  # grid points under one derivative
-LEAST_LIKENESS = 0.5  # correlation below which nothing follows anything
-ALIKE = 0.95  # a second maximum this near the best makes the lag ambiguous
+LEAST_CORRELATION = 0.5  # correlation below which nothing follows anything
+AMBIGUOUS = 0.95  # a second maximum this near the best makes the lag ambiguous
 ROUNDS = 20
 
 
 @dataclass(frozen=True)
 class Lag:
-    """Time by which a motion is late [s], its standard deviation [s], and how alike they are.
+    """Lag of a motion [s], its standard deviation [s], and the fit of the two.
 
-    likeness: correlation of the two velocities at this lag; gain: motion per command.
+    correlation: correlation of the two velocities at this lag; gain: motion per command.
     """
 
     value: float
     deviation: float
-    likeness: float
+    correlation: float
     gain: float
 
 
@@ -57,15 +57,15 @@ def lag_behind(
     command: FloatArray,
     within: float = 1.0,
 ) -> Lag:
-    """Return how late `motion` at `time` [s], shape (n,), runs behind `command`, shape (m,).
+    """Return the lag of `motion` at `time` [s], shape (n,), behind `command`, shape (m,).
 
     The lag is searched between -`within` and +`within` [s]; the command holds its ends. Raises
-    BadInput where nothing moves, nothing follows, or several lags fit alike.
+    BadInput where nothing moves, nothing follows, or several lags fit equally well.
     """
     speeds = _speeds(time, motion, command_time, command, within)
-    likeness = _correlation(speeds)
-    best = int(np.argmax(likeness))
-    _check(likeness, best, speeds)
+    correlation = _correlation(speeds)
+    best = int(np.argmax(correlation))
+    _check(correlation, best, speeds)
     return _refined(speeds, float(best - speeds.margin))
 
 
@@ -112,38 +112,38 @@ def _correlation(speeds: _Speeds) -> FloatArray:
     return np.asarray(products / (size * np.sqrt(np.maximum(windows, floor))))
 
 
-def _check(likeness: FloatArray, best: int, speeds: _Speeds) -> None:
-    if likeness[best] < LEAST_LIKENESS:
-        against = likeness.min() < -LEAST_LIKENESS
+def _check(correlation: FloatArray, best: int, speeds: _Speeds) -> None:
+    if correlation[best] < LEAST_CORRELATION:
+        against = correlation.min() < -LEAST_CORRELATION
         advice = "is its sign reversed?" if against else "are both of one run?"
         raise BadInput(
-            f"the motion does not follow the command (correlation {likeness[best]:.2f} at best): "
-            f"{advice}"
+            "the motion does not follow the command "
+            f"(correlation {correlation[best]:.2f} at best): {advice}"
         )
-    if best in (0, likeness.size - 1) and likeness.size > 1:
+    if best in (0, correlation.size - 1) and correlation.size > 1:
         reach = speeds.margin * speeds.step
         raise BadInput(f"the best lag lies beyond {reach:g} s: search a wider range (within)")
-    peaks = _peaks(likeness, ALIKE * likeness[best])
+    peaks = _peaks(correlation, AMBIGUOUS * correlation[best])
     if len(peaks) > 1:
         lags = ", ".join(f"{(each - speeds.margin) * speeds.step:.4g} s" for each in peaks[:4])
-        raise BadInput(f"several lags fit alike ({lags}): search a narrower range (within)")
+        raise BadInput(f"several lags fit equally well ({lags}): search a narrower range (within)")
 
 
-def _peaks(likeness: FloatArray, level: float) -> list[int]:
-    """Best place of every separate stretch above `level`."""
-    above = np.flatnonzero(likeness > level)
-    stretches = np.split(above, np.flatnonzero(np.diff(above) > 1) + 1)
-    return [int(each[np.argmax(likeness[each])]) for each in stretches]
+def _peaks(correlation: FloatArray, level: float) -> list[int]:
+    """Best place of every separate run above `level`."""
+    above = np.flatnonzero(correlation > level)
+    runs = np.split(above, np.flatnonzero(np.diff(above) > 1) + 1)
+    return [int(each[np.argmax(correlation[each])]) for each in runs]
 
 
 def _refined(speeds: _Speeds, start: float) -> Lag:
     """Gauss-Newton on lag (in steps) and gain from the best whole step."""
     points = np.arange(speeds.motion.size, dtype=float)
-    bend = np.gradient(speeds.command)
+    slopes = np.gradient(speeds.command)
     lag = start
     for _ in range(ROUNDS):
         at = points + speeds.margin - lag
-        follows, slope = _at(speeds.command, at), _at(bend, at)
+        follows, slope = _at(speeds.command, at), _at(slopes, at)
         gain = float(follows @ speeds.motion / (follows @ follows))
         rest = speeds.motion - gain * follows
         change = -gain * slope  # of the model, per step of lag
@@ -152,26 +152,26 @@ def _refined(speeds: _Speeds, start: float) -> Lag:
         lag = float(np.clip(lag + move, -speeds.margin, speeds.margin))
         if abs(move) < 1e-6:
             break
-    spread = max(_pulled(free * rest), _alike(free, rest))
+    spread = max(_series_variance(free * rest), _stationary_variance(free, rest))
     deviation = speeds.step * float(np.sqrt(spread)) / float(free @ free)
-    likeness = float(follows @ speeds.motion) / float(
+    correlation = float(follows @ speeds.motion) / float(
         np.linalg.norm(follows) * np.linalg.norm(speeds.motion)
     )
-    return Lag(lag * speeds.step, deviation, likeness, gain * speeds.ratio)
+    return Lag(lag * speeds.step, deviation, correlation, gain * speeds.ratio)
 
 
 def _at(values: FloatArray, places: FloatArray) -> FloatArray:
     return np.interp(places, np.arange(values.size), values)
 
 
-def _pulled(pulls: FloatArray) -> float:
-    """Variance of the sum of a correlated series, wherever in it the large ones stand."""
-    products = _products(pulls - pulls.mean())
+def _series_variance(series: FloatArray) -> float:
+    """Variance of the sum of a correlated series, by its own autocovariance."""
+    products = _products(series - series.mean())
     return float(max(products[0], 2.0 * _weights(products) @ products - products[0]))
 
 
-def _alike(free: FloatArray, rest: FloatArray) -> float:
-    """Variance of the sum of free * rest, were rest alike throughout and only correlated."""
+def _stationary_variance(free: FloatArray, rest: FloatArray) -> float:
+    """Variance of the sum of free * rest, were rest stationary and correlated."""
     covariance = _products(rest - rest.mean()) / rest.size
     terms = _weights(covariance) * covariance * _products(free)
     return float(max(0.0, 2.0 * terms.sum() - terms[0]))
@@ -185,7 +185,7 @@ def _products(values: FloatArray) -> FloatArray:
 
 
 def _weights(products: FloatArray) -> FloatArray:
-    """Bartlett weights over the memory of a series: twice the time until it has forgotten."""
+    """Bartlett weights over twice the time to the first zero of the autocovariance."""
     ended = np.flatnonzero(products <= 0.0)
     memory = 2 * max(int(ended[0]) if ended.size else products.size // 4, SMOOTHED)
     return np.maximum(0.0, 1.0 - np.arange(products.size) / memory)

@@ -1,6 +1,6 @@
 """What the data check says of all recordings, before any of them is fitted."""
 
-from hannes.campaigns.campaign_file import Campaign
+from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.check import check
 from hannes.campaigns.quality.finding import Finding
 from hannes.core.errors import BadInput

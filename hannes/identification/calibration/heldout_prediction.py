@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Entry
+from hannes.campaigns.campaign import Entry
 from hannes.identification.binned_run import View
 from hannes.identification.calibration.linearisation import State
 from hannes.identification.calibration.simulator import SHIFT, Channels

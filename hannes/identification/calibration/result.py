@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Campaign
+from hannes.campaigns.campaign import Campaign
 from hannes.core.io.provenance import versions
 from hannes.identification.calibration.data_check import Findings
 from hannes.identification.calibration.identifiability import (

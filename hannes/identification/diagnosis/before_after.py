@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Entry
-from hannes.campaigns.segments import Piece
+from hannes.campaigns.campaign import Entry
+from hannes.campaigns.segments import Segment
 from hannes.core.errors import ComputationFailed
 from hannes.identification.diagnosis.repeat_groups import Channels, grouped
 from hannes.identification.diagnosis.simulator import Model
@@ -26,7 +26,7 @@ def simulated(model: Model, entries: Sequence[Entry], places: np.ndarray) -> lis
     return [found[id(entry)] for entry in entries]
 
 
-def left(pieces: Sequence[Piece], runs: Sequence[Channels], names: Sequence[str]) -> Raw:
+def left(pieces: Sequence[Segment], runs: Sequence[Channels], names: Sequence[str]) -> Raw:
     """Simulated minus recorded of each piece and channel, over its counted samples."""
     return [
         {
@@ -38,7 +38,7 @@ def left(pieces: Sequence[Piece], runs: Sequence[Channels], names: Sequence[str]
     ]
 
 
-def traced(piece: Piece, runs: Sequence[Channels], names: Sequence[str]) -> Traces:
+def traced(piece: Segment, runs: Sequence[Channels], names: Sequence[str]) -> Traces:
     """One recording and its simulations of the three stages."""
     recording = piece.entry.recording
     there = [name for name in names if name in recording]

@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from hannes.campaigns import segments as cutting
-from hannes.campaigns.campaign_file import Campaign, Entry
-from hannes.campaigns.segments import floors
+from hannes.campaigns.campaign import Campaign, Entry
+from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_campaign
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.before_after import STAGES, left, simulated, traced
 from hannes.identification.diagnosis.decision import Choice, chosen
@@ -107,9 +106,9 @@ class _Closing:
     ) -> None:
         self.campaign, self.found, self.choice, self.seed = campaign, found, choice, seed
         self.spread = spread  # standard deviation of each direction that was fitted, by place
-        pieces, _ = cutting.cut(campaign)
-        self.known, self.shown = (cutting.of(pieces, *r) for r in (("fit", "select"), ("show",)))
-        self.floors, self.how = floors(campaign.plant, self.known)
+        pieces, _ = split_campaign(campaign)
+        self.known, self.shown = (in_roles(pieces, *r) for r in (("fit", "select"), ("show",)))
+        self.floors, self.how = noise_floors(campaign.plant, self.known)
         self.model = found.base.ground.model
         self.names = {each.name: name for name, each in campaign.effects.items()}
 
@@ -264,7 +263,7 @@ class _Closing:
         return ""
 
 
-def _entries(pieces: list[cutting.Piece]) -> list[Entry]:
+def _entries(pieces: list[Segment]) -> list[Entry]:
     return [piece.entry for piece in pieces]
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Entry
+from hannes.campaigns.campaign import Entry
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.baseline import based
 from hannes.identification.diagnosis.gauss_newton import fitted, settled

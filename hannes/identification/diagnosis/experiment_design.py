@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Entry
+from hannes.campaigns.campaign import Entry
 from hannes.core.errors import ComputationFailed
 from hannes.core.recording.recording import Recording
 from hannes.core.recording.white_noise import roughness

@@ -5,7 +5,7 @@ from copy import copy
 
 import numpy as np
 
-from hannes.campaigns.campaign_file import Entry
+from hannes.campaigns.campaign import Entry
 from hannes.identification.binned_run import BIN, View
 from hannes.plants.protocol import Plant
 

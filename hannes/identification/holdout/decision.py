@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from hannes.campaigns import segments as cutting
-from hannes.campaigns.campaign_file import Campaign
-from hannes.campaigns.segments import Piece
+from hannes.campaigns.campaign import Campaign
+from hannes.campaigns.segments import FEWEST_BLOCKS_TO_SPLIT, Segment, in_roles, may_be_split
 from hannes.identification.holdout.effect_test import FEWEST_BLOCKS, Trial, rivals
 
 WITHIN = 1.5  # times the floor: what repeats and a model that is nearly right leave
@@ -45,18 +44,18 @@ def _floors(times: float) -> str:
     return f"{times:.1f} times the floor"
 
 
-def lacking(campaign: Campaign, pieces: Sequence[Piece], trials: Sequence[Trial]) -> str:
+def lacking(campaign: Campaign, pieces: Sequence[Segment], trials: Sequence[Trial]) -> str:
     """Why these recordings allow no claim, and what to record; empty where they do."""
-    if len(campaign.entries) < 2 or not cutting.of(pieces, "show"):
+    if len(campaign.entries) < 2 or not in_roles(pieces, "show"):
         return (
             "no recording is left to show the result on that was never used to find it: "
             "record at least two more runs under the same command"
         )
-    if not cutting.of(pieces, "select") or not cutting.of(pieces, "fit"):
-        longer = f", or one of at least {cutting.FEWEST_BLOCKS * campaign.plant.block:g} s"
+    if not in_roles(pieces, "select") or not in_roles(pieces, "fit"):
+        longer = f", or one of at least {FEWEST_BLOCKS_TO_SPLIT * campaign.plant.block:g} s"
         return (
             "no recording is left to choose by that was not fitted: record at least one more "
-            f"run under the same command{longer * cutting.halved(campaign.plant)}"
+            f"run under the same command{longer * may_be_split(campaign.plant)}"
         )
     blocks = [trial.block_gains.size for trial in trials if trial.applicable]
     few = blocks and max(blocks) < FEWEST_BLOCKS

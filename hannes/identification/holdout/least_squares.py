@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hannes.campaigns.segments import Piece
+from hannes.campaigns.segments import Segment
 from hannes.plants.protocol import Plant, free_amplitudes, robust
 
 STEPS = (0.1, 0.01, 0.001)  # of one standard deviation (of 1/20 of an effect's range)
@@ -47,7 +47,9 @@ class Fitted:
 class Misfit:
     """Weighted difference between simulation and pieces of recordings."""
 
-    def __init__(self, plant: Plant, pieces: Sequence[Piece], floors: Mapping[str, float]) -> None:
+    def __init__(
+        self, plant: Plant, pieces: Sequence[Segment], floors: Mapping[str, float]
+    ) -> None:
         self.plant, self.pieces, self.floors = plant, pieces, floors
 
     def raw(self, plant: Plant, values: Mapping[str, float]) -> list[dict[str, np.ndarray]]:
@@ -61,7 +63,7 @@ class Misfit:
             found.append(self._difference(piece, runs[key]))
         return found
 
-    def _difference(self, piece: Piece, run: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    def _difference(self, piece: Segment, run: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         return {
             name: (run[name] - piece.recording[name])[piece.mask]
             for name in self.floors

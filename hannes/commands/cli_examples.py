@@ -1,0 +1,70 @@
+"""Examples that `hannes COMMAND --help` shows, by command."""
+
+from hannes.commands import cli_learning, cli_recordings
+
+EXAMPLES = {
+    "": """\
+hannes run dynamometer           simulate a shipped experiment, write results/dynamometer
+hannes experiments               what there is to run
+hannes reproduce                 the paper's figures and tables beside ours, one page
+hannes calibrate campaign.toml   parameters from recordings, with intervals that hold
+hannes diagnose campaign.toml    what a model is missing that recordings disagree with""",
+    "run": """\
+hannes run void-closure
+hannes run my.toml --out results/mine
+hannes run dynamometer --method Radau --rtol 1e-6 --json""",
+    "experiments": """\
+hannes experiments""",
+    "effects": """\
+hannes effects
+hannes effects leader_slack
+hannes effects my_effect.py:EFFECT""",
+    "hand": """\
+hannes hand
+hannes hand results/closure/hand.toml
+hannes hand --equations | less""",
+    "reproduce": """\
+hannes reproduce
+hannes reproduce --out results/paper --json""",
+    "calibrate": """\
+hannes calibrate campaign.toml
+hannes calibrate campaign.toml --out results/mine --json
+
+campaign.toml, after its [[recording]]s; all of it may be left out:
+  [calibrate]
+  parameters = ["motor.resistance", "motor.dry_friction"]
+  channels = ["current", "position"]
+  features = ["closing time", "I_max"]    # of the paper's Table II
+  loss = "soft_l1"                        # linear, soft_l1, huber, cauchy
+  starts = 4                              # multi-start: number of searches
+  scan = 64                               # points evaluated before them
+  doubt = "2 %"                           # standard deviation of all values that are not fitted
+  limit = "10 %"                          # half-width beyond which nothing is identified
+  model_error = "1 %"                     # error of any model, as a share of the channel
+  accept = ["gap", "saturated"]           # what `hannes check` finds, taken as it is
+  [calibrate.spread]                      # standard deviation of a nominal value
+  "motor.resistance" = "20 %"
+  [calibrate.bounds]
+  "motor.resistance" = ["2 ohm", "5 ohm"]
+  [calibrate.nuisance]                    # run-to-run standard deviation
+  start_time = "10 ms"
+  "motor.dry_friction" = "1 %\"""",
+    "diagnose": """\
+hannes diagnose campaign.toml
+hannes diagnose campaign.toml --out results/verdict --json
+
+campaign.toml (docs/campaign.md has all of it):
+  plant = "hand"                          # or "axis", "finger", "module:Class" of your own
+  effects = ["my_effect.py:EFFECT"]       # beside those of `hannes effects`
+  [[recording]]
+  file = "void_*.csv"                     # repeats under one command
+  experiment = "void-closure"             # what was done: a shipped name, or a .toml
+  condition = "void, full speed"
+  role = "fit"                            # or select, show; drawn where absent
+  [diagnose]                              # standard deviations; may be left out
+  scatter = "2 %"                         # of nominal values (3 %)
+  run_scatter = "0.5 %"                   # of friction from run to run (1 %)
+  start_time = "0.2 ms"                   # of when a run starts (10 ms)""",
+    **cli_recordings.EXAMPLES,
+    **cli_learning.EXAMPLES,
+}

@@ -1,0 +1,15 @@
+"""What all commands print alike: one JSON object on request."""
+
+import argparse
+import json
+from typing import Any
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Add the option --json."""
+    parser.add_argument("--json", action="store_true", help="print one JSON object, nothing else")
+
+
+def print_json(content: Any) -> None:
+    """Print `content` as one JSON object; ValueError where a number is not finite."""
+    print(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
