@@ -94,7 +94,7 @@ EQUATIONS = Equations(
     entries=_RUN,
 )
 
-SUBSTEPS = 2  # per sample; tests/test_axis.py shows that more change nothing
+SUBSTEPS = 2  # per sample; tests/plants/test_axis.py shows that more change nothing
 START = 0.02  # s of the record from which the start speed is read
 FEWEST = 4  # samples from which the start position and speed are read
 SHORTEST = 0.2  # s, of a recording that can be judged

@@ -23,7 +23,7 @@ from hannes.plants.plain import PlainPlant
 from hannes.plants.protocol import Plant, find_plant
 from hannes.simulation.catalogue import effect
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "own_plant"
 
 

@@ -315,7 +315,7 @@ def test_all_effects_at_once_compiled_and_plain():
             check=True,
             capture_output=True,
             text=True,
-            cwd=Path(__file__).parents[1],
+            cwd=Path(__file__).parents[2],
             env={**os.environ, "NUMBA_DISABLE_JIT": switch},
         ).stdout
         for switch in ("1", "0")

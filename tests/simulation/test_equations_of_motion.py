@@ -7,9 +7,9 @@ import pytest
 import sympy
 from hypothesis import given
 from hypothesis import strategies as st
-from runs import Bench, channels
+from touch import Touch, moving, poses
 
-from hannes.core.kernels.jit import kernel, plain
+from hannes.core.kernels.jit import plain
 from hannes.dynamics import finger
 
 LENGTHS, MASSES = st.floats(0.005, 0.2), st.floats(1e-4, 0.5)
@@ -94,36 +94,6 @@ def test_kinetic_energy_is_never_negative(angle, speed_1, speed_2, rods):
     assert plain(finger.kinetic_energy)(angle, speed_1, speed_2, *rods) >= -1e-12 * scale
 
 
-@functools.cache
-def touching(compiled):
-    """The stages that touch consists of, as one function."""
-    kinematics, contact = compiled.observed.kinematics, compiled.observed.contact
-    outputs = np.zeros(compiled.outputs.size)
-
-    @kernel
-    def of_pose(y, p, c):
-        kinematics(y, p, c)
-        contact(0.0, y, y, p, c, outputs.copy())
-
-    return of_pose
-
-
-class Touch:
-    """Contact geometry of the compiled hand's own stages."""
-
-    def __init__(self, shape, values):
-        self.bench = Bench(values, shape)
-        self.touch = touching(self.bench.compiled)
-
-    def __call__(self, angles, speeds=None):
-        state = self.bench.rest.copy()
-        state[self.bench.place("joint_angle")] = angles
-        state[self.bench.place("joint_speed")] = np.zeros(10) if speeds is None else speeds
-        c, layout = channels()
-        self.touch(state, self.bench.p, c)
-        return lambda name: c[layout[name]]
-
-
 SECTIONS = {
     "cylinder": {"object.x": 0.012, "object.y": -0.0455, "object.radius": 0.026},
     "prism": {
@@ -134,17 +104,6 @@ SECTIONS = {
         "object.half_y": 0.015,
     },
 }
-
-
-def poses():
-    low, high = np.tile([0.0, 0.0], 5), np.tile([1.1, 1.2], 5)
-    return np.random.default_rng(2).uniform(low, high, (20, 10))
-
-
-def moving():
-    """Poses with a speed for every joint."""
-    rng = np.random.default_rng(3)
-    return [(angles, rng.uniform(-5, 5, 10)) for angles in poses()]
 
 
 @pytest.mark.parametrize("phalanx", range(10))

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 FEWEST = 30  # points of a drawn curve; frames, ticks and letters have fewer
 
@@ -38,7 +38,7 @@ def test_the_figure_is_todays():
 @pytest.mark.slow
 def test_the_python_runs(tmp_path, monkeypatch, capsys):
     """The block in the section for library users, on a campaign of the axis."""
-    from test_diagnose import campaign
+    from axis_campaign import campaign
 
     monkeypatch.chdir(tmp_path)
     campaign(tmp_path, ["fit", "select", "show"])

@@ -118,7 +118,7 @@ def test_an_effect_at_off_is_left_out():
 
 @pytest.mark.slow
 def test_an_effect_compiled_in_at_off_changes_no_bit():
-    """One is compiled here; that none moves a rate, test_structure.py shows of each."""
+    """One is compiled here; that none moves a rate, test_hand_jacobian.py shows of each."""
     hand = Hand().with_effects("leader_slack")
     mine = simulate(hand, grasp(), effects=hand.effects)
     assert mine.compiled is not run().compiled

@@ -7,7 +7,7 @@ import pytest
 from runs import grasp
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
-from test_equations_of_motion import Touch, moving
+from touch import Touch, moving
 
 from hannes.contact.leaning import ARCH, nearest_place
 from hannes.contact.shapes import frame

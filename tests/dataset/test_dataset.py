@@ -110,7 +110,7 @@ def test_it_reads_with_h5py_alone_and_says_what_is_what(whole):
 
 
 def test_the_five_lines_of_the_readme_read_it(whole, capsys):
-    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"```py\n(.*?)```", text, flags=re.DOTALL)
     assert len(block.split("\n\n")) == 2 and len(block.replace("\n\n", "\n").splitlines()) == 5
     exec(compile(block.replace("results/large.h5", str(whole)), "README.md", "exec"), {})
@@ -284,7 +284,7 @@ def test_a_cluster_gives_the_same_bytes_and_survives_a_killed_worker(cluster, wh
 
 
 def test_the_readme_tells_the_commands_of_a_cluster():
-    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
     for words in ("`dask scheduler`", "`dask worker tcp://HOST:8786`", "pip install '.[cluster]'"):
         assert words in text
     assert "--backend dask --scheduler tcp://HOST:8786" in text

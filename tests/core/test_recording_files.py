@@ -85,7 +85,7 @@ for path in sys.argv[1:]: t.example().write(path)
 
 def test_same_content_same_bytes(tmp_path: Path) -> None:
     ones = [tmp_path / f"one.{suffix}" for suffix in SUFFIXES]
-    root = Path(__file__).parents[1]
+    root = Path(__file__).parents[2]
     subprocess.run([sys.executable, "-c", BYTES, *map(str, ones)], check=True, cwd=root)
     clock.sleep(1.1)  # a time stamp would have moved on
     for one in ones:
@@ -304,7 +304,7 @@ def test_damaged_text_of_variable_length_neither_hangs_nor_crashes(
     heap = whole.index(b"GCOL")
     path = tmp_path / "bad.h5"
     path.write_bytes(whole[: heap + 8] + 40 * byte + whole[heap + 48 :])
-    root = Path(__file__).parents[1]
+    root = Path(__file__).parents[2]
     done = subprocess.run(
         [sys.executable, "-c", READ, path], capture_output=True, text=True, timeout=60, cwd=root
     )

@@ -253,7 +253,7 @@ def in_plain_python(call, folder):
     """Run a function of this file where nothing is compiled, on known states."""
     np.savez(folder / "known.npz", *grasped())
     code = (
-        "import functools, numpy, test_structure\n"
+        "import functools, numpy, test_hand_jacobian\n"
         f"known = numpy.load({str(folder / 'known.npz')!r})\n"
         f"{call}(known=(known['arr_0'], known['arr_1']))"
     )
@@ -265,7 +265,7 @@ def in_plain_python(call, folder):
 @pytest.mark.parametrize("case", [case for case in CASES if case not in ("none", "catalogue")])
 def test_those_of_other_effects_in_plain_python(case, tmp_path):
     """What is generated for them is right; that it compiles as it reads, tests above show."""
-    in_plain_python(f"functools.partial(test_structure.held, {case!r})", tmp_path)
+    in_plain_python(f"functools.partial(test_hand_jacobian.held, {case!r})", tmp_path)
 
 
 def no_bit_changed(known):
@@ -288,7 +288,7 @@ def no_bit_changed(known):
 
 
 def test_effects_at_off_change_no_bit(tmp_path):
-    in_plain_python("test_structure.no_bit_changed", tmp_path)
+    in_plain_python("test_hand_jacobian.no_bit_changed", tmp_path)
 
 
 PRISM = {"object.half_x": 0.02, "object.half_y": 0.015, "object.radius": 0.005}

@@ -1,7 +1,7 @@
 """hand.toml, of the hand and any other plant: read, written, printed, refused in one line."""
 
 import pytest
-from test_own_kernels import EFFECT
+from own_effect import EFFECT
 
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput
