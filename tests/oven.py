@@ -48,10 +48,10 @@ class Oven(PlainPlant):
         return {"heat": heat * (1.0 - p["oven.hidden"] * rise) + p["oven.offset"], "glow": rise}
 
 
-class Restless(Oven):
+class RunToRun(Oven):
     """An oven that says by how much its runs differ."""
 
-    restless: ClassVar = {"oven.gain": 0.02, "oven.time": 0.005}
+    run_to_run: ClassVar = {"oven.gain": 0.02, "oven.time": 0.005}
     start_time = 0.0
 
 
@@ -70,7 +70,7 @@ def run(rng, values, power=1.0, scatter=0.01, noise=0.01):
     return empty.with_channels(seen, {name: UNITS[name] for name in seen})
 
 
-def campaign(seed, values, runs=8, plant=Restless, powers=(1.0, 2.0), shown=0, **asked):
+def campaign(seed, values, runs=8, plant=RunToRun, powers=(1.0, 2.0), shown=0, **asked):
     """A campaign of `runs` recordings in turn under `powers`; `asked` is its [calibrate]."""
     rng = np.random.default_rng(seed)
     how = {name: asked.pop(name) for name in ("scatter", "noise") if name in asked}

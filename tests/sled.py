@@ -45,7 +45,7 @@ class Sled(PlainPlant):
     )
     free: ClassVar = {"sled.mass": 0.03, "sled.drag": 0.06, "spring.stiffness": 1.2}
     uncertain: ClassVar = {"sled.mass": 1.0, "sled.drag": 2.0, "spring.stiffness": 40.0}
-    restless: ClassVar = {"sled.drag": 0.02}
+    run_to_run: ClassVar = {"sled.drag": 0.02}
     block = 0.2
     open: ClassVar = {"force": ("speed", "position", "time")}
 

@@ -48,7 +48,7 @@ class PlainPlant:
         return grown.with_values(dict(self.parameters))
 
     def with_values(self, values: Mapping[str, float]) -> Self:
-        """Return a plant with other given values; BadInput on unknown name or bounds."""
+        """Return a plant with other nominal values [SI]; BadInput on unknown name or bounds."""
         changed = type(self)(self.effects)
         changed.parameters = self.parameters.with_values(values)
         return changed
@@ -68,9 +68,10 @@ class PlainPlant:
         return ""
 
     def added(self, channel: str, values: Mapping[str, float]) -> Callable[..., float]:
-        """Return a function of what may be read at `channel` (see `open`): what effects add there.
+        """Return what effects add to `channel`, as a function of what they read there (see `open`).
 
-        `values` are parameters over the given ones, as `simulate` gets them.
+        `values` override the nominal parameters, as in `simulate`. The function raises BadInput
+        where it gets another number of values than `open` lists.
         """
         parameters, reads = self.parameters.with_values(values), self.open[channel]
         calls = [
@@ -107,7 +108,7 @@ class PlainPlant:
         return b"".join(recording[name].tobytes() for name in ("time", *self.required))
 
     def judged_part(self, recording: Recording) -> np.ndarray:
-        """Every sample counts."""
+        """Every sample is compared."""
         return np.ones(len(recording), bool)
 
     def phases(self, recording: Recording) -> dict[str, np.ndarray]:
@@ -118,14 +119,14 @@ class PlainPlant:
 def _bound(
     term: Term, place: int, fixed: Mapping[str, float], reads: tuple[str, ...]
 ) -> Callable[[tuple[float, ...]], float]:
-    """Return a term's share of one channel as a function of what is read."""
+    """Return a term's share of one channel as a function of the quantities read."""
     function: Callable[..., Any] = plain(term.kernel)
     several, names = len(term.writes) > 1, term.arguments
     given = [fixed.get(name) for name in names]
-    late = [(k, reads.index(name)) for k, name in enumerate(names) if name in reads]
+    read_each_call = [(k, reads.index(name)) for k, name in enumerate(names) if name in reads]
 
     def call(now: tuple[float, ...]) -> float:
-        for k, read in late:
+        for k, read in read_each_call:
             given[k] = now[read]
         try:
             found = function(*given)

@@ -11,7 +11,7 @@ BASES = {"hand": "hannes"}  # other plants go by the name under which a campaign
 
 
 def base_name(name: str) -> str:
-    """What `base` says in a hand.toml of the plant that campaigns know as `name`."""
+    """Return the `base` of a hand.toml of the plant that campaigns know as `name`."""
     return BASES.get(name, name)
 
 

@@ -1,11 +1,12 @@
 """What calibrate and diagnose know of a plant: a small protocol, and where plants are found.
 
-The hand, the motor-driven axis, or a user's own class outside the package: docs/own-plant.md walks
-through one, hannes/plants/plain.py saves writing most of it.
+A plant is the hand, the motor-driven axis, the finger, or a user's own class outside the package.
+docs/own-plant.md walks through one; hannes/plants/plain.py saves writing most of it.
 """
 
 import importlib
 import sys
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol, Self, runtime_checkable
@@ -27,42 +28,42 @@ class Plant(Protocol):
     channels:   name -> unit of every channel a recording may have, `time` included
     required:   channels without which no simulation can be driven
     judged:     channels in which simulation and recording are compared, where recorded
-    parameters: of the base and of `effects`, at the values given
+    parameters: of the base and of `effects`, at their nominal values
     effects:    those in the model
-    free:       parameter -> how far its given value may be off (one standard deviation, SI);
-                these are what a refit moves
-    block:      time [s] over which what remains is taken as independent
+    free:       parameter -> standard deviation of its nominal value [SI]; these a refit fits
+    block:      time [s] over which residuals are taken as independent
 
-    Angles, times and all else in SI units. A plant may have these besides, and is used without:
+    All values are in SI units. A plant may have these besides, and works without:
 
     expected:   channel -> Expected (core/recording/channel_limits.py), for `hannes check`
-    restless:   parameter -> how far runs of one machine differ in it (one standard deviation, SI);
-                calibrate takes what that explains for no misfit, and so does diagnose, where
-                they are those of a `run_scatter` of 1 %
-    start_time: how far runs start off their clock [s], one standard deviation; 0 without it
-    uncertain:  parameter -> size [SI] of which a share is never known; with it diagnose holds all
-                of them uncertain and takes its deep way, see hannes/identification/diagnosis
-    many(columns, recording, channels, exact): as `simulate` for rows of parameters, quick
-                (`exact`: grain of firmware and all); None for a row that breaks down
-    alike(columns, recording, channels): as `many`, of rows near the first one, for what they
-                differ by: by the steps of that one, so that it is smooth; slopes come from it
-    noisy(recording, rows):        columns for `many` by which the firmware of each row reads its
-                                   sensors with other noise, as much as the recording has
-    unrounded(rows):               columns for `many` by which the firmware of each row rounds
-                                   nothing: what its ticks do to an effect then shows by itself
-    firmware:   channels that it reads or puts out: effects on them are mended for its ticks
-    nominal(recording):            what every parameter is given for a run
-    proposals(recorded):           runs worth recording, by name, beside those of each condition
-    loggable:   channel -> its unit: what firmware knows, and could log in any run
-    own(recording):                the thing handled in a run, and the parameters of that alone
-    robust:     channel -> difference [its unit] beyond which diagnose lets a sample pull no harder
-                (soft L1): for recordings with outliers
-    catalogue:  name -> effect of this plant alone, tried besides the catalogue of all
+    run_to_run: parameter -> run-to-run standard deviation on one machine [SI]. Calibrate takes
+                what it explains as noise. So does diagnose, for a `run_scatter` of 1 %. Its former
+                name `restless` is read for one release, with a DeprecationWarning
+    start_time: standard deviation of a run's start against its clock [s]; 0 without it
+    uncertain:  parameter -> size [SI] that its relative error refers to. With it diagnose takes
+                all of them as uncertain, see hannes/identification/diagnosis
+    many(columns, recording, channels, exact): as `simulate` for rows of parameters, fast
+                (`exact`: with the sampled controller); None for a row that fails
+    alike(columns, recording, channels): as `many` for rows near the first one, with its solver
+                steps; differences between them are smooth, and derivatives come from them
+    noisy(recording, rows):        columns for `many` by which the controller of each row reads its
+                                   sensors with other noise, of the recording's size
+    unrounded(rows):               columns for `many` by which the controller of each row rounds
+                                   nothing; this isolates the effect of sampling
+    firmware:   channels that the controller reads or writes: effects on them are corrected for
+                its sampling
+    nominal(recording):            nominal value of every parameter for a run
+    proposals(recorded):           candidate experiments, by name, beside those of each condition
+    loggable:   channel -> its unit: what the controller knows, and could log in any run
+    own(recording):                the object of a run, and the parameters of that object alone
+    robust:     channel -> residual [its unit] beyond which a sample counts less (soft L1), for
+                recordings with outliers
+    catalogue:  name -> effect of this plant alone, tried besides the common catalogue
     read(path):                    recordings of one file by name: of a logger of its own, or of
-                                   one that puts several runs into a file
+                                   one that writes several runs into a file
     check(recording):              raises BadInput for what `simulate` could not start from
-    smooth(parameters, recording): as `simulate`, quicker and without the grain of firmware, to
-                                   take slopes from
+    smooth(parameters, recording): as `simulate`, faster and with the continuous controller, for
+                                   derivatives
     """
 
     name: str
@@ -77,11 +78,11 @@ class Plant(Protocol):
     def free(self) -> Mapping[str, float]: ...
 
     def with_effects(self, *effects: Effect) -> Self:
-        """Return a plant whose model has `effects` too, at `off` until given a value."""
+        """Return a plant whose model has `effects` too, at `off` until a value is set."""
         ...
 
     def with_values(self, values: Mapping[str, float]) -> Self:
-        """Return a plant with other given values; BadInput on unknown name or bounds."""
+        """Return a plant with other nominal values [SI]; BadInput on unknown name or bounds."""
         ...
 
     def accepts(self, effect: Effect) -> str:
@@ -93,21 +94,21 @@ class Plant(Protocol):
     ) -> dict[str, np.ndarray]:
         """Channels at the recording's times, shape (n,): at least those of `judged`.
 
-        `parameters` stand over the given values. The same arguments give the same numbers. Raises
-        ComputationFailed where the machine cannot be simulated so.
+        `parameters` [SI] override the nominal values. The same arguments give the same numbers.
+        Raises ComputationFailed where the machine cannot be simulated so.
         """
         ...
 
     def same_run(self, recording: Recording) -> bytes:
-        """Equal for recordings of which one simulation does for all."""
+        """Return a key, equal for recordings that one simulation serves."""
         ...
 
     def judged_part(self, recording: Recording) -> np.ndarray:
-        """Mask of the samples that count."""
+        """Return the mask of the samples that are compared, shape (n,)."""
         ...
 
     def phases(self, recording: Recording) -> dict[str, np.ndarray]:
-        """Masks of the parts of a run that a person would tell apart."""
+        """Return masks of the phases of a run, by name, each of shape (n,)."""
         ...
 
 
@@ -186,22 +187,39 @@ def expectations(plant: Plant) -> Mapping[str, Expected]:
     return getattr(plant, "expected", {})
 
 
+def run_to_run_spread(plant: Plant) -> Mapping[str, float]:
+    """Return the run-to-run standard deviation of each parameter [SI]; empty where undeclared.
+
+    Reads the attribute `run_to_run`, else its former name `restless` with a DeprecationWarning.
+    """
+    if hasattr(plant, "run_to_run"):
+        return plant.run_to_run
+    if not hasattr(plant, "restless"):
+        return {}
+    warnings.warn(
+        f"plant {plant.name}: the attribute restless is now called run_to_run; rename it",
+        DeprecationWarning,
+        stacklevel=2,
+    )
+    return plant.restless
+
+
 def robust(plant: Plant, channel: str) -> float:
-    """Difference beyond which a sample pulls no harder; infinite where the plant says nothing."""
+    """Return the residual beyond which a sample counts less; infinite where none is declared."""
     return float(getattr(plant, "robust", {}).get(channel, np.inf))
 
 
 def require_usable(plant: Plant, recording: Recording) -> None:
     """Raise the BadInput of a plant's own `check(recording)`; a plant may leave that out.
 
-    It tells before any work what `simulate` could not start from.
+    It reports before any computation what `simulate` could not start from.
     """
     if (check := getattr(plant, "check", None)) is not None:
         check(recording)
 
 
 def free_amplitudes(effect: Effect) -> dict[str, float]:
-    """Full names of an effect's parameters, with the size on which a refit moves them."""
+    """Return the full names of an effect's parameters, with the scale of each in a refit [SI]."""
     return {
         effect.full_name(each.name): (each.bounds[1] - each.bounds[0]) / 20.0
         for each in effect.parameters

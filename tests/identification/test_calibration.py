@@ -50,7 +50,7 @@ def coverage(plant, count, scatter, **asked):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("plant", [oven.Restless, oven.Oven])
+@pytest.mark.parametrize("plant", [oven.RunToRun, oven.Oven])
 def test_intervals_hold_whether_or_not_the_plant_knows_how_its_runs_differ(plant):
     """Of 140 campaigns 95 % is 133 +- 2.6: bounds are three such deviations away, but not all."""
     ours, textbook = coverage(plant, 140, 0.01)

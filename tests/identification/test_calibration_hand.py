@@ -21,6 +21,7 @@ from hannes.identification.calibration.linearisation import JERK
 from hannes.identification.calibration.simulator import Model
 from hannes.plants.hand import batch_runs
 from hannes.plants.hand import plant as hand_plant
+from hannes.plants.hand.recorded_experiment import experiment_of
 from hannes.simulation.experiment import shipped as library
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.hand.hand_file import load_hand
@@ -198,7 +199,7 @@ def test_a_bin_of_one_last_sample_does_not_count():
 def test_quick_runs_of_firmware_are_as_good_as_those_of_a_plant(monkeypatch):
     """Small changes of friction average the firmware's rounding out of both."""
     run = next(iter(virtual_recordings(shipped_runs("dynamometer-runs")).values()))
-    asked = replace(hand_plant.posed(run), controller="sampled")
+    asked = replace(experiment_of(run), controller="sampled")
     shipped = hand_plant.HandPlant().hand
     shares = 1.0 + 1e-3 * np.random.default_rng(1).standard_normal(40)
     columns = {"motor.dry_friction": shipped.parameters["motor.dry_friction"] * shares}

@@ -249,7 +249,7 @@ def test_what_is_left_is_the_best_refit_of_each_second_effect(investigated):
 
 def test_a_plant_whose_values_are_the_same_in_all_runs_can_be_refitted():
     class Steady(Sled):
-        restless: ClassVar = {}
+        run_to_run: ClassVar = {}
 
     entries = [e for e in recordings(1) if e.role != "show"]
     plant = Steady()

@@ -55,7 +55,7 @@ def test_its_effects_are_listed_and_told(capsys):
     listed = capsys.readouterr().out
     assert all(name in listed for name in Finger.catalogue) and "leader_slack" not in listed
     assert main(["effects", "reading_delay", "--plant", "finger"]) == 0
-    assert "told late by a fixed time" in capsys.readouterr().out
+    assert "reported late by a fixed time" in capsys.readouterr().out
 
 
 def test_the_contact_is_a_power_of_depth_and_never_pulls():

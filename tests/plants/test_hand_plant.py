@@ -19,7 +19,8 @@ from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
 from hannes.plants.hand.batch_runs import own
 from hannes.plants.hand.candidate_runs import proposals
-from hannes.plants.hand.plant import HandPlant, posed
+from hannes.plants.hand.plant import HandPlant
+from hannes.plants.hand.recorded_experiment import experiment_of
 from hannes.simulation.catalogue import effects
 from hannes.simulation.experiment.experiment import Target
 from hannes.simulation.experiment.load import load_experiment
@@ -39,7 +40,7 @@ def recorded(controller):
 @pytest.mark.parametrize("controller", ["continuous", "sampled"])
 def test_a_recording_is_simulated_under_its_own_controller(controller):
     recording, run = recorded(controller)
-    assert posed(recording).controller == controller
+    assert experiment_of(recording).controller == controller
     again = HandPlant().simulate({}, recording)
     apart = {name: np.abs(again[name] - run[name]).max() for name in ("current", "position")}
     assert apart["current"] < 1e-3 and apart["position"] < 1e-4
@@ -53,7 +54,7 @@ def test_the_two_controllers_differ_by_more_than_that():
 
 def test_a_recording_without_experiment_is_simulated_under_the_continuous_controller():
     recording = replace(recorded("sampled")[0], experiment="")
-    assert posed(recording).controller == "continuous"
+    assert experiment_of(recording).controller == "continuous"
 
 
 def test_objects_that_are_given_otherwise_are_not_one_object():
@@ -87,7 +88,7 @@ def test_a_recording_without_reference_and_experiment_is_refused():
     channels = {name: recording.channels[name] for name in ("time", "current")}
     bare = replace(recording, channels=channels, units={"time": "s", "current": "A"}, experiment="")
     with pytest.raises(BadInput, match="neither a channel reference_rad nor an experiment"):
-        posed(bare)
+        experiment_of(bare)
 
 
 def test_what_puts_the_object_elsewhere_puts_that_of_an_experiment_elsewhere_too():

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import kernel
 from hannes.core.recording.recording import Recording
 from hannes.plants.plain import PlainPlant
-from hannes.plants.protocol import Plant, find_plant
+from hannes.plants.protocol import Plant, find_plant, run_to_run_spread
 from hannes.simulation.catalogue import effect
 
 ROOT = Path(__file__).parents[2]
@@ -168,3 +169,17 @@ def test_the_page_names_files_that_exist():
     assert len(named) >= 4 and all((ROOT / name).exists() for name in named)
     for name in ("record.py", "rail.py", "campaign.toml"):
         assert name in page and (EXAMPLE / name).exists()
+
+
+def test_the_former_name_of_run_to_run_is_read_with_a_warning():
+    class Former(PlainPlant):
+        name = "former"
+        restless: ClassVar = {"spring.stiffness": 0.5}
+
+    class Present(PlainPlant):
+        run_to_run: ClassVar = {"spring.stiffness": 0.5}
+
+    with pytest.warns(DeprecationWarning, match="restless is now called run_to_run"):
+        assert run_to_run_spread(Former()) == Former.restless
+    assert run_to_run_spread(Present()) == Present.run_to_run
+    assert run_to_run_spread(PlainPlant()) == {}

@@ -9,7 +9,7 @@ from hannes.core.io.toml_table import Table
 from hannes.core.io.units import quantity
 from hannes.core.parameter import Parameter
 from hannes.identification.grasp_features import FEATURES
-from hannes.plants.protocol import Plant
+from hannes.plants.protocol import Plant, run_to_run_spread
 
 KEYS = (
     *("parameters", "spread", "bounds", "nuisance", "doubt", "channels", "features"),
@@ -138,7 +138,7 @@ def _size(table: Table, name: str, plant: Plant) -> float:
 
 def _nuisances(table: Table, plant: Plant) -> dict[str, float]:
     """What runs may differ in: the campaign's word, else what the plant says of itself."""
-    usual = {name: size for name, size in getattr(plant, "restless", {}).items() if size > 0.0}
+    usual = {name: size for name, size in run_to_run_spread(plant).items() if size > 0.0}
     own = [name for name in table.content if name != "start_time"]
     return {name: _size(table, name, plant) for name in own} if own else usual
 

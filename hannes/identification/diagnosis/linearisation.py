@@ -11,6 +11,7 @@ from hannes.identification.diagnosis.noise_model import Noise, of_repeats
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import NOWHERE, SHIFT, Model
+from hannes.plants.protocol import run_to_run_spread
 
 STEP = 0.5  # standard deviations of what is uncertain, to difference by
 REPEATED = 2.0  # times a stray inside a bin, at least, where only repeats tell how noisy runs are
@@ -313,7 +314,7 @@ def _own_step(model: Model, group: Group, name: str, size: float) -> np.ndarray:
 
 def _run_sizes(model: Model, group: Group) -> dict[str, float]:
     """What changes from run to run in a group, one standard deviation [SI] by full name."""
-    sizes = dict(getattr(model.small, "restless", {}))
+    sizes = dict(run_to_run_spread(model.small))
     factor = model.space.settings.run_scatter / Settings.run_scatter
     others = {name for each in model.groups for name in each.own} - set(group.own)
     return {name: size * factor for name, size in sizes.items() if name not in others}

@@ -1,4 +1,4 @@
-"""What honest recordings of the axis look like: wide limits, so that only a mistake is outside."""
+"""Plausible limits of the axis' channels: wide, so that only a mistake falls outside."""
 
 from collections.abc import Mapping
 

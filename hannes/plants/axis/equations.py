@@ -33,7 +33,7 @@ def sense(t, y, dy, p, c, out):
 
 
 def sample(t, y, dy, p, c, reference, hold, out):
-    """One tick of the controller: u = k_v (k_p (target - q) - q') and the added volts."""
+    """One sample of the controller: u = k_v (k_p (target - q) - q') and the added volts."""
     target = position_reference(t, y, dy, p, c, reference, out)
     position = sense(t, y, dy, p, c, out)
     speed = mean_difference(position, hold[1], hold[2], p.cascade_period)
@@ -45,7 +45,7 @@ def sample(t, y, dy, p, c, reference, hold, out):
 
 
 def drive(t, y, dy, p, c, hold, out):
-    """Ideal amplifier and motor: force [N] = gain times volts, held from tick to tick."""
+    """Ideal amplifier and motor: force [N] = gain times volts, held from sample to sample."""
     voltage = hold[0]
     # effects: voltage
     out.drive = hold[0]

@@ -39,7 +39,7 @@ PARAMETERS = (
     + cascade.PARAMETERS
 )
 
-# The whole record in one call: at each tick the controller, then RK4 with the volts held.
+# The whole record in one call: at each sample the controller, then RK4 with the voltage held.
 _RUN = '''
 
 @entry
@@ -120,7 +120,7 @@ class Axis:
     required = ("reference", "position")
     judged = ("drive",)
     expected = EXPECTED
-    # What a refit may move, with how far the given value may be off (one standard deviation).
+    # What a refit fits, with the standard deviation of the nominal value.
     free: Mapping[str, float] = {
         "axis.mass": 10.0,
         "motor.dry_friction": 5.0,
@@ -128,7 +128,7 @@ class Axis:
         "axis.offset": 5.0,
     }
     catalogue: Mapping[str, Effect] = {slow_friction.EFFECT.name: slow_friction.EFFECT}
-    block = 1.0  # s, over which what remains is taken as independent
+    block = 1.0  # s, over which residuals are taken as independent
 
     def __init__(self, effects: tuple[Effect, ...] = ()) -> None:
         self.effects = effects
@@ -140,7 +140,7 @@ class Axis:
         return grown.with_values(dict(self.parameters))
 
     def with_values(self, values: Mapping[str, float]) -> "Axis":
-        """Return an axis with other given values; BadInput on unknown name or bounds."""
+        """Return an axis with other nominal values [SI]; BadInput on unknown name or bounds."""
         changed = Axis(self.effects)
         changed.parameters = self.parameters.with_values(values)
         return changed
@@ -167,7 +167,8 @@ class Axis:
     ) -> dict[str, np.ndarray]:
         """Drive the axis by the recorded reference; channels at the recorded times, shape (n,).
 
-        Starts at the recorded position and speed. Raises ComputationFailed where it diverges.
+        Starts at the recorded position and speed. `substeps`: RK4 steps per sample. Raises
+        ComputationFailed where it diverges.
         """
         compiled = assemble(EQUATIONS, self.effects)
         p = self.parameters.with_values(parameters).vector()
@@ -186,18 +187,18 @@ class Axis:
         return {slot.name: rows[:, layout[slot.name]][:, 0] for slot in layout.slots}
 
     def same_run(self, recording: Recording) -> bytes:
-        """Equal for recordings of which one simulation does for all."""
+        """Return a key, equal for recordings that one simulation serves."""
         names = ("time", "reference", "pulses")
         start = start_state(recording).tobytes()
         return start + b"".join(recording[n].tobytes() for n in names if n in recording)
 
     def judged_part(self, recording: Recording) -> np.ndarray:
-        """Mask of the samples that count: not the first 0.1 s, not the last 0.05 s."""
+        """Mask of the samples that are compared: not the first 0.1 s, not the last 0.05 s."""
         t = recording.time
         return (t >= t[0] + 0.1) & (t <= t[-1] - 0.05)
 
     def phases(self, recording: Recording) -> dict[str, np.ndarray]:
-        """Masks by what the reference asks: forth, back, or standing."""
+        """Masks by the reference: forth, back, or standing."""
         speed = np.gradient(recording["reference"], recording.time)
         slow = 0.02 * np.abs(speed).max()
         phases = {"forth": speed > slow, "back": speed < -slow, "standing": np.abs(speed) <= slow}

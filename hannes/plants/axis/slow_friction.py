@@ -10,14 +10,14 @@ from hannes.core.parameter import Parameter
 
 @kernel
 def near_rest(motor_speed, motor_friction_speed, force, speed):
-    """Friction that dies out as the axis gets going [N]."""
+    """Friction that vanishes as the axis speeds up [N]."""
     share = motor_speed / speed
     return force * soft_sign(motor_speed / motor_friction_speed) * math.exp(-share * share)
 
 
 EFFECT = Effect(
     name="slow_friction",
-    meaning="The axis rubs otherwise near standstill than in motion: harder, or more easily.",
+    meaning="The friction of the axis near standstill differs from that in motion.",
     equation="F_friction += force tanh(v / v_s) exp(-(v / speed)^2)",
     source="Armstrong-Helouvry (1991), Stribeck friction; of either sign",
     parameters=(

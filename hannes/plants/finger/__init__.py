@@ -1,1 +1,1 @@
-"""The third plant: one finger that closes on a fixed object, and tells the force it feels."""
+"""The third plant: one finger that closes on a fixed object, with its force sensor."""

@@ -1,4 +1,4 @@
-"""Viscoelastic contact: what has just been pressed pushes back harder than what rests."""
+"""Viscoelastic contact: the force relaxes while the contact rests."""
 
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel

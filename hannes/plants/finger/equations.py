@@ -1,4 +1,4 @@
-"""A finger on a fixed object, stage by stage: its recorded angle presses, a sensor tells the force.
+"""A finger on a fixed object, stage by stage: its recorded angle presses, a sensor logs the force.
 
 The same conventions as the hand's equations.py. Angle and force are the hand's own counts, as it
 logs them. `hold`: angle of the first sample, its reading, speed of closing [100 counts/s].
@@ -37,7 +37,7 @@ def contact(t, y, dy, p, c, angle, rested, closing_speed, out):
 
 
 def sensor(t, y, dy, p, c, force, first_reading, out):
-    """What the hand tells of the force [counts]."""
-    told_force = force
-    # effects: told_force
-    out.force = told_force
+    """Force as the hand logs it [counts]."""
+    logged_force = force
+    # effects: logged_force
+    out.force = logged_force

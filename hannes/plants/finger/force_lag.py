@@ -8,9 +8,9 @@ from hannes.core.layout import Slot
 
 
 @kernel
-def reading(told_force, first_reading, lagging_force, time):
-    """What the reading lacks of the force, and the rate of what it has beyond the first."""
-    return trailing(told_force, first_reading + lagging_force, time)
+def reading(logged_force, first_reading, lagging_force, time):
+    """The reading less the force, and the rate of the reading beyond the first one."""
+    return trailing(logged_force, first_reading + lagging_force, time)
 
 
 EFFECT = Effect(
@@ -19,6 +19,6 @@ EFFECT = Effect(
     equation="time m' = F - m, reading = m",
     source=HAND_LAG.source,
     parameters=HAND_LAG.parameters,
-    terms=(Term(reading, writes=("told_force",), states=("lagging_force",)),),
+    terms=(Term(reading, writes=("logged_force",), states=("lagging_force",)),),
     states=(Slot("lagging_force", "1", "reading less the first one", tolerance=1.0),),
 )

@@ -17,5 +17,5 @@ EFFECT = Effect(
     equation="reading = F + size",
     source="Doebelin (2003), zero drift",
     parameters=(Parameter("size", 0.0, "1", (-200.0, 200.0), "counts at no force", off=0.0),),
-    terms=(Term(shifted, writes=("told_force",)),),
+    terms=(Term(shifted, writes=("logged_force",)),),
 )

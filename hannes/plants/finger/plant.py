@@ -1,4 +1,4 @@
-"""The finger as a plant: the recorded angle drives it, the force it tells is compared.
+"""The finger as a plant: the recorded angle drives it, the logged force is compared.
 
 Any recording with channels `angle` and `force`, both the hand's own counts, will do. Its effects
 are its own: a hand's wires and motor are not in it.
@@ -34,8 +34,8 @@ PARAMETERS = group(
     Parameter("exponent", 1.5, "1", (0.5, 5.0), "of the depth", "Hertz (1882), a sphere"),
 )
 
-# A log is a staircase: between two samples the angle counts that stands at their end. Each state
-# answers to it exponentially, which is exact for one that is linear and stands alone.
+# Between two samples the angle at their end holds. Each state responds exponentially, which is
+# exact for a linear state that no other state acts on.
 _RUN = '''
 
 @entry
@@ -64,16 +64,16 @@ EQUATIONS = Equations(
     Layout(()),
     Layout(
         (
-            Slot("reading_time", "s", "time whose angle counts"),
+            Slot("reading_time", "s", "time at which the angle is read"),
             Slot("contact_force", "1", "of the object on the finger, counts"),
-            Slot("told_force", "1", "what the hand tells of it, counts"),
+            Slot("logged_force", "1", "as the hand logs it, counts"),
         )
     ),
     Layout(
         (
             Slot("angle", "1", "of the actuator, counts"),
             Slot("contact_force", "1", "of the object on the finger, counts"),
-            Slot("force", "1", "what the hand tells of it, counts"),
+            Slot("force", "1", "as the hand logs it, counts"),
         )
     ),
     entries=_RUN,
@@ -111,7 +111,7 @@ class Finger:
         "contact.exponent": 0.5,
     }
     robust: Mapping[str, float] = {"force": 100.0}  # a finger may slip, and an object give way
-    block = 1.0  # s, over which what remains is taken as independent
+    block = 1.0  # s, over which residuals are taken as independent
     catalogue: Mapping[str, Effect] = {each.name: each for each in OWN}
 
     def __init__(self, effects: tuple[Effect, ...] = ()) -> None:
@@ -124,7 +124,7 @@ class Finger:
         return grown.with_values(dict(self.parameters))
 
     def with_values(self, values: Mapping[str, float]) -> "Finger":
-        """Return a finger with other given values; BadInput on unknown name or bounds."""
+        """Return a finger with other nominal values; BadInput on unknown name or bounds."""
         changed = Finger(self.effects)
         changed.parameters = self.parameters.with_values(values)
         return changed
@@ -162,16 +162,16 @@ class Finger:
         return {slot.name: rows[:, layout[slot.name]][:, 0] for slot in layout.slots}
 
     def same_run(self, recording: Recording) -> bytes:
-        """Equal for recordings of which one simulation does for all."""
+        """Return a key, equal for recordings that one simulation serves."""
         start = recording["force"][:1].tobytes()
         return start + recording.time.tobytes() + recording["angle"].tobytes()
 
     def judged_part(self, recording: Recording) -> np.ndarray:
-        """Every sample counts."""
+        """Every sample is compared."""
         return np.ones(len(recording), bool)
 
     def phases(self, recording: Recording) -> dict[str, np.ndarray]:
-        """Masks by what the angle does: closing, opening, or resting closed or open."""
+        """Masks by the angle: closing, opening, or resting closed or open."""
         angle = recording["angle"]
         speed = np.gradient(angle, recording.time)
         still = np.abs(speed) <= 0.02 * np.abs(speed).max()

@@ -1,4 +1,4 @@
-"""Many simulations of one recording's run at once: what makes a deep diagnosis of a hand quick."""
+"""Many simulations of one recording's run at once: the full diagnosis of a hand needs them."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,13 +13,13 @@ from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.trajectory import Grasp, Outcome
 
-TOLERANCE = 1e-5  # slopes along what does little are right, which are mere noise at 1e-4
-WIDE = 1e-4  # for many runs near each other: firmware's ticks add up to 2e-4 of the peak
-# What firmware reads and puts out.
+TOLERANCE = 1e-5  # derivatives by weak parameters are right; at 1e-4 they are mere solver error
+WIDE = 1e-4  # for many runs near each other: sampling errors add up to 2e-4 of the peak
+# Channels that the controller reads and writes.
 FIRMWARE: tuple[str, ...] = ("reference_time", "sensed_current", "measured_current", "reading_age")
 FIRMWARE += ("delayed_position", "delayed_current", "duty")
 FINEST = 32.0  # bits of an encoder that rounds to a nanoradian
-COUNTED = 1e-3  # of a step, by which a number that was written down may miss it
+COUNTED = 1e-3  # of a step: rounding error of a number read from a file
 NOISE = "controller.current_noise"
 Channels = dict[str, np.ndarray]
 
@@ -31,25 +31,25 @@ def alike(
     columns: Mapping[str, np.ndarray],
     channels: Sequence[str],
 ) -> list[Channels | None]:
-    """As `many` with the continuous controller, of rows near the first one, by its steps.
+    """As `many` with the continuous controller, for rows near the first one, by its solver steps.
 
-    For differences between them alone, of which the solver's errors are no part.
+    Use only differences between rows: the solver's error cancels in them.
     """
     return _Runs(hand, experiment, recording, tuple(channels)).alike(columns, WIDE)
 
 
 def nominal(hand: Hand, experiment: Experiment) -> dict[str, float]:
-    """Every parameter as it is given for a run: the experiment's own values stand over the hand's.
+    """Nominal value of every parameter for a run, in SI units, by full name.
 
-    In SI units, by full name.
+    Values of the experiment override those of the hand.
     """
     return {**hand.parameters, **experiment.overrides()}
 
 
 def own(experiment: Experiment) -> tuple[str, tuple[str, ...]]:
-    """The object of a run, by all that its experiment says of it, and the parameters of it alone.
+    """The object of a run, as text, and the parameters of that object alone.
 
-    Two runs handle one object where its shape and every value given are the same.
+    Two runs have one object where its shape and all its values in the experiment are equal.
     """
     if experiment.object is None:
         return "nothing", ()
@@ -69,10 +69,11 @@ def many(
     channels: Sequence[str],
     exact: bool,
 ) -> list[Channels | None]:
-    """Channels at the recorded times for each row of `columns`, None where a run breaks down.
+    """Channels at the recorded times for each row of `columns` [SI], None where a run fails.
 
     `exact` runs the experiment's own controller, else the continuous one. All effects of the hand
-    are in the model, whatever their sizes. Rows with noisy sensors (`noisy`) lie near each other.
+    are in the model, whatever their sizes. Rows with noisy sensors (`noisy`) must be near each
+    other.
     """
     asked = experiment if exact else replace(experiment, controller="continuous")
     runs = _Runs(hand, asked, recording, tuple(channels))
@@ -100,7 +101,7 @@ class _Runs:
             channels=self.channels,
             rtol=rtol,
             effects=effects,
-            progress=False,  # whoever asks for many of these tells how far it is
+            progress=False,  # the caller reports progress
         )
         return self._recorded(runs)
 
@@ -129,10 +130,10 @@ class _Runs:
         ]
 
     def near(self, columns: Mapping[str, np.ndarray]) -> list[Channels | None]:
-        """The same of rows that differ little, quick.
+        """The same for rows that differ little, fast.
 
-        What ticks add up to at a wide tolerance is the same for all of them: one run in their
-        middle, of a firmware that rounds nothing, tells it.
+        The sampling error at a wide tolerance is the same for all of them. One run in their middle,
+        with a controller that rounds nothing, gives it.
         """
         middle = {name: np.atleast_1d(np.mean(column)) for name, column in columns.items()}
         middle |= {NOISE: np.zeros(1), "controller.noise_seed": np.ones(1), **unrounded(1)}
@@ -159,10 +160,10 @@ def _in_steps(values: np.ndarray, step: float) -> bool:
 def noisy(
     hand: Hand, experiment: Experiment, recording: Recording, count: int
 ) -> dict[str, np.ndarray]:
-    """Columns that let the firmware of each of `count` runs read its current with other noise.
+    """Columns by which the controller of each of `count` runs reads its current with other noise.
 
-    As much as makes the current as rough as the recorded one. Noise in the loop moves the motor,
-    which makes it rougher than the noise alone; rounding does too.
+    The level makes the current as noisy as the recorded one. Noise in the loop moves the motor,
+    which adds to the noise of the sensor; rounding does too.
     """
     if "current" not in recording:
         return {}
@@ -180,7 +181,7 @@ def _noise(levels: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def unrounded(count: int) -> dict[str, np.ndarray]:
-    """Columns that let the firmware of each of `count` runs round neither angle nor current."""
+    """Columns by which the controller of each of `count` runs rounds neither angle nor current."""
     return {
         "encoder.bits": np.full(count, FINEST),
         "controller.current_step": np.zeros(count),

@@ -1,4 +1,4 @@
-"""Runs of a hand that may be worth recording: those there are, slower, shorter, another object."""
+"""Candidate experiments for a hand: the recorded ones slower, smaller, or with another object."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -21,9 +21,9 @@ MEASURED = ("force", "sensor")  # by the object, which the ball does not
 
 
 def proposals(recorded: Mapping[str, Recording], things: Mapping[str, str]) -> dict[str, Recording]:
-    """Name of a run -> a recording of it that has times and a reference; channels are zero.
+    """Name of a run -> a recording of it with times and a reference; its channels are zero.
 
-    `recorded`: a recording of each condition there is; `things`: what is handled in it.
+    `recorded`: condition -> a recording of it; `things`: condition -> its object, as text.
     """
     found = {}
     for name, recording in _plain(recorded, things).items():
@@ -35,9 +35,9 @@ def proposals(recorded: Mapping[str, Recording], things: Mapping[str, str]) -> d
 
 
 def _plain(recorded: Mapping[str, Recording], things: Mapping[str, str]) -> dict[str, Recording]:
-    """One recording for each object: of those that handle the same, the shortest.
+    """The shortest recording of each object.
 
-    Named by its condition up to the comma, or the whole of it where that would be two objects'.
+    Named by its condition up to the comma, or by the whole of it where two objects would share it.
     """
     shortest: dict[str, str] = {}  # thing -> condition
     for condition in sorted(recorded, key=lambda name: float(np.ptp(recorded[name].time))):
@@ -52,9 +52,9 @@ def _plain(recorded: Mapping[str, Recording], things: Mapping[str, str]) -> dict
 
 def _changed(recording: Recording, speed: float, amplitude: float) -> Recording:
     since = recording.time - recording.time[0]
-    stretch = amplitude / speed
-    time = np.arange(round(since[-1] * stretch * RATE) + 1) / RATE
-    reference = amplitude * np.interp(time / stretch, since, recording["reference"])
+    factor = amplitude / speed
+    time = np.arange(round(since[-1] * factor * RATE) + 1) / RATE
+    reference = amplitude * np.interp(time / factor, since, recording["reference"])
     return _blank(recording, time, reference, recording.experiment)
 
 

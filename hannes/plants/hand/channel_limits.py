@@ -1,4 +1,4 @@
-"""What honest recordings of a hand look like: wide limits, so that only a mistake falls outside."""
+"""Plausible limits of a hand's channels: wide, so that only a mistake falls outside."""
 
 from collections.abc import Mapping
 
