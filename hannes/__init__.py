@@ -3,7 +3,9 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from hannes.core import version as _version
+
+__version__ = _version.VERSION
 
 if TYPE_CHECKING:
     from hannes.campaigns.check import check as check

@@ -9,11 +9,11 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NoReturn
 
-from hannes import __version__
 from hannes.commands import cli_learning, cli_recordings
 from hannes.commands.cli_examples import EXAMPLES
 from hannes.commands.cli_output import add_json, print_json
 from hannes.core.errors import BadInput, HannesError, Interrupted, nearest
+from hannes.core.version import VERSION
 from hannes.simulation.compiler.kernel_error import blamed
 
 INTERRUPTED, PIPE_CLOSED = 130, 141  # what a shell reports for SIGINT and SIGPIPE
@@ -74,7 +74,7 @@ def _one_line(error: Exception) -> str:
 
 def _parser() -> _Parser:
     parser = _Parser(prog="hannes", description=DESCRIPTION, **_with_examples(""))
-    parser.add_argument("--version", action="version", version=f"hannes {__version__}")
+    parser.add_argument("--version", action="version", version=f"hannes {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
 
     run = _command(commands, "run", _run_experiment, "simulate an experiment and write its results")
@@ -200,12 +200,7 @@ def _effects(chosen: argparse.Namespace) -> None:
 
 def _hand(chosen: argparse.Namespace) -> None:
     from hannes.plants.plant_file import load_model
-    from hannes.simulation.hand.description import (
-        described,
-        equations_of,
-        plant_described,
-        value_table,
-    )
+    from hannes.simulation.hand.description import equations_of, plant_described, value_table
     from hannes.simulation.hand.hand import Hand
 
     model = load_model(chosen.hand)
@@ -214,7 +209,7 @@ def _hand(chosen: argparse.Namespace) -> None:
     elif chosen.values:
         print(value_table(model))
     else:
-        print(described(model) if isinstance(model, Hand) else plant_described(model, model.name))
+        print(str(model) if isinstance(model, Hand) else plant_described(model, model.name))
 
 
 def _reproduce(chosen: argparse.Namespace) -> None:

@@ -19,7 +19,8 @@ from hannes.simulation.energy_balance import account
 from hannes.simulation.experiment.friction_curve import FrictionCurve
 from hannes.simulation.experiment.load import load
 from hannes.simulation.experiment.variants import Variant
-from hannes.simulation.hand.hand_file import differences, effect_names, texts
+from hannes.simulation.hand.hand_file import effect_names, texts
+from hannes.simulation.hand.model import differences
 from hannes.simulation.sensors import observe
 from hannes.simulation.simulate import simulate
 from hannes.simulation.trajectory import Cost, Trajectory

@@ -98,6 +98,7 @@ class Parts:
         self.whole, self.failed = False, 0
 
     def path(self, k: int) -> Path:
+        """File of part `k`."""
         return self.folder / f"{k:06d}.part"
 
     def read(self, k: int) -> Part | None:

@@ -20,11 +20,11 @@ from hannes.simulation.hand.hand import Hand
 from hannes.simulation.hand.hand_file import (
     changed,
     declared,
-    differences,
     effect_names,
     load_hand,
     texts,
 )
+from hannes.simulation.hand.model import differences
 
 KEYS = (
     "title", "hand", "effects", "parameters", "seed", "duration", "sampling", "controller",

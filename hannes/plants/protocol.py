@@ -75,7 +75,9 @@ class Plant(Protocol):
     block: float
 
     @property
-    def free(self) -> Mapping[str, float]: ...
+    def free(self) -> Mapping[str, float]:
+        """Standard deviation of each given value that a fit may move, by full name, SI."""
+        ...
 
     def with_effects(self, *effects: Effect) -> Self:
         """Return a plant whose model has `effects` too, at `off` until a value is set."""

@@ -35,6 +35,7 @@ class Grasps:
         return np.flatnonzero(np.isfinite(self.whole).all(axis=1))
 
     def some(self, which: np.ndarray) -> "Grasps":
+        """Only the grasps `which`: their numbers, or a mask, shape (grasps,)."""
         return Grasps(*(each[which] for each in vars(self).values()))
 
 

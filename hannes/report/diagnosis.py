@@ -9,7 +9,7 @@ from hannes.report.page import render
 from hannes.report.paper.tables import Table
 
 if TYPE_CHECKING:
-    from hannes.commands.diagnose import Diagnosis
+    from hannes.report.diagnosed import Diagnosis
 
 STAGES = ("as_given", "before", "after")
 MANY = 24  # recordings, beyond which a list of them tells nobody anything

@@ -11,7 +11,7 @@ from hannes.simulation.experiment.reader import parse_experiment
 from hannes.simulation.experiment.variants import MOST
 from hannes.simulation.experiment.writer import experiment_toml
 from hannes.simulation.hand.hand import Hand
-from hannes.simulation.hand.hand_file import differences
+from hannes.simulation.hand.model import differences
 
 HEAD = """
 title = "mine"

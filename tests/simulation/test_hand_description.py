@@ -9,7 +9,6 @@ from hannes.plants.axis.plant import Axis
 from hannes.simulation.catalogue import effects
 from hannes.simulation.hand.description import (
     COLUMNS,
-    described,
     equations_of,
     plant_described,
     value_table,
@@ -30,7 +29,7 @@ def section(text, title):
 
 def test_print_tells_the_stages_in_the_order_of_the_equations():
     told = str(Hand())
-    assert told == described(Hand())
+    assert told == str(Hand())
     shown = [line.split()[0] for line in section(told, "Stages") if re.match(r"  \w", line)]
     assert tuple(shown) == STAGES
     for formula in ("eq. 1", "eq. 2", "eq. 3", "m_c x'' = 2 T_L - 2 T_F - F(x')"):
@@ -42,7 +41,7 @@ def test_nothing_is_wider_than_a_terminal():
     values = {p.name: p.bounds[1] for p in everything.parameters.declared.values() if "." in p.name}
     loud = everything.with_values({n: x for n, x in values.items() if n.split(".")[0] in effects()})
     for hand in (Hand(), everything, loud):
-        assert max(map(len, described(hand).splitlines())) <= COLUMNS
+        assert max(map(len, str(hand).splitlines())) <= COLUMNS
 
 
 @pytest.mark.parametrize(
@@ -53,7 +52,7 @@ def test_nothing_is_wider_than_a_terminal():
     ],
 )
 def test_an_effect_stands_in_the_stage_that_it_joins(name, stage, value):
-    told = described(Hand().with_effects(name).with_values(value))
+    told = str(Hand().with_effects(name).with_values(value))
     lines = section(told, "Stages")
     start = next(k for k, line in enumerate(lines) if line.startswith(f"  {stage} "))
     end = next(k for k in range(start + 1, len(lines)) if re.match(r"  \w", lines[k]))
@@ -64,15 +63,15 @@ def test_an_effect_stands_in_the_stage_that_it_joins(name, stage, value):
 
 
 def test_an_effect_that_is_off_says_so():
-    told = described(Hand().with_effects("leader_slack"))
+    told = str(Hand().with_effects("leader_slack"))
     assert "leader_slack (off" in told and "+ effect leader_slack" not in told
 
 
 def test_changed_values_stand_beside_the_shipped_ones():
-    assert section(described(Hand()), "Values that differ") == ["  none"]
+    assert section(str(Hand()), "Values that differ") == ["  none"]
     hand = Hand().with_values({"motor.resistance": 4.2})
     shipped = Hand().parameters["motor.resistance"]
-    (line,) = section(described(hand), "Values that differ")
+    (line,) = section(str(hand), "Values that differ")
     assert line == f"  motor.resistance = 4.2 ohm  (shipped: {shipped:.6g})"
 
 
@@ -87,7 +86,7 @@ def test_every_value_has_its_unit_meaning_and_source():
 
 
 def test_values_without_a_published_source_are_called_a_choice():
-    sources = section(described(Hand()), "Sources")
+    sources = section(str(Hand()), "Sources")
     declared = Hand().parameters.declared.values()
     chosen = [each for each in declared if each.source.startswith("choice")]
     assert sources[-1] == f"  choice, no published value: the other {len(chosen)}"

@@ -22,11 +22,14 @@ HDF5 = (".h5", ".hdf5", ".hdf", ".he5")
 class Source(Protocol):
     """A foreign file: its columns as numbers, NaN where a value is missing."""
 
-    def numbers(self, column: Column) -> FloatArray: ...
+    def numbers(self, column: Column) -> FloatArray:
+        """Values of a column in its own unit, shape (n,)."""
 
-    def stamps(self, column: Column) -> FloatArray: ...
+    def stamps(self, column: Column) -> FloatArray:
+        """Times of a column, shape (n,), s."""
 
-    def place(self, row: int) -> str: ...
+    def place(self, row: int) -> str:
+        """Where in the file a row stands, for messages."""
 
 
 @dataclass(frozen=True)

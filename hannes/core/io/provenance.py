@@ -4,14 +4,14 @@ import datetime
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-import hannes
+from hannes.core.version import VERSION
 
 LIBRARIES = ("numpy", "scipy", "numba", "h5py", "matplotlib")
 
 
 def versions() -> dict[str, str]:
     """Versions of hannes, Python and the libraries that numbers and figures come from."""
-    known = {"hannes": hannes.__version__, "python": platform.python_version()}
+    known = {"hannes": VERSION, "python": platform.python_version()}
     return known | {name: _installed(name) for name in LIBRARIES}
 
 

@@ -129,6 +129,7 @@ def _check_storage(name: str, dataset: Any) -> None:
 
 
 def text_attribute(item: Any, key: str) -> str:
+    """Return a text attribute of fixed length; BadInput where it is missing or another kind."""
     if key not in item.attrs:
         raise BadInput(f'"{item.name}" lacks the attribute {key}')
     if (length := _text_length(item, key)) is None:

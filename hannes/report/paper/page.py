@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import hannes
 from hannes.core.io.atomic_files import atomic_folder
+from hannes.core.version import VERSION
 from hannes.report.figure import Drawn
 from hannes.report.page import holding, render
 from hannes.report.paper import checks, published, tables
@@ -58,7 +58,7 @@ def _content(
     runs: Runs, drawings: Mapping[str, Drawn], must_show: list[checks.Row], found: list[Finding]
 ) -> dict[str, Any]:
     return {
-        "version": hannes.__version__,
+        "version": VERSION,
         "paper_title": published.TITLE,
         "simulations": 5 + len(runs.hands) + len(runs.sweep),
         "must_show": tables.must_show_table(must_show),

@@ -7,7 +7,8 @@ from hannes.core.io.units import text
 from hannes.simulation.experiment.experiment import Experiment, Reference, Target
 from hannes.simulation.experiment.reader import MATERIAL, NOISE
 from hannes.simulation.hand.hand import Hand
-from hannes.simulation.hand.hand_file import differences, effect_names, texts
+from hannes.simulation.hand.hand_file import effect_names, texts
+from hannes.simulation.hand.model import differences
 
 TILT = ("tilt_x", "tilt_y")
 _POINTS = "@points"  # cannot occur in quotes of its own inside another text of the file

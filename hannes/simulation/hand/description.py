@@ -7,17 +7,15 @@ import inspect
 import re
 import textwrap
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import plain
 from hannes.core.parameter import Parameter
+from hannes.simulation.compiler.assemble import Equations, jacobian_kind
 from hannes.simulation.hand import equations
-from hannes.simulation.hand.hand_file import Model, differences
-
-if TYPE_CHECKING:
-    from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.model import Model, differences
 
 COLUMNS = 80
 _STAGE = re.compile(r"^ +(?:[\w, ]+ = )?(\w+)\(.*\)$", re.MULTILINE)
@@ -25,13 +23,20 @@ _FORMULA = re.compile(r" [+=] | - |tanh")
 _CALL = re.compile(r"\b([a-z_]+)\(")
 
 
-def described(hand: "Hand") -> str:
-    """What `print(hand)` shows."""
+class HandModel(Model, Protocol):
+    """A hand, as far as it is described here."""
+
+    def present_effects(self) -> tuple[Effect, ...]:
+        """Effects with an amplitude that is not `off`."""
+
+
+def described(hand: HandModel, written: Equations) -> str:
+    """What `print(hand)` shows of a hand whose equations are `written`."""
     lines = ["Hannes hand: five fingers, two carts, one motor", ""]
     lines += ["Stages of the model, in order (their text: hannes hand --equations)"]
-    lines += _stages(hand.present_effects())
+    lines += _stages(hand.present_effects(), written)
     lines += ["", "Effects", *(_effects(hand) or ["  none beyond the base model"])]
-    lines += _slow(hand.present_effects())
+    lines += _slow(hand.present_effects(), written)
     lines += ["", "Values that differ from the shipped hand", *(_changed(hand) or ["  none"])]
     lines += ["", "Sources of the values (each of them: hannes hand --values)"]
     return "\n".join([*lines, *_sources(hand.parameters.declared.values())])
@@ -66,14 +71,12 @@ def value_table(hand: Model) -> str:
     return "\n".join(lines)
 
 
-def _stages(effects: Iterable[Effect]) -> list[str]:
+def _stages(effects: Iterable[Effect], written: Equations) -> list[str]:
     """One entry a stage, from the stage's own docstring; effects under the stage they join."""
-    from hannes.simulation.hand.hand import EQUATIONS
-
     joined: dict[str, list[str]] = {}
     for effect in effects:
         for term in effect.terms:
-            joined.setdefault(EQUATIONS.stage_of(term.writes[0]), []).append(effect.name)
+            joined.setdefault(written.stage_of(term.writes[0]), []).append(effect.name)
     lines = []
     for stage in _STAGE.findall(inspect.getsource(equations.equations)):
         lines += _entry(stage, _headline(getattr(equations, stage)))
@@ -82,12 +85,9 @@ def _stages(effects: Iterable[Effect]) -> list[str]:
     return lines
 
 
-def _slow(effects: Iterable[Effect]) -> list[str]:
+def _slow(effects: Iterable[Effect], written: Equations) -> list[str]:
     """A line on effects with which the integrator's Jacobian is not the structured one."""
-    from hannes.simulation.compiler.assemble import jacobian_kind
-    from hannes.simulation.hand.hand import EQUATIONS
-
-    kind = jacobian_kind(EQUATIONS, effects)
+    kind = jacobian_kind(written, effects)
     return [] if kind == "structured" else _wrapped(f"slower to simulate: {kind}", 2)
 
 

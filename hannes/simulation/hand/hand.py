@@ -157,4 +157,4 @@ class Hand:
         """Stages with their equations, effects, values that differ from the shipped, sources."""
         from hannes.simulation.hand.description import described
 
-        return described(self)
+        return described(self, EQUATIONS)

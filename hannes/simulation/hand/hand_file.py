@@ -6,34 +6,21 @@ Reading and writing serve any model with named values and effects; `base` names 
 import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, TypeVar
 
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.io.units import quantity, text
 from hannes.core.kernels.jit import plain
-from hannes.core.parameter import Parameter, ParameterSet
+from hannes.core.parameter import Parameter
 from hannes.simulation import catalogue
 from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.model import Model, differences
 
 SHIPPED: dict[str, Callable[[], Hand]] = {"hannes": Hand}
 KEYS = ("base", "effects", "parameters")
 DEEPEST = 8  # hand files that build on one another
-
-
-class Model(Protocol):
-    """What such a file speaks of: a hand, or any other plant."""
-
-    @property
-    def parameters(self) -> ParameterSet: ...
-
-    @property
-    def effects(self) -> tuple[Effect, ...]: ...
-
-    def with_effects(self, *effects: Effect) -> Self: ...
-
-    def with_values(self, values: Mapping[str, float]) -> Self: ...
 
 
 M = TypeVar("M", bound=Model)
@@ -160,16 +147,6 @@ def hand_toml(model: Model, shipped: Model | None = None, base: str = "hannes") 
         "parameters": texts(model, differences(model, shipped)),
     }
     return tomli_w.dumps(content)
-
-
-def differences(model: Model, shipped: Model | None = None) -> dict[str, float]:
-    """SI values by full name that are not those of `shipped`, or not the declared ones."""
-    known = dict(shipped.parameters) if shipped else {}
-    return {
-        name: number
-        for name, number in model.parameters.items()
-        if number != known.get(name, model.parameters.declared[name].value)
-    }
 
 
 def texts(model: Model, numbers: Mapping[str, float]) -> dict[str, str]:
