@@ -3,6 +3,7 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from hannes.core import former_names as _former_names
 from hannes.core import version as _version
 
 __version__ = _version.VERSION
@@ -12,7 +13,17 @@ if TYPE_CHECKING:
     from hannes.campaigns.convert import convert as convert
     from hannes.commands.calibrate import calibrate as calibrate
     from hannes.commands.diagnose import diagnose as diagnose
+    from hannes.core.effect import Effect as Effect
+    from hannes.core.effect import Term as Term
+    from hannes.core.errors import BadInput as BadInput
+    from hannes.core.errors import ComputationFailed as ComputationFailed
+    from hannes.core.kernels.jit import kernel as kernel
+    from hannes.core.layout import Slot as Slot
+    from hannes.core.parameter import Parameter as Parameter
+    from hannes.core.recording.channel_limits import Expected as Expected
     from hannes.core.recording.recording import Recording as Recording
+    from hannes.plants.plain import PlainPlant as PlainPlant
+    from hannes.plants.protocol import Plant as Plant
     from hannes.simulation.batch.simulate_many import simulate_many as simulate_many
     from hannes.simulation.catalogue import effects as effects
     from hannes.simulation.experiment.experiment import Experiment as Experiment
@@ -25,22 +36,34 @@ if TYPE_CHECKING:
 
 # Loaded when first asked for, so that `import hannes` costs nothing.
 _HOMES = {
+    "BadInput": "core.errors",
+    "ComputationFailed": "core.errors",
+    "Effect": "core.effect",
+    "Expected": "core.recording.channel_limits",
     "Experiment": "simulation.experiment.experiment",
     "Hand": "simulation.hand.hand",
+    "Parameter": "core.parameter",
+    "PlainPlant": "plants.plain",
+    "Plant": "plants.protocol",
     "Recording": "core.recording.recording",
     "Reference": "simulation.experiment.experiment",
+    "Slot": "core.layout",
     "Target": "simulation.experiment.experiment",
+    "Term": "core.effect",
     "calibrate": "commands.calibrate",
     "check": "campaigns.check",
     "convert": "campaigns.convert",
     "diagnose": "commands.diagnose",
     "effects": "simulation.catalogue",
+    "kernel": "core.kernels.jit",
     "load_experiment": "simulation.experiment.load",
     "observe": "simulation.sensors",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.batch.simulate_many",
 }
 __all__ = sorted(_HOMES)
+
+_former_names.install()
 
 
 def __getattr__(name: str) -> Any:

@@ -17,6 +17,7 @@ from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_campaign
 from hannes.campaigns.warnings import campaign_warnings
+from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect
 from hannes.core.io import atomic_files
 from hannes.identification.diagnosis.campaign_diagnosis import Result, deep, possible
@@ -50,20 +51,24 @@ HAND = base_name("hand")
 TRIED = ("direction_friction", "gear_load", "leader_slack")
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(ByValue):
     """The verdict, the plant with what was found, and everything needed to draw it.
 
     deep: of a plant that says what of it is uncertain, what the verdict came from.
     """
 
-    campaign: Campaign
+    campaign: Campaign = field(compare=False)
     verdict: Verdict
     plant: Plant
     traces: tuple[Traces, ...]
     floors: dict[str, float]
-    trials: tuple[Trial, ...]
-    deep: Result | None = field(default=None, repr=False)
+    trials: tuple[Trial, ...] = field(compare=False)
+    deep: Result | None = field(default=None, compare=False)
+
+    def __repr__(self) -> str:
+        found = ", ".join([self.verdict.verdict, *self.verdict.effects])
+        return f"Diagnosis({found}; {len(self.campaign.entries)} recordings)"
 
     def write(self, folder: str | Path) -> Path:
         """Write verdict.json, hand.toml, report.html into `folder`, whole or not at all."""

@@ -7,6 +7,7 @@ of `writes`, then the rate of each of its states.
 """
 
 import inspect
+import pkgutil
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +18,7 @@ from hannes.core.layout import Slot
 from hannes.core.parameter import Parameter
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Term:
     """One kernel of an effect, the channels it adds to and the states whose rates it returns.
 
@@ -35,8 +36,27 @@ class Term:
         """Names of the kernel's arguments, in order."""
         return tuple(inspect.signature(plain(self.kernel)).parameters)
 
+    def __repr__(self) -> str:
+        rates = f", states={self.states!r}" if self.states else ""
+        return f"Term({plain(self.kernel).__name__}, writes={self.writes!r}{rates})"
 
-@dataclass(frozen=True)
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A kernel of hannes is pickled by its name, one of a user's own as numba does it."""
+        function = plain(self.kernel)
+        kernel: Any = f"{function.__module__}:{function.__qualname__}"
+        if not kernel.startswith("hannes.") or "<locals>" in kernel:
+            kernel = self.kernel
+        return _term, (kernel, self.writes, self.states, self.unit)
+
+
+def _term(
+    kernel: Callable[..., Any] | str, writes: tuple[str, ...], states: tuple[str, ...], unit: str
+) -> Term:
+    found = pkgutil.resolve_name(kernel) if isinstance(kernel, str) else kernel
+    return Term(found, writes, states, unit)
+
+
+@dataclass(frozen=True, repr=False)
 class Effect:
     """A physical effect that can be added to a model without touching the model.
 
@@ -78,6 +98,10 @@ class Effect:
     def full_name(self, parameter: str) -> str:
         """Name under which a parameter of this effect is known outside."""
         return f"{self.name}.{parameter}"
+
+    def __repr__(self) -> str:
+        sizes = ", ".join(f"{each.name} [{each.unit}]" for each in self.parameters)
+        return f"Effect({self.name}: {sizes})"
 
     def __str__(self) -> str:
         """Equation, meaning, source and parameters, as `hannes effects NAME` shows them."""

@@ -75,6 +75,14 @@ class ParameterSet(Mapping[str, float]):
     def __len__(self) -> int:
         return len(self._values)
 
+    def __repr__(self) -> str:
+        return f"ParameterSet({', '.join([f'{len(self)} parameters', *self.changed()])})"
+
+    def changed(self) -> list[str]:
+        """`name=value` of each that is not as declared."""
+        declared = self.declared
+        return [f"{n}={x:g}" for n, x in self._values.items() if x != declared[n].value]
+
     def require(self, name: str) -> Parameter:
         """Return the declaration of `name`; raise BadInput naming the nearest match."""
         if name not in self.declared:

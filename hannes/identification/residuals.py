@@ -8,6 +8,7 @@ import numpy as np
 
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment
+from hannes.core.by_value import ByValue
 from hannes.identification.holdout.least_squares import Fitted, Misfit
 from hannes.plants.protocol import Plant
 
@@ -15,8 +16,8 @@ WORST = 12  # places of the where-map that are kept
 Raw = Sequence[Mapping[str, np.ndarray]]  # of each piece: channel -> simulated minus recorded
 
 
-@dataclass(frozen=True)
-class Traces:
+@dataclass(frozen=True, eq=False)
+class Traces(ByValue):
     """One recording and three simulations of it: channel -> array, shape (n,)."""
 
     entry: Entry

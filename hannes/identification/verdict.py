@@ -11,7 +11,7 @@ FAINT = 0.2  # of a squared floor, mean over channels: a gap that is less above 
 _SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Verdict:
     """The result contract: every field is plain data.
 
@@ -42,6 +42,9 @@ class Verdict:
     smallest_detectable: dict[str, Any] | None = None
     confusability: dict[str, Any] | None = None
     versions: dict[str, str] = field(default_factory=versions)
+
+    def __repr__(self) -> str:
+        return f"Verdict({', '.join([self.verdict, *self.effects])})"
 
     def json(self) -> str:
         """Text of verdict.json, keys in the order of the contract."""

@@ -11,14 +11,16 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect, Term, joined
 from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import plain
 from hannes.core.parameter import Parameter, ParameterSet, group
 from hannes.core.recording.recording import Recording
+from hannes.plants.protocol import shown
 
 
-class PlainPlant:
+class PlainPlant(ByValue):
     """Plant: base class of machines simulated in plain Python, with effects or without.
 
     base:  parameters of the machine itself, full names ("spring.stiffness")
@@ -41,6 +43,12 @@ class PlainPlant:
         self.effects = effects
         own = (p for effect in effects for p in group(effect.name, *effect.parameters))
         self.parameters = ParameterSet((*self.base, *own))
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.effects))
+
+    def __repr__(self) -> str:
+        return shown(self)
 
     def with_effects(self, *effects: Effect) -> Self:
         """Return a plant whose model has `effects` too."""

@@ -220,6 +220,13 @@ def require_usable(plant: Plant, recording: Recording) -> None:
         check(recording)
 
 
+def shown(plant: Plant) -> str:
+    """A plant in one line: its class, effects in its model, number of parameters."""
+    names = ", ".join(each.name for each in plant.effects)
+    count = len(plant.parameters)
+    return f"{type(plant).__name__}(effects=[{names}], {count} parameters)"
+
+
 def free_amplitudes(effect: Effect) -> dict[str, float]:
     """Return the full names of an effect's parameters, with the scale of each in a refit [SI]."""
     return {

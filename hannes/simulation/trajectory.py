@@ -1,15 +1,19 @@
 """What a simulation returns: states over time, outputs on demand, and how it ended."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from hannes.core.by_value import ByValue
+from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, ComputationFailed, nearest
-from hannes.simulation.compiler.assemble import Compiled
+from hannes.simulation.compiler.assemble import Compiled, assemble
 from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.hand.hand import EQUATIONS
 
 
 class Outcome(Enum):
@@ -27,7 +31,7 @@ class Cost:
     evaluations: int = 0
     jacobians: int = 0
     steps: int = 0
-    seconds: float = 0.0
+    seconds: float = field(default=0.0, compare=False)
 
     def __add__(self, other: "Cost") -> "Cost":
         return Cost(
@@ -47,8 +51,8 @@ def failed(title: str, outcome: Outcome, message: str, time: np.ndarray) -> Comp
     )
 
 
-@dataclass(frozen=True)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(ByValue):
     """States at the sample times, shape (n, states); outputs are computed when asked for.
 
     Where the outcome is not COMPLETED the samples end before the failure and `message` keeps
@@ -61,10 +65,20 @@ class Trajectory:
     outcome: Outcome
     message: str
     cost: Cost
-    compiled: Compiled = field(repr=False)
-    parameters: np.ndarray = field(repr=False)
-    knots: np.ndarray = field(repr=False)
-    holds: np.ndarray = field(repr=False)
+    compiled: Compiled
+    parameters: np.ndarray
+    knots: np.ndarray
+    holds: np.ndarray
+
+    def __repr__(self) -> str:
+        end = f"{self.time[-1]:g} s" if self.time.size else "none"
+        count = f"{self.time.size} samples to {end}"
+        return f"Trajectory({self.experiment.title}: {count}, {self.outcome.value})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        kept = {each.name: getattr(self, each.name) for each in fields(self)}
+        del kept["compiled"]  # machine code stays where it is
+        return _again, (self.compiled.effects, kept)
 
     def require(self) -> "Trajectory":
         """Return itself where completed; raise ComputationFailed with what to try otherwise."""
@@ -90,8 +104,13 @@ class Trajectory:
         return part if layout.slot(name).axis else part[:, 0]
 
 
-@dataclass(frozen=True)
-class Grasp:
+def _again(effects: tuple[Effect, ...], kept: dict[str, Any]) -> Trajectory:
+    """A pickled trajectory, with the model of a hand with these effects."""
+    return Trajectory(compiled=assemble(EQUATIONS, effects), **kept)
+
+
+@dataclass(frozen=True, eq=False)
+class Grasp(ByValue):
     """One grasp of a batch: `number` counts from 0, `grasp[name]` is a channel asked for.
 
     Channels have the shape (n,) or (n, size), n the samples in `time` [s]. Where the outcome is

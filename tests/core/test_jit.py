@@ -15,7 +15,7 @@ from hannes.core.recording.recording import Recording
 from hannes.plants.axis import slow_friction
 from hannes.plants.axis.plant import Axis
 
-ROOT = Path(__file__).parent.parent
+HERE = Path(__file__).parent
 
 SOURCE = """\
 from hannes.core.kernels.jit import entry, routine
@@ -68,13 +68,16 @@ def test_a_numba_that_lacks_a_private_part_compiles_the_same_numbers(compiling, 
     script = (
         "from hannes.core.kernels import numba_private\n"
         f"numba_private.PARTS += ({lacking!r},)\n"
-        "import sys, tests.test_jit as test\n"
-        "sys.stdout.buffer.write(test.swing_of_the_axis())\n"
+        "import sys, test_jit\n"
+        "sys.stdout.buffer.write(test_jit.swing_of_the_axis())\n"
         "assert numba_private.options(forceinline=True) == {}\n"
     )
-    environment = os.environ | {"HANNES_CACHE": str(tmp_path)}
+    environment = os.environ | {
+        "HANNES_CACHE": str(tmp_path),
+        "PYTHONPATH": os.pathsep.join(sys.path),
+    }
     command = [sys.executable, "-W", "default", "-c", script]
-    run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=True)
+    run = subprocess.run(command, cwd=HERE, env=environment, capture_output=True, check=True)
     assert run.stdout == swing_of_the_axis()
     assert run.stderr.decode().count(f"has no {lacking}") == 1
     assert numba_private.missing() == ""

@@ -1,8 +1,7 @@
 """All that hannes takes of numba's private parts; without them `njit` alone gives the same numbers.
 
-They make compiling a few times quicker and compiled code smaller, no more (docs/speed.md). Another
-version of numba may lack one: then none is used, models compile as numba does it, and one warning
-says so.
+They make compiling quicker and machine code smaller, no more (docs/speed.md). Another version of
+numba may lack one: then none is used, models compile as numba does it, and one warning says so.
 """
 
 import functools

@@ -5,7 +5,7 @@ position_rad, current_A, duty_1, supply_V, force_N, sensor_N`. Only time and one
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import ItemsView, Iterable, Iterator, KeysView, Mapping, ValuesView
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -27,8 +27,11 @@ _UNIT = re.compile(r"[A-Za-z0-9%µμΩ°²³·^*/()-](?:[A-Za-z0-9%µμΩ°²³�
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Recording:
+class Recording(Mapping[str, FloatArray]):
     """Channels over time: equally long, finite, read-only float64 arrays; `time` [s] first.
+
+    A mapping of channel names, as a table is of its columns: `recording["current"]`, `in`,
+    iteration, `keys`, `values`, `items`, `get`. Its length is that of its columns: the samples.
 
     `units` gives each channel's unit ("1" for none). `experiment` and `hand` are resolved TOML
     texts, empty where unknown; `seed` is None where nothing was drawn; `conversion` (JSON) says
@@ -122,11 +125,30 @@ class Recording:
             raise BadInput(f'the recording has no channel "{name}"{hint}')
         return self.channels[name]
 
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return a channel, or `default` where there is none of that name."""
+        return self.channels.get(name, default)
+
     def __contains__(self, name: object) -> bool:
         return name in self.channels
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.channels)
+
     def __len__(self) -> int:
         return len(self.time)
+
+    def keys(self) -> KeysView[str]:
+        """Names of all channels, time first."""
+        return self.channels.keys()
+
+    def values(self) -> ValuesView[FloatArray]:
+        """Arrays of all channels, time first."""
+        return self.channels.values()
+
+    def items(self) -> ItemsView[str, FloatArray]:
+        """Names and arrays of all channels, time first."""
+        return self.channels.items()
 
     def with_channels(self, added: Mapping[str, Any], units: Mapping[str, str]) -> Self:
         """Return a copy with channels added or replaced; `units` may leave out known ones."""

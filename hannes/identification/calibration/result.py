@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from hannes.campaigns.campaign import Campaign
+from hannes.core.by_value import ByValue
 from hannes.core.io.provenance import versions
 from hannes.identification.calibration.data_check import Findings
 from hannes.identification.calibration.identifiability import (
@@ -27,8 +28,8 @@ _MILLI = re.compile(r"(N|m|s|A|V)(?![\w^²³])")  # units that a small value is 
 NO_WORSE = 1.01  # times the least misfit: a start that ended there ended as well
 
 
-@dataclass(frozen=True)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(ByValue):
     """Everything that a calibration found; `calibrate` adds the campaign's view of it.
 
     findings:   what the data check found and the campaign accepted, with the file's name
@@ -47,6 +48,13 @@ class Fit:
     fitted_gap: dict[str, dict[str, float]]
     floor_from: str
     seed: int
+
+    def compared(self) -> tuple[Any, ...]:
+        """What a calibration says: two that say the same are equal."""
+        return (self.json(),)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.sentence})"
 
     @property
     def plant(self) -> Plant:

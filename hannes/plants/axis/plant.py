@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from hannes.control import cascade
+from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect, joined
 from hannes.core.errors import BadInput, ComputationFailed
 from hannes.core.layout import Layout, Slot
@@ -19,6 +20,7 @@ from hannes.core.recording.recording import Recording
 from hannes.plants.axis import equations as axis_equations
 from hannes.plants.axis import matlab_file, slow_friction
 from hannes.plants.axis.channel_limits import EXPECTED
+from hannes.plants.protocol import shown
 from hannes.simulation.compiler.assemble import Equations, assemble
 
 PUBLISHED = "Janot, Gautier & Brunot (2019), symmetric model"
@@ -106,7 +108,7 @@ def _parameters(effects: tuple[Effect, ...]) -> ParameterSet:
     return ParameterSet((*PARAMETERS, *own))
 
 
-class Axis:
+class Axis(ByValue):
     """Plant: the axis with `effects` in its model; see plants/protocol.py for the protocol."""
 
     name = "axis"
@@ -117,8 +119,8 @@ class Axis:
         "drive": "V",
         "pulses": "V",
     }
-    required = ("reference", "position")
-    judged = ("drive",)
+    required: tuple[str, ...] = ("reference", "position")
+    judged: tuple[str, ...] = ("drive",)
     expected = EXPECTED
     # What a refit fits, with the standard deviation of the nominal value.
     free: Mapping[str, float] = {
@@ -133,6 +135,12 @@ class Axis:
     def __init__(self, effects: tuple[Effect, ...] = ()) -> None:
         self.effects = effects
         self.parameters = _parameters(effects)
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.effects))
+
+    def __repr__(self) -> str:
+        return shown(self)
 
     def with_effects(self, *effects: Effect) -> "Axis":
         """Return an axis whose model has `effects` too."""

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect, joined
 from hannes.core.errors import BadInput, ComputationFailed
 from hannes.core.layout import Layout, Slot
@@ -25,6 +26,7 @@ from hannes.plants.finger import (
     reading_delay,
     rh56_log,
 )
+from hannes.plants.protocol import shown
 from hannes.simulation.compiler.assemble import Equations, assemble
 
 PARAMETERS = group(
@@ -94,13 +96,13 @@ def _parameters(effects: tuple[Effect, ...]) -> ParameterSet:
     return ParameterSet((*PARAMETERS, *own))
 
 
-class Finger:
+class Finger(ByValue):
     """Plant: the finger with `effects` in its model; see plants/protocol.py for the protocol."""
 
     name = "finger"
     channels: Mapping[str, str] = {"time": "s", "angle": "1", "force": "1"}
-    required = ("angle", "force")  # the reading starts as recorded
-    judged = ("force",)
+    required: tuple[str, ...] = ("angle", "force")  # the reading starts as recorded
+    judged: tuple[str, ...] = ("force",)
     expected: Mapping[str, Expected] = {
         "angle": Expected(peak=(100.0, 2000.0), forward=True),
         "force": Expected(peak=(1.0, 1e4)),
@@ -117,6 +119,12 @@ class Finger:
     def __init__(self, effects: tuple[Effect, ...] = ()) -> None:
         self.effects = effects
         self.parameters = _parameters(effects)
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.effects))
+
+    def __repr__(self) -> str:
+        return shown(self)
 
     def with_effects(self, *effects: Effect) -> "Finger":
         """Return a finger whose model has `effects` too."""

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.parameter import ParameterSet
@@ -65,7 +66,7 @@ PLACED = dict.fromkeys(("object.x", "object.y"), 10e-3)  # m, scale of an object
 TOLERANCE = 1e-5
 
 
-class HandPlant:
+class HandPlant(ByValue):
     """Plant: a Hannes hand with effects in its model; see plants/protocol.py for the protocol."""
 
     name = "hand"
@@ -80,7 +81,7 @@ class HandPlant:
         "sensor": "N",
     }
     required: tuple[str, ...] = ()
-    judged = ("current", "position", "duty", "supply", "force", "sensor")
+    judged: tuple[str, ...] = ("current", "position", "duty", "supply", "force", "sensor")
     loggable: Mapping[str, str] = {"duty": "1"}
     block = 0.2
     expected = EXPECTED
@@ -88,6 +89,12 @@ class HandPlant:
 
     def __init__(self, hand: Hand | None = None) -> None:
         self.hand = hand or Hand()
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.hand))
+
+    def __repr__(self) -> str:
+        return f"HandPlant({self.hand!r})"
 
     @property
     def parameters(self) -> ParameterSet:

@@ -121,7 +121,7 @@ class Equations:
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """Entry points of one plant with one set of effects: `fast` by entry_points.py, `observed`."""
+    """Entry points of one plant with `effects`: `fast`, by entry_points.py, and `observed`."""
 
     text: str
     parameters: Layout
@@ -131,6 +131,7 @@ class Compiled:
     observed: ModuleType
     needed: Needed
     jacobian_kind: str = "dense differences"
+    effects: tuple[Effect, ...] = ()
 
     def problem(self, p: np.ndarray, reference: np.ndarray, hold: np.ndarray) -> Problem:
         """The rates with these parameters as a problem for `Rodas`."""
@@ -171,7 +172,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     names["fill_outputs"] = seen.fill_outputs
     origin += seen.__name__
     fast = module_cache.module("fast", quick, names, origin, sizes | solution.constants)
-    return Compiled(text, layouts.p, layouts.y, layouts.out, fast, seen, needed, kind)
+    return Compiled(text, layouts.p, layouts.y, layouts.out, fast, seen, needed, kind, effects)
 
 
 def jacobian_kind(plant: Equations, effects: Iterable[Effect] = ()) -> str:

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from hannes.core.by_value import ByValue
 from hannes.core.errors import BadInput
 
 CONTROLLERS = ("continuous", "sampled")
 
 
-@dataclass(frozen=True)
-class Reference:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reference(ByValue):
     """Position reference at the output shaft: straight lines through knots, shape (2, n).
 
     Row 0 holds times [s], row 1 angles [rad]; two knots at one time make a step. `kinked` tells
@@ -30,6 +31,12 @@ class Reference:
         if not np.isfinite(knots).all() or (np.diff(knots[0]) < 0).any():
             raise BadInput("a reference needs finite knots at times that do not decrease")
         object.__setattr__(self, "knots", np.ascontiguousarray(knots))
+
+    def __repr__(self) -> str:
+        times, angles = self.knots
+        kind = "" if self.kinked else ", smooth"
+        span = f"{times[0]:g} to {times[-1]:g} s, {angles.min():g} to {angles.max():g} rad"
+        return f"Reference({times.size} knots, {span}{kind})"
 
     def segments(self, duration: float) -> list[tuple[float, float, np.ndarray]]:
         """Split (0, duration) where the slope changes: start, end [s], knots of that part."""

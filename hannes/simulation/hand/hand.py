@@ -61,6 +61,19 @@ class Hand:
         copy.effects, copy.parameters = effects, parameters
         return copy
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Hand):
+            return NotImplemented
+        return self.effects == other.effects and self.parameters == other.parameters
+
+    def __hash__(self) -> int:
+        return hash((self.effects, tuple(self.parameters.values())))
+
+    def __repr__(self) -> str:
+        names = ", ".join(each.name for each in self.effects)
+        with_effects = [f"effects=[{names}]"] if names else []
+        return f"Hand({', '.join(with_effects + self.parameters.changed())})"
+
     def present_effects(self) -> tuple[Effect, ...]:
         """Effects with an amplitude that is not `off`; the others are left out of the model."""
         return tuple(

@@ -1,0 +1,95 @@
+"""Modules that users' files imported before hannes was sorted into packages, for one release.
+
+`from hannes.effect import Effect` still works: it loads the module of today, and warns.
+"""
+
+import importlib
+import sys
+import warnings
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any, cast
+
+# Name within hannes before -> today.
+MOVED = {
+    "_jit": "core.kernels.jit",
+    "axis": "plants.axis.plant",
+    "batch": "simulation.batch.simulate_many",
+    "calibrate": "commands.calibrate",
+    "campaign": "campaigns.campaign_file",
+    "catalogue": "simulation.catalogue",
+    "check": "campaigns.check",
+    "convert": "campaigns.convert",
+    "diagnose": "commands.diagnose",
+    "effect": "core.effect",
+    "errors": "core.errors",
+    "expected": "core.recording.channel_limits",
+    "experiment": "simulation.experiment.experiment",
+    "hand": "simulation.hand.hand",
+    "hand_plant": "plants.hand.plant",
+    "lanes": "core.kernels.vector_math",
+    "layout": "core.layout",
+    "observe": "simulation.sensors",
+    "onset": "core.kernels.smooth_switches",
+    "parameter": "core.parameter",
+    "plain_plant": "plants.plain",
+    "plant": "plants.protocol",
+    "recording": "core.recording.recording",
+    "simulate": "simulation.simulate",
+    "spec": "simulation.experiment.load",
+    "trajectory": "simulation.trajectory",
+    "units": "core.io.units",
+    "verdict": "identification.verdict",
+}
+
+
+class MovedWarning(DeprecationWarning):
+    """A file imports hannes by a name that the next release will not know."""
+
+
+class Finder:
+    """Finds a module by its former name."""
+
+    @staticmethod
+    def find_spec(name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
+        package, _, module = name.partition(".")
+        found = package == "hannes" and module in MOVED
+        return ModuleSpec(name, cast(Any, _Loader)) if found else None
+
+
+class _Loader:
+    """Puts the module of today in the place of the one asked for."""
+
+    @staticmethod
+    def create_module(spec: ModuleSpec) -> None:
+        return None
+
+    @staticmethod
+    def exec_module(module: ModuleType) -> None:
+        name = module.__name__
+        today = MOVED[name.partition(".")[2]]
+        warnings.warn(f"{name} goes with the next release: {_advice(today)}", MovedWarning, 2)
+        sys.modules["hannes"].__class__ = _Package
+        sys.modules[name] = importlib.import_module(f"hannes.{today}")
+
+
+class _Package(ModuleType):
+    """Keeps `hannes.simulate` the function: loading a module of that name would hide it."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name not in self.__all__ or not isinstance(value, ModuleType):
+            super().__setattr__(name, value)
+
+
+def _advice(today: str) -> str:
+    homes: dict[str, str] = sys.modules["hannes"]._HOMES
+    public = sorted(name for name, home in homes.items() if home == today)
+    also = f"from hannes import {', '.join(public)}, or " if public else ""
+    return f"write {also}hannes.{today}"
+
+
+def install() -> None:
+    """Look up former names after all others; warn on them where nothing else is asked for."""
+    sys.meta_path.append(Finder)
+    if not sys.warnoptions:  # else users would not see what is not of their own __main__
+        warnings.filterwarnings("default", category=MovedWarning)
