@@ -129,3 +129,8 @@ def test_the_contract_looks_at_all_that_is_public():
     errors = {name for name in classes if issubclass(getattr(hannes, name), Exception)}
     protocols = {"Plant"}
     assert classes - errors - protocols <= {*SIMPLE, *COMPUTED}
+
+
+def test_an_effect_of_the_package_is_pickled_by_name_so_that_another_process_finds_it():
+    packed = pickle.dumps(hannes.effects()["leader_slack"])
+    assert b"hannes.dynamics.leader_slack:" in packed and len(packed) < 2000
