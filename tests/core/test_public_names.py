@@ -178,7 +178,12 @@ def test_the_names_are_those_shown_and_no_others():
 def test_importing_hannes_loads_nothing_of_weight():
     script = "import hannes, sys; print(*(m for m in sys.modules if m[:6] in ('hannes', 'numpy')))"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True, text=True)
-    assert run.stdout.split() == ["hannes.core", "hannes.core.former_names", "hannes.core.version", "hannes"]
+    assert run.stdout.split() == [
+        "hannes.core",
+        "hannes.core.former_names",
+        "hannes.core.version",
+        "hannes",
+    ]
 
 
 @pytest.mark.parametrize("former", MOVED)
