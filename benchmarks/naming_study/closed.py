@@ -1,7 +1,7 @@
 """What of the reducible gap is left on the show recordings, before and after, beside the truth.
 
-Beside recordings a gap that is small against what repeats differ by cannot be told. Here the show
-runs are made again, by the same hand, with and without what is hidden in it, on the same noise:
+Beside recordings a gap that is small against the spread of repeats cannot be measured. Here the
+show runs are made again, by the same hand, with and without what is hidden in it, on the same noise:
 their difference d is the gap that the effect makes. Of it d' C^-1 d is reducible, C of noise, of
 what differs from run to run, and of all parameters by how far they may be off: what other values
 of the machine would explain as well does not count. What the result's effects do in the library's
@@ -17,11 +17,16 @@ from benchmarks.truth.expected import expected
 from benchmarks.truth.protocol import Protocol
 from hannes.campaigns.campaign import Campaign
 from hannes.identification.diagnosis.campaign_diagnosis import Result
-from hannes.identification.diagnosis.linearisation import Care, Ground, differenced, surveyed
+from hannes.identification.diagnosis.linearisation import (
+    NoiseAccuracy,
+    NoiseCovariance,
+    differenced,
+    estimated_noise,
+)
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.simulator import Model
 
-CARE = Care(2.0, 4)
+ACCURACY = NoiseAccuracy(2.0, 4)
 DRAWS = 2  # runs of a mean
 Runs = Mapping[str, Sequence[Mapping[str, np.ndarray]]]  # condition -> runs: channel -> samples
 
@@ -33,19 +38,19 @@ def left(
 
     In squared standard deviations. Raises RuntimeError where the truth does not end.
     """
-    base = found.found.base.x
-    whole = found.found.base.ground.model
+    base = found.found.baseline.x
+    whole = found.found.baseline.model
     model = Model(whole.small, grouped(whole.small, campaign.of("show")), whole.space, ())
     model.whole = whole.whole
-    model = model.ticking(found.choice.point.x, found.choice.effects)
+    model = model.with_sampling_correction(found.decision.point.x, found.decision.effects)
     names = [group.entries[0].condition for group in model.groups]
     runs = [expected(plan, seed, hidden, names, 2 * DRAWS) for hidden in (case.hidden, {})]
     gap = [_apart(model, *(_some(each, k) for each in runs)) for k in range(2)]
     named = _named(model, found)
-    _, slopes = differenced(model, base, model.space.uncertain, False)
-    ground = surveyed(model, base, CARE, 0)
+    _, derivatives = differenced(model, base, model.space.uncertain, False)
+    noise = estimated_noise(model, base, ACCURACY, 0)
     rest = [[d - e for d, e in zip(each, named, strict=True)] for each in gap]
-    return {"before": _size(ground, slopes, *gap), "after": _size(ground, slopes, *rest)}
+    return {"before": _size(noise, derivatives, *gap), "after": _size(noise, derivatives, *rest)}
 
 
 def _some(runs: Runs, first: int) -> Runs:
@@ -68,16 +73,19 @@ def _apart(model: Model, real: Runs, without: Runs) -> list[np.ndarray]:
 
 def _named(model: Model, found: Result) -> list[np.ndarray]:
     """What the result's effects do to each group."""
-    places = np.array([found.choice.point.x, found.choice.point.x])
+    places = np.array([found.decision.point.x, found.decision.point.x])
     places[1, model.space.uncertain.size :] = 0.0
     made = [model.vectors(group, places, True) for group in model.groups]
     return [each[0] - each[1] for each in made]
 
 
 def _size(
-    ground: Ground, slopes: list[np.ndarray], one: list[np.ndarray], other: list[np.ndarray]
+    noise: NoiseCovariance,
+    derivatives: list[np.ndarray],
+    one: list[np.ndarray],
+    other: list[np.ndarray],
 ) -> float:
     """d' C^-1 d of two means d of the same."""
-    columns, a, b = (ground.together(each) for each in (slopes, one, other))
-    told = np.linalg.solve(np.eye(len(columns)) + columns @ columns.T, columns @ b)
-    return float(a @ b - (columns @ a) @ told)
+    columns, a, b = (noise.together(each) for each in (derivatives, one, other))
+    projected = np.linalg.solve(np.eye(len(columns)) + columns @ columns.T, columns @ b)
+    return float(a @ b - (columns @ a) @ projected)

@@ -61,10 +61,10 @@ def worked(
 
 def _left(found: Diagnosis, case: Drawn, plan: Protocol, seed: int) -> dict[str, float] | None:
     """Reducible gap before and after, where something is hidden and something named."""
-    if found.deep is None or not (case.effects and found.verdict.effects):
+    if found.details is None or not (case.effects and found.verdict.effects):
         return None
     try:
-        gap = left(found.campaign, found.deep, case, plan, seed)
+        gap = left(found.campaign, found.details, case, plan, seed)
     except (RuntimeError, ComputationFailed, np.linalg.LinAlgError):  # a run of it does not end
         return None
     return gap if np.isfinite(list(gap.values())).all() else None

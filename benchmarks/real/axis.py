@@ -23,12 +23,12 @@ def figures(found: Diagnosis) -> tuple[list[Row], list[Row]]:
     error = blocks.row("EMPS, other file: force error with the effect [%]", sums, _after)
     gain = blocks.row("EMPS, other file: below the refitted base [points]", sums, _gain)
     named = found.verdict.effects == [EFFECT]
-    told = found.verdict.verdict == "named_with_remainder"
+    remainder = found.verdict.verdict == "named_with_remainder"
     return rows, [
         must_show("EMPS: named as direction_friction, alone", float(named), 1.0, named),
         {**must_show("", error["value"], MOST, error["value"] <= MOST), **error},
         {**must_show("", gain["value"], LEAST_GAIN, gain["value"] >= LEAST_GAIN), **gain},
-        must_show("EMPS: what remains is told", float(told), 1.0, told),
+        must_show("EMPS: what remains is told", float(remainder), 1.0, remainder),
     ]
 
 

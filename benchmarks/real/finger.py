@@ -8,8 +8,8 @@ from benchmarks.harness import Row, must_show
 from benchmarks.real import blocks
 from hannes.campaigns.segments import Segment, in_roles, split_campaign
 from hannes.commands.diagnose import Diagnosis
-from hannes.identification.holdout.least_squares import Fitted, Misfit, fit
-from hannes.identification.residuals import inflated
+from hannes.identification.holdout.least_squares import Fitted, WeightedResidual, fit
+from hannes.identification.residuals import inflated_noise_floors
 
 EFFECT = "force_lag"
 TIME = (0.14, 0.15)  # s, of an independent fit
@@ -18,9 +18,9 @@ MOST = 35.0  # counts
 
 def figures(found: Diagnosis) -> tuple[list[Row], list[Row]]:
     """What each model leaves, and what must be shown of the verdict."""
-    pieces = split_campaign(found.campaign)[0]
-    shown = in_roles(pieces, "show")
-    static = _base(found, in_roles(pieces, "fit"))
+    segments = split_campaign(found.campaign)[0]
+    shown = in_roles(segments, "show")
+    static = _base(found, in_roles(segments, "fit"))
     rows = [_left("the contact law alone", static, shown, found)]
     rows += [
         _left(f"with {each.name}", each.fitted, shown, found)
@@ -46,18 +46,24 @@ def figures(found: Diagnosis) -> tuple[list[Row], list[Row]]:
     ]  # fmt: skip
 
 
-def _base(found: Diagnosis, pieces: Sequence[Segment]) -> Fitted:
-    """The base refitted on these pieces, weighed as in the diagnosis."""
+def _base(found: Diagnosis, segments: Sequence[Segment]) -> Fitted:
+    """The base refitted on these segments, weighed as in the diagnosis."""
     plant = found.campaign.plant
-    floor = Misfit(plant, pieces, found.floors)
+    floor = WeightedResidual(plant, segments, found.noise_floors)
     rough = fit(floor, plant)
-    return fit(Misfit(plant, pieces, inflated(found.floors, floor, rough)), plant, rough.values)
+    return fit(
+        WeightedResidual(plant, segments, inflated_noise_floors(found.noise_floors, floor, rough)),
+        plant,
+        rough.values,
+    )
 
 
 def _left(model: str, fitted: Fitted, shown: Sequence[Segment], found: Diagnosis) -> Row:
-    """RMS of what a model leaves on the pieces shown."""
-    raw = Misfit(found.campaign.plant, shown, found.floors).raw(fitted.plant, fitted.values)
+    """RMS of what a model leaves on the segments shown."""
+    raw = WeightedResidual(found.campaign.plant, shown, found.noise_floors).raw(
+        fitted.plant, fitted.values
+    )
     sums = blocks.squares([(each["force"], np.ones(each["force"].size)) for each in raw])
-    told = blocks.row("", sums, lambda s: float(np.sqrt(s[0] / s[1])))
-    return {"machine": "RH56, show", "model": model, "counts": told["value"],
-            "low": told["low"], "high": told["high"]}  # fmt: skip
+    error = blocks.row("", sums, lambda s: float(np.sqrt(s[0] / s[1])))
+    return {"machine": "RH56, show", "model": model, "counts": error["value"],
+            "low": error["low"], "high": error["high"]}  # fmt: skip

@@ -16,15 +16,15 @@ from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
-from hannes.identification.binned_run import STRETCHES, View
-from hannes.identification.calibration.data_check import Findings, inspected
+from hannes.identification.binned_run import BLOCKS_PER_PARAMETER, View
+from hannes.identification.calibration.data_check import DataIssues, data_issues
 from hannes.identification.calibration.heldout_prediction import prediction
 from hannes.identification.calibration.identifiability import answers
 from hannes.identification.calibration.intervals import spread
 from hannes.identification.calibration.linearisation import State
 from hannes.identification.calibration.profile_likelihood import sides
-from hannes.identification.calibration.repeat_noise import floors, sample_floors
-from hannes.identification.calibration.repeatable_residual import remains
+from hannes.identification.calibration.repeat_noise import noise_floors, sample_noise_floors
+from hannes.identification.calibration.repeatable_residual import repeatable_residual
 from hannes.identification.calibration.result import Fit
 from hannes.identification.calibration.search import Progress, Search
 from hannes.identification.calibration.settings import Plan, read_plan
@@ -74,29 +74,29 @@ def calibrate(
     entries = campaign.of("fit", "select") or campaign.entries
     recorded = {name for entry in entries for name in entry.recording.names}
     plan = plan or read_plan(campaign.calibrate, campaign.plant, recorded, seed)
-    findings = inspected(campaign, plan.accept)
+    issues = data_issues(campaign, plan.accept)
     views = [View(entry, campaign.plant, plan.channels, plan.features) for entry in entries]
     _require_enough(plan, views)
-    level, how = floors(views)
+    level, how = noise_floors(views)
     workers = workers or os.cpu_count() or 1
-    with _bar(progress) as told:
-        found = Search(Model(campaign.plant, views), plan, level, workers, told).run()
-        result = _told(campaign, found, findings, workers, how, seed, told)
+    with _bar(progress) as report:
+        found = Search(Model(campaign.plant, views), plan, level, workers, report).run()
+        result = _result(campaign, found, issues, workers, how, seed, report)
     if out is not None:
         result.write(out)
     return result
 
 
-def _told(
+def _result(
     campaign: Campaign,
     found: State,
-    findings: Findings,
+    issues: DataIssues,
     workers: int,
     how: str,
     seed: int,
-    told: Progress,
+    progress: Progress,
 ) -> Calibration:
-    width, noise = spread(found), sample_floors(found.model.views)
+    width, noise = spread(found), sample_noise_floors(found.model.views)
     halves, held_out, fitted = np.tile(width.reach, (2, 1)), {}, {}
 
     def gap(*roles: str) -> Gap:
@@ -104,7 +104,7 @@ def _told(
         return {name: {**each, "floor": noise[name]} for name, each in made.items()}
 
     try:
-        told("intervals", found.misfit)
+        progress("intervals", found.rms)
         halves = sides(found, width, workers)
         apart = bool(campaign.of("fit", "select"))
         held_out = gap("show") if apart else {}
@@ -113,11 +113,11 @@ def _told(
         found = replace(found, interrupted=True)
     return Calibration(
         campaign,
-        findings,
+        issues,
         found,
         width,
         tuple(answers(found, width, halves)),
-        remains(found),
+        repeatable_residual(found),
         held_out,
         fitted,
         how,
@@ -130,13 +130,14 @@ def _require_enough(plan: Plan, views: list[View]) -> None:
     if not any(view.measured.size for view in views):
         raise BadInput("no recording has a channel or a feature that [calibrate] asks for")
     starts = 1 if plan.start_time else 0
-    bears = sum(max(0, view.bears - starts) for view in views)
-    if plan.named and len(plan.names) > bears:
-        block = views[0].stretch
+    max_parameters = sum(max(0, view.max_parameters - starts) for view in views)
+    if plan.named and len(plan.names) > max_parameters:
+        block = views[0].block_length
         raise BadInput(
             f"{len(plan.names)} parameters are more than {len(views)} recordings of this length "
-            f"bear ({bears}: {STRETCHES} stretches of {block:g} s or a feature for each, one for "
-            "every start); record more runs, or name fewer parameters"
+            f"can determine ({max_parameters}: {BLOCKS_PER_PARAMETER} blocks of {block:g} s or one "
+            "feature for each, less one for every start); record more runs, or name fewer "
+            "parameters"
         )
 
 
@@ -147,8 +148,8 @@ def _bar(progress: bool | None) -> Iterator[Progress]:
     hidden = None if progress is None else not progress
     with tqdm(desc="calibrating", unit=" runs", delay=2.0, disable=hidden, leave=False) as bar:
 
-        def told(text: str, misfit: float) -> None:
-            bar.set_description(f"{text}, misfit {misfit:.4g}", refresh=False)
+        def report(text: str, rms: float) -> None:
+            bar.set_description(f"{text}, misfit {rms:.4g}", refresh=False)
             bar.update()
 
-        yield told
+        yield report

@@ -190,7 +190,7 @@ def _effects(chosen: argparse.Namespace) -> None:
     known = catalogue.effects() if found is None else own_catalogue(found)
     if chosen.effect:
         print(known.get(chosen.effect) or catalogue.effect(chosen.effect))
-        if found is None and (near := confusability.told(chosen.effect)):
+        if found is None and (near := confusability.text(chosen.effect)):
             print(near)
         return
     for each in known.values():

@@ -2,7 +2,7 @@
 
 A plant that says what of it is uncertain is diagnosed as identification/diagnosis tells. Others
 take a lighter way, in this order: roles first; floor; base refitted; each effect refitted on the
-same pieces; the choice made on pieces that no fit has seen; then all but the show recordings
+same segments; the choice made on segments that no fit has seen; then all but the show recordings
 refitted once more, and the show recordings opened.
 """
 
@@ -20,26 +20,30 @@ from hannes.campaigns.warnings import campaign_warnings
 from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect
 from hannes.core.io import atomic_files
-from hannes.identification.diagnosis.campaign_diagnosis import Result, deep, possible
+from hannes.identification.diagnosis.campaign_diagnosis import (
+    Result,
+    declares_uncertainty,
+    diagnose_campaign,
+)
 from hannes.identification.diagnosis.settings import Settings, read_settings
 from hannes.identification.holdout import decision
 from hannes.identification.holdout.effect_test import (
     ALPHA,
     Trial,
     judge,
+    minimum_detectable_sizes,
     ranked,
-    smallest_detectable,
-    with_likeness,
+    with_confusable,
 )
-from hannes.identification.holdout.least_squares import Fitted, Misfit, Progress, fit
+from hannes.identification.holdout.least_squares import Fitted, Progress, WeightedResidual, fit
 from hannes.identification.residuals import (
     Traces,
     gaps,
-    inflated,
-    times_floor,
+    inflated_noise_floors,
+    times_noise_floor,
     traces,
-    undone,
     where,
+    without_effect,
 )
 from hannes.identification.verdict import Verdict
 from hannes.plants.plant_file import base_name, plant_toml
@@ -55,16 +59,16 @@ TRIED = ("direction_friction", "gear_load", "leader_slack")
 class Diagnosis(ByValue):
     """The verdict, the plant with what was found, and everything needed to draw it.
 
-    deep: of a plant that says what of it is uncertain, what the verdict came from.
+    details: of a plant that says what of it is uncertain, what the verdict came from.
     """
 
     campaign: Campaign = field(compare=False)
     verdict: Verdict
     plant: Plant
     traces: tuple[Traces, ...]
-    floors: dict[str, float]
+    noise_floors: dict[str, float]
     trials: tuple[Trial, ...] = field(compare=False)
-    deep: Result | None = field(default=None, compare=False)
+    details: Result | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
         found = ", ".join([self.verdict.verdict, *self.verdict.effects])
@@ -101,24 +105,26 @@ def diagnose(
     if not isinstance(campaign, Campaign):
         campaign = read_campaign(campaign, seed)
     settings = read_settings(campaign.diagnose, campaign.plant)
-    found = campaign_warnings(campaign)
-    with _bar(progress) as tell:
-        if possible(campaign.plant) and not decision.lacking(
+    warnings = campaign_warnings(campaign)
+    with _bar(progress) as report:
+        if declares_uncertainty(campaign.plant) and not decision.lacking(
             campaign, split_campaign(campaign)[0], ()
         ):
-            result = _deep(campaign, settings, seed, tell)
+            result = _by_fits(campaign, settings, seed, report)
         else:
-            result = _Work(campaign, seed, tell).result()
-    found += result.verdict.cautions
-    result = replace(result, verdict=replace(result.verdict, cautions=found))
+            result = _Work(campaign, seed, report).result()
+    warnings += result.verdict.cautions
+    result = replace(result, verdict=replace(result.verdict, cautions=warnings))
     if out is not None:
         result.write(out)
     return result
 
 
-def _deep(campaign: Campaign, settings: Settings, seed: int, tell: Progress) -> Diagnosis:
-    found = deep(campaign, settings, seed, tell)
-    return Diagnosis(campaign, found.verdict, found.plant, found.traces, found.floors, (), found)
+def _by_fits(campaign: Campaign, settings: Settings, seed: int, report: Progress) -> Diagnosis:
+    found = diagnose_campaign(campaign, settings, seed, report)
+    return Diagnosis(
+        campaign, found.verdict, found.plant, found.traces, found.noise_floors, (), found
+    )
 
 
 @contextmanager
@@ -128,51 +134,58 @@ def _bar(progress: bool | None) -> Iterator[Progress]:
     hidden = None if progress is None else not progress
     with tqdm(desc="diagnosing", unit=" steps", delay=2.0, disable=hidden, leave=False) as bar:
 
-        def tell(text: str) -> None:
+        def report(text: str) -> None:
             bar.set_description(f"fitting {text}", refresh=False)
             bar.update()
 
-        yield tell
+        yield report
 
 
 class _Work:
     """One diagnosis in progress."""
 
-    def __init__(self, campaign: Campaign, seed: int, tell: Progress) -> None:
-        self.campaign, self.plant, self.seed, self.tell = campaign, campaign.plant, seed, tell
-        self.pieces, self.note = split_campaign(campaign)
-        self.known = self.of("fit", "select") or self.pieces
-        self.floors, self.how = noise_floors(self.plant, self.known)
+    def __init__(self, campaign: Campaign, seed: int, progress: Progress) -> None:
+        self.campaign, self.plant, self.seed, self.progress = (
+            campaign,
+            campaign.plant,
+            seed,
+            progress,
+        )
+        self.segments, self.note = split_campaign(campaign)
+        self.known = self.of("fit", "select") or self.segments
+        self.noise_floors, self.how = noise_floors(self.plant, self.known)
 
     def of(self, *roles: str) -> list[Segment]:
-        return in_roles(self.pieces, *roles)
+        return in_roles(self.segments, *roles)
 
-    def misfit(self, pieces: Sequence[Segment]) -> Misfit:
-        return Misfit(self.plant, pieces, self.floors)
+    def residual(self, segments: Sequence[Segment]) -> WeightedResidual:
+        return WeightedResidual(self.plant, segments, self.noise_floors)
 
     def result(self) -> Diagnosis:
         fitted = self.of("fit") or self.known
         base, scales = self.base(fitted)
         trials = self.trials(fitted, base, scales)
         best, said = self.choice(trials, base)
-        known = Misfit(self.plant, self.known, scales)
-        before = fit(known, self.plant, base.values, self.tell)
+        known = WeightedResidual(self.plant, self.known, scales)
+        before = fit(known, self.plant, base.values, self.progress)
         after = before
         if best is not None and best.fitted is not None:
-            after = fit(known, best.fitted.plant, best.fitted.values, self.tell)
+            after = fit(known, best.fitted.plant, best.fitted.values, self.progress)
         return self.closed(said, best, trials, before, after)
 
     def base(self, fitted: Sequence[Segment]) -> tuple[Fitted, dict[str, float]]:
         """Refit the base, twice: first by the floor, then by what it leaves."""
-        first = self.misfit(fitted)
-        rough = fit(first, self.plant, tell=self.tell)
-        scales = inflated(self.floors, first, rough)
-        return fit(Misfit(self.plant, fitted, scales), self.plant, rough.values, self.tell), scales
+        first = self.residual(fitted)
+        rough = fit(first, self.plant, progress=self.progress)
+        scales = inflated_noise_floors(self.noise_floors, first, rough)
+        return fit(
+            WeightedResidual(self.plant, fitted, scales), self.plant, rough.values, self.progress
+        ), scales
 
     def trials(
         self, fitted: Sequence[Segment], base: Fitted, scales: Mapping[str, float]
     ) -> list[Trial]:
-        chosen, rng = self.misfit(self.of("select")), np.random.default_rng(self.seed)
+        chosen, rng = self.residual(self.of("select")), np.random.default_rng(self.seed)
         present, made = {each.name for each in self.plant.effects}, []
         for name, effect in self.candidates():
             if why := self.plant.accepts(effect):
@@ -181,14 +194,14 @@ class _Work:
                 made.append(Trial(name, effect, "already in the model"))
             else:
                 grown = self.plant.with_effects(effect)
-                misfit = Misfit(self.plant, fitted, scales)
-                trial = Trial(name, effect, fitted=fit(misfit, grown, base.values, self.tell))
+                residual = WeightedResidual(self.plant, fitted, scales)
+                trial = Trial(name, effect, fitted=fit(residual, grown, base.values, self.progress))
                 made.append(
                     judge(trial, chosen, base, rng)
-                    if chosen.pieces
+                    if chosen.segments
                     else replace(trial, why="no recording is left to choose by")
                 )
-        return ranked(with_likeness(made))
+        return ranked(with_confusable(made))
 
     def candidates(self) -> list[tuple[str, Effect]]:
         """The user's own effects, the plant's own, and those of the catalogue that are tried."""
@@ -197,18 +210,22 @@ class _Work:
             return list(named)
         return [(name, each) for name, each in named if name in TRIED or name not in effects()]
 
-    def choice(self, trials: Sequence[Trial], base: Fitted) -> tuple[Trial | None, decision.Said]:
+    def choice(
+        self, trials: Sequence[Trial], base: Fitted
+    ) -> tuple[Trial | None, decision.VerdictFields]:
         """Return the winner or None, and the verdict's first fields."""
-        misfit = self.misfit(self.known)
-        given, left = (times_floor(misfit, self.plant, values) for values in ({}, base.values))
-        lacking = decision.lacking(self.campaign, self.pieces, trials)
+        residual = self.residual(self.known)
+        given, left = (
+            times_noise_floor(residual, self.plant, values) for values in ({}, base.values)
+        )
+        lacking = decision.lacking(self.campaign, self.segments, trials)
         if lacking and not self.of("show"):
             lacking += f"; the gaps told are those on {self.shown()[1]}"
         return decision.decided(trials, given, left, lacking, self.note)
 
     def closed(
         self,
-        said: decision.Said,
+        said: decision.VerdictFields,
         best: Trial | None,
         trials: Sequence[Trial],
         before: Fitted,
@@ -216,16 +233,16 @@ class _Work:
     ) -> Diagnosis:
         """Open the show recordings and put everything together."""
         shown, gap_on = self.shown()
-        gap = gaps(self.misfit(shown), before, after)
-        said = decision.tempered(said, gap)
+        gap = gaps(self.residual(shown), before, after)
+        said = decision.confirmed(said, gap)
         named = best is not None and bool(said["effects"])
         found = after if named else before
         result = Verdict(
             **said,
             parameters=_intervals(best, after) if best is not None and named else {},
-            gap=gap if named else undone(gap),
+            gap=gap if named else without_effect(gap),
             gap_on=gap_on,
-            where=where(self.misfit(self.known), before),
+            where=where(self.residual(self.known), before),
             candidates=[_candidate(trial) for trial in trials if trial.applicable],
             tried=[_attempt(trial) for trial in trials],
             alpha=ALPHA,
@@ -234,17 +251,18 @@ class _Work:
             seed=self.seed,
             floor_from=self.how,
             cut=self.note,
-            smallest_detectable=smallest_detectable(trials) or None,
+            smallest_detectable=minimum_detectable_sizes(trials) or None,
         )  # fmt: skip
         usable = result.verdict not in ("undecided", "no_gap")
         plant = found.plant.with_values(found.values) if usable else self.plant
         drawn = tuple(
-            traces(self.plant, entry, before, found, self.floors) for entry in self.campaign.entries
+            traces(self.plant, entry, before, found, self.noise_floors)
+            for entry in self.campaign.entries
         )
-        return Diagnosis(self.campaign, result, plant, drawn, self.floors, tuple(trials))
+        return Diagnosis(self.campaign, result, plant, drawn, self.noise_floors, tuple(trials))
 
     def shown(self) -> tuple[list[Segment], str]:
-        """The pieces on which the gaps are told, and what they are."""
+        """The segments on which the gaps are told, and what they are."""
         shown = self.of("show")
         if not shown:
             return self.known, "the recordings that were fitted, for want of others"

@@ -41,13 +41,13 @@ def reproduce(
     fails; a recording that is missing is named on the page instead.
     """
     hidden, rows = _hidden(slack, taut, Path(out))
-    told = table_3.read(recognition) if recognition is not None else None
+    evaluation = table_3.read(recognition) if recognition is not None else None
     with atomic_folder(out) as folder:
         emps, more = _emps(folder / "emps", progress)
         found: dict[str, Any] = {"emps": emps, "slack": hidden}
-        if told is not None:
-            found["recognition"] = table_3.found(told)
-            rows += table_3.checks(told)
+        if evaluation is not None:
+            found["recognition"] = table_3.found(evaluation)
+            rows += table_3.checks(evaluation)
         page = write_page(folder, progress, diagnoses=found, more=[*more, *rows])
     return {**page, "out": str(out)}
 

@@ -13,7 +13,7 @@ from hannes.identification.grasp_features import measure
 from hannes.plants.protocol import Plant
 
 BIN = 0.01  # s
-STRETCHES = 2  # of the plant's block, that a recording must have for each parameter
+BLOCKS_PER_PARAMETER = 2  # of the plant's block, that a recording must have for each parameter
 FEW = 0.5  # of the usual number of samples in a bin: one with fewer does not count
 PER_BLOCK = 20  # bins, at least, in the time over which the plant's misfit hangs together
 
@@ -22,8 +22,8 @@ class View:
     """One recording as a vector, shape (n,), and the same of any simulation of it.
 
     `part` names the channel or feature of every element by its place in `names`; `block` numbers
-    the stretch of time (`stretch` [s] long) that it lies in. Raises BadInput where no sample of the
-    recording counts.
+    its block of time, `block_length` [s] long. Raises BadInput where no sample of the recording
+    counts.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class View:
         self.channels = tuple(name for name in channels if name in self.recording)
         self.since = self.recording.time - self.recording.time[0]
         self.features = self._sensible(features)
-        self.stretch = plant.block
+        self.block_length = plant.block
         mask = self._judged(plant)
         width = width or min(BIN, plant.block / PER_BLOCK)
         bins = (self.since / width + 1e-9).astype(int)
@@ -47,9 +47,9 @@ class View:
         kept, self._bin = np.unique(bins[mask], return_inverse=True)
         self._mask, self._count = mask, np.bincount(self._bin)
         self.part = self._parts(kept.size)
-        stretch = (kept * width / plant.block).astype(int)
-        feature_blocks = np.full(len(self.features), stretch[-1] + 1)
-        self.block = np.concatenate([*[stretch] * len(self.channels), feature_blocks])
+        block = (kept * width / plant.block).astype(int)
+        feature_blocks = np.full(len(self.features), block[-1] + 1)
+        self.block = np.concatenate([*[block] * len(self.channels), feature_blocks])
         self.measured = self.of(self.recording.channels)
 
     def _judged(self, plant: Plant) -> np.ndarray:
@@ -77,10 +77,10 @@ class View:
         return self._count.size
 
     @property
-    def bears(self) -> int:
+    def max_parameters(self) -> int:
         """How many unknowns this run can tell, at most."""
         traced = self.block[: self.block.size - len(self.features)]
-        return len(set(traced.tolist())) // STRETCHES + len(self.features)
+        return len(set(traced.tolist())) // BLOCKS_PER_PARAMETER + len(self.features)
 
     def part_of(self, name: str) -> np.ndarray:
         """The recorded bins of a channel, or the value of a feature; empty where it has none."""
@@ -90,23 +90,23 @@ class View:
         """The recorded samples of a channel that count; empty where it has none."""
         return self.recording[name][self._mask] if name in self.channels else np.zeros(0)
 
-    def of(self, channels: Mapping[str, np.ndarray], late: float = 0.0) -> np.ndarray:
-        """The vector of channels at the recorded times, of a run that starts `late` [s]."""
-        moved = self._moved(channels, late)
+    def of(self, channels: Mapping[str, np.ndarray], start_offset: float = 0.0) -> np.ndarray:
+        """The vector of channels at the recorded times, of a run that starts `start_offset` [s]."""
+        moved = self._moved(channels, start_offset)
         means = [
             np.bincount(self._bin, moved[name][self._mask]) / self._count for name in self.channels
         ]
         return np.concatenate([*means, measure(self.features, self.since, moved)])
 
-    def jerks(self, channels: Mapping[str, np.ndarray]) -> np.ndarray:
+    def nonlinearities(self, channels: Mapping[str, np.ndarray]) -> np.ndarray:
         """How far samples stray from a straight line in each bin or the next, RMS, shape (n,).
 
         Large where a finger touches: there a mean says little. Zero for features.
         """
-        found = [self._strays(channels[name][self._mask]) for name in self.channels]
+        found = [self._nonlinearity(channels[name][self._mask]) for name in self.channels]
         return np.concatenate([*found, np.zeros(len(self.features))])
 
-    def _strays(self, values: np.ndarray) -> np.ndarray:
+    def _nonlinearity(self, values: np.ndarray) -> np.ndarray:
         def mean(x: np.ndarray) -> np.ndarray:
             return np.bincount(self._bin, x) / self._count
 
@@ -117,12 +117,14 @@ class View:
         edged = np.concatenate((own[:1], own, own[-1:]))
         return np.maximum(own, np.maximum(edged[:-2], edged[2:]))
 
-    def _moved(self, channels: Mapping[str, np.ndarray], late: float) -> Mapping[str, np.ndarray]:
-        if late == 0.0:
+    def _moved(
+        self, channels: Mapping[str, np.ndarray], start_offset: float
+    ) -> Mapping[str, np.ndarray]:
+        if start_offset == 0.0:
             return channels
         wanted = channels if self.features else self.channels
         return {
-            name: np.interp(self.since - late, self.since, channels[name])
+            name: np.interp(self.since - start_offset, self.since, channels[name])
             for name in wanted
             if name != "time"
         }

@@ -14,7 +14,7 @@ def _measured() -> Mapping[str, Mapping[str, Mapping[str, float]]]:
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
-def alike(effect: str) -> dict[str, dict[str, float]]:
+def confusable(effect: str) -> dict[str, dict[str, float]]:
     """What was recorded -> effects hard to tell from this one there, and the cosine of their marks.
 
     The marks are those on a hand all of whose parameters may be off: 1 is the same. Empty for
@@ -25,10 +25,10 @@ def alike(effect: str) -> dict[str, dict[str, float]]:
     }
 
 
-def told(effect: str) -> str:
+def text(effect: str) -> str:
     """The same as lines of text, empty for an effect that was not measured."""
     lines = []
-    for recorded, others in alike(effect).items():
+    for recorded, others in confusable(effect).items():
         easily = [f"{name} {cosine:.2f}" for name, cosine in others.items() if cosine >= EASILY]
         lines.append(f"  {recorded}: {', '.join(easily) or 'none'}")
     return "\n".join(["easily confused with (cosine of marks, measured):", *lines]) if lines else ""

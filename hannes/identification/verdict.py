@@ -96,12 +96,12 @@ def faint(gap: dict[str, dict[str, Any]]) -> bool:
     return sum(above) < FAINT * len(above)
 
 
-def spoken(name: str) -> str:
+def effect_words(name: str) -> str:
     """An effect's name in words: `leader_slack` -> `leader slack`."""
     return name.rpartition(":")[2].replace("_", " ")
 
 
-def sized(parameter: dict[str, Any]) -> str:
+def size_text(parameter: dict[str, Any]) -> str:
     """`3.1 mm (2.9 to 3.3)`."""
     unit, factor = _SMALLER.get(parameter["unit"], (parameter["unit"], 1.0))
     value, low, high = (factor * parameter[key] for key in ("value", "low", "high"))
@@ -109,7 +109,7 @@ def sized(parameter: dict[str, Any]) -> str:
     return f"{shown} ({low:.3g} to {high:.3g})"
 
 
-def untold(parameters: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def indistinguishable(parameters: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Names of fitted parameters whose interval contains the value at which they do nothing."""
     return [
         name
@@ -120,9 +120,9 @@ def untold(parameters: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 def _named(result: Verdict, rest: str = "") -> str:
     """The effects with what carries their gain first; then what may as well be none."""
-    vague = untold(result.parameters)
+    vague = indistinguishable(result.parameters)
     clear = [name for name in result.parameters if name not in vague] or vague
-    named = " and ".join(_sized_effect(name, clear, result) for name in result.effects)
+    named = " and ".join(_effect_text(name, clear, result) for name in result.effects)
     verb = "explains" if len(result.effects) == 1 else "explain"
     share = f"{100.0 * explained(result.gap):.0f} % of the reducible gap"
     if faint(result.gap):
@@ -130,19 +130,19 @@ def _named(result: Verdict, rest: str = "") -> str:
     line = f"{named[:1].upper()}{named[1:]}, {verb} {share}{rest}."
     if not vague:
         return line
-    unclear = ", ".join(_told(name, result) for name in vague)
+    unclear = ", ".join(_parameter_text(name, result) for name in vague)
     return f"{line} Not distinguishable from no effect: {unclear}."
 
 
-def _sized_effect(effect: str, clear: Sequence[str], result: Verdict) -> str:
+def _effect_text(effect: str, clear: Sequence[str], result: Verdict) -> str:
     """`leader slack, length 3.1 mm (2.9 to 3.3)`; a single effect owns all parameters."""
     alone = len(result.effects) == 1
     own = [name for name in clear if alone or name.partition(".")[0] == effect.rpartition(":")[2]]
-    return ", ".join([spoken(effect), *(_told(name, result) for name in own)])
+    return ", ".join([effect_words(effect), *(_parameter_text(name, result) for name in own)])
 
 
-def _told(name: str, result: Verdict) -> str:
-    return f"{name.rpartition('.')[2].replace('_', ' ')} {sized(result.parameters[name])}"
+def _parameter_text(name: str, result: Verdict) -> str:
+    return f"{name.rpartition('.')[2].replace('_', ' ')} {size_text(result.parameters[name])}"
 
 
 def _with_remainder(result: Verdict) -> str:
@@ -152,7 +152,7 @@ def _with_remainder(result: Verdict) -> str:
 
 
 def _one_of(result: Verdict) -> str:
-    names = " or ".join(spoken(name) for name in result.effects)
+    names = " or ".join(effect_words(name) for name in result.effects)
     return f"One effect is missing, {names}: these recordings cannot tell which."
 
 

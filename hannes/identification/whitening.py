@@ -29,18 +29,18 @@ class Whitening:
         scaled = rows / self.noise
         return scaled - ((scaled @ self.basis.T) * self.shrink) @ self.basis
 
-    def blamed(self, miss: np.ndarray) -> np.ndarray:
+    def attributed(self, residual: np.ndarray) -> np.ndarray:
         """What the run itself most likely did along each direction, in standard deviations (k,).
 
-        `miss` is measured minus simulated, shape (n,).
+        `residual` is measured minus simulated, shape (n,).
         """
-        return self.directions @ self._inverse(miss)
+        return self.directions @ self._inverse(residual)
 
-    def rest(self, miss: np.ndarray) -> np.ndarray:
-        """What is left of `miss` once that is taken away, shape (n,)."""
-        return self.noise**2 * self._inverse(miss)
+    def rest(self, residual: np.ndarray) -> np.ndarray:
+        """What is left of `residual` once that is taken away, shape (n,)."""
+        return self.noise**2 * self._inverse(residual)
 
-    def _inverse(self, miss: np.ndarray) -> np.ndarray:
-        white = miss / self.noise
+    def _inverse(self, residual: np.ndarray) -> np.ndarray:
+        white = residual / self.noise
         kept = (1.0 - self.shrink) ** 2 - 1.0
         return (white + ((white @ self.basis.T) * kept) @ self.basis) / self.noise

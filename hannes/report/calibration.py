@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from hannes.identification.calibration.result import Fit
 
 
-MOST_DOUBTED = 8
+MOST_UNCERTAIN = 8
 
 
 def page(result: "Fit") -> str:
@@ -24,14 +24,14 @@ def page(result: "Fit") -> str:
         {
             "title": result.campaign.title,
             "sentence": result.sentence,
-            "remains": result.remains.sentence,
+            "remaining": result.repeatable_residual.sentence,
             "values": _values(result),
             "gaps": _gaps(result),
             "starts": _starts(result),
             "runs": _runs(result),
             "recordings": _recordings(result),
-            "findings": _findings(result),
-            "doubted": _doubted(result),
+            "data_issues": _data_issues(result),
+            "uncertain": _uncertain(result),
             "figures": figures(result),
             "seed": result.seed,
             "versions": versions(),
@@ -40,13 +40,13 @@ def page(result: "Fit") -> str:
 
 
 def _values(result: "Fit") -> Table:
-    from hannes.identification.calibration.result import told
+    from hannes.identification.calibration.result import value_text
 
     rows = [
         (
             each.name,
-            number(each.given, 4),
-            told(each),
+            number(each.nominal, 4),
+            value_text(each),
             each.label + (f" with {', '.join(each.partners)}" if each.partners else ""),
             each.reason or "–",
             f"{number(each.textbook[0], 4)} to {number(each.textbook[1], 4)}",
@@ -59,8 +59,8 @@ def _values(result: "Fit") -> Table:
         "Degrees of freedom",
     )  # fmt: skip
     note = (
-        f"Intervals come from the scatter of {len(result.spread.pulls)} {result.spread.unit}, so "
-        "what changes from run to run is in them. The textbook interval takes every sample as "
+        f"Intervals come from the scatter of {len(result.spread.influences)} {result.spread.unit}, "
+        "so what changes from run to run is in them. The textbook interval takes every sample as "
         "independent; it is printed for contrast."
         + (
             " With one recording, what changes from run to run is in no interval."
@@ -97,7 +97,7 @@ def _gap(result: "Fit", name: str, role: str, gap: dict[str, float]) -> tuple[st
         f"{number(gap[key])} ({number(100.0 * gap[key] / whole)} %)"
         for key in ("as_given", "after")
     ]
-    common = result.remains.common.get(name, np.nan) if role == "fitted" else np.nan
+    common = result.repeatable_residual.common.get(name, np.nan) if role == "fitted" else np.nan
     return (f"{name} [{unit}]", role, *sizes, number(gap["floor"], 2), number(common, 2))
 
 
@@ -120,9 +120,9 @@ def _runs(result: "Fit") -> Table:
     for each in result.plain()["runs"]:
         sizes = each["differs"]
         most = sorted(sizes, key=lambda name: -abs(sizes[name] / plan.nuisance[name]))[:2]
-        told = [f"{name} {_off(result, name, sizes[name])}" for name in most]
-        late = f"{1e3 * each['starts_late_s']:+.2f} ms"
-        rows.append((each["file"], each["condition"], late, ", ".join(told) or "–"))
+        differences = [f"{name} {_off(result, name, sizes[name])}" for name in most]
+        start = f"{1e3 * each['starts_late_s']:+.2f} ms"
+        rows.append((each["file"], each["condition"], start, ", ".join(differences) or "–"))
     columns = ("Recording", "Condition", "Starts late by", "Differs most in")
     note = "What each run most likely did by itself, given how much runs are taken to differ."
     return Table("runs", "Run by run", columns, tuple(rows), note)
@@ -137,10 +137,10 @@ def _off(result: "Fit", name: str, size: float) -> str:
     return f"{size:+.2g}" if unit == "1" else f"{size:+.2g} {unit}"
 
 
-def _doubted(result: "Fit") -> Table:
+def _uncertain(result: "Fit") -> Table:
     """What was not asked for but held uncertain, as far as it moved."""
     found = result.plain()["doubted"]
-    moved = sorted(found.items(), key=lambda item: -abs(item[1]["deviations"]))[:MOST_DOUBTED]
+    moved = sorted(found.items(), key=lambda item: -abs(item[1]["deviations"]))[:MOST_UNCERTAIN]
     rows = tuple(
         (name, number(each["given"], 4), number(each["value"], 4), each["unit"],
          number(each["deviations"], 2))
@@ -154,8 +154,8 @@ def _doubted(result: "Fit") -> Table:
     return Table("doubted", "What else moved", columns, rows, note)
 
 
-def _findings(result: "Fit") -> Table:
-    rows = tuple((name, str(each)) for name, each in result.findings)
+def _data_issues(result: "Fit") -> Table:
+    rows = tuple((name, str(each)) for name, each in result.data_issues)
     note = "The campaign accepts these kinds: each misleads the fit as far as it goes."
     return Table("findings", "What the data check found", ("Recording", "Finding"), rows, note)
 

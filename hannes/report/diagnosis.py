@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from hannes.identification.verdict import spoken, untold
+from hannes.identification.verdict import effect_words, indistinguishable
 from hannes.report.figure_diagnosis import figures
 from hannes.report.formats import decimals, number
 from hannes.report.page import render
@@ -27,7 +27,7 @@ def page(diagnosis: "Diagnosis") -> str:
             "gaps": _gaps(diagnosis),
             "sizes": _sizes(diagnosis),
             "tried": _tried(diagnosis),
-            "alike": _alike(diagnosis),
+            "confusability": _confusability(diagnosis),
             "recordings": _recordings(diagnosis),
         },
     )
@@ -37,8 +37,8 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
     rows = []
     for name, gap in diagnosis.verdict.gap.items():
         sizes = [f"{number(gap[key])} ({number(gap[f'{key}_percent'])} %)" for key in STAGES]
-        told = name if gap["unit"] == "1" else f"{name} [{gap['unit']}]"
-        rows.append((told, *sizes, number(gap["floor"], 2)))
+        label = name if gap["unit"] == "1" else f"{name} [{gap['unit']}]"
+        rows.append((label, *sizes, number(gap["floor"], 2)))
     columns = ("RMS gap", "As given", "Before: base refitted", "After", "Floor")
     note = (
         f"On {diagnosis.verdict.gap_on}. In brackets: relative to the recorded signal, "
@@ -49,7 +49,7 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
 
 def _sizes(diagnosis: "Diagnosis") -> Table:
     parameters = diagnosis.verdict.parameters
-    vague = untold(parameters)
+    vague = indistinguishable(parameters)
     rows = [
         (
             name,
@@ -70,7 +70,7 @@ def _tried(diagnosis: "Diagnosis") -> Table:
     rows = []
     unfit = [each["effect"] for each in diagnosis.verdict.tried if not each["applicable"]]
     evidence, level = "Size / its deviation", "Each at a false-alarm level of"
-    if diagnosis.deep is not None:
+    if diagnosis.details is not None:
         evidence = "√ of the fall in misfit"
         level = "A name on a machine that lacks nothing is to come with a chance of"
     for attempt in diagnosis.verdict.tried:
@@ -79,9 +79,9 @@ def _tried(diagnosis: "Diagnosis") -> Table:
         row = gains.get(attempt["effect"])
         share = f"{decimals(round(100.0 * row['gain_select']), 0)} %" if row else "–"
         sigma = number(row["evidence"], 2) if row else "–"
-        alike = ", ".join(row["confusable_with"]) if row else ""
+        confusable = ", ".join(row["confusable_with"]) if row else ""
         least = _least(diagnosis, attempt["effect"])
-        rows.append((attempt["effect"], share, sigma, least, alike or "–", attempt["why"]))
+        rows.append((attempt["effect"], share, sigma, least, confusable or "–", attempt["why"]))
     columns = ("Effect", "Explains", evidence, "Smallest size seen", "Looks like", "Outcome")
     note = (
         f"{level} {diagnosis.verdict.alpha:g}. Smallest size seen: with "
@@ -103,12 +103,12 @@ def _least(diagnosis: "Diagnosis", effect: str) -> str:
     return ", ".join(shown) or "–"
 
 
-def _alike(diagnosis: "Diagnosis") -> Table:
-    told = diagnosis.verdict.confusability or {"effects": [], "cosines": []}
-    names = [spoken(name) for name in told["effects"]]
+def _confusability(diagnosis: "Diagnosis") -> Table:
+    measured = diagnosis.verdict.confusability or {"effects": [], "cosines": []}
+    names = [effect_words(name) for name in measured["effects"]]
     rows = tuple(
         (name, *(decimals(cosine, 2) for cosine in cosines))
-        for name, cosines in zip(names, told["cosines"], strict=True)
+        for name, cosines in zip(names, measured["cosines"], strict=True)
     )
     note = (
         "Cosine between the marks that two effects leave in these recordings, beyond what the "

@@ -70,7 +70,7 @@ def _traces(result: "Fit") -> list[Drawn]:
     recording, plant = entry.recording, result.campaign.plant
     before, after = plant.simulate({}, recording), result.plant.simulate({}, recording)
     mask = plant.judged_part(recording)
-    told = f"Recording {entry.name} ({entry.condition}), role {entry.role}."
+    about = f"Recording {entry.name} ({entry.condition}), role {entry.role}."
 
     def one(name: str) -> Drawn:
         unit, gap = plant.channels[name], (result.gap or result.fitted_gap).get(name)
@@ -89,15 +89,15 @@ def _traces(result: "Fit") -> list[Drawn]:
                 above.plot(*thinned(recording.time, values), label=text, **{**look, "zorder": 2})
             above.set_ylabel(label)
             style.legend(above, ncols=3)
-            miss = np.where(mask, after[name] - recording[name], np.nan)
-            below.plot(*thinned(recording.time, miss), **{**style.FIRST, "linewidth": 1.1})
+            difference = np.where(mask, after[name] - recording[name], np.nan)
+            below.plot(*thinned(recording.time, difference), **{**style.FIRST, "linewidth": 1.1})
             if gap and np.isfinite(gap["floor"]):
                 below.axhspan(-gap["floor"], gap["floor"], color=style.GREY, alpha=0.25)
             below.set_ylabel("left" if unit == "1" else f"left [{unit}]")
             below.set_xlabel("time [s]")
             return figure
 
-        caption = f"{told} Below: simulated minus measured; grey: {result.floor_from}."
+        caption = f"{about} Below: simulated minus measured; grey: {result.floor_from}."
         return drawn(f"calibration-{name}", f"{name.capitalize()}", caption, alt, draw)
 
     return [one(name) for name in result.found.plan.channels if name in recording]

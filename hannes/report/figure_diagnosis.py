@@ -23,7 +23,7 @@ POINTS = 900  # of a drawn line; between them its extremes are kept
 
 def figures(diagnosis: "Diagnosis") -> list[Drawn]:
     """One figure for each judged channel of the first show recording, then map and ranking."""
-    traces = shown(diagnosis)
+    traces = drawn_recording(diagnosis)
     made = [_channel(diagnosis, traces, name) for name in traces.measured]
     if diagnosis.verdict.where:
         made.append(_where(diagnosis))
@@ -32,7 +32,7 @@ def figures(diagnosis: "Diagnosis") -> list[Drawn]:
     return made
 
 
-def shown(diagnosis: "Diagnosis") -> "Traces":
+def drawn_recording(diagnosis: "Diagnosis") -> "Traces":
     """The recording that is drawn: the first in role show, else the first of all."""
     roles = {"show": 0, "select": 1, "fit": 2}
     return min(diagnosis.traces, key=lambda each: roles[each.entry.role])
@@ -47,7 +47,7 @@ def _channel(diagnosis: "Diagnosis", traces: "Traces", name: str) -> Drawn:
         alt += " RMS gap as given {}, base refitted {}, result {}, floor {} {}.".format(
             *sizes, unit
         )
-    floor = diagnosis.floors[name]
+    floor = diagnosis.noise_floors[name]
 
     def draw() -> "Figure":
         figure, (above, below) = style.panels(2)
@@ -84,8 +84,8 @@ def _left(axes: "Axes", traces: "Traces", name: str, floor: float, label: str) -
         ("before", traces.before, style.SECOND),
         ("after", traces.after, style.FIRST),
     ):
-        miss = np.where(traces.mask, channels[name] - traces.measured[name], np.nan)
-        axes.plot(*thinned(traces.time, miss), label=text, **{**look, "linewidth": 1.1})
+        difference = np.where(traces.mask, channels[name] - traces.measured[name], np.nan)
+        axes.plot(*thinned(traces.time, difference), label=text, **{**look, "linewidth": 1.1})
     axes.set_ylabel(label)
     style.legend(axes, ncols=3)
 

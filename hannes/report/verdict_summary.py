@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hannes.core.errors import HannesError
-from hannes.identification.verdict import Verdict, untold
+from hannes.identification.verdict import Verdict, indistinguishable
 from hannes.report.paper.tables import Table, gap_table
 
 
@@ -30,7 +30,7 @@ class Finding:
     def sizes(self) -> list[str]:
         """Each fitted value with its interval and unit."""
         found = (self.verdict or {}).get("parameters", {})
-        vague = untold(found)
+        vague = indistinguishable(found)
         return [
             f"{name} = {each['value']:.4g} {each['unit']} ({each['low']:.4g} to {each['high']:.4g})"
             + (

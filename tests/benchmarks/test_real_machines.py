@@ -25,8 +25,8 @@ def test_missing_recordings_leave_no_rows(monkeypatch, capsys):
 
     monkeypatch.setattr(third_party, "folder", missing)
     assert real_machines.measure(True) == ([], [])
-    told = capsys.readouterr().err
-    assert "emps left out" in told and "rh56 left out" in told
+    printed = capsys.readouterr().err
+    assert "emps left out" in printed and "rh56 left out" in printed
 
 
 @pytest.mark.slow

@@ -8,9 +8,9 @@ from axis_campaign import campaign
 
 from hannes.commands.cli import main
 from hannes.commands.diagnose import diagnose
-from hannes.identification.holdout.effect_test import POWER_80, Trial, smallest_detectable
+from hannes.identification.holdout.effect_test import POWER_80, Trial, minimum_detectable_sizes
 from hannes.identification.holdout.least_squares import Fitted
-from hannes.identification.verdict import Verdict, untold
+from hannes.identification.verdict import Verdict, indistinguishable
 from hannes.plants.axis.plant import Axis
 from hannes.plants.plant_file import load_model
 from hannes.simulation.catalogue import effect
@@ -36,7 +36,7 @@ def test_the_hidden_effect_is_named_with_its_size(found):
 def test_only_what_is_told_from_none_carries_the_gain(found):
     """Dry friction is as hard both ways here, and the sentence says so."""
     result, out = found
-    assert untold(result.verdict.parameters) == ["direction_friction.dry"]
+    assert indistinguishable(result.verdict.parameters) == ["direction_friction.dry"]
     first, _, second = result.verdict.sentence.partition(". ")
     assert "viscous" in first and "dry" not in first
     assert second.startswith("Not distinguishable from no effect: dry")
@@ -60,12 +60,12 @@ def test_the_hand_file_beside_the_verdict_is_of_its_plant(found):
 def test_gaps_on_recordings_that_were_fitted_are_told_as_such(tmp_path, capsys):
     file = campaign(tmp_path, ["fit"])
     assert main(["diagnose", str(file), "--out", str(tmp_path / "out"), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert (told["verdict"], told["recordings"]["show"]) == ("undecided", [])
-    assert "role show" not in told["gap_on"] and "were fitted" in told["gap_on"]
-    assert told["gap_on"] in told["reason"]
+    written = json.loads(capsys.readouterr().out)
+    assert (written["verdict"], written["recordings"]["show"]) == ("undecided", [])
+    assert "role show" not in written["gap_on"] and "were fitted" in written["gap_on"]
+    assert written["gap_on"] in written["reason"]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert told["gap_on"] in page and "never fitted" not in page
+    assert written["gap_on"] in page and "never fitted" not in page
 
 
 def test_show_recordings_alone_are_fitted_and_it_is_said(tmp_path):
@@ -97,9 +97,9 @@ def trial(name, deviation):
     ],
 )
 def test_no_size_beyond_the_physical_bounds_counts_as_detectable(name, amplitude, largest):
-    inside = smallest_detectable([trial(name, 0.99 * largest / POWER_80)])[name][amplitude]
+    inside = minimum_detectable_sizes([trial(name, 0.99 * largest / POWER_80)])[name][amplitude]
     assert inside["value"] == pytest.approx(0.99 * largest) and "reason" not in inside
-    beyond = smallest_detectable([trial(name, 1.01 * largest / POWER_80)])[name][amplitude]
+    beyond = minimum_detectable_sizes([trial(name, 1.01 * largest / POWER_80)])[name][amplitude]
     assert beyond["value"] is None and f"{largest:g}" in beyond["reason"]
 
 

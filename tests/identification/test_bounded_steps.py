@@ -8,36 +8,36 @@ from scipy.optimize import lsq_linear
 from sled import STIFFER, TURBULENCE, Sled, recordings
 
 from hannes.identification.diagnosis import effect_search
-from hannes.identification.diagnosis.effect_search import investigate
+from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import newton_step
-from hannes.identification.diagnosis.global_starts import bent_to
+from hannes.identification.diagnosis.global_starts import absorbed_by_baseline
 from hannes.identification.diagnosis.score_test import screened
 from hannes.identification.diagnosis.settings import Settings
 
 
-def point(columns, miss, x, low, high):
+def point(columns, residual, x, low, high):
     """A made-up quadratic misfit, all of which recordings tell."""
     space = SimpleNamespace(low=np.array(low), high=np.array(high))
     return SimpleNamespace(
-        ground=SimpleNamespace(model=SimpleNamespace(space=space)),
+        space=space,
         x=np.array(x),
         active=np.arange(len(x)),
         prior=np.zeros(len(x)),
-        curvature=columns @ columns.T,
-        pull=columns @ miss,
+        hessian=columns @ columns.T,
+        gradient=columns @ residual,
     )
 
 
 def rise(at, step):
     """What a step adds to the misfit."""
-    return float(step @ at.curvature @ step - 2.0 * step @ at.pull)
+    return float(step @ at.hessian @ step - 2.0 * step @ at.gradient)
 
 
 def test_two_sizes_that_do_nearly_the_same_go_downhill_where_one_would_go_below_its_bound():
     time = np.linspace(0.0, 1.0, 50)
     columns = np.array([np.sin(3.0 * time), np.sin(3.0 * time) + 0.05 * time])
     at = point(columns, 2.0 * columns[0] - 1.0 * columns[1], [0.1, 1e-9], [0.0, 0.0], [9.0, 9.0])
-    free = np.linalg.solve(at.curvature, at.pull)
+    free = np.linalg.solve(at.hessian, at.gradient)
     assert rise(at, np.clip(at.x + free, 0.0, 9.0) - at.x) > 0.0  # cut off afterwards
     step = newton_step(at)
     assert rise(at, step) < 0.0
@@ -47,12 +47,12 @@ def test_two_sizes_that_do_nearly_the_same_go_downhill_where_one_would_go_below_
 @pytest.mark.parametrize("seed", range(20))
 def test_a_step_is_the_least_squares_within_bounds(seed):
     rng = np.random.default_rng(seed)
-    columns, miss = rng.standard_normal((4, 30)), 3.0 * rng.standard_normal(30)
+    columns, residual = rng.standard_normal((4, 30)), 3.0 * rng.standard_normal(30)
     x = rng.uniform(0.0, 0.2, 4)
-    at = point(columns, miss, x, np.zeros(4), np.full(4, 0.3))
+    at = point(columns, residual, x, np.zeros(4), np.full(4, 0.3))
     step = newton_step(at)
     assert (x + step >= -1e-12).all() and (x + step <= 0.3 + 1e-12).all()
-    best = lsq_linear(columns.T, miss, (-x, 0.3 - x)).x
+    best = lsq_linear(columns.T, residual, (-x, 0.3 - x)).x
     assert rise(at, step) == pytest.approx(rise(at, best), rel=1e-4)
 
 
@@ -63,26 +63,30 @@ def test_what_is_at_a_bound_and_pushed_out_stays():
 
 
 @pytest.fixture(scope="module")
-def base():
+def baseline():
     """Of a sled with hidden turbulence; what stiffens the spring is a value that it has."""
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
     effects = [TURBULENCE, STIFFER]
-    return investigate(Sled(), entries, effects, Settings(0.02, 0.005), 0).base
+    return search_effects(Sled(), entries, effects, Settings(0.02, 0.005), 0).baseline
 
 
-def test_a_base_bends_to_what_its_values_can_do(base):
-    guesses = {each.effect: each for each in screened(base, ["turbulence", "stiffer"])}
-    assert bent_to(base, guesses["stiffer"])
-    assert not bent_to(base, guesses["turbulence"])
+def test_a_base_bends_to_what_its_values_can_do(baseline):
+    guesses = {each.effect: each for each in screened(baseline, ["turbulence", "stiffer"])}
+    assert absorbed_by_baseline(baseline, guesses["stiffer"])
+    assert not absorbed_by_baseline(baseline, guesses["turbulence"])
 
 
 def test_what_a_base_bends_to_is_put_into_the_machine_as_given(monkeypatch):
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
     asked = []
-    monkeypatch.setattr(effect_search, "from_afar", lambda *_: {})
-    monkeypatch.setattr(effect_search, "bent_to", lambda base, guess: guess.gain > 0.0)
+    monkeypatch.setattr(effect_search, "global_fits", lambda *_: {})
     monkeypatch.setattr(
-        effect_search, "put_in", lambda given, base, names, told: asked.append(names) or {}
+        effect_search, "absorbed_by_baseline", lambda baseline, guess: guess.delta_chi2 > 0.0
     )
-    investigate(Sled(), entries, [TURBULENCE], Settings(0.02, 0.005), 0)
+    monkeypatch.setattr(
+        effect_search,
+        "fits_from_nominal",
+        lambda nominal, baseline, names, told: asked.append(names) or {},
+    )
+    search_effects(Sled(), entries, [TURBULENCE], Settings(0.02, 0.005), 0)
     assert asked[0] == ["turbulence"]

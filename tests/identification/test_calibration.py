@@ -13,7 +13,7 @@ from hannes.commands.calibrate import calibrate
 from hannes.core.errors import BadInput, ComputationFailed
 from hannes.core.recording.recording import Recording
 from hannes.identification.calibration import least_squares, search
-from hannes.identification.calibration.result import told
+from hannes.identification.calibration.result import value_text
 from hannes.identification.grasp_features import measure
 
 TRUE = {"oven.gain": 2.5, "oven.time": 0.62, "oven.offset": 0.3}
@@ -31,7 +31,7 @@ def test_values_come_back_and_all_starts_agree():
         assert answer.low < TRUE[name] < answer.high
         assert answer.identified
     assert found.agreeing == [True] * 4
-    assert found.remains.repeats is False
+    assert found.repeatable_residual.repeats is False
     assert found.plant.parameters["oven.gain"] == by_name(found)["oven.gain"].value
 
 
@@ -108,8 +108,8 @@ def test_a_model_that_lacks_an_effect_fits_better_goes_wrong_and_is_told():
     assert found.fitted_gap["heat"]["after"] < 0.5 * found.fitted_gap["heat"]["as_given"]
     gain = by_name(found)["oven.gain"]
     assert not gain.low <= TRUE["oven.gain"] <= gain.high
-    assert found.remains.repeats is True
-    assert "hannes diagnose" in found.remains.sentence
+    assert found.repeatable_residual.repeats is True
+    assert "hannes diagnose" in found.repeatable_residual.sentence
 
 
 def test_runs_never_fitted_are_predicted_down_to_the_floor():
@@ -139,13 +139,13 @@ def test_what_differs_by_itself_about_zero_is_told_in_its_unit(tmp_path):
 def test_thousandths_are_told_of_plain_units_alone(unit, shown):
     found = calibrate(oven.campaign(1, TRUE, parameters=["oven.gain"]), progress=False)
     answer = replace(found.answers[0], unit=unit, value=5e-4, low=4e-4, high=6e-4)
-    assert told(answer) == shown
+    assert value_text(answer) == shown
 
 
-def test_one_run_alone_is_cut_into_stretches_and_says_so():
+def test_one_run_alone_is_cut_into_segments_and_says_so():
     found = calibrate(oven.campaign(9, TRUE, runs=1, parameters=["oven.gain"]), progress=False)
-    assert found.spread.unit == "stretches of one run"
-    assert found.remains.repeats is None
+    assert found.spread.unit == "segments of one run"
+    assert found.repeatable_residual.repeats is None
     assert by_name(found)["oven.gain"].value == pytest.approx(2.5, rel=0.1)
 
 
@@ -314,9 +314,9 @@ def test_results_are_written_whole(tmp_path):
     out = tmp_path / "out"
     made = oven.campaign(17, TRUE, parameters=THREE, shown=2)
     found = calibrate(made, out=out, progress=False)
-    told = json.loads((out / "calibration.json").read_text(encoding="utf-8"))
-    assert told["parameters"]["oven.gain"]["value"] == by_name(found)["oven.gain"].value
-    assert told["status"] == "converged"
+    written = json.loads((out / "calibration.json").read_text(encoding="utf-8"))
+    assert written["parameters"]["oven.gain"]["value"] == by_name(found)["oven.gain"].value
+    assert written["status"] == "converged"
     page = (out / "report.html").read_text(encoding="utf-8")
     assert "oven.gain" in page and "<script" not in page and 'src="http' not in page
     assert "oven.gain" in (out / "hand.toml").read_text(encoding="utf-8")

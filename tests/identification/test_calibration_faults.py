@@ -95,9 +95,9 @@ def campaign(folder, runs, asked=ASKED, plant="hand"):
 def refused(capsys, words, status=2):
     """The line that is said."""
     assert main(words) == status
-    told = capsys.readouterr()
-    assert told.out == ""
-    (line,) = [each for each in told.err.splitlines() if "compiling" not in each]
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    (line,) = [each for each in printed.err.splitlines() if "compiling" not in each]
     return line
 
 
@@ -155,8 +155,8 @@ def test_what_can_be_accepted_is_fitted_and_told(tmp_path, capsys):
     words = campaign(tmp_path, runs, 'parameters = ["oven.gain"]\naccept = ["gap"]', "oven:Oven")
     assert main(words) == 0
     assert "30 samples lost" in capsys.readouterr().out
-    (told,) = json.loads((tmp_path / "out" / "calibration.json").read_text("utf-8"))["findings"]
-    assert told["file"] == "run3.csv" and told["kind"] == "gap"
+    (issue,) = json.loads((tmp_path / "out" / "calibration.json").read_text("utf-8"))["findings"]
+    assert issue["file"] == "run3.csv" and issue["kind"] == "gap"
     assert "30 samples lost" in (tmp_path / "out" / "report.html").read_text("utf-8")
 
 

@@ -46,18 +46,18 @@ def shipped_runs(name):
 def test_contact_from_the_motor_current_finds_the_dynamometer(tmp_path, capsys):
     out = tmp_path / "contact"
     assert main(["calibrate", "dynamometer-contact", "--out", str(out), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told == json.loads((out / "calibration.json").read_text(encoding="utf-8"))
+    written = json.loads(capsys.readouterr().out)
+    assert written == json.loads((out / "calibration.json").read_text(encoding="utf-8"))
     stiffness, damping, friction = (
-        told["parameters"][f"object.{name}"] for name in ("stiffness", "damping", "friction")
+        written["parameters"][f"object.{name}"] for name in ("stiffness", "damping", "friction")
     )
     assert stiffness["value"] == pytest.approx(30000.0, rel=0.05)
     assert stiffness["low"] < 30000.0 < stiffness["high"]
     assert friction["value"] == pytest.approx(0.45, rel=0.05)
     assert damping["label"] == "not identified"
-    assert told["remains"]["repeats"] is False
-    assert all(start["agrees"] for start in told["starts"])
-    gap = told["gap"]["current"]
+    assert written["remains"]["repeats"] is False
+    assert all(start["agrees"] for start in written["starts"])
+    gap = written["gap"]["current"]
     assert gap["after"] < 1.3 * gap["floor"] < gap["as_given"]
     hand = load_hand(out / "hand.toml")
     assert hand.parameters["object.stiffness"] == stiffness["value"]
@@ -91,7 +91,7 @@ def test_contact_from_the_papers_figures_alone_after_a_scan(tmp_path):
     found = calibrate(campaign, progress=False)
     assert found.found.plan.scan == 64 and found.fitted_gap == {}
     for each, true in zip(found.answers, (30000.0, 0.45), strict=True):
-        assert each.value == pytest.approx(true, rel=0.05) != each.given
+        assert each.value == pytest.approx(true, rel=0.05) != each.nominal
         assert each.low < true < each.high
 
 
@@ -114,7 +114,7 @@ def test_the_real_axis_refitted_predicts_the_other_file():
         for gap in (found.fitted_gap, found.gap)
     )
     assert fitted <= 4.5 and other <= 5.4
-    assert found.spread.unit == "stretches of one run"
+    assert found.spread.unit == "segments of one run"
 
 
 @pytest.mark.slow
@@ -132,21 +132,21 @@ def test_control_c_keeps_the_best_so_far(tmp_path, monkeypatch, capsys):
 
 
 def interrupting(monkeypatch, text):
-    """Press Ctrl-C once, at the fifth misfit that progress tells of in the part named `text`."""
-    misfits = []
+    """Press Ctrl-C once, at the fifth value that the progress shows in the part named `text`."""
+    values = []
 
     @contextmanager
     def bar(progress):
-        def told(part, misfit):
+        def report(part, rms):
             if part == text:
-                misfits.append(misfit)
-                if len(misfits) == 5:
+                values.append(rms)
+                if len(values) == 5:
                     signal.raise_signal(signal.SIGINT)
 
-        yield told
+        yield report
 
     monkeypatch.setattr(sys.modules["hannes.commands.calibrate"], "_bar", bar)
-    return misfits
+    return values
 
 
 def test_a_campaign_of_another_plant_is_refused(tmp_path):
@@ -169,7 +169,7 @@ STEPS = {
 
 
 @pytest.mark.slow
-def test_slopes_by_the_steps_of_a_fit_are_free_of_the_solvers_grain(monkeypatch):
+def test_slopes_by_the_steps_of_a_fit_are_free_of_solver_errors(monkeypatch):
     """Against the same differences of runs that are converged, each bin weighed as in a fit."""
     run = next(iter(virtual_recordings(shipped_runs("dynamometer-runs")).values()))
     plant = hand_plant.HandPlant()
@@ -178,7 +178,9 @@ def test_slopes_by_the_steps_of_a_fit_are_free_of_the_solvers_grain(monkeypatch)
     used = model.bundle({}, steps)
     monkeypatch.setattr(hand_plant, "TOLERANCE", 1e-9)
     exact = model.bundle({}, steps)
-    noise = np.hypot(0.01 * np.array([3.0, 200.0])[view.part], JERK * view.jerks(exact.base[0]))
+    noise = np.hypot(
+        0.01 * np.array([3.0, 200.0])[view.part], JERK * view.nonlinearities(exact.centre[0])
+    )
     for name in STEPS:
         found = (model.slopes(each, {name: 1.0}, np.zeros(1)) for each in (used, exact))
         a, b = (slopes[0][0] / noise for slopes in found)

@@ -28,9 +28,9 @@ def test_nine_parameters_a_fifth_off_come_back_or_are_labelled():
     errors = {e.name: abs(e.value / made.true[e.name] - 1.0) for e in found.answers if e.identified}
     assert DAMPING not in errors
     assert len(errors) >= 6 and max(errors.values()) < 0.02
-    given = [abs(each.given / made.true[each.name] - 1.0) for each in found.answers]
+    given = [abs(each.nominal / made.true[each.name] - 1.0) for each in found.answers]
     assert max(given) > 0.2
-    assert found.remains.repeats is False and found.findings == ()
+    assert found.repeatable_residual.repeats is False and found.data_issues == ()
 
 
 @pytest.mark.slow
@@ -61,10 +61,10 @@ def test_a_hidden_slack_bends_what_is_fitted_and_is_told():
     gap = found.fitted_gap["current"]
     assert gap["after"] < 0.2 * gap["as_given"]
     assert missed(found, made) > 1
-    assert found.remains.repeats is True and "hannes diagnose" in found.summary()
+    assert found.repeatable_residual.repeats is True and "hannes diagnose" in found.summary()
     made = case(1203, FOUR, REPEATED)  # the same hand without it
     found = fitted(made)
-    assert missed(found, made) < 2 and found.remains.repeats is False
+    assert missed(found, made) < 2 and found.repeatable_residual.repeats is False
 
 
 def missed(found, made):

@@ -28,9 +28,9 @@ from hannes.commands.diagnose import diagnose
 from hannes.core.effect import Term
 from hannes.core.parameter import Parameter
 from hannes.core.recording.recording import Recording
-from hannes.identification.diagnosis.effect_search import Trial, _second, investigate
+from hannes.identification.diagnosis.effect_search import Trial, _second, search_effects
 from hannes.identification.diagnosis.gauss_newton import fitted
-from hannes.identification.diagnosis.multistart import joined
+from hannes.identification.diagnosis.multistart import started_at_guess
 from hannes.identification.diagnosis.settings import Settings
 
 
@@ -77,12 +77,14 @@ def test_two_effects_are_both_named():
 def test_a_first_effect_that_only_led_to_the_second_is_dropped():
     """Else a wrong name would stay beside the right one."""
     said = campaign(1, ((TURBULENCE, 2.0),))
-    whole = investigate(said.plant, said.of("fit", "select"), list(KNOWN.values()), Settings(), 0)
+    whole = search_effects(
+        said.plant, said.of("fit", "select"), list(KNOWN.values()), Settings(), 0
+    )
     guess = next(each for each in whole.guesses if each.effect == "hardening")
-    wrong = Trial(("hardening",), fitted(joined(whole.base, guess), 5), 1e3)
+    wrong = Trial(("hardening",), fitted(started_at_guess(whole.baseline, guess), 5), 1e3)
     again = _second(replace(whole, trials=[wrong]), lambda text: None)
     assert again.trials[0].effects == ("turbulence",) and again.pair is None
-    assert again.trials[0].gain == pytest.approx(whole.trials[0].gain, rel=1e-3)
+    assert again.trials[0].delta_chi2 == pytest.approx(whole.trials[0].delta_chi2, rel=1e-3)
 
 
 def test_what_no_effect_explains_is_unknown():

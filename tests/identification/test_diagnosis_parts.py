@@ -22,7 +22,7 @@ from sled import (
 from hannes.core.errors import BadInput
 from hannes.core.io.toml_table import Table
 from hannes.core.kernels.jit import plain
-from hannes.identification.confusability import alike, told
+from hannes.identification.confusability import confusable, text
 from hannes.identification.diagnosis import decision as choices
 from hannes.identification.diagnosis import effect_search, gauss_newton, multistart
 from hannes.identification.diagnosis.antedependence import covariance
@@ -35,9 +35,8 @@ from hannes.identification.diagnosis.decision import (
     _at_end,
     _explained,
     _pair,
-    chosen,
+    decide,
 )
-from hannes.identification.diagnosis.drift import drifts
 from hannes.identification.diagnosis.effect_search import (
     FAINT,
     LIMIT,
@@ -45,39 +44,40 @@ from hannes.identification.diagnosis.effect_search import (
     _back,
     _rebased,
     _refuted,
-    investigate,
+    search_effects,
 )
 from hannes.identification.diagnosis.generic_disturbances import (
     DRAGGING,
     EASING,
     EFFECTS,
+    GENERIC_NAMES,
     OPENING,
-    SPOKEN,
     TORQUE,
 )
-from hannes.identification.diagnosis.heldout import held_out
+from hannes.identification.diagnosis.heldout import heldout_reduction
 from hannes.identification.diagnosis.linearisation import differenced
 from hannes.identification.diagnosis.multistart import (
     FADING,
     _crossed,
     faded,
-    joined,
-    placed,
+    started_at,
+    started_at_guess,
     without,
 )
 from hannes.identification.diagnosis.noise_model import Noise, of_repeats, white_levels
-from hannes.identification.diagnosis.prior_distance import strain
+from hannes.identification.diagnosis.prior_distance import prior_distance
 from hannes.identification.diagnosis.repeat_groups import grouped
-from hannes.identification.diagnosis.residual_tests import Slow
+from hannes.identification.diagnosis.residual_tests import StructuredResidual
 from hannes.identification.diagnosis.score_test import (
     Guess,
     _twins,
-    likeness,
+    cosine_similarity,
     projected,
     screened,
     shapes,
 )
 from hannes.identification.diagnosis.settings import Settings, read_settings
+from hannes.identification.diagnosis.trend import strongest_trend
 from hannes.plants.axis.plant import Axis
 from hannes.plants.hand.plant import HandPlant
 from hannes.simulation.catalogue import effects
@@ -87,164 +87,166 @@ from hannes.simulation.catalogue import effects
 def investigated():
     """What an investigation of hidden turbulence finds."""
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
-    return investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    return search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
 
 
 def test_slopes_are_those_of_the_simulation(investigated):
-    base = investigated.base
-    model, x = base.ground.model, base.x
-    vectors, slopes = differenced(model, x, base.active, False)
+    baseline = investigated.baseline
+    model, x = baseline.model, baseline.x
+    vectors, derivatives = differenced(model, x, baseline.active, False)
     moved = x.copy()
     moved[0] += 0.1
-    for group, vector, slope in zip(model.groups, vectors, slopes, strict=True):
+    for group, vector, slope in zip(model.groups, vectors, derivatives, strict=True):
         there = model.vectors(group, moved[np.newaxis], False)[0]
         moves = 0.1 * slope[0]
         assert there - vector == pytest.approx(moves, abs=0.03 * np.abs(moves).max())
 
 
 def test_the_base_is_where_nothing_pulls(investigated):
-    base = investigated.base
-    step = np.linalg.solve(base.curvature, base.pull)
-    assert step @ base.curvature @ step < 0.5
-    assert base.misfit > 1.5 * base.miss.size  # an effect is missing
-    assert investigated.trials[0].point.misfit < 1.2 * base.miss.size
+    baseline = investigated.baseline
+    step = np.linalg.solve(baseline.hessian, baseline.gradient)
+    assert step @ baseline.hessian @ step < 0.5
+    assert baseline.chi2 > 1.5 * baseline.residual.size  # an effect is missing
+    assert investigated.trials[0].point.chi2 < 1.2 * baseline.residual.size
 
 
 def test_a_base_beside_its_best_place_is_led_back_by_an_effect(investigated):
-    base = investigated.base
-    beside = base.moved(base.x + 3.0 * np.isin(np.arange(base.x.size), base.active), base.active)
-    assert beside.misfit > base.misfit + 20.0
-    best, unit = investigated.trials[0], investigated.unit
+    baseline = investigated.baseline
+    beside = baseline.moved(
+        baseline.x + 3.0 * np.isin(np.arange(baseline.x.size), baseline.active), baseline.active
+    )
+    assert beside.chi2 > baseline.chi2 + 20.0
+    best, unit = investigated.trials[0], investigated.variance_factor
     back = _back(beside, best, unit, lambda text: None)
-    assert back.misfit == pytest.approx(base.misfit, abs=1.0)
-    assert _back(base, best, unit, lambda text: None) is None
+    assert back.chi2 == pytest.approx(baseline.chi2, abs=1.0)
+    assert _back(baseline, best, unit, lambda text: None) is None
 
 
 def test_a_second_effect_that_only_led_the_first_back_is_dropped(investigated, monkeypatch):
     """A fit with the first that stands in a hollow, and a pair that is out of it."""
     best = investigated.trials[0]
-    stuck = replace(best, gain=0.5 * best.gain)
-    own = best.point.ground.model.space.of("hardening")
-    point = placed(best.point, own, np.array([0.01]))
-    pair = Trial(("turbulence", "hardening"), point, best.gain)
+    stuck = replace(best, delta_chi2=0.5 * best.delta_chi2)
+    own = best.point.space.of("hardening")
+    point = started_at(best.point, own, np.array([0.01]))
+    pair = Trial(("turbulence", "hardening"), point, best.delta_chi2)
     monkeypatch.setattr(
         effect_search, "_paired", lambda found, *_: [pair] if found.trials[0] is stuck else []
     )
-    monkeypatch.setattr(effect_search, "_paired_from_afar", lambda *_: [])
+    monkeypatch.setattr(effect_search, "_paired_globally", lambda *_: [])
     found = effect_search._second(replace(investigated, trials=[stuck]), lambda text: None)
     assert found.pair is None
     assert found.trials[0].effects == best.effects
-    assert found.trials[0].gain == pytest.approx(best.gain, abs=1.0)
+    assert found.trials[0].delta_chi2 == pytest.approx(best.delta_chi2, abs=1.0)
 
 
 def test_an_effect_is_let_go_little_by_little(investigated, monkeypatch):
     """All else follows after each share, and what is left is the other effect alone."""
     best = investigated.trials[0]
-    own = best.point.ground.model.space.of("hardening")
+    own = best.point.space.of("hardening")
     starts, fitted = [], multistart.fitted
-    point = placed(best.point, own, np.array([0.3]))
+    point = started_at(best.point, own, np.array([0.3]))
     monkeypatch.setattr(
         multistart, "fitted", lambda at, *how: starts.append(at) or fitted(at, *how)
     )
     alone = faded(point, "hardening")
-    assert alone.misfit == pytest.approx(best.point.misfit, abs=1.0)
+    assert alone.chi2 == pytest.approx(best.point.chi2, abs=1.0)
     assert np.array_equal(alone.active, best.point.active)
     assert [at.x[own][0] / 0.3 for at in starts] == pytest.approx(FADING)
-    monkeypatch.setattr(multistart.Point, "moved", lambda *_: None)
+    monkeypatch.setattr(multistart.Linearisation, "moved", lambda *_: None)
     assert faded(point, "hardening") is None
 
 
 def test_one_of_a_pair_is_fitted_alone_from_the_machine_as_given_too(investigated, monkeypatch):
     """Where letting the other go leads nowhere."""
     best = investigated.trials[0]
-    own = best.point.ground.model.space.of("hardening")
-    point = placed(best.point, own, np.array([0.3]))
+    own = best.point.space.of("hardening")
+    point = started_at(best.point, own, np.array([0.3]))
     pair = Trial(("turbulence", "hardening"), point, 0.0)
     monkeypatch.setattr(effect_search, "faded", lambda *_: None)
     alone = effect_search._alone(investigated, pair, "turbulence", lambda text: None)
     assert alone.effects == ("turbulence",)
-    assert alone.gain == pytest.approx(best.gain, abs=1.0)
+    assert alone.delta_chi2 == pytest.approx(best.delta_chi2, abs=1.0)
     assert np.array_equal(alone.point.active, best.point.active)
 
 
 def test_a_name_that_takes_another_machine_than_was_told_is_not_clean(investigated):
     """The same recordings, told how little is certain and told far too little."""
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
-    strained = investigate(Sled(), entries, [TURBULENCE], Settings(0.003, 0.005), 0)
+    strained = search_effects(Sled(), entries, [TURBULENCE], Settings(0.003, 0.005), 0)
     best = strained.trials[0]
-    assert strain(investigated.trials[0].point).chance > 0.5
-    assert strain(best.point).times > 2.0
+    assert prior_distance(investigated.trials[0].point).p_value > 0.5
+    assert prior_distance(best.point).ratio > 2.0
     clean, unclean = (
-        chosen(found, *(_masks(found, role) for role in ("fit", "select")))
+        decide(found, *(_masks(found, role) for role in ("fit", "select")))
         for found in (investigated, strained)
     )
     assert (clean.kind, clean.effects) == ("named", ("turbulence",))
     assert (unclean.kind, unclean.effects) == ("named_with_remainder", ("turbulence",))
     assert "times as far as scatter tells" in unclean.reason
-    base = strained.base  # what is left of it says nothing
-    flat = replace(base, miss=np.zeros_like(base.miss), x=np.zeros_like(base.x))
-    assert _explained(replace(strained, base=flat), replace(best, gain=20.0)) < MOST
-    assert _explained(replace(strained, base=flat), replace(best, gain=1e4)) > MOST
+    baseline = strained.baseline  # what is left of it says nothing
+    flat = replace(baseline, residual=np.zeros_like(baseline.residual), x=np.zeros_like(baseline.x))
+    assert _explained(replace(strained, baseline=flat), replace(best, delta_chi2=20.0)) < MOST
+    assert _explained(replace(strained, baseline=flat), replace(best, delta_chi2=1e4)) > MOST
 
 
 def test_the_machine_takes_over_what_an_effect_did_that_it_can_do_itself():
     """An effect that is one of the machine's parameters by another name leaves no trace."""
     entries = [e for e in recordings(1) if e.role != "show"]
-    found = investigate(Sled(), entries, [HARDENING, STIFFER], Settings(0.02, 0.005), 0)
-    base, space = found.base, found.base.ground.model.space
+    found = search_effects(Sled(), entries, [HARDENING, STIFFER], Settings(0.02, 0.005), 0)
+    baseline, space = found.baseline, found.baseline.space
     place, own = (
         space.place("stiffer.size"),
-        [d.name for d in space.directions].index("spring.stiffness"),
+        [d.name for d in space.parameters].index("spring.stiffness"),
     )
-    x = base.x.copy()
-    x[place], x[own] = 1.5 / space.directions[place].scale, base.x[own] - 1.5 / 0.8
-    bent = base.with_active(np.append(base.active, place)).moved(x, np.array([place]))
-    assert bent.misfit == pytest.approx(base.misfit, abs=5.0)
-    rows = without(gauss_newton.relinearised(bent), ("stiffer",))
-    as_it_is, half, whole = base.misfits(rows)
+    x = baseline.x.copy()
+    x[place], x[own] = 1.5 / space.parameters[place].scale, baseline.x[own] - 1.5 / 0.8
+    absorbed = baseline.with_active(np.append(baseline.active, place)).moved(x, np.array([place]))
+    assert absorbed.chi2 == pytest.approx(baseline.chi2, abs=5.0)
+    rows = without(gauss_newton.relinearised(absorbed), ("stiffer",))
+    as_it_is, half, whole = baseline.chi2_at(rows)
     assert np.all(rows[:, place] == 0.0)
     assert whole < half < as_it_is
-    assert whole - base.misfit < 0.01 * (as_it_is - base.misfit)
+    assert whole - baseline.chi2 < 0.01 * (as_it_is - baseline.chi2)
 
 
 def test_what_anything_explains_as_well_has_no_name(investigated):
     best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
     kinds = {}
-    for lost in (5.0, 0.5 * best.gain):
-        rival = Trial(("any_torque",), best.point, best.gain - lost)
-        kinds[lost] = chosen(replace(investigated, anything=rival), *masks)
+    for lost in (5.0, 0.5 * best.delta_chi2):
+        rival = Trial(("any_torque",), best.point, best.delta_chi2 - lost)
+        kinds[lost] = decide(replace(investigated, generic=rival), *masks)
     assert [each.kind for each in kinds.values()] == ["unknown", "named"]
     assert "something else may be there" in kinds[5.0].reason
 
 
 def test_a_rival_without_a_name_that_gains_nothing_itself_doubts_none(investigated):
     masks, kinds = ([0b011] * 2, [0b100] * 2), []
-    best = replace(investigated.trials[0], gain=LIMIT + 1.0)
-    for gain in (FAINT - 0.1, FAINT + 0.1):
-        rival = Trial(("any_torque",), best.point, gain)
-        found = replace(investigated, trials=[best], pair=None, anything=rival)
-        kinds.append(chosen(found, *masks).kind)
+    best = replace(investigated.trials[0], delta_chi2=LIMIT + 1.0)
+    for delta_chi2 in (FAINT - 0.1, FAINT + 0.1):
+        rival = Trial(("any_torque",), best.point, delta_chi2)
+        found = replace(investigated, trials=[best], pair=None, generic=rival)
+        kinds.append(decide(found, *masks).kind)
     assert kinds == ["named", "unknown"]
 
 
-@pytest.mark.parametrize(("gain", "kind"), [(3.0, "unknown"), (70.0, "named_with_remainder")])
-def test_of_near_pairs_only_what_explains_much_alone_is_named(investigated, gain, kind):
+@pytest.mark.parametrize(("delta_chi2", "kind"), [(3.0, "unknown"), (70.0, "named_with_remainder")])
+def test_of_near_pairs_only_what_explains_much_alone_is_named(investigated, delta_chi2, kind):
     """The second effect is in all of them, and may do next to nothing."""
-    point = investigated.base
+    point = investigated.baseline
     pairs = [Trial(("a", "b"), point, 130.0), Trial(("c", "b"), point, 128.0)]
-    alone = Trial(("b",), point, gain)
+    alone = Trial(("b",), point, delta_chi2)
     singles = [Trial(("a",), point, 100.0), Trial(("c",), point, 95.0), alone]
     found = replace(investigated, trials=singles, other_pairs=tuple(pairs[1:]))
-    choice = _pair(found, pairs[0], "told")
-    assert (choice.kind, choice.effects) == (kind, () if kind == "unknown" else ("b",))
+    decision = _pair(found, pairs[0], "told")
+    assert (decision.kind, decision.effects) == (kind, () if kind == "unknown" else ("b",))
 
 
 def test_what_is_left_is_the_best_refit_of_each_second_effect(investigated):
-    point, nothing = investigated.base, np.zeros(0)
+    point, nothing = investigated.baseline, np.zeros(0)
     best = Trial(("a",), point, 100.0)
     pairs = [Trial(("a", "b"), point, 109.0), Trial(("a", "b"), point, 102.0)]
     guesses = [Guess("b", 30.0, nothing, nothing, nothing)]
-    assert _refuted(best, guesses, pairs, 1.0).gain == pytest.approx(9.0)
+    assert _refuted(best, guesses, pairs, 1.0).delta_chi2 == pytest.approx(9.0)
 
 
 def test_a_plant_whose_values_are_the_same_in_all_runs_can_be_refitted():
@@ -253,17 +255,19 @@ def test_a_plant_whose_values_are_the_same_in_all_runs_can_be_refitted():
 
     entries = [e for e in recordings(1) if e.role != "show"]
     plant = Steady()
-    _, base = based(plant, grouped(plant, entries), Settings(0.02, 0.005), [], 0, lambda text: None)
-    assert [rows.shape[0] for rows in base.ground.restless] == [1, 1]  # their start alone
+    _, baseline = based(
+        plant, grouped(plant, entries), Settings(0.02, 0.005), [], 0, lambda text: None
+    )
+    assert [rows.shape[0] for rows in baseline.noise.run_to_run] == [1, 1]  # their start alone
 
 
 def test_what_explains_less_than_stands_out_in_one_channel_has_no_name(investigated, monkeypatch):
     best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
-    lowered, kinds = investigated.base.misfit - best.point.misfit, {}
+    chi2_reduction, kinds = investigated.baseline.chi2 - best.point.chi2, {}
     for share in (1.2, 1.3, 1.5):
-        slow = Slow("the position of runs like slow", share * lowered, 1e-9)
-        monkeypatch.setattr(choices, "stands_out", lambda point, slow=slow: slow)
-        kinds[share] = chosen(investigated, *masks)
+        slow = StructuredResidual("the position of runs like slow", share * chi2_reduction, 1e-9)
+        monkeypatch.setattr(choices, "channel_excess", lambda point, slow=slow: slow)
+        kinds[share] = decide(investigated, *masks)
     found = [each.kind for each in kinds.values()]
     assert found == ["named", "unknown", "unknown"]
     assert "stand out in the position of runs like slow alone" in kinds[1.5].reason
@@ -271,12 +275,12 @@ def test_what_explains_less_than_stands_out_in_one_channel_has_no_name(investiga
 
 def test_a_base_of_which_something_stands_out_is_no_mere_recalibration(monkeypatch):
     entries = [e for e in recordings(3) if e.role != "show"]
-    empty = investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    empty = search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
     masks = ([0b011] * 2, [0b100] * 2)
-    assert chosen(replace(empty, trials=[]), *masks).kind == "recalibrated"
-    slow = Slow("the position of runs like slow", 50.0, 1e-9)
-    monkeypatch.setattr(choices, "stands_out", lambda point: slow)
-    verdict = chosen(replace(empty, trials=[]), *masks)
+    assert decide(replace(empty, trials=[]), *masks).kind == "recalibrated"
+    slow = StructuredResidual("the position of runs like slow", 50.0, 1e-9)
+    monkeypatch.setattr(choices, "channel_excess", lambda point: slow)
+    verdict = decide(replace(empty, trials=[]), *masks)
     assert verdict.kind == "unknown"
     assert "more in the position of runs like slow than" in verdict.reason
 
@@ -300,8 +304,8 @@ def test_what_ends_nowhere_is_at_no_end():
 
 
 def test_what_has_no_name_is_in_no_catalogue_and_fits_a_hand():
-    assert list(SPOKEN) == [each.name for each in EFFECTS]
-    assert not set(SPOKEN) & set(effects())
+    assert list(GENERIC_NAMES) == [each.name for each in EFFECTS]
+    assert not set(GENERIC_NAMES) & set(effects())
     assert not any(HandPlant().accepts(each) for each in EFFECTS)
 
 
@@ -310,15 +314,17 @@ def test_any_torque_is_series_of_the_angle_and_of_the_load():
     turn, load = np.pi * 3.0 / 10.0, 0.2
     free = sum(0.1 * k * np.cos(k * turn) for k in range(1, 6))
     loaded = sum(0.1 * (k + 5) * np.cos(k * turn) for k in range(1, 5))
-    told = plain(TORQUE.terms[0].kernel)(3.0 * 19.0, 19.0, load, **sizes)
-    assert told == pytest.approx(free + load * loaded, rel=1e-12)
+    found_value = plain(TORQUE.terms[0].kernel)(3.0 * 19.0, 19.0, load, **sizes)
+    assert found_value == pytest.approx(free + load * loaded, rel=1e-12)
 
 
 def test_any_opening_is_a_series_of_the_way_that_a_joint_has_closed():
-    bent = {each.name: 0.1 * k for k, each in enumerate(OPENING.parameters, 1)}
-    assert list(bent) == ["bent_2", "bent_3", "bent_4"]
-    opening = plain(OPENING.terms[0].kernel)(0.9, 0.3, **bent)
-    series = np.polynomial.legendre.legval(2.0 * (0.9 - 0.3) / 1.5 - 1.0, [0, 0, *bent.values()])
+    absorbed = {each.name: 0.1 * k for k, each in enumerate(OPENING.parameters, 1)}
+    assert list(absorbed) == ["legendre_2", "legendre_3", "legendre_4"]
+    opening = plain(OPENING.terms[0].kernel)(0.9, 0.3, **absorbed)
+    series = np.polynomial.legendre.legval(
+        2.0 * (0.9 - 0.3) / 1.5 - 1.0, [0, 0, *absorbed.values()]
+    )
     assert opening == pytest.approx(series, rel=1e-12)
 
 
@@ -327,8 +333,8 @@ def test_any_dragging_turns_with_the_way_a_joint_goes():
     assert list(drag) == ["drag_1", "drag_2", "drag_3"]
     kernel, series = plain(DRAGGING.terms[0].kernel), np.polynomial.legendre.legval
     against = series(2.0 * (0.9 - 0.3) / 1.5 - 1.0, [0, *drag.values()])
-    told = [kernel(0.9, speed, 0.3, **drag) for speed in (-5.0, 0.0, 5.0)]
-    assert told == pytest.approx([-against, 0.0, against], rel=1e-12)
+    found_value = [kernel(0.9, speed, 0.3, **drag) for speed in (-5.0, 0.0, 5.0)]
+    assert found_value == pytest.approx([-against, 0.0, against], rel=1e-12)
 
 
 def test_what_eases_is_lost_exponentially_and_never_more_than_the_pull():
@@ -341,35 +347,35 @@ def test_what_eases_is_lost_exponentially_and_never_more_than_the_pull():
 
 
 def test_beside_a_better_base_every_effect_gains_less(investigated):
-    better = replace(investigated.base, miss=0.999 * investigated.base.miss)
+    better = replace(investigated.baseline, residual=0.999 * investigated.baseline.residual)
     rebased = _rebased(investigated, better)
-    lost = (investigated.base.misfit - better.misfit) / investigated.unit
-    below = [each for each in investigated.trials if each.point.misfit < better.misfit]
-    gains = {each.effects: each.gain - lost for each in below}
-    assert {each.effects: each.gain for each in rebased.trials} == pytest.approx(gains)
-    assert ("turbulence",) in gains
-    assert lost > 0.0 and rebased.base is better
+    lost = (investigated.baseline.chi2 - better.chi2) / investigated.variance_factor
+    below = [each for each in investigated.trials if each.point.chi2 < better.chi2]
+    reductions = {each.effects: each.delta_chi2 - lost for each in below}
+    assert {each.effects: each.delta_chi2 for each in rebased.trials} == pytest.approx(reductions)
+    assert ("turbulence",) in reductions
+    assert lost > 0.0 and rebased.baseline is better
 
 
 def test_a_rival_that_went_astray_starts_from_the_machine_of_the_best(monkeypatch):
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
-    both = investigate(Sled(), entries, [TURBULENCE, TWIN], Settings(0.02, 0.005), 0)
-    base, space = both.base, both.base.ground.model.space
+    both = search_effects(Sled(), entries, [TURBULENCE, TWIN], Settings(0.02, 0.005), 0)
+    baseline, space = both.baseline, both.baseline.space
     points = {each.effects[0]: each.point for each in both.trials}
     twin, first = points["twin"], points["turbulence"]
-    moved = twin.x + 0.5 * np.isin(np.arange(twin.x.size), base.active)
+    moved = twin.x + 0.5 * np.isin(np.arange(twin.x.size), baseline.active)
     points["twin"] = twin.moved(moved, space.of("twin"))
     starts, settled = [], multistart.settled
     monkeypatch.setattr(
         multistart, "settled", lambda at, *how: starts.append(at) or settled(at, *how)
     )
-    again = _crossed(points, base, LIMIT, lambda text: None)
-    assert again["twin"].misfit == pytest.approx(twin.misfit, abs=0.5)
+    again = _crossed(points, baseline, LIMIT, lambda text: None)
+    assert again["twin"].chi2 == pytest.approx(twin.chi2, abs=0.5)
     assert again["turbulence"] is first
-    assert np.array_equal(starts[0].x[base.active], first.x[base.active])
+    assert np.array_equal(starts[0].x[baseline.active], first.x[baseline.active])
     assert starts[0].x[space.of("twin")] == twin.x[space.of("twin")]
     starts.clear()
-    _crossed(points, base, 2.0 * base.misfit, lambda text: None)
+    _crossed(points, baseline, 2.0 * baseline.chi2, lambda text: None)
     assert not starts  # none gains as much as that
 
 
@@ -378,21 +384,23 @@ def test_rounds_of_slopes_end_where_they_cannot_arrive(investigated, monkeypatch
     monkeypatch.setattr(
         gauss_newton, "relinearised", lambda at: rounds.append(at) or relinearised(at)
     )
-    base = investigated.base
-    beside = base.moved(base.x + 3.0 * np.isin(np.arange(base.x.size), base.active), base.active)
+    baseline = investigated.baseline
+    beside = baseline.moved(
+        baseline.x + 3.0 * np.isin(np.arange(baseline.x.size), baseline.active), baseline.active
+    )
     gauss_newton.settled(beside)
     assert len(rounds) > 1
     rounds.clear()
-    gauss_newton.settled(beside, below=base.misfit - 2.0 * (beside.misfit - base.misfit))
+    gauss_newton.settled(beside, below=baseline.chi2 - 2.0 * (beside.chi2 - baseline.chi2))
     assert len(rounds) == 1
 
 
 def test_a_gain_is_of_what_was_not_fitted_too(investigated):
-    base, best = investigated.base, investigated.trials[0].point
-    seen, unseen = ([0b011] * 2, [0b100] * 2)
-    assert held_out(base, best, seen, unseen) > LIMIT
-    assert held_out(base, base, seen, unseen) == 0.0
-    assert held_out(base, best, seen, [0, 0]) == 0.0
+    baseline, best = investigated.baseline, investigated.trials[0].point
+    fitted_runs, heldout_runs = ([0b011] * 2, [0b100] * 2)
+    assert heldout_reduction(baseline, best, fitted_runs, heldout_runs) > LIMIT
+    assert heldout_reduction(baseline, baseline, fitted_runs, heldout_runs) == 0.0
+    assert heldout_reduction(baseline, best, fitted_runs, [0, 0]) == 0.0
 
 
 def test_what_grows_from_run_to_run_is_no_clean_name():
@@ -403,26 +411,29 @@ def test_what_grows_from_run_to_run_is_no_clean_name():
 
 def test_what_does_not_grow_does_not_drift(investigated):
     best = investigated.trials[0].point
-    assert drifts(best, investigated.guesses).gain < LIMIT
-    assert drifts(investigated.base, investigated.guesses).gain < 0.95 * investigated.trials[0].gain
+    assert strongest_trend(best, investigated.guesses).delta_chi2 < LIMIT
+    assert (
+        strongest_trend(investigated.baseline, investigated.guesses).delta_chi2
+        < 0.95 * investigated.trials[0].delta_chi2
+    )
 
 
 def test_a_guess_agrees_with_the_refit_where_an_effect_is_small():
     entries = [e for e in recordings(1, ((TURBULENCE, 0.5),)) if e.role != "show"]
-    small = investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    small = search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
     guess = next(each for each in small.guesses if each.effect == "turbulence")
     trial = next(each for each in small.trials if each.effects == ("turbulence",))
-    assert guess.gain == pytest.approx(trial.gain * small.unit, rel=0.1)
-    again = {g.effect: g.gain for g in screened(trial.point, ["hardening"])}
+    assert guess.delta_chi2 == pytest.approx(trial.delta_chi2 * small.variance_factor, rel=0.1)
+    again = {g.effect: g.delta_chi2 for g in screened(trial.point, ["hardening"])}
     assert again["hardening"] < LIMIT
 
 
 def test_what_parameters_can_do_is_no_mark_of_an_effect(investigated):
-    base = investigated.base
-    row = base.columns[:1]
-    _, curvature = projected(base, row)
-    assert curvature[0, 0] < 1.01  # as much as the given value's own spread leaves of it
-    assert likeness(base, row, row) == pytest.approx(1.0, abs=1e-3)
+    baseline = investigated.baseline
+    row = baseline.jacobian[:1]
+    _, hessian = projected(baseline, row)
+    assert hessian[0, 0] < 1.01  # as much as the given value's own spread leaves of it
+    assert cosine_similarity(baseline, row, row) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_noise_that_hangs_together_is_found_and_is_a_covariance():
@@ -455,8 +466,8 @@ def test_noise_hangs_together_as_it_does_at_its_time():
     quick, slow = rng.standard_normal((2, 2000, 60))
     for bin in range(1, 60):  # alone first, then each after the one before
         slow[:, bin] = 0.875 * slow[:, bin - 1] + np.sqrt(1.0 - 0.875**2) * slow[:, bin]
-    strays = np.hstack([quick[:, :30], slow[:, 30:]])
-    found, beside = covariance(strays, 1), np.arange(8, 22)
+    deviations = np.hstack([quick[:, :30], slow[:, 30:]])
+    found, beside = covariance(deviations, 1), np.arange(8, 22)
     assert np.diag(found)[8:52] == pytest.approx(np.ones(44), abs=0.15)
     assert found[beside, beside + 1] == pytest.approx(np.zeros(14), abs=0.1)
     assert found[beside + 30, beside + 31] == pytest.approx(np.full(14, 0.875), abs=0.1)
@@ -469,11 +480,11 @@ def test_forty_runs_tell_how_little_a_loop_lets_slow_changes_be():
     rng = np.random.default_rng(6)
     white = rng.standard_normal((40, 101))
     one = np.diff(white)
-    strays = np.hstack([one, np.pad(one, ((0, 0), (1, 0)))[:, :-1]])
-    found = covariance(strays, 2)
+    deviations = np.hstack([one, np.pad(one, ((0, 0), (1, 0)))[:, :-1]])
+    found = covariance(deviations, 2)
     slow = np.cos(np.pi * (np.arange(100) + 0.5) / 50.0) / np.sqrt(50.0)
-    told, usual = slow @ found[:100, :100] @ slow, 2.0
-    assert told < 0.05 * usual  # 0.001 if it were known; a taper of 0.6 s leaves 0.3
+    found_value, usual = slow @ found[:100, :100] @ slow, 2.0
+    assert found_value < 0.05 * usual  # 0.001 if it were known; a taper of 0.6 s leaves 0.3
     assert np.diag(found) == pytest.approx(np.full(200, usual), rel=0.4, abs=0.1)
     assert found[10:90, 111:191].diagonal() == pytest.approx(np.full(80, usual), rel=0.4)
 
@@ -485,32 +496,32 @@ def test_a_phase_and_its_opposite_are_tried_by_one_mark():
     assert (same, as_is, turned) == (quarter, 1.0, -1.0)
     assert opposite["torque_ripple.phase"] == pytest.approx(1.5 * np.pi)
     kernel = plain(ripple.terms[0].kernel)
-    marks = [kernel(0.7, 1e-3, *each.values()) for each in (quarter, opposite)]
-    assert marks[1] == pytest.approx(-marks[0], rel=1e-12)
+    signatures = [kernel(0.7, 1e-3, *each.values()) for each in (quarter, opposite)]
+    assert signatures[1] == pytest.approx(-signatures[0], rel=1e-12)
 
 
 def test_what_is_too_faint_to_name_is_unknown():
     entries = [e for e in recordings(3) if e.role != "show"]
-    empty = investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
-    for gain, kind in ((DOUBT - 0.1, "recalibrated"), (DOUBT, "unknown"), (LIMIT, "named")):
-        trial = Trial(("hardening",), empty.base, gain)
-        choice = chosen(replace(empty, trials=[trial]), [0b011] * 2, [0b100] * 2)
-        assert choice.kind == kind
-        assert (f"where a name needs {LIMIT:.0f}" in choice.reason) == (kind == "unknown")
-    for gain, kind in ((OUTSIDE - 0.1, "recalibrated"), (OUTSIDE, "unknown")):
-        rival = Trial(("any_torque",), empty.base, gain)
-        choice = chosen(replace(empty, trials=[], anything=rival), [0b011] * 2, [0b100] * 2)
-        assert choice.kind == kind
-        assert choice.reason.startswith("any torque over") == (kind == "unknown")
+    empty = search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    for delta_chi2, kind in ((DOUBT - 0.1, "recalibrated"), (DOUBT, "unknown"), (LIMIT, "named")):
+        trial = Trial(("hardening",), empty.baseline, delta_chi2)
+        decision = decide(replace(empty, trials=[trial]), [0b011] * 2, [0b100] * 2)
+        assert decision.kind == kind
+        assert (f"where a name needs {LIMIT:.0f}" in decision.reason) == (kind == "unknown")
+    for delta_chi2, kind in ((OUTSIDE - 0.1, "recalibrated"), (OUTSIDE, "unknown")):
+        rival = Trial(("any_torque",), empty.baseline, delta_chi2)
+        decision = decide(replace(empty, trials=[], generic=rival), [0b011] * 2, [0b100] * 2)
+        assert decision.kind == kind
+        assert decision.reason.startswith("any torque over") == (kind == "unknown")
 
 
 def test_a_guess_that_goes_too_far_is_begun_at_a_share():
     entries = [e for e in recordings(3, ((HARDENING, 900.0),)) if e.role != "show"]
-    found = investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
-    base, (guess,) = found.base, [g for g in found.guesses if g.effect == "hardening"]
+    found = search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    baseline, (guess,) = found.baseline, [g for g in found.guesses if g.effect == "hardening"]
     far = replace(guess, x=20.0 * guess.x)
-    whole, part = placed(base, far.places, far.x), joined(base, far)
-    assert part.misfit < 0.5 * whole.misfit
+    whole, part = started_at(baseline, far.places, far.x), started_at_guess(baseline, far)
+    assert part.chi2 < 0.5 * whole.chi2
     assert part.x[far.places] == pytest.approx(0.05 * far.x)
 
 
@@ -553,10 +564,10 @@ def test_what_a_campaign_says_of_its_machine_is_checked(content, message):
 
 def test_what_is_easily_confused_was_measured_both_ways():
     for effect in effects():
-        for recorded, others in alike(effect).items():
+        for recorded, others in confusable(effect).items():
             assert list(others.values()) == sorted(others.values(), reverse=True)
             for other, cosine in others.items():
                 assert 0.0 < cosine <= 1.0
-                assert alike(other)[recorded][effect] == pytest.approx(cosine, abs=2e-3)
-    assert "capstan" in told("gear_load")
-    assert told("nobody_knows") == ""
+                assert confusable(other)[recorded][effect] == pytest.approx(cosine, abs=2e-3)
+    assert "capstan" in text("gear_load")
+    assert text("nobody_knows") == ""

@@ -8,10 +8,10 @@ import pytest
 from hannes.dynamics.leader_slack import EFFECT as SLACK
 from hannes.dynamics.wire_compliance import EFFECT as COMPLIANCE
 from hannes.identification.diagnosis import effect_sizes as module
-from hannes.identification.diagnosis.decision import Choice
+from hannes.identification.diagnosis.decision import Decision
 from hannes.identification.diagnosis.effect_sizes import NORMAL, WIDER, interval, with_sizes
-from hannes.identification.diagnosis.final_fit import Sized
-from hannes.identification.diagnosis.parameter_space import Direction
+from hannes.identification.diagnosis.final_fit import FinalFit
+from hannes.identification.diagnosis.parameter_space import FreeParameter
 
 EFFECTS = {each.name: each for each in (SLACK, COMPLIANCE)}
 PLACES = ("leader_slack.length", "wire_compliance.leader", "wire_compliance.follower")
@@ -21,11 +21,9 @@ EDGE = NORMAL * WIDER  # standard deviations from off, where an interval just ho
 
 def point(*x):
     """A made-up fit at x, steps of which are hundredths."""
-    directions = [Direction(n, "", 0.0, 0.01, 0.0, 1.0, effect=n.split(".")[0]) for n in PLACES]
-    space = SimpleNamespace(effects=EFFECTS, place=PLACES.index, directions=directions)
-    return SimpleNamespace(
-        x=np.array(x), ground=SimpleNamespace(model=SimpleNamespace(space=space))
-    )
+    parameters = [FreeParameter(n, "", 0.0, 0.01, 0.0, 1.0, effect=n.split(".")[0]) for n in PLACES]
+    space = SimpleNamespace(effects=EFFECTS, place=PLACES.index, parameters=parameters)
+    return SimpleNamespace(x=np.array(x), space=space)
 
 
 @pytest.fixture
@@ -34,61 +32,61 @@ def fits(monkeypatch):
     spread = dict.fromkeys(range(3), 1.0)
     asked = []
 
-    def sized(at, effects, care, seed, unit):
+    def final_fit(at, effects, accuracy, seed, variance_factor):
         asked.append(tuple(effects))
-        return Sized(at, spread)
+        return FinalFit(at, spread)
 
     def faded(at, name):
         return SimpleNamespace(**vars(at) | {"without": name})
 
-    monkeypatch.setattr(module, "sized", sized)
+    monkeypatch.setattr(module, "final_fit", final_fit)
     monkeypatch.setattr(module, "faded", faded)
     return SimpleNamespace(spread=spread, asked=asked)
 
 
-def told(at, kind="named", effects=PAIR, unit=1.0):
+def outcome(at, kind="named", effects=PAIR, variance_factor=1.0):
     """What comes of a choice."""
-    return with_sizes(Choice(kind, effects, "so", at), 0, unit, lambda text: None)[0]
+    return with_sizes(Decision(kind, effects, "so", at), 0, variance_factor, lambda text: None)[0]
 
 
 def test_two_effects_that_are_both_sure_stay(fits):
-    choice = told(point(1.1 * EDGE, 0.0, 1.1 * EDGE))
-    assert (choice.kind, choice.effects) == ("named", PAIR)
+    decision = outcome(point(1.1 * EDGE, 0.0, 1.1 * EDGE))
+    assert (decision.kind, decision.effects) == ("named", PAIR)
     assert fits.asked == [PAIR]
 
 
 def test_one_whose_interval_holds_off_is_let_go_and_the_other_sized_without_it(fits):
-    choice = told(point(1.1 * EDGE, 0.0, 0.9 * EDGE))
-    assert (choice.kind, choice.effects) == ("named_with_remainder", (SLACK.name,))
-    assert choice.point.without == COMPLIANCE.name
+    decision = outcome(point(1.1 * EDGE, 0.0, 0.9 * EDGE))
+    assert (decision.kind, decision.effects) == ("named_with_remainder", (SLACK.name,))
+    assert decision.point.without == COMPLIANCE.name
     assert fits.asked == [PAIR, (SLACK.name,)]
-    assert "wire compliance may be nothing" in choice.reason
+    assert "wire compliance may be nothing" in decision.reason
 
 
 def test_where_neither_is_sure_the_surer_one_stays(fits):
-    assert told(point(0.5 * EDGE, 0.9 * EDGE, 0.0)).effects == (COMPLIANCE.name,)
+    assert outcome(point(0.5 * EDGE, 0.9 * EDGE, 0.0)).effects == (COMPLIANCE.name,)
 
 
 def test_sizes_count_in_the_noise_that_is_there(fits):
     at = point(1.1 * EDGE, 1.5 * EDGE, 0.0)
-    assert told(at).effects == PAIR
-    assert told(at, unit=1.5).effects == (COMPLIANCE.name,)
+    assert outcome(at).effects == PAIR
+    assert outcome(at, variance_factor=1.5).effects == (COMPLIANCE.name,)
 
 
 def test_sizes_held_at_off_do_not_count(fits):
     del fits.spread[2]
-    assert told(point(1.1 * EDGE, 1.1 * EDGE, 0.0)).effects == PAIR
+    assert outcome(point(1.1 * EDGE, 1.1 * EDGE, 0.0)).effects == PAIR
 
 
 def test_single_effects_and_classes_are_left_alone(fits):
     near = point(0.5 * EDGE, 0.5 * EDGE, 0.0)
-    assert told(near, "one_of").kind == "one_of"
-    assert told(near, "named", (SLACK.name,)).kind == "named"
+    assert outcome(near, "one_of").kind == "one_of"
+    assert outcome(near, "named", (SLACK.name,)).kind == "named"
 
 
 def test_where_one_cannot_be_let_go_both_stay(fits, monkeypatch):
     monkeypatch.setattr(module, "faded", lambda at, name: None)
-    assert told(point(1.1 * EDGE, 0.0, 0.0)).effects == PAIR
+    assert outcome(point(1.1 * EDGE, 0.0, 0.0)).effects == PAIR
 
 
 def test_intervals_end_at_bounds():

@@ -10,10 +10,10 @@ from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment, noise_floors
 from hannes.identification.diagnosis.baseline import ROUGH
-from hannes.identification.diagnosis.effect_search import Found, Trial
+from hannes.identification.diagnosis.effect_search import SearchResult, Trial
 from hannes.identification.diagnosis.experiment_design import Separation, proposed, separation
 from hannes.identification.diagnosis.linearisation import first
-from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
@@ -37,14 +37,14 @@ def logged(duties):
 
 
 def test_more_channels_are_asked_for_only_where_no_run_tells_without():
-    told = {
+    separations = {
         "slow": Separation(5.5, 60.0, ("duty",)),
         "soft": Separation(2.0, 90.0, ("duty",)),
     }
-    assert proposed(told, NAMES)["experiment"] == "slow"
-    assert proposed(told, NAMES)["also_log"] == []
-    told["slow"] = replace(told["slow"], usual=4.5)
-    found = proposed(told, NAMES)
+    assert proposed(separations, NAMES)["experiment"] == "slow"
+    assert proposed(separations, NAMES)["also_log"] == []
+    separations["slow"] = replace(separations["slow"], usual=4.5)
+    found = proposed(separations, NAMES)
     assert found["experiment"] == "soft" and found["also_log"] == ["duty"]
     assert found["why"].endswith("by 90.0 standard deviations, without duty by 2.0")
 
@@ -55,8 +55,8 @@ def test_nothing_is_proposed_that_tells_too_little():
 
 
 def test_a_run_that_is_logged_as_all_others_asks_for_no_more():
-    told = {"slow": Separation(3.0, 3.0)}
-    found = proposed(told, NAMES)
+    separations = {"slow": Separation(3.0, 3.0)}
+    found = proposed(separations, NAMES)
     assert found["also_log"] == [] and "without" not in found["why"]
 
 
@@ -70,14 +70,14 @@ def open_case():
     """Closures, two explanations of something in them, and a run that may be recorded next."""
     plant, entries = HandPlant(), logged([False, False])
     groups, both = grouped(plant, entries), [effects()[name] for name in NAMES]
-    space = Space(plant, groups, Settings(), both)
-    base = first(Model(plant, groups, space, both), ROUGH, 0)
+    space = ParameterSpace(plant, groups, Settings(), both)
+    baseline = first(Model(plant, groups, space, both), ROUGH, 0)
     trials = []
     for name, size in SIZES.items():
-        x, place = base.x.copy(), space.place(name)
-        x[place] = size / space.directions[place].scale
-        trials.append(Trial((name.partition(".")[0],), replace(base, x=x), 20.0))
-    found = Found(base, base, [], trials, None, None, 1.0)
+        x, place = baseline.x.copy(), space.place(name)
+        x[place] = size / space.parameters[place].scale
+        trials.append(Trial((name.partition(".")[0],), replace(baseline, x=x), 20.0))
+    found = SearchResult(baseline, baseline, [], trials, None, None, 1.0)
     run = make("poor", 5).recordings["01_void"]
     channels = {name: np.zeros(run.time.size) for name in ("position", "current")}
     channels |= {"time": run.time, "reference": run["reference"]}
@@ -88,15 +88,19 @@ def open_case():
 def test_an_offset_of_the_current_is_told_from_friction_by_the_duty(open_case):
     """The loop hides it in current and position, as in cases of the naming study."""
     found, recorded, run = open_case
-    told = separation(found, HandPlant(), Entry("poor", run, "poor"), recorded, *found.trials)
-    assert told.more == ("duty",)
-    assert told.most > 5.0 and told.most > 2.0 * told.usual
+    separations = separation(
+        found, HandPlant(), Entry("poor", run, "poor"), recorded, *found.trials
+    )
+    assert separations.more == ("duty",)
+    assert separations.most > 5.0 and separations.most > 2.0 * separations.usual
     more = {"duty": np.zeros(run.time.size)}
     with_duty = Entry("poor", run.with_channels(more, {"duty": "1"}), "poor")
     usual = separation(found, HandPlant(), with_duty, recorded, *found.trials)
-    assert usual.more == () and usual.usual == pytest.approx(told.most, rel=1e-6)
-    loud = separation(replace(found, unit=4.0), HandPlant(), with_duty, recorded, *found.trials)
-    assert loud.most == pytest.approx(0.5 * told.most, rel=1e-6)
+    assert usual.more == () and usual.usual == pytest.approx(separations.most, rel=1e-6)
+    loud = separation(
+        replace(found, variance_factor=4.0), HandPlant(), with_duty, recorded, *found.trials
+    )
+    assert loud.most == pytest.approx(0.5 * separations.most, rel=1e-6)
 
 
 @pytest.mark.slow

@@ -10,9 +10,9 @@ from hannes.core.errors import ComputationFailed
 from hannes.identification.diagnosis import final_fit as module
 from hannes.identification.diagnosis import profile_likelihood as profiles
 from hannes.identification.diagnosis.baseline import FINE
-from hannes.identification.diagnosis.effect_search import investigate
-from hannes.identification.diagnosis.final_fit import FINER, sized
-from hannes.identification.diagnosis.gauss_newton import deviations
+from hannes.identification.diagnosis.effect_search import search_effects
+from hannes.identification.diagnosis.final_fit import FINER, final_fit
+from hannes.identification.diagnosis.gauss_newton import standard_deviations
 from hannes.identification.diagnosis.profile_likelihood import Profile, profile
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
@@ -26,26 +26,26 @@ NAME = ["turbulence"]
 def named():
     """The fit with the effect that is hidden."""
     entries = [each for each in recordings(1, ((TURBULENCE, SIZE),)) if each.role != "show"]
-    found = investigate(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+    found = search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
     return found.trials[0].point
 
 
 def of(point, name="turbulence"):
     """Place of an effect's size, its row among the active directions, and what a step is."""
-    space = point.ground.model.space
+    space = point.space
     place = int(space.of(name)[0])
-    return place, int(np.searchsorted(point.active, place)), space.directions[place].scale
+    return place, int(np.searchsorted(point.active, place)), space.parameters[place].scale
 
 
 def test_groups_have_so_many_times_as_many_bins(named):
-    for group in named.ground.model.groups:
+    for group in named.model.groups:
         narrow = Group(Sled(), group.entries, FINER)
         assert narrow.width == pytest.approx(group.width / FINER)
         assert narrow.bins == pytest.approx(FINER * group.bins, abs=1)
 
 
 def test_effects_are_part_of_a_machine_that_holds_them(named):
-    model = named.ground.model
+    model = named.model
     held, rows = model.held(model.groups), named.x[np.newaxis]
     for group in model.groups:
         without, with_effect = (model.vectors(group, rows, each) for each in (False, True))
@@ -57,9 +57,9 @@ def test_effects_are_part_of_a_machine_that_holds_them(named):
 
 
 def test_what_was_named_is_known_better_in_finer_bins(named):
-    found = sized(named, NAME, FINE, 0)
+    found = final_fit(named, NAME, FINE, 0)
     place, row, scale = of(named)
-    coarse, narrow = deviations(named)[row], found.deviations[place]
+    coarse, narrow = standard_deviations(named)[row], found.deviations[place]
     assert narrow < 0.9 * coarse
     assert abs(found.point.x[place] * scale - SIZE) < 3.0 * narrow * scale
     others = set(named.active.tolist()) - {place}
@@ -69,7 +69,7 @@ def test_what_was_named_is_known_better_in_finer_bins(named):
 
 def stays(found, point):
     """Tell that a fit is as it was, and known no better than slopes tell."""
-    linear = [module.LINEAR * each for each in deviations(point)]
+    linear = [module.LINEAR * each for each in standard_deviations(point)]
     return found.point is point and list(found.deviations.values()) == linear
 
 
@@ -78,18 +78,18 @@ def test_where_finer_bins_cannot_be_simulated_the_fit_stays(named, monkeypatch):
         raise ComputationFailed("not here")
 
     monkeypatch.setattr(module, "begun", broken)
-    assert stays(sized(named, NAME, FINE, 0), named)
+    assert stays(final_fit(named, NAME, FINE, 0), named)
 
 
 def test_a_place_that_the_whole_firmware_cannot_run_is_not_taken(named, monkeypatch):
     simulated = Model.simulated
 
     def some(self, group, rows, effects, exact=False, further=NOTHING):
-        broken = exact and self.groups[0] is not named.ground.model.groups[0] and len(rows) == 1
+        broken = exact and self.groups[0] is not named.model.groups[0] and len(rows) == 1
         return [None] if broken else simulated(self, group, rows, effects, exact, further)
 
     monkeypatch.setattr(Model, "simulated", some)
-    assert stays(sized(named, NAME, FINE, 0), named)
+    assert stays(final_fit(named, NAME, FINE, 0), named)
 
 
 def test_what_is_least_along_each_but_not_along_all_is_not_taken(named, monkeypatch):
@@ -99,7 +99,7 @@ def test_what_is_least_along_each_but_not_along_all_is_not_taken(named, monkeypa
         return Profile(point.x[where] + 40.0 * deviation, deviation, point)
 
     monkeypatch.setattr(module, "profile", high)
-    found = sized(named, NAME, FINE, 0)
+    found = final_fit(named, NAME, FINE, 0)
     assert abs(found.point.x[place] - named.x[place]) < 3.0 * found.deviations[place]
     assert place in found.point.active  # the fit in finer bins, free
 
@@ -107,22 +107,22 @@ def test_what_is_least_along_each_but_not_along_all_is_not_taken(named, monkeypa
 def test_a_smooth_valley_has_the_floor_and_width_that_slopes_tell(named):
     fine = module._finer(named, NAME, FINE, 0)
     place, row, _ = of(fine)
-    found = profile(fine, place, deviations(fine)[row])
+    found = profile(fine, place, standard_deviations(fine)[row])
     assert abs(found.least - fine.x[place]) < 0.3 * found.deviation
-    assert found.deviation == pytest.approx(deviations(fine)[row], rel=0.15)
+    assert found.deviation == pytest.approx(standard_deviations(fine)[row], rel=0.15)
 
 
-def valley(monkeypatch, misfit, at, deviation=0.1, low=-10.0):
+def valley(monkeypatch, chi2, at, deviation=0.1, low=-10.0):
     """The profile of a made-up misfit over one direction, walked from a place."""
 
     def held(point, places, values):
-        there = SimpleNamespace(x=np.array(values), misfit=misfit(values[0]), ground=ground)
-        return there if np.isfinite(there.misfit) else None
+        there = SimpleNamespace(x=np.array(values), chi2=chi2(values[0]), noise=noise)
+        return there if np.isfinite(there.chi2) else None
 
     space = SimpleNamespace(low=np.array([low]), high=np.array([10.0]))
-    ground = SimpleNamespace(model=SimpleNamespace(space=space))
+    noise = SimpleNamespace(model=SimpleNamespace(space=space))
     monkeypatch.setattr(profiles, "held_at", held)
-    point = SimpleNamespace(x=np.array([at]), misfit=misfit(at), ground=ground)
+    point = SimpleNamespace(x=np.array([at]), chi2=chi2(at), noise=noise)
     return profile(point, 0, deviation)
 
 
@@ -133,7 +133,7 @@ def test_of_a_kinked_valley_the_floor_is_found_from_a_hollow_on_its_side(monkeyp
     )
     assert found.least == pytest.approx(1.0, abs=0.25)
     assert found.deviation == pytest.approx(0.5, rel=0.4)
-    assert found.lowest.misfit < 1.0
+    assert found.lowest.chi2 < 1.0
 
 
 @pytest.mark.parametrize("width", [0.05, 0.02, 0.005])
@@ -162,8 +162,8 @@ SEEN_FROM_ONE_SIDE = {
 
 @pytest.mark.parametrize("case", SEEN_FROM_ONE_SIDE)
 def test_what_is_not_seen_from_both_sides_is_no_valley(monkeypatch, case):
-    misfit, low = SEEN_FROM_ONE_SIDE[case]
-    assert valley(monkeypatch, misfit, 0.0, low=low) is None
+    chi2, low = SEEN_FROM_ONE_SIDE[case]
+    assert valley(monkeypatch, chi2, 0.0, low=low) is None
 
 
 def test_the_floor_is_where_it_was_walked(monkeypatch):

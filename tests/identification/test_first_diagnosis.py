@@ -47,15 +47,17 @@ def test_lengths_of_hidden_slack_are_right_over_several_draws(tmp_path):
 def test_hidden_slack_is_named_with_its_length(tmp_path, capsys):
     campaign = closures(tmp_path / "loose", "--slack", "3 mm", "--seed", "1")
     assert main(["diagnose", str(campaign), "--out", str(tmp_path / "out"), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told == json.loads((tmp_path / "out" / "verdict.json").read_text(encoding="utf-8"))
-    assert set(told) >= FIELDS
-    assert (told["verdict"], told["effects"]) == ("named", ["leader_slack"])
-    assert min(row["gain_select"] for row in told["candidates"]) >= 0.0
-    assert told["parameters"]["leader_slack.length"]["unit"] == "m"
+    written = json.loads(capsys.readouterr().out)
+    assert written == json.loads((tmp_path / "out" / "verdict.json").read_text(encoding="utf-8"))
+    assert set(written) >= FIELDS
+    assert (written["verdict"], written["effects"]) == ("named", ["leader_slack"])
+    assert min(row["gain_select"] for row in written["candidates"]) >= 0.0
+    assert written["parameters"]["leader_slack.length"]["unit"] == "m"
     for name in ("current", "duty"):
         assert (
-            told["gap"][name]["after"] < told["gap"][name]["before"] < told["gap"][name]["as_given"]
+            written["gap"][name]["after"]
+            < written["gap"][name]["before"]
+            < written["gap"][name]["as_given"]
         )
     hand = load_hand(tmp_path / "out" / "hand.toml")
     assert [each.name for each in hand.present_effects()] == ["leader_slack"]

@@ -11,19 +11,19 @@ from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
 from hannes.identification.diagnosis import global_starts
-from hannes.identification.diagnosis.effect_search import investigate
+from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.global_starts import (
-    _marks,
     _resized,
-    deepest,
-    from_afar,
-    turning,
+    _signatures,
+    deepest_minimum,
+    global_fits,
+    size_dependent,
 )
-from hannes.identification.diagnosis.linearisation import run_to_run
-from hannes.identification.diagnosis.multistart import placed
-from hannes.identification.diagnosis.noise_scale import lowered
-from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.linearisation import run_to_run_rows
+from hannes.identification.diagnosis.multistart import started_at
+from hannes.identification.diagnosis.noise_scale import chi2_reduction
+from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.score_test import ALL_SIZES, stepped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.simulation.catalogue import effects
@@ -50,22 +50,22 @@ SHIFTED = replace(
 def shifted():
     """What an investigation finds of waves that are elsewhere."""
     entries = [e for e in recordings(3, ((SHIFTED, ELSEWHERE),)) if e.role != "show"]
-    return investigate(Sled(), entries, [*KNOWN.values(), SHIFTED], Settings(0.02, 0.005), 0)
+    return search_effects(Sled(), entries, [*KNOWN.values(), SHIFTED], Settings(0.02, 0.005), 0)
 
 
 def size(point):
     """How far elsewhere a fit has the waves [m]."""
-    space = point.ground.model.space
+    space = point.space
     own = space.of("shifted")[0]
-    return point.x[own] * space.directions[own].scale
+    return point.x[own] * space.parameters[own].scale
 
 
 def test_what_has_another_mark_where_it_is_large_is_found_from_afar(shifted, monkeypatch):
     monkeypatch.setattr(global_starts, "LOST", np.inf)
-    given, base, told = shifted.given, shifted.base, []
-    assert turning(given, ["shifted", "turbulence"]) == ["shifted"]
-    fits = from_afar(given, base, ["turbulence", "shifted"], told.append)
-    assert told == ["shifted, from afar"]
+    nominal, baseline, asked = shifted.nominal, shifted.baseline, []
+    assert size_dependent(nominal, ["shifted", "turbulence"]) == ["shifted"]
+    fits = global_fits(nominal, baseline, ["turbulence", "shifted"], asked.append)
+    assert asked == ["shifted, from afar"]
     assert size(fits["shifted"]) == pytest.approx(ELSEWHERE, rel=0.01)
     assert shifted.trials[0].effects == ("shifted",)
     assert size(shifted.trials[0].point) == pytest.approx(ELSEWHERE, rel=0.01)
@@ -75,68 +75,68 @@ def test_where_the_base_leaves_far_too_much_likely_effects_are_tried_from_afar(
     shifted, monkeypatch
 ):
     """As slack of 4.4 mm, which every slope leads away from."""
-    given, base = shifted.given, shifted.base
+    nominal, baseline = shifted.nominal, shifted.baseline
     effects = [*KNOWN, "shifted"]
-    assert global_starts._likely(given, effects)[0] == "shifted"
-    monkeypatch.setattr(global_starts, "turning", lambda *_: [])
+    assert global_starts._likely(nominal, effects)[0] == "shifted"
+    monkeypatch.setattr(global_starts, "size_dependent", lambda *_: [])
     monkeypatch.setattr(global_starts, "LIKELY", 1)
-    monkeypatch.setattr(global_starts, "LOST", 0.9 * base.misfit / base.miss.size)
-    fits = from_afar(given, base, effects, lambda text: None)
+    monkeypatch.setattr(global_starts, "LOST", 0.9 * baseline.chi2 / baseline.residual.size)
+    fits = global_fits(nominal, baseline, effects, lambda text: None)
     assert list(fits) == ["shifted"]
     assert size(fits["shifted"]) == pytest.approx(ELSEWHERE, rel=0.01)
-    monkeypatch.setattr(global_starts, "LOST", 1.1 * base.misfit / base.miss.size)
-    assert from_afar(given, base, effects, lambda text: None) == {}
+    monkeypatch.setattr(global_starts, "LOST", 1.1 * baseline.chi2 / baseline.residual.size)
+    assert global_fits(nominal, baseline, effects, lambda text: None) == {}
 
 
 def test_a_hollow_is_left_for_a_deeper_one_about_it(shifted):
-    given = shifted.given
-    own = given.ground.model.space.of("shifted")
-    scale = given.ground.model.space.directions[own[0]].scale
-    hollow = fitted(placed(given, own, np.array([0.1 / scale])), 5)
+    nominal = shifted.nominal
+    own = nominal.space.of("shifted")
+    scale = nominal.space.parameters[own[0]].scale
+    hollow = fitted(started_at(nominal, own, np.array([0.1 / scale])), 5)
     assert size(hollow) > 1.2 * ELSEWHERE
-    assert size(deepest(given, hollow, "shifted")) == pytest.approx(ELSEWHERE, rel=0.01)
-    assert deepest(given, hollow, "turbulence") is hollow
+    assert size(deepest_minimum(nominal, hollow, "shifted")) == pytest.approx(ELSEWHERE, rel=0.01)
+    assert deepest_minimum(nominal, hollow, "turbulence") is hollow
 
 
 def test_what_runs_differ_in_is_had_both_ways(shifted):
-    given = shifted.given
-    model, space = given.ground.model, given.ground.model.space
+    nominal = shifted.nominal
+    model, space = nominal.model, nominal.space
     group = model.groups[0]
-    channels = model.simulated(group, given.x[np.newaxis], False)[0]
-    half_difference, half_sum, _ = run_to_run(model, given.x, group, channels)
-    place = [each.name for each in space.directions].index("sled.drag")
-    ends = np.repeat(given.x[np.newaxis], 3, axis=0)
-    ends[1:, place] += np.array([1.0, -1.0]) * RUNS_DIFFER / space.directions[place].scale
+    channels = model.simulated(group, nominal.x[np.newaxis], False)[0]
+    half_difference, half_sum, _ = run_to_run_rows(model, nominal.x, group, channels)
+    place = [each.name for each in space.parameters].index("sled.drag")
+    ends = np.repeat(nominal.x[np.newaxis], 3, axis=0)
+    ends[1:, place] += np.array([1.0, -1.0]) * RUNS_DIFFER / space.parameters[place].scale
     at, more, less = model.vectors(group, ends, False)
     assert half_difference == pytest.approx(0.5 * (more - less), abs=1e-12)
     assert half_sum == pytest.approx(0.5 * (more + less) - at, abs=1e-12)
 
 
 def test_noise_told_too_large_counts_less_and_what_runs_differ_in_as_told(shifted):
-    base, rng = shifted.base, np.random.default_rng(0)
-    nothing = replace(base, miss=np.zeros(base.miss.size))
-    gains = {}
-    own = base.ground.restless[0]
+    baseline, rng = shifted.baseline, np.random.default_rng(0)
+    nothing = replace(baseline, residual=np.zeros(baseline.residual.size))
+    reductions = {}
+    own = baseline.noise.run_to_run[0]
     strongest = own[np.argmax(np.linalg.norm(own, axis=1))] / np.sqrt(
-        base.ground.model.groups[0].count
+        baseline.model.groups[0].count
     )
-    lengths = [group.part.size for group in base.ground.model.groups]
+    lengths = [group.part.size for group in baseline.model.groups]
     for name, row in {"runs": strongest, "noise": 0.001 * rng.standard_normal(lengths[0])}.items():
         rows = [row, *(np.zeros(n) for n in lengths[1:])]
-        there = replace(base, miss=base.ground.together(rows))
-        gains[name] = lowered(there, nothing, 0.7) / lowered(there, nothing, 1.0)
-    assert gains["noise"] == pytest.approx(1.0 / 0.7, rel=0.05)
-    assert gains["runs"] < 1.1, gains
+        there = replace(baseline, residual=baseline.noise.together(rows))
+        reductions[name] = chi2_reduction(there, nothing, 0.7) / chi2_reduction(there, nothing, 1.0)
+    assert reductions["noise"] == pytest.approx(1.0 / 0.7, rel=0.05)
+    assert reductions["runs"] < 1.1, reductions
 
 
 def test_about_a_fit_an_effect_is_resized_within_its_range_and_keeps_its_shape():
     ripple = effects()["torque_ripple"]
-    space = Space(Sled(), [], Settings(), [ripple])
+    space = ParameterSpace(Sled(), [], Settings(), [ripple])
     x = np.zeros(space.size)
     names = [ripple.full_name(name) for name in ("amplitude", "cycles", "phase")]
     amplitude, *shape = (space.place(name) for name in names)
     x[amplitude], x[shape] = 0.9 * space.high[amplitude], (2.0, 3.0)
-    point = SimpleNamespace(ground=SimpleNamespace(model=SimpleNamespace(space=space)), x=x)
+    point = SimpleNamespace(space=space, x=x)
     smaller, larger = (_resized(point, "torque_ripple", share) for share in (0.8, 1.25))
     assert smaller[amplitude] == pytest.approx(0.8 * x[amplitude])
     assert larger[amplitude] == space.high[amplitude]
@@ -161,13 +161,15 @@ LOPSIDED = Effect(
 
 def test_amplitudes_of_one_side_each_are_tried_each_on_its_own_side():
     entries = [e for e in recordings(4, ((TURBULENCE, 2.0),)) if e.role != "show"]
-    found = investigate(Sled(), entries, [KNOWN["hardening"], LOPSIDED], Settings(0.02, 0.005), 0)
-    steps = stepped(found.base, "lopsided", ALL_SIZES)
+    found = search_effects(
+        Sled(), entries, [KNOWN["hardening"], LOPSIDED], Settings(0.02, 0.005), 0
+    )
+    steps = stepped(found.baseline, "lopsided", ALL_SIZES)
     assert [each.tolist() for each in steps] == [[s, -s] for s in (1.0, 8.0, 25.0)]
-    space = found.base.ground.model.space
+    space = found.baseline.space
     point = found.trials[0].point
-    values = [point.x[k] * space.directions[k].scale for k in space.of("lopsided")]
+    values = [point.x[k] * space.parameters[k].scale for k in space.of("lopsided")]
     assert found.trials[0].effects == ("lopsided",)
     assert values == pytest.approx([2.0, -2.0], rel=0.1)
-    assert _marks(found.given, ["lopsided"], 8.0)["lopsided"].shape[0] == 2
-    assert turning(found.given, ["lopsided"]) == []
+    assert _signatures(found.nominal, ["lopsided"], 8.0)["lopsided"].shape[0] == 2
+    assert size_dependent(found.nominal, ["lopsided"]) == []

@@ -12,7 +12,7 @@ from hannes.core.kernels.jit import kernel
 from hannes.dynamics.wire_compliance import EFFECT
 from hannes.identification.diagnosis import pruning
 from hannes.identification.diagnosis.effect_search import PRICE
-from hannes.identification.diagnosis.pruning import APART, spared
+from hannes.identification.diagnosis.pruning import APART, pruned
 
 NAME = EFFECT.name
 
@@ -44,59 +44,59 @@ def fit(monkeypatch, without, effect=EFFECT, active=(3, 4)):
     """A made-up fit of two sizes, at places 3 and 4; without: misfit by the places held at off."""
     names = [effect.full_name(each.name) for each in effect.amplitudes]
     space = SimpleNamespace(effects={effect.name: effect}, place=lambda n: 3 + names.index(n))
-    ground = SimpleNamespace(model=SimpleNamespace(space=space))
+    noise = SimpleNamespace(model=SimpleNamespace(space=space))
 
     def held(point, places, values):
         assert not values.any()  # off
         off = (*point.off, *places.tolist())
-        misfit = without[off]
+        chi2 = without[off]
         return (
             None
-            if misfit is None
-            else SimpleNamespace(misfit=misfit, off=off, ground=ground, active=active)
+            if chi2 is None
+            else SimpleNamespace(chi2=chi2, off=off, noise=noise, active=active)
         )
 
     monkeypatch.setattr(pruning, "held_at", held)
-    return SimpleNamespace(misfit=100.0, off=(), ground=ground, active=active)
+    return SimpleNamespace(chi2=100.0, off=(), noise=noise, active=active)
 
 
 def test_what_lowers_the_misfit_by_too_little_stays_at_off(monkeypatch):
     point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0 + 0.9 * PRICE})
-    assert spared(point, [NAME], 1.0).off == (4,)
+    assert pruned(point, [NAME], 1.0).off == (4,)
 
 
 def test_what_is_asked_for_stays(monkeypatch):
     point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0 + 1.1 * PRICE})
-    assert spared(point, [NAME], 1.0) is point
-    assert spared(point, [NAME], 1.3).off == (4,)  # in the noise that is there it is not
+    assert pruned(point, [NAME], 1.0) is point
+    assert pruned(point, [NAME], 1.3).off == (4,)  # in the noise that is there it is not
 
 
 def test_where_either_could_go_both_stay(monkeypatch):
     point = fit(monkeypatch, {(3,): 101.0 + 0.9 * APART, (4,): 101.0})
-    assert spared(point, [NAME], 1.0) is point
+    assert pruned(point, [NAME], 1.0) is point
 
 
 @pytest.mark.parametrize("lost", [3, 4])
 def test_a_size_without_which_nothing_can_be_simulated_stays(monkeypatch, lost):
     point = fit(monkeypatch, {(3,): 101.0, (4,): 101.0} | {(lost,): None})
-    assert spared(point, [NAME], 1.0).off == (7 - lost,)
+    assert pruned(point, [NAME], 1.0).off == (7 - lost,)
 
 
 def test_the_last_size_stays(monkeypatch):
     point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0, (4, 3): 100.0})
-    assert spared(point, [NAME], 1.0).off == (4,)
+    assert pruned(point, [NAME], 1.0).off == (4,)
 
 
 def test_rivals_that_were_not_fitted_are_left_alone(monkeypatch):
     point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0}, active=())
-    assert spared(point, [NAME], 1.0) is point
+    assert pruned(point, [NAME], 1.0) is point
 
 
 def test_the_hand_with_the_effect_has_it_where_its_first_size_stays_at_off():
     result = diagnose(campaign(1, ((TURBULENCE, 2.0),), {"storm": STORM}), progress=False)
     assert result.verdict.effects == ["storm"]
-    (told,) = result.verdict.parameters
-    assert told == "storm.quadratic"
+    (name,) = result.verdict.parameters
+    assert name == "storm.quadratic"
     assert [each.name for each in result.plant.effects] == ["storm"]
     assert result.plant.parameters["storm.cubic"] == 0.0
     assert result.plant.parameters["storm.quadratic"] == pytest.approx(2.0, rel=0.1)

@@ -13,8 +13,8 @@ from hannes.identification.diagnosis.run_to_run import (
     TIMES,
     _Repeats,
     disagreement,
-    in_keeping,
-    times,
+    observed_ratios,
+    settings_from_repeats,
 )
 from hannes.identification.diagnosis.settings import Settings
 
@@ -24,7 +24,7 @@ ROWS = np.array([1.1 + np.sin(7.0 * TIME), 1.2 + np.cos(3.0 * TIME), 2.0 + np.si
 STEADY = 0.05**2 * (np.eye(BINS) + 0.4 * np.eye(BINS, k=1) + 0.4 * np.eye(BINS, k=-1))
 
 
-def ground(seed, machine, start, count=REPEATS, told=True):
+def noise(seed, machine, start, count=REPEATS, assumed=True):
     """Two commands, recorded so often by machines that differ so many times as far as ROWS."""
     rng = np.random.default_rng(seed)
     sizes = np.array([machine, machine, start])
@@ -40,50 +40,55 @@ def ground(seed, machine, start, count=REPEATS, told=True):
     ]
     means = [(STEADY + ROWS.T @ ROWS) / count] * 2
     model = SimpleNamespace(groups=groups)
-    return SimpleNamespace(model=model, covariances=means, restless=[ROWS] * 2, told=told)
+    return SimpleNamespace(
+        model=model, covariances=means, run_to_run=[ROWS] * 2, simulated_noise=assumed
+    )
 
 
 def test_what_was_told_right_stays():
-    alarms = [times(ground(seed, 1.0, 1.0)) for seed in range(200)]
+    alarms = [observed_ratios(noise(seed, 1.0, 1.0)) for seed in range(200)]
     assert sum(each != (1.0, 1.0) for each in alarms) <= 3  # one in four hundred, by SURE
 
 
 @pytest.mark.parametrize("truth", [(2.0, 2.0), (1.0, 3.0), (3.0, 1.0)])
 def test_what_was_told_too_little_is_found(truth):
-    found = np.array([times(ground(seed, *truth)) for seed in range(50)])
+    found = np.array([observed_ratios(noise(seed, *truth)) for seed in range(50)])
     assert (found == 1.0).all(axis=1).sum() <= 3
     assert np.median(found, axis=0) == pytest.approx(truth, abs=0.5)
 
 
 def test_what_was_told_too_much_stays():
-    assert times(ground(0, 0.3, 0.3)) == (1.0, 1.0)
+    assert observed_ratios(noise(0, 0.3, 0.3)) == (1.0, 1.0)
 
 
 def test_without_repeats_or_noise_known_from_elsewhere_nothing_is_told():
-    assert times(ground(0, 4.0, 4.0, count=1)) == (1.0, 1.0)
-    assert times(ground(0, 4.0, 4.0, told=False)) == (1.0, 1.0)
+    assert observed_ratios(noise(0, 4.0, 4.0, count=1)) == (1.0, 1.0)
+    assert observed_ratios(noise(0, 4.0, 4.0, assumed=False)) == (1.0, 1.0)
 
 
 def test_settings_follow_what_repeats_show_and_a_reader_is_told():
-    told = Settings(0.01, 0.0025, 1e-4)
-    shown = in_keeping(ground(0, 4.0, 4.0), told)
-    assert shown.scatter == LOOSER * told.scatter
-    assert shown.run_scatter > 2.0 * told.run_scatter and shown.start_time > 2.0 * told.start_time
-    (said,) = disagreement(told, shown)
-    assert f"start_time {shown.start_time:.2g} s" in said
-    assert in_keeping(ground(0, 4.0, 4.0), Settings(0.15)).scatter == MOST
-    assert in_keeping(ground(0, 4.0, 4.0), Settings(0.3)).scatter == 0.3
+    assumed = Settings(0.01, 0.0025, 1e-4)
+    observed = settings_from_repeats(noise(0, 4.0, 4.0), assumed)
+    assert observed.scatter == LOOSER * assumed.scatter
+    assert (
+        observed.run_scatter > 2.0 * assumed.run_scatter
+        and observed.start_time > 2.0 * assumed.start_time
+    )
+    (said,) = disagreement(assumed, observed)
+    assert f"start_time {observed.start_time:.2g} s" in said
+    assert settings_from_repeats(noise(0, 4.0, 4.0), Settings(0.15)).scatter == MOST
+    assert settings_from_repeats(noise(0, 4.0, 4.0), Settings(0.3)).scatter == 0.3
 
 
 def test_settings_that_repeats_bear_out_are_kept():
-    told = Settings(0.02, 0.005, 2e-4)
-    assert in_keeping(ground(0, 1.0, 1.0), told) == told
-    assert not disagreement(told, told)
+    assumed = Settings(0.02, 0.005, 2e-4)
+    assert settings_from_repeats(noise(0, 1.0, 1.0), assumed) == assumed
+    assert not disagreement(assumed, assumed)
 
 
 def test_likelihood_is_that_of_the_normal_distribution():
-    group = ground(3, 1.5, 2.0).model.groups[0]
-    told = _Repeats.of(group, STEADY, ROWS)
+    group = noise(3, 1.5, 2.0).model.groups[0]
+    assumed = _Repeats.of(group, STEADY, ROWS)
     apart = np.sqrt(REPEATS / (REPEATS - 1.0)) * (group.measured - group.measured.mean(axis=0))
 
     def plain(machine, start):
@@ -93,6 +98,6 @@ def test_likelihood_is_that_of_the_normal_distribution():
         return (REPEATS - 1.0) / REPEATS * float(each.sum())
 
     for pair in ((1.5, 2.0), (TIMES[-1], 1.0)):
-        gained = told.log_likelihood(*pair) - told.log_likelihood(1.0, 1.0)
+        gained = assumed.log_likelihood(*pair) - assumed.log_likelihood(1.0, 1.0)
         assert gained == pytest.approx(plain(*pair) - plain(1.0, 1.0), rel=1e-6)
     assert SURE == pytest.approx(2.0 * -np.log(1 / 400), abs=0.1)

@@ -13,7 +13,7 @@ from hannes.campaigns.campaign import Entry
 from hannes.control.sensor_noise import gaussian
 from hannes.core.errors import BadInput
 from hannes.core.recording.white_noise import roughness
-from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
@@ -182,7 +182,7 @@ def test_effects_on_what_firmware_reads_are_mended_for_its_ticks(name, steps):
     """A continuous controller makes another mark of them, or none that is like it."""
     both = [effects()["current_lag"], effects()["measurement_delay"]]  # one compilation
     groups = grouped(HandPlant(), [Entry("closure", recorded("sampled")[0], "void", "fit")])
-    space = Space(HandPlant(), groups, Settings(), both)
+    space = ParameterSpace(HandPlant(), groups, Settings(), both)
     model, x = Model(HandPlant(), groups, space, both), np.zeros(space.size)
     rows = np.array([x, x])
     rows[1, space.of(name)] = steps

@@ -13,15 +13,15 @@ from hannes.report.paper.page import reproduce
 def page(tmp_path_factory):
     """Results folder, what `reproduce` returned, and the page's text."""
     out = tmp_path_factory.mktemp("page") / "reproduce"
-    told = reproduce(out, progress=False, quick=True)
-    return out, told, (out / "index.html").read_text(encoding="utf-8")
+    content = reproduce(out, progress=False, quick=True)
+    return out, content, (out / "index.html").read_text(encoding="utf-8")
 
 
 def test_every_figure_that_must_hold_holds(page):
-    _, told, _ = page
-    assert len(told["must_show"]) >= 15
-    assert [row["name"] for row in told["must_show"] if not row["holds"]] == []
-    assert all({"name", "value", "bound", "holds"} <= set(row) for row in told["must_show"])
+    _, content, _ = page
+    assert len(content["must_show"]) >= 15
+    assert [row["name"] for row in content["must_show"] if not row["holds"]] == []
+    assert all({"name", "value", "bound", "holds"} <= set(row) for row in content["must_show"])
 
 
 def test_the_page_loads_nothing_from_elsewhere(page):
@@ -55,17 +55,17 @@ def evaluation(worst):
     share = {"f1_windows": 0.96, "f1_grasps": 1.0, "stable_in_time": 0.9}
     names = ("Sponge", "Hand dynamometer")
     objects = [{"name": n, "class": "soft", **share, "stiffness_N_per_m": 900.0} for n in names]
-    told = {"objects": objects, **share, "f1_worst": worst}
-    told["learning_curve"] = [{"grasps": 500, "f1_worst": 0.7, **share}]
-    told["confusion"] = {"soft": {"soft": 3, "rigid": 0, "don't know": 1}}
-    told |= {
+    made = {"objects": objects, **share, "f1_worst": worst}
+    made["learning_curve"] = [{"grasps": 500, "f1_worst": 0.7, **share}]
+    made["confusion"] = {"soft": {"soft": 3, "rigid": 0, "don't know": 1}}
+    made |= {
         "reliability": {"calibration_error": 0.021},
         "stable_after_s": {"soft": 0.05, "rigid": None},
     }
-    told["force"] = {"grasps": 4, "told": 3, "median_error_percent": 5.0}
-    told["force"] |= {"interval_holds": 0.75, "interval_width": 1.5}
-    told["stiffness"] = {"grasps": 4, "told": 0}
-    return told
+    made["force"] = {"grasps": 4, "told": 3, "median_error_percent": 5.0}
+    made["force"] |= {"interval_holds": 0.75, "interval_width": 1.5}
+    made["stiffness"] = {"grasps": 4, "told": 0}
+    return made
 
 
 def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys):
@@ -74,9 +74,9 @@ def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys)
     (tmp_path / "evaluation.json").write_text(json.dumps(evaluation(0.9)))
     more = ["--recognition", str(tmp_path), "--json"]
     assert main(["reproduce", "--out", str(tmp_path / "out"), *more]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert all(row["holds"] for row in told["must_show"])
-    assert sum("ten virtual objects" in row["name"] for row in told["must_show"]) == 3
+    content = json.loads(capsys.readouterr().out)
+    assert all(row["holds"] for row in content["must_show"])
+    assert sum("ten virtual objects" in row["name"] for row in content["must_show"]) == 3
     text = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
     assert "DATA_EMPS.mat" in text and "HANNES_MEASURED" in text
     assert "Table III: rigid or soft" in text and "What windows were told" in text
@@ -86,8 +86,8 @@ def test_table_3_stands_beside_the_papers(tmp_path):
     from hannes.core.errors import BadInput
     from hannes.report.paper import table_3
 
-    told = evaluation(0.8)
-    (tmp_path / "evaluation.json").write_text(json.dumps(told))
+    made = evaluation(0.8)
+    (tmp_path / "evaluation.json").write_text(json.dumps(made))
     read = table_3.read(tmp_path)
     assert [row["holds"] for row in table_3.checks(read)] == [True, True, False]
     table, confusion, estimates, learning = table_3.found(read).tables

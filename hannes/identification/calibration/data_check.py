@@ -5,10 +5,10 @@ from hannes.campaigns.check import check
 from hannes.campaigns.quality.finding import Finding
 from hannes.core.errors import BadInput
 
-Findings = tuple[tuple[str, Finding], ...]  # each with the name of its recording
+DataIssues = tuple[tuple[str, Finding], ...]  # each with the name of its recording
 
 
-def inspected(campaign: Campaign, accepted: tuple[str, ...]) -> Findings:
+def data_issues(campaign: Campaign, accepted: tuple[str, ...]) -> DataIssues:
     """Return all faults and warnings; BadInput where one is of no kind that is `accepted`.
 
     A fit believes every sample, so that what misleads in part is refused as well until the

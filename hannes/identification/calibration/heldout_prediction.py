@@ -30,8 +30,8 @@ def prediction(found: State, entries: Sequence[Entry]) -> dict[str, dict[str, fl
         runs = [_aligned(found, view, channels) for channels in simulated[run]]
         for name in view.channels:
             recorded = entry.recording[name][mask]
-            misses = [run[name][mask] - recorded for run in runs]
-            squares = [float(np.sum(each**2)) for each in (*misses, recorded)]
+            residuals = [run[name][mask] - recorded for run in runs]
+            squares = [float(np.sum(each**2)) for each in (*residuals, recorded)]
             sums[name] = sums.get(name, np.zeros(4)) + np.array([*squares, recorded.size])
     return {name: _roots(total) for name, total in sums.items()}
 
@@ -43,11 +43,15 @@ def _roots(total: np.ndarray) -> dict[str, float]:
 
 def _aligned(found: State, view: View, channels: Channels) -> Channels:
     """Channels of a simulation, moved to start when it fits the recording best."""
-    late, spread = 0.0, found.plan.start_time
+    start_offset, spread = 0.0, found.plan.start_time
     for _ in range(ROUNDS if spread else 0):
         noise = found.noise[view.part]
-        miss = (view.of(channels, late) - view.measured) / noise
-        moved = (view.of(channels, late + SHIFT) - view.of(channels, late)) / SHIFT / noise
-        late -= float(moved @ miss) / (float(moved @ moved) + 1.0 / spread**2)
+        residual = (view.of(channels, start_offset) - view.measured) / noise
+        moved = (
+            (view.of(channels, start_offset + SHIFT) - view.of(channels, start_offset))
+            / SHIFT
+            / noise
+        )
+        start_offset -= float(moved @ residual) / (float(moved @ moved) + 1.0 / spread**2)
     since = view.since
-    return {name: np.interp(since - late, since, channels[name]) for name in view.channels}
+    return {name: np.interp(since - start_offset, since, channels[name]) for name in view.channels}

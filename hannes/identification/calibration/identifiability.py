@@ -33,7 +33,7 @@ class Answer:
     value: float
     low: float
     high: float
-    given: float
+    nominal: float
     label: str
     partners: tuple[str, ...]
     reason: str
@@ -90,11 +90,11 @@ def _label(
     if width <= found.plan.limit:
         return IDENTIFIED, (), _alone(spread, place)
     partners, left = _partners(spread.covariance, place, width, found.plan.limit)
-    told = f"known to ±{100 * width:.2g} %"
+    known = f"known to ±{100 * width:.2g} %"
     if not partners:
-        return NOT_IDENTIFIED, (), told
+        return NOT_IDENTIFIED, (), known
     shown = tuple(names[each] for each in partners)
-    reason = f"{told}; to ±{100 * left:.2g} % were {' and '.join(shown)} known"
+    reason = f"{known}; to ±{100 * left:.2g} % were {' and '.join(shown)} known"
     return CONFOUNDED, shown, reason
 
 

@@ -43,7 +43,7 @@ class Spread:
     covariance: np.ndarray
     textbook: np.ndarray
     alone: np.ndarray
-    pulls: np.ndarray
+    influences: np.ndarray
     unit: str
 
 
@@ -55,11 +55,11 @@ def spread(found: State) -> Spread:
     information, scores, conditions, unit = _clusters(found)
     prior = np.concatenate([found.scales.prior, np.ones(len(found.plan.doubt))]) ** 2
     inverse = np.linalg.inv(information.sum(axis=0) + np.diag(prior))
-    pulls = (scores @ inverse)[:, :count]
-    pulls = pulls - pulls.mean(axis=0)  # the priors hold against their sum
-    lively = _lively(information, inverse, pulls, conditions)
-    honest, freedom = _correction(information, inverse, lively)
-    by_run = np.sqrt(honest * (pulls**2).sum(axis=0))
+    influences = (scores @ inverse)[:, :count]
+    influences = influences - influences.mean(axis=0)  # the priors hold against their sum
+    heterogeneity = _heterogeneity(information, inverse, influences, conditions)
+    bias_factor, freedom = _correction(information, inverse, heterogeneity)
+    by_run = np.sqrt(bias_factor * (influences**2).sum(axis=0))
     by_prior = np.sqrt(np.einsum("ij,j,ij->i", inverse, prior, inverse)[:count])
     working = np.sqrt(np.diag(inverse)[:count])
     alone = freedom < ALONE
@@ -74,34 +74,36 @@ def spread(found: State) -> Spread:
         inverse[:count, :count],
         _textbook(found),
         alone,
-        pulls,
+        influences,
         unit,
     )
 
 
-def _lively(
-    information: np.ndarray, inverse: np.ndarray, pulls: np.ndarray, conditions: np.ndarray
+def _heterogeneity(
+    information: np.ndarray, inverse: np.ndarray, influences: np.ndarray, conditions: np.ndarray
 ) -> np.ndarray:
-    """Squares of pulls over what the working covariance expects, by condition, as `pulls`."""
-    told = inverse[: pulls.shape[1]]
-    expected = np.maximum(np.einsum("ki,rij,kj->rk", told, information, told), 1e-300)
-    overall = (pulls**2).sum(axis=0) / expected.sum(axis=0)
-    lively = np.empty_like(pulls)
+    """Squares of pulls over what the working covariance expects, by condition, as `influences`."""
+    rows_of_interest = inverse[: influences.shape[1]]
+    expected = np.maximum(
+        np.einsum("ki,rij,kj->rk", rows_of_interest, information, rows_of_interest), 1e-300
+    )
+    overall = (influences**2).sum(axis=0) / expected.sum(axis=0)
+    heterogeneity = np.empty_like(influences)
     for condition in np.unique(conditions):
         inside = conditions == condition
-        own = (pulls[inside] ** 2).sum(axis=0) / expected[inside].sum(axis=0)
-        lively[inside] = (inside.sum() * own + SHRINK * overall) / (inside.sum() + SHRINK)
-    return lively
+        own = (influences[inside] ** 2).sum(axis=0) / expected[inside].sum(axis=0)
+        heterogeneity[inside] = (inside.sum() * own + SHRINK * overall) / (inside.sum() + SHRINK)
+    return heterogeneity
 
 
 def _correction(
-    information: np.ndarray, inverse: np.ndarray, lively: np.ndarray
+    information: np.ndarray, inverse: np.ndarray, heterogeneity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Factor on the sum of squared pulls, and its degrees of freedom, shape (count,) each."""
-    count = lively.shape[1]
-    honest, freedom = np.ones(count), np.zeros(count)
+    count = heterogeneity.shape[1]
+    bias_factor, freedom = np.ones(count), np.zeros(count)
     for place in range(count):
-        factor = lively[:, place]
+        factor = heterogeneity[:, place]
         whole = inverse @ np.tensordot(factor, information, 1) @ inverse
         rows = information @ inverse[place]  # G_r m, (clusters, p)
         crossed = factor[:, np.newaxis] * rows @ inverse @ rows.T
@@ -109,9 +111,9 @@ def _correction(
         expected += np.diag(factor * (rows @ inverse[place]))
         trace, total = float(np.trace(expected)), float(whole[place, place])
         if trace > 1e-12 * max(total, 1e-300):  # else no run speaks of it at all
-            honest[place] = total / trace
+            bias_factor[place] = total / trace
             freedom[place] = trace**2 / float(np.sum(expected**2))
-    return honest, freedom
+    return bias_factor, freedom
 
 
 def _clusters(found: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
@@ -122,10 +124,12 @@ def _clusters(found: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
     p counts the doubtful parameters too, after those of the plan.
     """
     information, scores, conditions = [], [], []
-    views, everything = found.model.views, found.left()
-    runs = zip(found.whitenings, found.columns, found.doubts, everything, views, strict=True)
-    for white, columns, doubts, left, view in runs:
-        rows = white(np.vstack([columns, doubts]))
+    views, everything = found.model.views, found.whitened_residuals()
+    runs = zip(
+        found.whitenings, found.columns, found.uncertain_columns, everything, views, strict=True
+    )
+    for white, columns, uncertain_columns, left, view in runs:
+        rows = white(np.vstack([columns, uncertain_columns]))
         weight = weights(found.plan.loss, left)
         groups = [np.ones(left.size, bool)]
         if len(views) == 1:
@@ -135,15 +139,15 @@ def _clusters(found: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
             information.append((part * heavy) @ part.T)
             scores.append((part * heavy) @ left[inside])
             conditions.append(view.entry.condition)
-    unit = "runs" if len(views) > 1 else "stretches of one run"
+    unit = "runs" if len(views) > 1 else "segments of one run"
     return np.array(information), np.array(scores), np.array(conditions), unit
 
 
 def _textbook(found: State) -> np.ndarray:
     """Root of the diagonal of s^2 (J'J)^-1, every bin taken as independent."""
-    runs = list(zip(found.columns, found.misses, found.whitenings, strict=True))
+    runs = list(zip(found.columns, found.residuals, found.whitenings, strict=True))
     rows = np.hstack([columns / white.noise for columns, _, white in runs])
-    left = np.concatenate([miss / white.noise for _, miss, white in runs])
+    left = np.concatenate([residual / white.noise for _, residual, white in runs])
     square = float(left @ left) / max(1, left.size - rows.shape[0])
     information = rows @ rows.T + np.diag(found.scales.prior**2) * 1e-6
     return np.sqrt(square * np.diag(np.linalg.inv(information)))

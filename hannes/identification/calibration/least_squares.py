@@ -58,13 +58,13 @@ def solve(problem: Problem, x: np.ndarray, tolerance: float = FINE) -> Solved:
 def cost(loss: str, left: np.ndarray) -> float:
     """Half the sum of squares of a whitened misfit, bent as scipy's least_squares bends it."""
     z = (left / ROBUST) ** 2
-    bent = {
+    losses = {
         "linear": lambda: z,
         "soft_l1": lambda: 2.0 * (np.sqrt(1.0 + z) - 1.0),
         "huber": lambda: np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
         "cauchy": lambda: np.log1p(z),
     }
-    return 0.5 * ROBUST**2 * float(np.sum(bent[loss]()))
+    return 0.5 * ROBUST**2 * float(np.sum(losses[loss]()))
 
 
 def weights(loss: str, left: np.ndarray) -> np.ndarray:

@@ -44,22 +44,22 @@ class State:
     plan: Plan
     scales: Scales
     x: np.ndarray
-    late: np.ndarray
-    doubted: np.ndarray
+    start_offsets: np.ndarray
+    uncertain_values: np.ndarray
     noise: np.ndarray
     steps: np.ndarray
     bundle: Bundle
     slow: Bundle | None
     slow_at: np.ndarray
     whitenings: list[Whitening]
-    misses: list[np.ndarray]
+    residuals: list[np.ndarray]
     columns: list[np.ndarray]
-    doubts: list[np.ndarray]
+    uncertain_columns: list[np.ndarray]
     shared: Whitening | None
     costs: list[float] = field(default_factory=list)
     starts: list[Start] = field(default_factory=list)
     on_bound: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
-    floors: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    noise_floors: np.ndarray = field(default_factory=lambda: np.zeros(0))
     interrupted: bool = False
 
     @property
@@ -70,9 +70,12 @@ class State:
     @property
     def all_values(self) -> dict[str, float]:
         """Fitted and doubtful parameters, SI."""
-        return {**doubtful(self.model.plant, self.plan, self.doubted), **self.values}
+        return {
+            **uncertain_parameters(self.model.plant, self.plan, self.uncertain_values),
+            **self.values,
+        }
 
-    def slopes(self) -> np.ndarray:
+    def jacobian(self) -> np.ndarray:
         """Whitened slopes of all runs by the scaled parameters, shape (p, N)."""
         return self.together(self.columns)
 
@@ -82,45 +85,47 @@ class State:
         whole = np.concatenate([white(each) for white, each in pairs], axis=-1)
         return self.shared(whole) if self.shared else whole
 
-    def missed(self, misses: Sequence[np.ndarray]) -> np.ndarray:
+    def whitened_residual(self, residuals: Sequence[np.ndarray]) -> np.ndarray:
         """Whitened misfit of all runs as it were with nothing known of what is doubtful, (N,)."""
         if not self.shared:
-            return self.together(misses)
-        pairs = zip(misses, self.doubts, strict=True)
-        return self.together([miss - self.doubted @ rows for miss, rows in pairs])
+            return self.together(residuals)
+        pairs = zip(residuals, self.uncertain_columns, strict=True)
+        return self.together([residual - self.uncertain_values @ rows for residual, rows in pairs])
 
-    def left(self) -> list[np.ndarray]:
+    def whitened_residuals(self) -> list[np.ndarray]:
         """Whitened misfit of each run, what is doubtful where it fits best, shape (n,) each."""
-        moved = self.best_doubted() - self.doubted
-        runs = zip(self.whitenings, self.misses, self.doubts, strict=True)
-        return [white(miss + moved @ rows) for white, miss, rows in runs]
+        moved = self.best_uncertain_values() - self.uncertain_values
+        runs = zip(self.whitenings, self.residuals, self.uncertain_columns, strict=True)
+        return [white(residual + moved @ rows) for white, residual, rows in runs]
 
-    def best_doubted(self) -> np.ndarray:
+    def best_uncertain_values(self) -> np.ndarray:
         """Where doubtful parameters most likely are, in standard deviations, shape (q,)."""
         if not self.shared:
-            return self.doubted
-        runs = zip(self.whitenings, self.misses, self.doubts, strict=True)
-        whole = [white(miss - self.doubted @ rows) for white, miss, rows in runs]
-        return self.shared.blamed(-np.concatenate(whole))
+            return self.uncertain_values
+        runs = zip(self.whitenings, self.residuals, self.uncertain_columns, strict=True)
+        whole = [white(residual - self.uncertain_values @ rows) for white, residual, rows in runs]
+        return self.shared.attributed(-np.concatenate(whole))
 
-    def lateness(self) -> np.ndarray:
+    def start_corrections(self) -> np.ndarray:
         """How much later than assumed each run most likely starts [s], shape (runs,)."""
         if not self.plan.start_time:
-            return np.zeros(len(self.misses))
-        pairs = zip(self.whitenings, self.misses, strict=True)
-        found = np.array([white.blamed(-miss)[-1] for white, miss in pairs])
+            return np.zeros(len(self.residuals))
+        pairs = zip(self.whitenings, self.residuals, strict=True)
+        found = np.array([white.attributed(-residual)[-1] for white, residual in pairs])
         return self.plan.start_time * found
 
     @property
-    def misfit(self) -> float:
+    def rms(self) -> float:
         """RMS of the whitened misfit of all runs."""
-        return float(np.sqrt(np.mean(np.concatenate(self.left()) ** 2)))
+        return float(np.sqrt(np.mean(np.concatenate(self.whitened_residuals()) ** 2)))
 
 
-def doubtful(plant: Plant, plan: Plan, doubted: np.ndarray) -> dict[str, float]:
+def uncertain_parameters(
+    plant: Plant, plan: Plan, uncertain_values: np.ndarray
+) -> dict[str, float]:
     """SI values of the doubtful parameters, inside their bounds."""
     found = {}
-    for (name, size), at in zip(plan.doubt.items(), doubted, strict=True):
+    for (name, size), at in zip(plan.doubt.items(), uncertain_values, strict=True):
         low, high = plant.parameters.declared[name].bounds
         found[name] = float(np.clip(plant.parameters[name] + size * at, low, high))
     return found
@@ -135,18 +140,21 @@ class Maker:
     scales: Scales
     spread_over: Map
 
-    def values(self, x: np.ndarray, doubted: np.ndarray) -> dict[str, float]:
+    def values(self, x: np.ndarray, uncertain_values: np.ndarray) -> dict[str, float]:
         """What is simulated at a point, SI."""
-        return {**doubtful(self.model.plant, self.plan, doubted), **self.scales.values(x)}
+        return {
+            **uncertain_parameters(self.model.plant, self.plan, uncertain_values),
+            **self.scales.values(x),
+        }
 
-    def bundle(self, x: np.ndarray, doubted: np.ndarray, steps: np.ndarray) -> Bundle:
+    def bundle(self, x: np.ndarray, uncertain_values: np.ndarray, steps: np.ndarray) -> Bundle:
         """Simulations about a point for the slopes by all parameters."""
         sizes = dict(zip(self.plan.names, steps * self.scales.scale, strict=True))
-        return self.model.bundle(self.values(x, doubted), sizes, self.spread_over)
+        return self.model.bundle(self.values(x, uncertain_values), sizes, self.spread_over)
 
-    def slow(self, x: np.ndarray, doubted: np.ndarray) -> Bundle:
+    def slow(self, x: np.ndarray, uncertain_values: np.ndarray) -> Bundle:
         """Simulations for the directions in which runs differ, and those of doubt."""
-        values, given = self.values(x, doubted), self.model.plant.parameters
+        values, given = self.values(x, uncertain_values), self.model.plant.parameters
         sizes: Mapping[str, float] = {**self.plan.nuisance, **self.plan.doubt}
         steps = {
             name: FIRST_STEP * abs(values.get(name, given[name])) or size
@@ -156,52 +164,77 @@ class Maker:
 
     def first(self, x: np.ndarray, noise: np.ndarray) -> State:
         """The state at x before anything is known but noise; no run differs yet, all is certain."""
-        late, steps = np.zeros(len(self.model.views)), np.full(x.size, FIRST_STEP)
-        doubted = np.zeros(len(self.plan.doubt))
-        bundle = self.bundle(x, doubted, steps)
-        self.model.settle(self.values(x, doubted), bundle.base, self.spread_over)
-        return self.made(x, late, doubted, noise, steps, bundle, None, x)
+        start_offsets, steps = np.zeros(len(self.model.views)), np.full(x.size, FIRST_STEP)
+        uncertain_values = np.zeros(len(self.plan.doubt))
+        bundle = self.bundle(x, uncertain_values, steps)
+        self.model.settle(self.values(x, uncertain_values), bundle.centre, self.spread_over)
+        return self.made(x, start_offsets, uncertain_values, noise, steps, bundle, None, x)
 
     def at(self, x: np.ndarray, state: State) -> State:
         """The state at another x, all else as it was."""
-        bundle = self.bundle(x, state.doubted, state.steps)
-        self.model.settle(self.values(x, state.doubted), bundle.base, self.spread_over)
-        slow = state.slow or self.slow(x, state.doubted)
+        bundle = self.bundle(x, state.uncertain_values, state.steps)
+        self.model.settle(self.values(x, state.uncertain_values), bundle.centre, self.spread_over)
+        slow = state.slow or self.slow(x, state.uncertain_values)
         return self.made(
-            x, state.late, state.doubted, state.noise, state.steps, bundle, slow, state.slow_at
+            x,
+            state.start_offsets,
+            state.uncertain_values,
+            state.noise,
+            state.steps,
+            bundle,
+            slow,
+            state.slow_at,
         )
 
-    def moved(self, state: State, late: np.ndarray, doubted: np.ndarray) -> State:
+    def moved(self, state: State, start_offsets: np.ndarray, uncertain_values: np.ndarray) -> State:
         """The state with other starts and doubtful values."""
         bundle = state.bundle
         if self.plan.doubt:
-            bundle = self.bundle(state.x, doubted, state.steps)
-            self.model.settle(self.values(state.x, doubted), bundle.base, self.spread_over)
+            bundle = self.bundle(state.x, uncertain_values, state.steps)
+            self.model.settle(
+                self.values(state.x, uncertain_values), bundle.centre, self.spread_over
+            )
         return self.made(
-            state.x, late, doubted, state.noise, state.steps, bundle, state.slow, state.slow_at
+            state.x,
+            start_offsets,
+            uncertain_values,
+            state.noise,
+            state.steps,
+            bundle,
+            state.slow,
+            state.slow_at,
         )
 
     def weighed(self, state: State, noise: np.ndarray) -> State:
         """The state with other noise."""
         made = self.made(
-            state.x, state.late, state.doubted, noise, state.steps, state.bundle, state.slow,
-            state.slow_at,
+            state.x, state.start_offsets, state.uncertain_values, noise, state.steps,
+            state.bundle, state.slow, state.slow_at,
         )  # fmt: skip
         return replace(made, on_bound=state.on_bound)
 
     def solved(self, state: State, x: np.ndarray, steps: np.ndarray, bundle: Bundle) -> State:
         """The state at x, about which `bundle` was simulated; slow directions anew where far."""
-        self.model.settle(self.values(x, state.doubted), bundle.base, self.spread_over)
+        self.model.settle(self.values(x, state.uncertain_values), bundle.centre, self.spread_over)
         slow, slow_at = state.slow, state.slow_at
         if slow is None or np.abs(x - slow_at).max() > FAR:
-            slow, slow_at = self.slow(x, state.doubted), x
-        return self.made(x, state.late, state.doubted, state.noise, steps, bundle, slow, slow_at)
+            slow, slow_at = self.slow(x, state.uncertain_values), x
+        return self.made(
+            x,
+            state.start_offsets,
+            state.uncertain_values,
+            state.noise,
+            steps,
+            bundle,
+            slow,
+            slow_at,
+        )
 
     def made(
         self,
         x: np.ndarray,
-        late: np.ndarray,
-        doubted: np.ndarray,
+        start_offsets: np.ndarray,
+        uncertain_values: np.ndarray,
         noise: np.ndarray,
         steps: np.ndarray,
         bundle: Bundle,
@@ -211,44 +244,45 @@ class Maker:
         """A state from its simulations."""
         model, views = self.model, self.model.views
         per_run = [
-            np.hypot(noise[view.part], JERK * jerk)
-            for view, jerk in zip(views, model.jerks(bundle.base), strict=True)
+            np.hypot(noise[view.part], JERK * nonlinearity)
+            for view, nonlinearity in zip(views, model.nonlinearities(bundle.centre), strict=True)
         ]
-        seen = model.seen(bundle.base, late)
-        runs = zip(seen, views, per_run, strict=True)
-        misses = [missed(values, view.measured, n) for values, view, n in runs]
-        moved = self._stacked(slow, self.plan.nuisance, late)
+        vectors = model.vectors(bundle.centre, start_offsets)
+        runs = zip(vectors, views, per_run, strict=True)
+        residuals = [residual_vector(values, view.measured, n) for values, view, n in runs]
+        moved = self._stacked(slow, self.plan.nuisance, start_offsets)
         if self.plan.start_time:
-            delays = model.delays(bundle.base, late)
+            delays = model.delays(bundle.centre, start_offsets)
             pairs = zip(moved, delays, strict=True)
             moved = [np.vstack([rows, self.plan.start_time * delay]) for rows, delay in pairs]
         whitenings = [Whitening.of(n, rows) for n, rows in zip(per_run, moved, strict=True)]
-        doubts = self._stacked(slow, self.plan.doubt, late)
+        uncertain_columns = self._stacked(slow, self.plan.doubt, start_offsets)
         shared = None
-        if len(doubts[0]):
-            runs_of = zip(whitenings, doubts, strict=True)
+        if len(uncertain_columns[0]):
+            runs_of = zip(whitenings, uncertain_columns, strict=True)
             whole = np.hstack([white(rows) for white, rows in runs_of])
             shared = Whitening.of(np.ones(whole.shape[1]), whole)
         return State(
-            model, self.plan, self.scales, x, late, doubted, noise, steps, bundle, slow, slow_at,
-            whitenings, misses, self.columns(bundle, late), doubts, shared,
+            model, self.plan, self.scales, x, start_offsets, uncertain_values, noise, steps,
+            bundle, slow, slow_at,
+            whitenings, residuals, self.columns(bundle, start_offsets), uncertain_columns, shared,
         )  # fmt: skip
 
-    def columns(self, bundle: Bundle, late: np.ndarray) -> list[np.ndarray]:
+    def columns(self, bundle: Bundle, start_offsets: np.ndarray) -> list[np.ndarray]:
         """Slopes of every run by the scaled parameters, shape (p, n) each."""
         scale = dict(zip(self.plan.names, self.scales.scale.tolist(), strict=True))
-        return self._stacked(bundle, scale, late)
+        return self._stacked(bundle, scale, start_offsets)
 
     def _stacked(
-        self, bundle: Bundle | None, sizes: Mapping[str, float], late: np.ndarray
+        self, bundle: Bundle | None, sizes: Mapping[str, float], start_offsets: np.ndarray
     ) -> list[np.ndarray]:
         """Slopes by each parameter times its size, for every run, shape (sizes, n) each."""
         if bundle is None or not sizes:
             return [np.zeros((0, view.measured.size)) for view in self.model.views]
-        return self.model.slopes(bundle, sizes, late)
+        return self.model.derivatives(bundle, sizes, start_offsets)
 
 
-def missed(simulated: np.ndarray, measured: np.ndarray, noise: np.ndarray) -> np.ndarray:
+def residual_vector(simulated: np.ndarray, measured: np.ndarray, noise: np.ndarray) -> np.ndarray:
     """Difference of two vectors; a feature that the simulation lacks counts as plainly wrong."""
     difference = simulated - measured
     return np.where(np.isnan(difference), SENSELESS * noise, difference)

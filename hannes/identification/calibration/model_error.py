@@ -32,24 +32,24 @@ def _size(views: Sequence[View], name: str, command: str) -> float:
     return float(np.sqrt(np.mean(whole**2))) if whole.size else 0.0
 
 
-def first(least: np.ndarray, floors: np.ndarray) -> np.ndarray:
+def first(least: np.ndarray, noise_floors: np.ndarray) -> np.ndarray:
     """Noise before any fit: the spread of repeats, or the least that is believed, (names,)."""
-    return _above_zero(np.maximum(least, floors))
+    return _above_zero(np.maximum(least, noise_floors))
 
 
-def remaining(state: State, least: np.ndarray, floors: np.ndarray) -> np.ndarray:
+def remaining(state: State, least: np.ndarray, noise_floors: np.ndarray) -> np.ndarray:
     """Noise after a fit: what it leaves beyond what runs do, or the least that is believed.
 
     Features keep their floor from repeats: there are too few of them to learn from.
     """
     level = least.copy()
-    runs = zip(state.whitenings, state.misses, strict=True)
-    rests = [white.rest(miss) for white, miss in runs]
+    runs = zip(state.whitenings, state.residuals, strict=True)
+    rests = [white.rest(residual) for white, residual in runs]
     for number, name in enumerate(state.model.views[0].names):
         pairs = zip(rests, state.model.views, strict=True)
         left = np.concatenate([rest[view.part == number] for rest, view in pairs])
         if name not in state.plan.channels:
-            level[number] = max(level[number], floors[number])
+            level[number] = max(level[number], noise_floors[number])
         elif left.size:
             level[number] = max(level[number], float(np.sqrt(np.mean(left**2))))
     return _above_zero(level)

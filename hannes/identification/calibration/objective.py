@@ -7,10 +7,10 @@ from threading import Event
 import numpy as np
 
 from hannes.core.errors import ComputationFailed
-from hannes.identification.calibration.linearisation import Maker, State, missed
+from hannes.identification.calibration.linearisation import Maker, State, residual_vector
 from hannes.identification.calibration.simulator import Bundle, Channels, Map
 
-Told = Callable[[float, np.ndarray], None]
+Progress = Callable[[float, np.ndarray], None]
 STEP = 0.5  # of a parameter's standard deviation: slopes as they are where it may lie
 LEAST, MOST = 3e-4, 3e-2  # of a parameter's scale, of a difference step
 CLOSE_BY = 0.03  # of a parameter's scale, within which slopes are as good as the same
@@ -37,7 +37,7 @@ class Problem:
 
     state: State
     spread_over: Map = map
-    told: Told = lambda misfit, x: None
+    progress: Progress = lambda rms, x: None
     stop: Event = field(default_factory=Event)
     bundle: tuple[np.ndarray, Bundle] = field(init=False)
     steps: np.ndarray = field(init=False)
@@ -58,21 +58,21 @@ class Problem:
             return left
         state = self.state
         try:
-            values = self.maker.values(x, state.doubted)
+            values = self.maker.values(x, state.uncertain_values)
             done = state.model.run(values, self.spread_over)
         except ComputationFailed:
-            return np.full(sum(each.size for each in state.misses) + x.size, np.inf)
-        data = state.missed(self._misses(done))
+            return np.full(sum(each.size for each in state.residuals) + x.size, np.inf)
+        data = state.whitened_residual(self._misses(done))
         left = np.concatenate([data, state.scales.prior * x])
         self.last = x.copy(), left
-        self.told(float(np.sqrt(np.mean(data**2))), x)
+        self.progress(float(np.sqrt(np.mean(data**2))), x)
         return left
 
     def _misses(self, done: list[Channels]) -> list[np.ndarray]:
         state = self.state
-        seen = state.model.seen(done, state.late)
-        runs = zip(seen, state.model.views, state.whitenings, strict=True)
-        return [missed(values, view.measured, white.noise) for values, view, white in runs]
+        vectors = state.model.vectors(done, state.start_offsets)
+        runs = zip(vectors, state.model.views, state.whitenings, strict=True)
+        return [residual_vector(values, view.measured, white.noise) for values, view, white in runs]
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
         """Slopes of `residual`, shape (size, p); raises Settled where they lead nowhere."""
@@ -80,25 +80,25 @@ class Problem:
             raise Stopped
         state = self.state
         if np.abs(self.bundle[0] - x).max() > CLOSE_BY:
-            self.bundle = x.copy(), self.maker.bundle(x, state.doubted, self.steps)
-        columns = self.maker.columns(self.bundle[1], state.late)
+            self.bundle = x.copy(), self.maker.bundle(x, state.uncertain_values, self.steps)
+        columns = self.maker.columns(self.bundle[1], state.start_offsets)
         whole = state.together(columns)
         deviation = deviations(whole, state.scales.prior)
         self.steps = np.clip(STEP * deviation, LEAST, MOST)
-        slopes = np.vstack([whole.T, np.diag(state.scales.prior)])
+        jacobian = np.vstack([whole.T, np.diag(state.scales.prior)])
         at, left = self.last
-        if np.array_equal(at, x) and self._stands(x, left, slopes):
+        if np.array_equal(at, x) and self._stands(x, left, jacobian):
             raise Settled
-        return slopes
+        return jacobian
 
-    def _stands(self, x: np.ndarray, left: np.ndarray, slopes: np.ndarray) -> bool:
+    def _stands(self, x: np.ndarray, left: np.ndarray, jacobian: np.ndarray) -> bool:
         """Tell whether the step to the least misfit, were it linear, is short; bounds hold."""
-        pull, scales = -slopes.T @ left, self.state.scales
-        held = (x - scales.low < NEAR) & (pull < 0.0)
-        held |= (scales.high - x < NEAR) & (pull > 0.0)
+        gradient, scales = -jacobian.T @ left, self.state.scales
+        held = (x - scales.low < NEAR) & (gradient < 0.0)
+        held |= (scales.high - x < NEAR) & (gradient > 0.0)
         free = ~held
-        curvature = slopes[:, free].T @ slopes[:, free]
-        return bool(pull[free] @ np.linalg.solve(curvature, pull[free]) < ENOUGH**2)
+        hessian = jacobian[:, free].T @ jacobian[:, free]
+        return bool(gradient[free] @ np.linalg.solve(hessian, gradient[free]) < ENOUGH**2)
 
 
 def deviations(columns: np.ndarray, prior: np.ndarray) -> np.ndarray:

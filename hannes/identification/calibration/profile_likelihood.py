@@ -33,7 +33,7 @@ class _Profile:
 
     def __init__(self, found: State, spread: Spread) -> None:
         self.found, self.problem, self.spread = found, Problem(found), spread
-        self.slopes = np.vstack([found.slopes().T, np.diag(found.scales.prior)])
+        self.jacobian = np.vstack([found.jacobian().T, np.diag(found.scales.prior)])
         self.loss = found.plan.loss
         self.floor = cost(self.loss, self.problem.residual(found.x))
 
@@ -41,7 +41,7 @@ class _Profile:
         """Half-width on one side (-1 below, 1 above), scaled."""
         expected = float(self.spread.reach[place])
         variance, scales = float(self.spread.covariance[place, place]), self.found.scales
-        value = abs(float(self.found.x[place] + scales.given[place] / scales.scale[place]))
+        value = abs(float(self.found.x[place] + scales.nominal[place] / scales.scale[place]))
         if place in self.found.on_bound or not 0.0 < expected < max(1.0, value):
             return expected
         aim = 0.5 * expected**2 / variance
@@ -68,9 +68,9 @@ class _Profile:
         if not np.isfinite(left).all():
             return np.inf
         others = np.arange(x.size) != place
-        slopes = self.slopes[:, others]
+        jacobian = self.jacobian[:, others]
         if others.any():
-            x[others] -= np.linalg.lstsq(slopes, left, rcond=None)[0]
+            x[others] -= np.linalg.lstsq(jacobian, left, rcond=None)[0]
         x = np.clip(x, scales.low, scales.high)
         followed = self.problem.residual(x)
         return min(cost(self.loss, left), cost(self.loss, followed)) - self.floor

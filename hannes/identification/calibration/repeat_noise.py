@@ -14,7 +14,7 @@ ROUGH = (
 )
 
 
-def floors(views: Sequence[View]) -> tuple[np.ndarray, str]:
+def noise_floors(views: Sequence[View]) -> tuple[np.ndarray, str]:
     """Standard deviation of each channel's bins and of each feature [its unit], and how it was had.
 
     Shape (names,); NaN for a feature that was never repeated. From repeats: the spread between
@@ -29,7 +29,7 @@ def floors(views: Sequence[View]) -> tuple[np.ndarray, str]:
     return found, how
 
 
-def sample_floors(views: Sequence[View]) -> dict[str, float]:
+def sample_noise_floors(views: Sequence[View]) -> dict[str, float]:
     """The same of single samples instead of bins, by channel."""
     channels = dict.fromkeys(name for view in views for name in view.channels)
     found = {}

@@ -14,7 +14,7 @@ SHARE = 0.25  # of what remains, that repeats, from where on it is worth a word
 
 
 @dataclass(frozen=True)
-class Remains:
+class RepeatableResidual:
     """Whether what the fit leaves is the same in every run of a condition.
 
     repeats: True, False, or None where no condition was repeated
@@ -44,21 +44,23 @@ class Remains:
         )
 
 
-def remains(found: State) -> Remains:
+def repeatable_residual(found: State) -> RepeatableResidual:
     """Compare what the fit leaves in the runs of each condition."""
     groups = _groups(found)
     if not groups:
-        return Remains(None, 1.0, 0.0, {})
+        return RepeatableResidual(None, 1.0, 0.0, {})
     common = sum(_shared(rows) for rows in groups)
     whole = sum(float(np.sum(rows**2)) / len(rows) for rows in groups)
     share = float(np.clip(common / max(whole, 1e-300), 0.0, 1.0))
     chance = _chance(groups, found.plan.seed)
-    return Remains(chance <= CHANCE and share >= SHARE, chance, share, _by_channel(found))
+    return RepeatableResidual(
+        chance <= CHANCE and share >= SHARE, chance, share, _by_channel(found)
+    )
 
 
 def _groups(found: State) -> list[np.ndarray]:
     """Whitened misfit of the runs of each repeated condition, shape (runs, n) each."""
-    return _by_condition(found.model.views, found.left())
+    return _by_condition(found.model.views, found.whitened_residuals())
 
 
 def _by_condition(views: Sequence[View], rows: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -82,11 +84,11 @@ def _chance(groups: Sequence[np.ndarray], seed: int) -> float:
     def agreement(signs: Sequence[np.ndarray]) -> float:
         return sum(float(s @ each @ s) for s, each in zip(signs, products, strict=True))
 
-    seen = agreement([np.ones(len(each)) for each in groups])
+    vectors = agreement([np.ones(len(each)) for each in groups])
     drawn = [
         agreement([rng.choice((-1.0, 1.0), len(each)) for each in groups]) for _ in range(FLIPS)
     ]
-    return (1 + int(np.sum(np.array(drawn) >= seen * (1.0 - 1e-12)))) / (1 + FLIPS)
+    return (1 + int(np.sum(np.array(drawn) >= vectors * (1.0 - 1e-12)))) / (1 + FLIPS)
 
 
 def _by_channel(found: State) -> dict[str, float]:
@@ -94,8 +96,8 @@ def _by_channel(found: State) -> dict[str, float]:
     common = {}
     for number, name in enumerate(found.model.views[0].names):
         parts = [
-            miss[view.part == number]
-            for miss, view in zip(found.misses, found.model.views, strict=True)
+            residual[view.part == number]
+            for residual, view in zip(found.residuals, found.model.views, strict=True)
         ]
         groups = [each for each in _by_condition(found.model.views, parts) if each.size]
         if groups:

@@ -10,7 +10,7 @@ import numpy as np
 from hannes.campaigns.campaign import Campaign
 from hannes.core.by_value import ByValue
 from hannes.core.io.provenance import versions
-from hannes.identification.calibration.data_check import Findings
+from hannes.identification.calibration.data_check import DataIssues
 from hannes.identification.calibration.identifiability import (
     AT_BOUND,
     CONFOUNDED,
@@ -19,7 +19,7 @@ from hannes.identification.calibration.identifiability import (
 )
 from hannes.identification.calibration.intervals import LEVEL, Spread
 from hannes.identification.calibration.linearisation import State
-from hannes.identification.calibration.repeatable_residual import Remains
+from hannes.identification.calibration.repeatable_residual import RepeatableResidual
 from hannes.plants.protocol import Plant
 
 APART = 0.5  # half-widths of an interval within which two starts found the same
@@ -39,11 +39,11 @@ class Fit(ByValue):
     """
 
     campaign: Campaign
-    findings: Findings
+    data_issues: DataIssues
     found: State
     spread: Spread
     answers: tuple[Answer, ...]
-    remains: Remains
+    repeatable_residual: RepeatableResidual
     gap: dict[str, dict[str, float]]
     fitted_gap: dict[str, dict[str, float]]
     floor_from: str
@@ -93,18 +93,18 @@ class Fit(ByValue):
         return {
             "status": "interrupted" if self.found.interrupted else "converged",
             "parameters": {each.name: _plain(each) for each in self.answers},
-            "findings": [{"file": name, **asdict(each)} for name, each in self.findings],
+            "findings": [{"file": name, **asdict(each)} for name, each in self.data_issues],
             "level": LEVEL,
             "intervals_by": self.spread.unit,
             "gap": self._with_units(self.gap),
             "fitted_gap": self._with_units(self.fitted_gap),
             "floor_from": self.floor_from,
             "remains": {
-                "repeats": self.remains.repeats,
-                "chance": self.remains.chance,
-                "share": self.remains.share,
-                "common": self.remains.common,
-                "sentence": self.remains.sentence,
+                "repeats": self.repeatable_residual.repeats,
+                "chance": self.repeatable_residual.chance,
+                "share": self.repeatable_residual.share,
+                "common": self.repeatable_residual.common,
+                "sentence": self.repeatable_residual.sentence,
             },
             "starts": self._starts(),
             "runs": self._runs(),
@@ -112,7 +112,7 @@ class Fit(ByValue):
                 role: [each.name for each in self.campaign.of(role)]
                 for role in ("fit", "select", "show")
             },
-            "doubted": self._doubted(),
+            "doubted": self._uncertain(),
             "misfit": self.found.costs,
             "seed": self.seed,
             "versions": versions(),
@@ -137,10 +137,10 @@ class Fit(ByValue):
             for start, agrees in zip(self.found.starts, self.agreeing, strict=True)
         ]
 
-    def _doubted(self) -> dict[str, dict[str, Any]]:
+    def _uncertain(self) -> dict[str, dict[str, Any]]:
         """Parameters that were not asked for but taken as uncertain, and where they came to lie."""
         plant, found = self.campaign.plant, self.found
-        pulls = zip(found.plan.doubt.items(), found.doubted, strict=True)
+        pairs = zip(found.plan.doubt.items(), found.uncertain_values, strict=True)
         return {
             name: {
                 "value": found.all_values[name],
@@ -148,20 +148,20 @@ class Fit(ByValue):
                 "given": plant.parameters[name],
                 "deviations": float(at),
             }
-            for (name, _), at in pulls
+            for (name, _), at in pairs
         }
 
     def _runs(self) -> list[dict[str, Any]]:
         """When each run started, and in what it most likely differed from the others."""
         found, rows = self.found, []
         for place, view in enumerate(found.model.views):
-            blamed = found.whitenings[place].blamed(-found.misses[place])
+            blamed = found.whitenings[place].attributed(-found.residuals[place])
             sizes = dict(zip(found.plan.nuisance.items(), blamed, strict=False))
             rows.append(
                 {
                     "file": view.entry.name,
                     "condition": view.entry.condition,
-                    "starts_late_s": float(found.late[place]),
+                    "starts_late_s": float(found.start_offsets[place]),
                     "differs": {name: float(size * at) for (name, size), at in sizes.items()},
                 }
             )
@@ -173,16 +173,16 @@ class Fit(ByValue):
         lines = [self.sentence]
         for each in self.answers:
             note = "" if each.identified else f"  {each.label}"
-            lines.append(f"  {each.name:<{width}}  {told(each)}{note}")
-        return "\n".join([*lines, self.remains.sentence + ".", *self._warnings()])
+            lines.append(f"  {each.name:<{width}}  {value_text(each)}{note}")
+        return "\n".join([*lines, self.repeatable_residual.sentence + ".", *self._warnings()])
 
     def _warnings(self) -> list[str]:
-        more = len(self.findings) - MOST_WARNINGS
-        lines = [f"{name}: {each}" for name, each in self.findings[:MOST_WARNINGS]]
+        more = len(self.data_issues) - MOST_WARNINGS
+        lines = [f"{name}: {each}" for name, each in self.data_issues[:MOST_WARNINGS]]
         return [*lines, f"{more} more warnings: see `hannes check`"] if more > 0 else lines
 
 
-def told(answer: Answer) -> str:
+def value_text(answer: Answer) -> str:
     """`18.083 mN m/A (18.071 to 18.095)`: as many digits as the interval bears."""
     small = bool(_MILLI.match(answer.unit)) and 0.0 < abs(answer.value) < 0.1
     factor, unit = (1e3, f"m{answer.unit}") if small else (1.0, answer.unit)
@@ -199,7 +199,7 @@ def _plain(answer: Answer) -> dict[str, Any]:
         "unit": answer.unit,
         "low": answer.low,
         "high": answer.high,
-        "given": answer.given,
+        "given": answer.nominal,
         "label": answer.label,
         "confounded_with": list(answer.partners),
         "reason": answer.reason,

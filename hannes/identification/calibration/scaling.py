@@ -16,7 +16,7 @@ class Scales:
     """
 
     names: tuple[str, ...]
-    given: np.ndarray
+    nominal: np.ndarray
     scale: np.ndarray
     low: np.ndarray
     high: np.ndarray
@@ -35,6 +35,6 @@ class Scales:
     def values(self, x: np.ndarray) -> dict[str, float]:
         """SI values by name, inside the bounds to the last bit."""
         inside = np.clip(x, self.low, self.high)
-        values = self.given + inside * self.scale
-        edges = self.given + np.array([self.low, self.high]) * self.scale
+        values = self.nominal + inside * self.scale
+        edges = self.nominal + np.array([self.low, self.high]) * self.scale
         return dict(zip(self.names, np.clip(values, *edges).tolist(), strict=True))

@@ -31,13 +31,13 @@ class Search:
         self,
         model: Model,
         plan: Plan,
-        floors: np.ndarray,
+        noise_floors: np.ndarray,
         workers: int,
-        told: Progress = lambda text, misfit: None,
+        progress: Progress = lambda text, rms: None,
     ) -> None:
-        self.model, self.plan, self.told, self.workers = model, plan, told, workers
+        self.model, self.plan, self.progress, self.workers = model, plan, progress, workers
         self.scales = Scales.of(plan, model.plant.parameters)
-        self.floors = np.nan_to_num(floors)
+        self.noise_floors = np.nan_to_num(noise_floors)
         self.least = plan.model_error * model_error.sizes(model)
         self.best = (np.inf, np.zeros(len(plan.names)))
         self.costs: list[float] = []
@@ -53,21 +53,21 @@ class Search:
             except KeyboardInterrupt:
                 x = self.best[1] if np.isfinite(self.best[0]) else state.x
                 found = replace(self.maker.at(x, state), interrupted=True)
-        return replace(found, costs=self.costs, starts=self.starts, floors=self.floors)
+        return replace(found, costs=self.costs, starts=self.starts, noise_floors=self.noise_floors)
 
     def _begin(self) -> State:
         """The misfit at the given values, or where a scan found it least."""
         x = np.zeros(len(self.plan.names))
         try:
-            state = self.maker.first(x, model_error.first(self.least, self.floors))
+            state = self.maker.first(x, model_error.first(self.least, self.noise_floors))
         except ComputationFailed as error:
             raise ComputationFailed(f"{NOTHING_SIMULATES} ({error})") from None
         self.order = scattered(self.plan, self.scales, self.plan.scan or self.plan.starts - 1)
         if not self.plan.scan:
             return state
-        misfits = list(self.pool.map(lambda point: self._looked(state, point), self.order))
-        self.order = [self.order[k] for k in np.argsort(misfits, kind="stable")]
-        if min(misfits) < self._looked(state, x):
+        sums = list(self.pool.map(lambda point: self._looked(state, point), self.order))
+        self.order = [self.order[k] for k in np.argsort(sums, kind="stable")]
+        if min(sums) < self._looked(state, x):
             return self.maker.at(self.order.pop(0), state)
         return state
 
@@ -113,26 +113,28 @@ class Search:
         raise ComputationFailed(NOTHING_SIMULATES)
 
     def _problem(self, state: State, text: str, parallel: bool = True) -> Problem:
-        def told(misfit: float, x: np.ndarray) -> None:
-            if misfit < self.best[0]:
-                self.best = (misfit, x.copy())
-            self.told(text, self.best[0])
+        def progress(rms: float, x: np.ndarray) -> None:
+            if rms < self.best[0]:
+                self.best = (rms, x.copy())
+            self.progress(text, self.best[0])
 
-        return Problem(state, self.pool.map if parallel else map, told)
+        return Problem(state, self.pool.map if parallel else map, progress)
 
     def _next(self, state: State, solved: Solved, problem: Problem) -> State:
         """The state from where the round ended: starts and doubts move, what remains weighs."""
         at, bundle = problem.bundle
         if not np.array_equal(at, solved.x):
-            bundle = self.maker.bundle(solved.x, state.doubted, problem.steps)
+            bundle = self.maker.bundle(solved.x, state.uncertain_values, problem.steps)
         made = self.maker.solved(state, solved.x, problem.steps, bundle)
-        made = self.maker.moved(made, made.late + made.lateness(), made.best_doubted())
-        made = self.maker.weighed(made, model_error.remaining(made, self.least, self.floors))
+        made = self.maker.moved(
+            made, made.start_offsets + made.start_corrections(), made.best_uncertain_values()
+        )
+        made = self.maker.weighed(made, model_error.remaining(made, self.least, self.noise_floors))
         return replace(made, on_bound=solved.on_bound)
 
     def _still(self, state: State, before: np.ndarray) -> bool:
         """Tell whether the last round moved less than what the data can tell."""
-        deviation = deviations(state.slopes(), self.scales.prior)
+        deviation = deviations(state.jacobian(), self.scales.prior)
         return bool(np.all(np.abs(state.x - before) < STILL * deviation))
 
 

@@ -28,7 +28,7 @@ class Bundle:
     the step [SI].
     """
 
-    base: list[Channels]
+    centre: list[Channels]
     moved: dict[str, tuple[list[Channels] | None, float]]
 
 
@@ -42,7 +42,7 @@ class Model:
             groups.setdefault(plant.same_run(view.recording), []).append(place)
         self.groups = list(groups.values())
         self._smooth = getattr(plant, "smooth", None)
-        self.grain: list[Channels] = [{} for _ in self.groups]
+        self.discretisation: list[Channels] = [{} for _ in self.groups]
 
     def settle(
         self, values: Mapping[str, float], quick: Sequence[Channels], spread_over: Map = map
@@ -51,11 +51,11 @@ class Model:
         if self._smooth is None:
             return
 
-        def grain(number: int) -> Channels:
+        def discretisation(number: int) -> Channels:
             exact = self.plant.simulate(values, self.views[self.groups[number][0]].recording)
             return {name: exact[name] - quick[number][name] for name in exact}
 
-        self.grain = list(spread_over(grain, range(len(self.groups))))
+        self.discretisation = list(spread_over(discretisation, range(len(self.groups))))
 
     def run(self, values: Mapping[str, float], spread_over: Map = map) -> list[Channels]:
         """Quick simulation of every group of repeats; ComputationFailed where one breaks down."""
@@ -63,24 +63,34 @@ class Model:
         recordings = [self.views[group[0]].recording for group in self.groups]
         return list(spread_over(lambda recording: simulate(values, recording), recordings))
 
-    def seen(self, done: Sequence[Channels], late: np.ndarray) -> list[np.ndarray]:
-        """Vector of every run, grain included; `late` [s] is when each one starts, (runs,)."""
+    def vectors(self, done: Sequence[Channels], start_offsets: np.ndarray) -> list[np.ndarray]:
+        """Vector of every run, discretisation included; start_offsets [s]: shape (runs,)."""
         found: list[np.ndarray] = [np.zeros(0)] * len(self.views)
-        for channels, grain, group in zip(done, self.grain, self.groups, strict=True):
-            whole = {n: each + grain[n] for n, each in channels.items()} if grain else channels
+        for channels, discretisation, group in zip(
+            done, self.discretisation, self.groups, strict=True
+        ):
+            whole = (
+                {n: each + discretisation[n] for n, each in channels.items()}
+                if discretisation
+                else channels
+            )
             for place in group:
-                found[place] = self.views[place].of(whole, float(late[place]))
+                found[place] = self.views[place].of(whole, float(start_offsets[place]))
         return found
 
-    def jerks(self, done: Sequence[Channels]) -> list[np.ndarray]:
+    def nonlinearities(self, done: Sequence[Channels]) -> list[np.ndarray]:
         """How jerky each element of every run's vector is, see View.jerks."""
         pairs = zip(done, self.groups, strict=True)
-        placed = {place: self.views[place].jerks(each) for each, group in pairs for place in group}
+        placed = {
+            place: self.views[place].nonlinearities(each)
+            for each, group in pairs
+            for place in group
+        }
         return [placed[place] for place in range(len(self.views))]
 
-    def delays(self, done: Sequence[Channels], late: np.ndarray) -> list[np.ndarray]:
+    def delays(self, done: Sequence[Channels], start_offsets: np.ndarray) -> list[np.ndarray]:
         """Change of every run's vector per second that it starts later."""
-        before, after = (self.seen(done, late + side * SHIFT) for side in (-0.5, 0.5))
+        before, after = (self.vectors(done, start_offsets + side * SHIFT) for side in (-0.5, 0.5))
         return [np.nan_to_num((b - a) / SHIFT) for a, b in zip(before, after, strict=True)]
 
     def bundle(
@@ -91,9 +101,9 @@ class Model:
         A step that leads out of a parameter's bounds, or into a failed simulation, is taken the
         other way.
         """
-        base = self.run(values, spread_over)
+        centre = self.run(values, spread_over)
         made = list(spread_over(lambda name: self._moved(values, name, steps[name]), steps))
-        return Bundle(base, dict(zip(steps, made, strict=True)))
+        return Bundle(centre, dict(zip(steps, made, strict=True)))
 
     def _moved(
         self, values: Mapping[str, float], name: str, step: float
@@ -108,18 +118,20 @@ class Model:
                     continue
         return None, step
 
-    def slopes(
-        self, bundle: Bundle, sizes: Mapping[str, float], late: np.ndarray
+    def derivatives(
+        self, bundle: Bundle, sizes: Mapping[str, float], start_offsets: np.ndarray
     ) -> list[np.ndarray]:
         """Change of every run's vector by parameters times `sizes` [SI], shape (sizes, n) each.
 
         Zero where no step was had.
         """
-        base = self.seen(bundle.base, late)
-        found = [np.zeros((len(sizes), each.size)) for each in base]
+        centre = self.vectors(bundle.centre, start_offsets)
+        found = [np.zeros((len(sizes), each.size)) for each in centre]
         for row, (name, size) in enumerate(sizes.items()):
             moved, step = bundle.moved[name]
             if moved is not None:
-                for rows, m, b in zip(found, self.seen(moved, late), base, strict=True):
+                for rows, m, b in zip(
+                    found, self.vectors(moved, start_offsets), centre, strict=True
+                ):
                     rows[row] = size * np.nan_to_num((m - b) / step)
         return found

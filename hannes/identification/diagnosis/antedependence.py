@@ -16,10 +16,10 @@ RIDGE = 1e-3  # of the regressors' mean square
 FLOOR = 1e-6  # of a channel's mean square, that nothing before tells
 
 
-def covariance(strays: np.ndarray, channels: int) -> np.ndarray:
+def covariance(deviations: np.ndarray, channels: int) -> np.ndarray:
     """Of rows of noise, shape (m, n), one channel after the other of as many bins; shape (n, n)."""
-    count = len(strays)
-    rows = strays.reshape(count, channels, -1).transpose(0, 2, 1)  # run, bin, channel
+    count = len(deviations)
+    rows = deviations.reshape(count, channels, -1).transpose(0, 2, 1)  # run, bin, channel
     bins = rows.shape[1]
     sizes = np.sqrt(np.mean(np.square(rows), axis=(0, 1)))
     sizes = np.where(sizes > 0.0, sizes, 1.0)
@@ -35,13 +35,13 @@ def _regressed(rows: np.ndarray, at: int, back: int) -> tuple[np.ndarray, np.nda
     """How a bin follows from those before, oldest first, (channels, k); what they do not tell."""
     back, bins, channels = min(back, at), rows.shape[1], rows.shape[2]
     starts = [at + shift for shift in range(-NEAR, NEAR + 1) if back <= at + shift < bins]
-    told = np.concatenate([rows[:, each] for each in starts])
-    by = np.concatenate([rows[:, k - back : k].reshape(len(rows), -1) for k in starts])
-    products = by.T @ by
+    response = np.concatenate([rows[:, each] for each in starts])
+    regressors = np.concatenate([rows[:, k - back : k].reshape(len(rows), -1) for k in starts])
+    products = regressors.T @ regressors
     ridge = RIDGE * np.trace(products) / max(1, len(products)) + FLOOR
-    followed = np.linalg.solve(products + ridge * np.eye(len(products)), by.T @ told)
-    rest = told - by @ followed
-    free = max(len(told) - by.shape[1], len(told) // 2)
+    followed = np.linalg.solve(products + ridge * np.eye(len(products)), regressors.T @ response)
+    rest = response - regressors @ followed
+    free = max(len(response) - regressors.shape[1], len(response) // 2)
     return followed.T, rest.T @ rest / free + FLOOR * np.eye(channels)
 
 

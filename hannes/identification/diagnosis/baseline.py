@@ -4,16 +4,25 @@ from collections.abc import Sequence
 
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
-from hannes.identification.diagnosis.linearisation import Care, Point, first, grounded, surveyed
-from hannes.identification.diagnosis.multistart import Told
-from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.linearisation import (
+    Linearisation,
+    NoiseAccuracy,
+    estimated_noise,
+    first,
+    with_noise,
+)
+from hannes.identification.diagnosis.multistart import Progress
+from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Group
-from hannes.identification.diagnosis.run_to_run import in_keeping
+from hannes.identification.diagnosis.run_to_run import settings_from_repeats
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
 from hannes.plants.protocol import Plant
 
-ROUGH, FINE = Care(10.0, 3), Care(1.0, 40)  # by the one a fit finds its way, by the other it ends
+ROUGH, FINE = (
+    NoiseAccuracy(10.0, 3),
+    NoiseAccuracy(1.0, 40),
+)  # by the one a fit finds its way, by the other it ends
 SURVEYS = 2  # of noise: where fingers touch, what runs differ in depends on where the base is
 
 
@@ -23,27 +32,27 @@ def based(
     settings: Settings,
     effects: Sequence[Effect],
     seed: int,
-    told: Told,
-) -> tuple[Point, Point]:
+    progress: Progress,
+) -> tuple[Linearisation, Linearisation]:
     """As given and refitted; once more where repeats show that runs differ further than told."""
 
     def model(settings: Settings) -> Model:
-        return Model(plant, groups, Space(plant, groups, settings, effects), effects)
+        return Model(plant, groups, ParameterSpace(plant, groups, settings, effects), effects)
 
-    given, base = _fitted(model(settings), seed, told)
-    if (shown := in_keeping(base.ground, settings)) != settings:
-        return _fitted(model(shown), seed, told)
-    return given, base
+    nominal, baseline = _fitted(model(settings), seed, progress)
+    if (shown := settings_from_repeats(baseline.noise, settings)) != settings:
+        return _fitted(model(shown), seed, progress)
+    return nominal, baseline
 
 
-def _fitted(model: Model, seed: int, told: Told) -> tuple[Point, Point]:
+def _fitted(model: Model, seed: int, progress: Progress) -> tuple[Linearisation, Linearisation]:
     """The machine as given, and refitted without any effect, with noise as it is there."""
-    told("the machine as given")
-    given = first(model, ROUGH, seed)
-    told("the base")
-    base = fitted(given, 5, anew=1)
-    ticking = model.ticking(base.x, list(model.space.effects))
+    progress("the machine as given")
+    nominal = first(model, ROUGH, seed)
+    progress("the base")
+    baseline = fitted(nominal, 5, anew=1)
+    corrected = model.with_sampling_correction(baseline.x, list(model.space.effects))
     for _ in range(SURVEYS):
-        ground = surveyed(ticking, base.x, FINE, seed)
-        base = settled(fitted(grounded(base, ground), 4))
-    return grounded(given, ground), base
+        noise = estimated_noise(corrected, baseline.x, FINE, seed)
+        baseline = settled(fitted(with_noise(baseline, noise), 4))
+    return with_noise(nominal, noise), baseline

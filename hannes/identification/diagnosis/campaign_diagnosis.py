@@ -10,22 +10,22 @@ from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_campaign
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.before_after import STAGES, left, simulated, traced
-from hannes.identification.diagnosis.decision import Choice, chosen
-from hannes.identification.diagnosis.effect_search import LIMIT, PRICE, Found, investigate
+from hannes.identification.diagnosis.decision import Decision, decide
+from hannes.identification.diagnosis.effect_search import LIMIT, PRICE, SearchResult, search_effects
 from hannes.identification.diagnosis.effect_sizes import interval, with_sizes
 from hannes.identification.diagnosis.experiment_design import next_run
-from hannes.identification.diagnosis.generic_disturbances import EFFECTS as NAMELESS
+from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENERIC
 from hannes.identification.diagnosis.run_to_run import disagreement
-from hannes.identification.diagnosis.score_test import amplitude_names, likeness, projected
+from hannes.identification.diagnosis.score_test import amplitude_names, cosine_similarity, projected
 from hannes.identification.diagnosis.settings import Settings
-from hannes.identification.residuals import Traces, placed, tabled
+from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
 from hannes.plants.protocol import Plant
 
 ALPHA = 0.02  # of empty hands on which LIMIT aims to name something, at most
 COMPARED = 8  # effects of which the confusability is told
 POWER_80 = 0.842  # standard deviations above a limit that are seen four times in five
-Told = Callable[[str], None]
+Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -38,17 +38,19 @@ class Result:
     verdict: Verdict
     plant: Plant
     traces: tuple[Traces, ...]
-    floors: dict[str, float]
-    found: Found
-    choice: Choice
+    noise_floors: dict[str, float]
+    found: SearchResult
+    decision: Decision
 
 
-def possible(plant: Plant) -> bool:
+def declares_uncertainty(plant: Plant) -> bool:
     """Tell whether a plant says all that a deep diagnosis asks: what of it is uncertain."""
     return bool(getattr(plant, "uncertain", {}))
 
 
-def deep(campaign: Campaign, settings: Settings, seed: int, told: Told) -> Result:
+def diagnose_campaign(
+    campaign: Campaign, settings: Settings, seed: int, progress: Progress
+) -> Result:
     """Diagnose a campaign that lacks no role. ComputationFailed where its base cannot be run."""
     import scipy.linalg  # noqa: F401  loaded now, or its threads are not limited
     from threadpoolctl import threadpool_limits
@@ -56,13 +58,13 @@ def deep(campaign: Campaign, settings: Settings, seed: int, told: Told) -> Resul
     known = campaign.of("fit", "select")
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]
-    usable += [each for each in NAMELESS if not campaign.plant.accepts(each)]
+    usable += [each for each in GENERIC if not campaign.plant.accepts(each)]
     with threadpool_limits(1, "blas"):  # sums of many threads end on other bits
-        found = investigate(campaign.plant, known, usable, settings, seed, told)
-        choice = chosen(found, *(_masks(found, role) for role in ("fit", "select")))
-        choice, spread = with_sizes(choice, seed, found.unit, told)
-        told("the recordings to show")
-        closing = _Closing(campaign, found, choice, spread, seed)
+        found = search_effects(campaign.plant, known, usable, settings, seed, progress)
+        decision = decide(found, *(_masks(found, role) for role in ("fit", "select")))
+        decision, spread = with_sizes(decision, seed, found.variance_factor, progress)
+        progress("the recordings to show")
+        closing = _Closing(campaign, found, decision, spread, seed)
         result = closing.result(tried)
     said = disagreement(settings, closing.model.space.settings)
     return replace(result, verdict=replace(result.verdict, cautions=said))
@@ -85,11 +87,11 @@ def _unfit(plant: Plant, effect: Effect) -> str:
     return f"not applicable: {why}" if why else ""
 
 
-def _masks(found: Found, role: str) -> list[int]:
+def _masks(found: SearchResult, role: str) -> list[int]:
     """Bit mask of the runs of each group that have a role."""
     return [
         sum(1 << k for k, entry in enumerate(group.entries) if entry.role == role)
-        for group in found.base.ground.model.groups
+        for group in found.baseline.model.groups
     ]
 
 
@@ -99,35 +101,39 @@ class _Closing:
     def __init__(
         self,
         campaign: Campaign,
-        found: Found,
-        choice: Choice,
+        found: SearchResult,
+        decision: Decision,
         spread: Mapping[int, float],
         seed: int,
     ) -> None:
-        self.campaign, self.found, self.choice, self.seed = campaign, found, choice, seed
+        self.campaign, self.found, self.decision, self.seed = campaign, found, decision, seed
         self.spread = spread  # standard deviation of each direction that was fitted, by place
-        pieces, _ = split_campaign(campaign)
-        self.known, self.shown = (in_roles(pieces, *r) for r in (("fit", "select"), ("show",)))
-        self.floors, self.how = noise_floors(campaign.plant, self.known)
-        self.model = found.base.ground.model
+        segments, _ = split_campaign(campaign)
+        self.known, self.heldout = (in_roles(segments, *r) for r in (("fit", "select"), ("show",)))
+        self.noise_floors, self.how = noise_floors(campaign.plant, self.known)
+        self.model = found.baseline.model
         self.names = {each.name: name for name, each in campaign.effects.items()}
 
     def result(self, tried: dict[str, tuple[Effect, str]]) -> Result:
-        choice, plant = self.choice, self.campaign.plant
-        places = np.array([each.x for each in (self.found.given, self.found.base, choice.point)])
-        runs = simulated(self.model, _entries(self.shown), places)
+        decision, plant = self.decision, self.campaign.plant
+        places = np.array(
+            [each.x for each in (self.found.nominal, self.found.baseline, decision.point)]
+        )
+        runs = simulated(self.model, _entries(self.heldout), places)
         stages = {key: [each[k] for each in runs] for k, key in enumerate(STAGES)}
-        raws = {key: left(self.shown, each, list(self.floors)) for key, each in stages.items()}
-        base = simulated(self.model, _entries(self.known), places[1:2])
-        kept = left(self.known, [each[0] for each in base], list(self.floors))
+        raws = {
+            key: left(self.heldout, each, list(self.noise_floors)) for key, each in stages.items()
+        }
+        baseline = simulated(self.model, _entries(self.known), places[1:2])
+        kept = left(self.known, [each[0] for each in baseline], list(self.noise_floors))
         verdict = Verdict(
-            verdict=choice.kind,
-            effects=[self.names[name] for name in choice.effects],
+            verdict=decision.kind,
+            effects=[self.names[name] for name in decision.effects],
             parameters=self.parameters(),
-            gap=tabled(raws, self.shown, plant.channels, self.floors),
-            where=placed(plant, self.known, kept, self.floors),
+            gap=tabled(raws, self.heldout, plant.channels, self.noise_floors),
+            where=located(plant, self.known, kept, self.noise_floors),
             candidates=self.candidates(),
-            reason=choice.reason,
+            reason=decision.reason,
             tried=self.tried(tried),
             alpha=ALPHA,
             recordings={
@@ -142,24 +148,24 @@ class _Closing:
             confusability=self.confusability(),
         )
         traces = tuple(
-            traced(piece, each, list(self.floors))
-            for piece, each in zip(self.shown, runs, strict=True)
+            traced(segment, each, list(self.noise_floors))
+            for segment, each in zip(self.heldout, runs, strict=True)
         )
-        return Result(verdict, self.refitted(), traces, self.floors, self.found, choice)
+        return Result(verdict, self.refitted(), traces, self.noise_floors, self.found, decision)
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Value and 95 % interval of each parameter of the effects named, within its bounds."""
-        choice, found = self.choice, {}
-        if not choice.effects:
+        decision, found = self.decision, {}
+        if not decision.effects:
             return {}
         space = self.model.space
-        for place in map(int, space.of(*choice.effects)):
+        for place in map(int, space.of(*decision.effects)):
             if place not in self.spread:
                 continue  # of a class only the first is fitted
-            name = space.directions[place].name
+            name = space.parameters[place].name
             declared = self.model.whole.parameters.declared[name]
             found[name] = {
-                **interval(choice.point, place, self.spread[place], self.found.unit),
+                **interval(decision.point, place, self.spread[place], self.found.variance_factor),
                 "unit": declared.unit,
                 "off": declared.off,
             }
@@ -171,50 +177,58 @@ class _Closing:
         rows = []
         for guess in self.found.guesses:
             trial = exact.get(guess.effect)
-            gain = trial.gain if trial else guess.gain / self.found.unit
+            delta_chi2 = (
+                trial.delta_chi2 if trial else guess.delta_chi2 / self.found.variance_factor
+            )
             rows.append(
                 {
                     "effect": self.names[guess.effect],
-                    "evidence": float(np.sqrt(max(0.0, gain))),
-                    "gain_select": self.share(gain),
+                    "evidence": float(np.sqrt(max(0.0, delta_chi2))),
+                    "gain_select": self.share(delta_chi2),
                     "refitted": trial is not None,
-                    "confusable_with": [self.names[name] for name in trial.alike] if trial else [],
+                    "confusable_with": [self.names[name] for name in trial.confusable]
+                    if trial
+                    else [],
                 }
             )
         return sorted(rows, key=lambda row: -row["evidence"])
 
-    def share(self, gain: float) -> float:
+    def share(self, delta_chi2: float) -> float:
         """Gain as a share of all that was found to go, or that lies above what is expected."""
         trials = [*self.found.trials, *([self.found.pair] if self.found.pair else [])]
-        most = max([trial.gain for trial in trials], default=0.0)
-        above = (self.found.base.misfit - self.found.bins) / self.found.unit
-        return max(0.0, float(gain / max(most, above, LIMIT)))
+        most = max([trial.delta_chi2 for trial in trials], default=0.0)
+        above = (self.found.baseline.chi2 - self.found.bins) / self.found.variance_factor
+        return max(0.0, float(delta_chi2 / max(most, above, LIMIT)))
 
     def tried(self, tried: dict[str, tuple[Effect, str]]) -> list[dict[str, Any]]:
-        gains = {each["effect"]: each for each in self.candidates()}
-        named = {self.names[name] for name in self.choice.effects}
+        reductions = {each["effect"]: each for each in self.candidates()}
+        named = {self.names[name] for name in self.decision.effects}
         rows = []
         for name, (_, why) in tried.items():
-            row = gains.get(name)
+            row = reductions.get(name)
             said = why or ("" if row is None else _said(row, name in named))
             rows.append(
                 {"effect": name, "applicable": not why, "accepted": name in named, "why": said}
             )
-        order = list(gains)
-        return sorted(rows, key=lambda r: order.index(r["effect"]) if r["effect"] in gains else 99)
+        order = list(reductions)
+        return sorted(
+            rows, key=lambda r: order.index(r["effect"]) if r["effect"] in reductions else 99
+        )
 
     def detectable(self) -> dict[str, dict[str, dict[str, Any]]]:
         """Size of each amplitude that would be named four times in five, all else refitted."""
-        base, space, found = self.found.base, self.model.space, {}
+        baseline, space, found = self.found.baseline, self.model.space, {}
         for guess in self.found.guesses:
             effect = space.effects[guess.effect]
-            _, curvature = projected(base, guess.columns)
+            _, hessian = projected(baseline, guess.signature)
             sizes = {}
             for number, name in enumerate(amplitude_names(effect)):
-                each = space.directions[space.place(name)]
-                least = 1.0 / np.sqrt(max(float(curvature[number, number]), 1e-30))
+                each = space.parameters[space.place(name)]
+                least = 1.0 / np.sqrt(max(float(hessian[number, number]), 1e-30))
                 needed = np.sqrt(LIMIT + PRICE * (len(space.of(guess.effect)) - 1))
-                size = (needed + POWER_80) * least * each.scale * np.sqrt(self.found.unit)
+                size = (
+                    (needed + POWER_80) * least * each.scale * np.sqrt(self.found.variance_factor)
+                )
                 sizes[name.rpartition(".")[2]] = _size(size, each.low, each.high, self.unit(name))
             found[self.names[guess.effect]] = sizes
         return found
@@ -222,10 +236,13 @@ class _Closing:
     def confusability(self) -> dict[str, Any]:
         """Cosines between the marks of the effects that come nearest, and of those named."""
         rows = [each["effect"] for each in self.candidates()]
-        known = {self.names[guess.effect]: guess.columns for guess in self.found.guesses}
+        known = {self.names[guess.effect]: guess.signature for guess in self.found.guesses}
         names = [name for name in rows if name in known][:COMPARED]
-        base = self.found.base
-        cosines = [[round(likeness(base, known[a], known[b]), 3) for b in names] for a in names]
+        baseline = self.found.baseline
+        cosines = [
+            [round(cosine_similarity(baseline, known[a], known[b]), 3) for b in names]
+            for a in names
+        ]
         return {"effects": names, "cosines": cosines}
 
     def unit(self, name: str) -> str:
@@ -233,7 +250,7 @@ class _Closing:
 
     def next_run(self) -> dict[str, Any] | None:
         """The run worth recording where the verdict names no single effect but some gain."""
-        kind, trials = self.choice.kind, self.found.trials
+        kind, trials = self.decision.kind, self.found.trials
         if kind not in ("one_of", "unknown") or not trials:
             return None
         known = _entries(self.known)
@@ -243,14 +260,14 @@ class _Closing:
 
     def refitted(self) -> Plant:
         """The plant as it came, refitted, or refitted with the effects that were found."""
-        plant, choice = self.campaign.plant, self.choice
-        if choice.kind == "no_gap":
+        plant, decision = self.campaign.plant, self.decision
+        if decision.kind == "no_gap":
             return plant
         space = self.model.space
         named = [
             e for n, e in space.effects.items() if self.spread.keys() & set(space.of(n).tolist())
         ]
-        values = space.values(choice.point.x, self.owner())
+        values = space.values(decision.point.x, self.owner())
         grown = plant.with_effects(*named)
         return grown.with_values({n: v for n, v in values.items() if n in grown.parameters})
 
@@ -263,17 +280,17 @@ class _Closing:
         return ""
 
 
-def _entries(pieces: list[Segment]) -> list[Entry]:
-    return [piece.entry for piece in pieces]
+def _entries(segments: list[Segment]) -> list[Entry]:
+    return [segment.entry for segment in segments]
 
 
 def _said(row: dict[str, Any], named: bool) -> str:
     if named:
         return "accepted"
-    gain = row["evidence"] ** 2
-    if gain < LIMIT:
-        return f"lowers the misfit by {gain:.0f}; a name needs {LIMIT:.0f}"
-    return f"lowers the misfit by {gain:.0f}, which the verdict weighs"
+    delta_chi2 = row["evidence"] ** 2
+    if delta_chi2 < LIMIT:
+        return f"lowers the misfit by {delta_chi2:.0f}; a name needs {LIMIT:.0f}"
+    return f"lowers the misfit by {delta_chi2:.0f}, which the verdict weighs"
 
 
 def _size(size: float, low: float, high: float, unit: str) -> dict[str, Any]:

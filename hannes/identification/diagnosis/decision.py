@@ -6,22 +6,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hannes.core.parameter import Parameter
-from hannes.identification.diagnosis.drift import Drift, drifts
 from hannes.identification.diagnosis.effect_search import (
     CLEAN,
     FAINT,
     LIMIT,
     SHARE,
-    Found,
+    SearchResult,
     Trial,
     near,
 )
 from hannes.identification.diagnosis.gauss_newton import LIGHT
-from hannes.identification.diagnosis.generic_disturbances import SPOKEN
-from hannes.identification.diagnosis.heldout import held_out
-from hannes.identification.diagnosis.linearisation import Point
-from hannes.identification.diagnosis.prior_distance import Strain, strain
-from hannes.identification.diagnosis.residual_tests import Slow, hangs_together, stands_out
+from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
+from hannes.identification.diagnosis.heldout import heldout_reduction
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.prior_distance import PriorDistance, prior_distance
+from hannes.identification.diagnosis.residual_tests import (
+    StructuredResidual,
+    autocorrelated,
+    channel_excess,
+)
+from hannes.identification.diagnosis.trend import Trend, strongest_trend
 
 MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
 HALF = 0.5  # of a pair's gain, that the one must which all near pairs have in common
@@ -38,92 +42,111 @@ FIT = 1.15  # times the bins: a base as given that leaves no more agrees
 
 
 @dataclass(frozen=True)
-class Choice:
+class Decision:
     """The verdict's kind, the effects named, why, and the point that the result stands for."""
 
     kind: str
     effects: tuple[str, ...]
     reason: str
-    point: Point
+    point: Linearisation
 
 
-def chosen(found: Found, seen: list[int], unseen: list[int]) -> Choice:
-    """The verdict. `seen`, `unseen`: bit masks of each group's runs to fit and to choose by."""
+def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int]) -> Decision:
+    """The verdict. Both arguments are bit masks of the runs of each group.
+
+    fitted_runs: the training split; heldout_runs: the validation split
+    """
     best = found.trials[0] if found.trials else None
-    if best is None or best.gain < LIMIT:
+    if best is None or best.delta_chi2 < LIMIT:
         return _nothing(found, best)
     trial = found.pair or best
-    gain = held_out(found.base, trial.point, seen, unseen) / found.unit
-    told = f"{_names(trial)} lowers the misfit by {trial.gain:.0f} (limit {LIMIT:.0f})"
-    if not gain >= -allowed(trial.gain):  # nor where it cannot be told
-        reason = f"{told}, but not that of recordings held out ({gain:.0f})"
-        return Choice("unknown", (), reason, found.base)
-    if any(seen) and any(unseen):
-        told += f", that of recordings held out by {gain:.0f}"
+    delta_chi2 = (
+        heldout_reduction(found.baseline, trial.point, fitted_runs, heldout_runs)
+        / found.variance_factor
+    )
+    reason = f"{_names(trial)} lowers the misfit by {trial.delta_chi2:.0f} (limit {LIMIT:.0f})"
+    if not delta_chi2 >= -allowed(trial.delta_chi2):  # nor where it cannot be told
+        reason = f"{reason}, but not that of recordings held out ({delta_chi2:.0f})"
+        return Decision("unknown", (), reason, found.baseline)
+    if any(fitted_runs) and any(heldout_runs):
+        reason += f", that of recordings held out by {delta_chi2:.0f}"
     if doubt := _doubted(found, trial):
-        return Choice("unknown", (), f"{told}, but {doubt}", found.base)
+        return Decision("unknown", (), f"{reason}, but {doubt}", found.baseline)
     if left := _left(found, trial):
-        return _unclean(found, trial, f"{told}; {left}")
-    return _beside(found, trial, _clean(found, trial, told))
+        return _unclean(found, trial, f"{reason}; {left}")
+    return _beside(found, trial, _clean(found, trial, reason))
 
 
-def allowed(gain: float) -> float:
+def allowed(delta_chi2: float) -> float:
     """What a name of this gain may add to the misfit of recordings held out: refits differ."""
-    return min(max(AGAINST, ALLOWED * gain), LIMIT)
+    return min(max(AGAINST, ALLOWED * delta_chi2), LIMIT)
 
 
-def _nothing(found: Found, best: Trial | None) -> Choice:
-    gain = 0.0 if best is None else best.gain
-    least = f"no effect lowers the misfit by the {LIMIT:.0f} that a name needs (best {gain:.0f})"
-    if drift := _growing(found, found.base):
-        return Choice("unknown", (), f"{_told(found, drift)}, and {least}", found.base)
-    if more := _more(found.base, found.bins):
-        return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
-    if slow := stands_out(found.base):
-        more = f"more in {slow.where} than the machine's own values can (p = {slow.chance:.1g})"
-        return Choice("unknown", (), f"refitted, the base leaves {more}, and {least}", found.base)
-    if found.anything and found.anything.gain >= OUTSIDE:
-        spoken = SPOKEN[found.anything.effects[0]]
-        reason = f"{spoken} would lower the misfit by {found.anything.gain:.0f}, and {least}"
-        return Choice("unknown", (), reason, found.base)
-    if gain >= DOUBT:
+def _nothing(found: SearchResult, best: Trial | None) -> Decision:
+    delta_chi2 = 0.0 if best is None else best.delta_chi2
+    least = (
+        f"no effect lowers the misfit by the {LIMIT:.0f} that a name needs (best {delta_chi2:.0f})"
+    )
+    if trend := _trend(found, found.baseline):
+        return Decision("unknown", (), f"{_trend_text(found, trend)}, and {least}", found.baseline)
+    if more := _more(found.baseline, found.bins):
+        return Decision(
+            "unknown", (), f"refitted, the base leaves {more}, and {least}", found.baseline
+        )
+    if slow := channel_excess(found.baseline):
+        more = f"more in {slow.where} than the machine's own values can (p = {slow.p_value:.1g})"
+        return Decision(
+            "unknown", (), f"refitted, the base leaves {more}, and {least}", found.baseline
+        )
+    if found.generic and found.generic.delta_chi2 >= OUTSIDE:
+        generic_name = GENERIC_NAMES[found.generic.effects[0]]
+        reason = (
+            f"{generic_name} would lower the misfit by {found.generic.delta_chi2:.0f}, and {least}"
+        )
+        return Decision("unknown", (), reason, found.baseline)
+    if delta_chi2 >= DOUBT:
         name = _names(found.trials[0])
-        reason = f"{name} lowers the misfit by {gain:.0f}, where a name needs {LIMIT:.0f}"
-        return Choice("unknown", (), reason, found.base)
-    if found.given.misfit <= FIT * found.bins:
-        return Choice("no_gap", (), f"as given it leaves what is expected, and {least}", found.base)
-    per_bin = found.base.misfit / found.bins
+        reason = f"{name} lowers the misfit by {delta_chi2:.0f}, where a name needs {LIMIT:.0f}"
+        return Decision("unknown", (), reason, found.baseline)
+    if found.nominal.chi2 <= FIT * found.bins:
+        return Decision(
+            "no_gap", (), f"as given it leaves what is expected, and {least}", found.baseline
+        )
+    per_bin = found.baseline.chi2 / found.bins
     reason = f"refitted, the base leaves {per_bin:.2f} per bin (1 expected), and {least}"
-    return Choice("recalibrated", (), reason, found.base)
+    return Decision("recalibrated", (), reason, found.baseline)
 
 
-def _more(point: Point, bins: int) -> str:
+def _more(point: Linearisation, bins: int) -> str:
     """What a point leaves that noise does not, in words; an empty string where there is none."""
-    if point.misfit > CLEAN * bins:
-        return f"{point.misfit / bins:.2f} per bin (1 expected)"
-    if slow := hangs_together(point):
-        return f"more in {slow.where} than chance (p = {slow.chance:.1g})"
+    if point.chi2 > CLEAN * bins:
+        return f"{point.chi2 / bins:.2f} per bin (1 expected)"
+    if slow := autocorrelated(point):
+        return f"more in {slow.where} than chance (p = {slow.p_value:.1g})"
     return ""
 
 
-def _doubted(found: Found, trial: Trial) -> str:
+def _doubted(found: SearchResult, trial: Trial) -> str:
     """Why effects that explain much are not what is there, or an empty string."""
     if name := _stretched(found, trial):
         return f"only with {name} at an end of its range and beyond: something like it is there"
-    if found.anything and found.anything.gain > FAINT and near(trial, [found.anything]):
-        spoken = SPOKEN[found.anything.effects[0]]
-        return f"{spoken} does by {found.anything.gain:.0f}: something else may be there"
+    if found.generic and found.generic.delta_chi2 > FAINT and near(trial, [found.generic]):
+        generic_name = GENERIC_NAMES[found.generic.effects[0]]
+        return f"{generic_name} does by {found.generic.delta_chi2:.0f}: something else may be there"
     return ""
 
 
-def _stretched(found: Found, trial: Trial) -> str:
+def _stretched(found: SearchResult, trial: Trial) -> str:
     """A parameter that would go beyond its physical range, in words, or an empty string."""
-    space = trial.point.ground.model.space
+    space = trial.point.space
     for effect in (space.effects[name] for name in trial.effects):
         for each in effect.parameters:
             place = space.place(effect.full_name(each.name))
-            value = float(space.directions[place].value(trial.point.x[place]))
-            if _at_end(each, value) and _beyond(trial.point, place) > BEYOND * found.unit:
+            value = float(space.parameters[place].value(trial.point.x[place]))
+            if (
+                _at_end(each, value)
+                and _beyond(trial.point, place) > BEYOND * found.variance_factor
+            ):
                 return f"{effect.name}'s {each.name}".replace("_", " ")
     return ""
 
@@ -136,142 +159,147 @@ def _at_end(parameter: Parameter, value: float) -> bool:
     return not endless and min(abs(value - end) for end in ends) <= 1e-9 * (high - low)
 
 
-def _beyond(point: Point, place: int) -> float:
+def _beyond(point: Linearisation, place: int) -> float:
     """What a step along one direction would lower the misfit by, all else following.
 
     At an end of a range that is a step out of it: a fit that could go inward has gone.
     """
     number = int(np.searchsorted(point.active, place))
-    inverse = np.linalg.inv(point.curvature + LIGHT * np.eye(point.active.size))
-    return float(point.pull[number] ** 2 * inverse[number, number])
+    inverse = np.linalg.inv(point.hessian + LIGHT * np.eye(point.active.size))
+    return float(point.gradient[number] ** 2 * inverse[number, number])
 
 
-def _left(found: Found, trial: Trial) -> str:
+def _left(found: SearchResult, trial: Trial) -> str:
     """What speaks for something more, or an empty string."""
-    if drift := _growing(found, trial.point):
-        return _told(found, drift)
+    if trend := _trend(found, trial.point):
+        return _trend_text(found, trend)
     if more := _more(trial.point, found.bins):
         return f"what is left is {more}"
-    if slow := _outdone(found, trial):
-        more = f"{slow.excess / found.unit:.0f} stand out in {slow.where} alone"
+    if slow := _underexplained(found, trial):
+        more = f"{slow.excess / found.variance_factor:.0f} stand out in {slow.where} alone"
         return f"{more}, so something else is there"
-    rest, needed = found.rest, max(LIMIT, SHARE * trial.gain)
-    if rest is not None and rest.gain / found.unit > needed:
+    rest, needed = found.remaining, max(LIMIT, SHARE * trial.delta_chi2)
+    if rest is not None and rest.delta_chi2 / found.variance_factor > needed:
         more = rest.effect.replace("_", " ")
-        return f"{rest.gain / found.unit:.0f} more would go with {more}, so something else is there"
-    if strained := _strained(trial):
-        times = f"{strained.times:.1f} times as far as scatter tells"
-        return f"it takes a machine whose values are off {times}: so they are, or hide something"
+        further = rest.delta_chi2 / found.variance_factor
+        return f"{further:.0f} more would go with {more}, so something else is there"
+    if far := _far_from_prior(trial):
+        ratio = f"{far.ratio:.1f} times as far as scatter tells"
+        return f"it takes a machine whose values are off {ratio}: so they are, or hide something"
     return ""
 
 
-def _strained(trial: Trial) -> Strain | None:
+def _far_from_prior(trial: Trial) -> PriorDistance | None:
     """How far the machine that goes with these effects is off, where that is no chance."""
-    found = strain(trial.point)
-    return found if found.chance < STRAINED else None
+    found = prior_distance(trial.point)
+    return found if found.p_value < STRAINED else None
 
 
-def _outdone(found: Found, trial: Trial) -> Slow | None:
+def _underexplained(found: SearchResult, trial: Trial) -> StructuredResidual | None:
     """What stands out of the base in one channel, where far less than that is explained in all.
 
     What shows in one channel alone is about as much by both, and which is more is chance.
     """
-    slow = stands_out(found.base)
+    slow = channel_excess(found.baseline)
     return slow if slow is not None and MOST * slow.excess > _lowered(found, trial) else None
 
 
-def _lowered(found: Found, trial: Trial) -> float:
-    return found.base.misfit - trial.point.misfit
+def _lowered(found: SearchResult, trial: Trial) -> float:
+    return found.baseline.chi2 - trial.point.chi2
 
 
-def _growing(found: Found, point: Point, least: float = GROWN) -> Drift | None:
+def _trend(found: SearchResult, point: Linearisation, least: float = GROWN) -> Trend | None:
     """What grows from run to run, where that lowers the misfit by enough to tell it."""
-    drift = drifts(point, found.guesses)
-    return drift if drift is not None and drift.gain > least * found.unit else None
+    trend = strongest_trend(point, found.guesses)
+    return trend if trend is not None and trend.delta_chi2 > least * found.variance_factor else None
 
 
-def _told(found: Found, drift: Drift) -> str:
-    name = drift.effect.replace("_", " ")
-    return f"{drift.gain / found.unit:.0f} would go with {name} that grows from run to run"
+def _trend_text(found: SearchResult, trend: Trend) -> str:
+    name = trend.effect.replace("_", " ")
+    further = trend.delta_chi2 / found.variance_factor
+    return f"{further:.0f} would go with {name} that grows from run to run"
 
 
-def _clean(found: Found, trial: Trial, told: str) -> Choice:
+def _clean(found: SearchResult, trial: Trial, reason: str) -> Decision:
     if len(trial.effects) > 1:
-        return _pair(found, trial, told)
+        return _pair(found, trial, reason)
     rivals = near(trial, found.trials)
     if not rivals:
         more = _faintly(found, trial)
         kind = "named_with_remainder" if more else "named"
-        return Choice(kind, trial.effects, told + more, trial.point)
+        return Decision(kind, trial.effects, reason + more, trial.point)
     names = (*trial.effects, *(each.effects[0] for each in rivals))
-    return Choice("one_of", names, f"{told}; {_nearest(rivals)}", trial.point)
+    return Decision("one_of", names, f"{reason}; {_nearest(rivals)}", trial.point)
 
 
-def _beside(found: Found, trial: Trial, choice: Choice) -> Choice:
+def _beside(found: SearchResult, trial: Trial, decision: Decision) -> Decision:
     """The choice with a remainder where a little grows beside it, unless that explains more."""
-    drift = _growing(found, trial.point, GROWN_BESIDE)
-    if drift is None or choice.kind != "named":
-        return choice
-    instead = _growing(found, found.base, GROWN_BESIDE)
-    reason = f"{choice.reason}; {_told(found, drift)}"
-    if instead and instead.gain > trial.gain * found.unit:
-        return Choice("unknown", (), reason, found.base)
-    return replace(choice, kind="named_with_remainder", reason=reason)
+    trend = _trend(found, trial.point, GROWN_BESIDE)
+    if trend is None or decision.kind != "named":
+        return decision
+    instead = _trend(found, found.baseline, GROWN_BESIDE)
+    reason = f"{decision.reason}; {_trend_text(found, trend)}"
+    if instead and instead.delta_chi2 > trial.delta_chi2 * found.variance_factor:
+        return Decision("unknown", (), reason, found.baseline)
+    return replace(decision, kind="named_with_remainder", reason=reason)
 
 
-def _faintly(found: Found, trial: Trial) -> str:
+def _faintly(found: SearchResult, trial: Trial) -> str:
     """What is left after a single effect, too little to be named, or an empty string."""
-    rest = found.rest
-    if rest is None or rest.gain / found.unit < max(FURTHER, 0.5 * SHARE * trial.gain):
+    rest = found.remaining
+    if rest is None or rest.delta_chi2 / found.variance_factor < max(
+        FURTHER, 0.5 * SHARE * trial.delta_chi2
+    ):
         return ""
     name = rest.effect.replace("_", " ")
-    return f"; {rest.gain / found.unit:.0f} more would go with {name}, too little to name it"
+    further = rest.delta_chi2 / found.variance_factor
+    return f"; {further:.0f} more would go with {name}, too little to name it"
 
 
-def _pair(found: Found, trial: Trial, told: str) -> Choice:
+def _pair(found: SearchResult, trial: Trial, reason: str) -> Decision:
     """Two effects; where others would do as well, what is common to all pairs."""
     rivals = near(trial, found.other_pairs)
     if not rivals:
-        return Choice("named", trial.effects, told, trial.point)
-    told = f"{told}; {_nearest(rivals)}"
+        return Decision("named", trial.effects, reason, trial.point)
+    reason = f"{reason}; {_nearest(rivals)}"
     common = set(trial.effects).intersection(*(each.effects for each in rivals))
     alone = [each for each in found.trials if set(each.effects) <= common]
-    if not alone or alone[0].gain < max(LIMIT, HALF * trial.gain):
-        return Choice("unknown", (), told, found.base)
-    return Choice("named_with_remainder", alone[0].effects, told, alone[0].point)
+    if not alone or alone[0].delta_chi2 < max(LIMIT, HALF * trial.delta_chi2):
+        return Decision("unknown", (), reason, found.baseline)
+    return Decision("named_with_remainder", alone[0].effects, reason, alone[0].point)
 
 
 def _nearest(rivals: Sequence[Trial]) -> str:
-    return f"{_names(rivals[0])} comes as near as {rivals[0].gain:.0f}"
+    return f"{_names(rivals[0])} comes as near as {rivals[0].delta_chi2:.0f}"
 
 
-def _unclean(found: Found, trial: Trial, told: str) -> Choice:
+def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
     explained, first = _explained(found, trial), found.trials[0]
     if len(trial.effects) > 1:
-        explained *= first.gain / trial.gain
+        explained *= first.delta_chi2 / trial.delta_chi2
     if explained < MOST or near(first, found.trials):
-        return Choice("unknown", (), told, found.base)
-    return Choice("named_with_remainder", first.effects, told, first.point)
+        return Decision("unknown", (), reason, found.baseline)
+    return Decision("named_with_remainder", first.effects, reason, first.point)
 
 
-def _explained(found: Found, trial: Trial) -> float:
+def _explained(found: SearchResult, trial: Trial) -> float:
     """Share of all that speaks for a missing effect that a trial takes away.
 
     Nothing where something that grows from run to run would take away more.
     """
-    gain, slow = trial.gain * found.unit, hangs_together(trial.point)
-    drift, instead = (_growing(found, p) for p in (trial.point, found.base))
-    if drift and instead and instead.gain > gain:
+    delta_chi2, slow = trial.delta_chi2 * found.variance_factor, autocorrelated(trial.point)
+    trend, instead = (_trend(found, p) for p in (trial.point, found.baseline))
+    if trend and instead and instead.delta_chi2 > delta_chi2:
         return 0.0
-    beyond = max(found.base.misfit - min(1.0, found.unit) * found.bins, 1.0)
-    strained = _strained(trial)
+    beyond = max(found.baseline.chi2 - min(1.0, found.variance_factor) * found.bins, 1.0)
+    far = _far_from_prior(trial)
     rests = (
         slow.excess if slow else 0.0,
-        drift.gain if drift else 0.0,
-        strained.excess if strained else 0.0,
+        trend.delta_chi2 if trend else 0.0,
+        far.excess if far else 0.0,
     )
-    shares = [gain / beyond, *(gain / (gain + rest) for rest in rests)]
-    if out := _outdone(found, trial):
+    shares = [delta_chi2 / beyond, *(delta_chi2 / (delta_chi2 + rest) for rest in rests)]
+    if out := _underexplained(found, trial):
         shares.append(_lowered(found, trial) / out.excess)
     return min(shares)
 

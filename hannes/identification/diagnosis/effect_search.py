@@ -9,24 +9,29 @@ from hannes.campaigns.campaign import Entry
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.baseline import based
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
-from hannes.identification.diagnosis.generic_disturbances import SPOKEN as NAMELESS
-from hannes.identification.diagnosis.global_starts import bent_to, deepest, from_afar, put_in
-from hannes.identification.diagnosis.linearisation import Point, grounded
+from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
+from hannes.identification.diagnosis.global_starts import (
+    absorbed_by_baseline,
+    deepest_minimum,
+    fits_from_nominal,
+    global_fits,
+)
+from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.multistart import (
     Fits,
-    Told,
-    beside,
+    Progress,
     faded,
-    joined,
+    fit_beside,
     little,
-    placed,
     refitted,
-    ticked,
+    started_at,
+    started_at_guess,
+    with_correction_at_size,
     without,
 )
-from hannes.identification.diagnosis.noise_scale import lowered, noise_left
+from hannes.identification.diagnosis.noise_scale import chi2_reduction, estimated_variance_factor
 from hannes.identification.diagnosis.repeat_groups import grouped
-from hannes.identification.diagnosis.score_test import ALL_SIZES, Guess, likeness, screened
+from hannes.identification.diagnosis.score_test import ALL_SIZES, Guess, cosine_similarity, screened
 from hannes.identification.diagnosis.settings import Settings
 from hannes.plants.protocol import Plant
 
@@ -53,13 +58,13 @@ class Trial:
     """
 
     effects: tuple[str, ...]
-    point: Point = field(repr=False)
-    gain: float
-    alike: tuple[str, ...] = ()
+    point: Linearisation = field(repr=False)
+    delta_chi2: float
+    confusable: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """Everything that came of an investigation.
 
     given: with everything as given; base: the base refitted; trials: single effects, best first;
@@ -70,256 +75,303 @@ class Found:
     anything: the best effect without a name refitted, where a guess says that this is worth while
     """
 
-    given: Point
-    base: Point
+    nominal: Linearisation
+    baseline: Linearisation
     guesses: list[Guess]
     trials: list[Trial]
     pair: Trial | None
-    rest: Guess | None
-    unit: float
+    remaining: Guess | None
+    variance_factor: float
     other_pairs: tuple[Trial, ...] = ()
-    anything: Trial | None = None
+    generic: Trial | None = None
 
     @property
     def bins(self) -> int:
         """How many numbers are compared."""
-        return self.base.miss.size
+        return self.baseline.residual.size
 
 
-def investigate(
+def search_effects(
     plant: Plant,
     entries: Sequence[Entry],
     effects: Sequence[Effect],
     settings: Settings,
     seed: int,
-    told: Told = lambda text: None,
-) -> Found:
+    progress: Progress = lambda text: None,
+) -> SearchResult:
     """Search what is missing. Raises ComputationFailed where the base cannot be simulated."""
     groups = grouped(plant, entries)
-    given, base = based(plant, groups, settings, effects, seed, told)
-    names = [each.name for each in effects if each.name not in NAMELESS]
-    known = from_afar(given, base, names, told)
-    found = _searched(given, base, known, told)
-    while (leader := _leading(found)) and (better := _back(found.base, leader, found.unit, told)):
-        if found.base.misfit - better.misfit < SHARE * leader.gain * found.unit:
+    nominal, baseline = based(plant, groups, settings, effects, seed, progress)
+    names = [each.name for each in effects if each.name not in GENERIC]
+    known = global_fits(nominal, baseline, names, progress)
+    found = _searched(nominal, baseline, known, progress)
+    while (leader := _leading(found)) and (
+        better := _back(found.baseline, leader, found.variance_factor, progress)
+    ):
+        if found.baseline.chi2 - better.chi2 < SHARE * leader.delta_chi2 * found.variance_factor:
             found = _rebased(found, better)
             break
-        found = _searched(given, better, known, told)
-    return _second(found, told) if _enough(found) else found
+        found = _searched(nominal, better, known, progress)
+    return _second(found, progress) if _enough(found) else found
 
 
-def _enough(found: Found) -> bool:
+def _enough(found: SearchResult) -> bool:
     """Tell whether the best effect gains what a name needs."""
-    return bool(found.trials) and found.trials[0].gain > LIMIT
+    return bool(found.trials) and found.trials[0].delta_chi2 > LIMIT
 
 
-def _leading(found: Found) -> Trial | None:
+def _leading(found: SearchResult) -> Trial | None:
     """What led the fit furthest: an effect that gains what a name needs, else whatever did."""
-    every = [*found.trials[:1], *([found.anything] if found.anything else [])]
+    every = [*found.trials[:1], *([found.generic] if found.generic else [])]
     named = found.trials[:1] if _enough(found) else every
-    best = max(named, key=lambda each: each.gain, default=None)
-    return best if best is not None and best.gain > FAINT else None
+    best = max(named, key=lambda each: each.delta_chi2, default=None)
+    return best if best is not None and best.delta_chi2 > FAINT else None
 
 
-def _searched(given: Point, base: Point, known: Fits, told: Told) -> Found:
+def _searched(
+    nominal: Linearisation, baseline: Linearisation, known: Fits, progress: Progress
+) -> SearchResult:
     """Single effects beside a base: screened, the best of them refitted; known: fits from afar."""
-    told("a look at every effect")
-    every = screened(base, list(base.ground.model.space.effects))
-    guesses = [each for each in every if each.effect not in NAMELESS]
+    progress("a look at every effect")
+    every = screened(baseline, list(baseline.space.effects))
+    guesses = [each for each in every if each.effect not in GENERIC]
     names = [each.effect for each in guesses]
-    likely = [guess for guess in guesses[:SHORT] if guess.gain > FAINT]
-    bent = [g.effect for g in likely if g.effect not in known and bent_to(base, g)]
-    known = {**known, **put_in(given, base, bent, told)}
-    starts = [(base, guess) for guess in likely]
-    if base.misfit > BENT * base.miss.size:
-        large = screened(given, names, ALL_SIZES)[:SHORT]
-        starts += [(base, guess) for guess in guesses[SHORT : 2 * SHORT]]
-        starts += [(given, guess) for guess in large]
-    fits = _deepened(given, base, refitted(given, base, starts, known, LIMIT, told), told)
-    unit = noise_left(base, min([base.misfit, *(each.misfit for each in fits.values())]))
-    trials = [priced(base, Trial((name,), point, 0.0), unit) for name, point in fits.items()]
-    trials.sort(key=lambda each: -each.gain)
-    if trials and trials[0].gain > LIMIT:
-        trials[0] = _whole(base, trials[0], unit)
-    alike = _with_likeness(base, guesses, trials)
-    free = [each for each in every if each.effect in NAMELESS]
-    anything = _anything(base, free, trials, unit, told)
-    return Found(given, base, guesses, alike, None, None, unit, anything=anything)
+    likely = [guess for guess in guesses[:SHORT] if guess.delta_chi2 > FAINT]
+    absorbed = [
+        g.effect for g in likely if g.effect not in known and absorbed_by_baseline(baseline, g)
+    ]
+    known = {**known, **fits_from_nominal(nominal, baseline, absorbed, progress)}
+    starts = [(baseline, guess) for guess in likely]
+    if baseline.chi2 > BENT * baseline.residual.size:
+        large = screened(nominal, names, ALL_SIZES)[:SHORT]
+        starts += [(baseline, guess) for guess in guesses[SHORT : 2 * SHORT]]
+        starts += [(nominal, guess) for guess in large]
+    fits = _deepened(
+        nominal, baseline, refitted(nominal, baseline, starts, known, LIMIT, progress), progress
+    )
+    variance_factor = estimated_variance_factor(
+        baseline, min([baseline.chi2, *(each.chi2 for each in fits.values())])
+    )
+    trials = [
+        priced(baseline, Trial((name,), point, 0.0), variance_factor)
+        for name, point in fits.items()
+    ]
+    trials.sort(key=lambda each: -each.delta_chi2)
+    if trials and trials[0].delta_chi2 > LIMIT:
+        trials[0] = _whole(baseline, trials[0], variance_factor)
+    confusable = _with_confusable(baseline, guesses, trials)
+    free = [each for each in every if each.effect in GENERIC]
+    generic = _generic(baseline, free, trials, variance_factor, progress)
+    return SearchResult(
+        nominal, baseline, guesses, confusable, None, None, variance_factor, generic=generic
+    )
 
 
-def _anything(
-    base: Point, guesses: Sequence[Guess], trials: Sequence[Trial], unit: float, told: Told
+def _generic(
+    baseline: Linearisation,
+    guesses: Sequence[Guess],
+    trials: Sequence[Trial],
+    variance_factor: float,
+    progress: Progress,
 ) -> Trial | None:
     """The best effect without a name, each fitted where its guess gains anything: refits gain more.
 
     From the base, and from the machine of the best effect; never before the others: what it bends
     is not theirs.
     """
-    best = trials[0].point if trials and trials[0].gain > FAINT else None
+    best = trials[0].point if trials and trials[0].delta_chi2 > FAINT else None
     found = []
     for guess in guesses:
-        if guess.gain / unit >= FAINT:
-            told(guess.effect.replace("_", " "))
-            point = beside(base, guess, best)
-            found += [priced(base, Trial((guess.effect,), point, 0.0), unit)] if point else []
-    return max(found, key=lambda each: each.gain, default=None)
+        if guess.delta_chi2 / variance_factor >= FAINT:
+            progress(guess.effect.replace("_", " "))
+            point = fit_beside(baseline, guess, best)
+            found += (
+                [priced(baseline, Trial((guess.effect,), point, 0.0), variance_factor)]
+                if point
+                else []
+            )
+    return max(found, key=lambda each: each.delta_chi2, default=None)
 
 
-def _back(base: Point, best: Trial, unit: float, told: Told) -> Point | None:
+def _back(
+    baseline: Linearisation, best: Trial, variance_factor: float, progress: Progress
+) -> Linearisation | None:
     """The base refitted from where the best effect led, without it; None where that is no better.
 
     Where fingers touch the misfit has more than one hollow: an effect may only have led out of one.
     The machine's own values take over from it what they can.
     """
-    told("the base from there")
+    progress("the base from there")
     rows = without(best.point, best.effects)
-    point = base.moved(rows[np.argmin(base.misfits(rows))], base.active)
+    point = baseline.moved(rows[np.argmin(baseline.chi2_at(rows))], baseline.active)
     if point is None:
         return None
-    point = settled(point, little(base.misfit - best.point.misfit), base.misfit)
-    better = base.misfit - point.misfit > HOLLOW * unit
+    point = settled(point, little(baseline.chi2 - best.point.chi2), baseline.chi2)
+    better = baseline.chi2 - point.chi2 > HOLLOW * variance_factor
     return settled(point) if better else None
 
 
-def _rebased(found: Found, base: Point) -> Found:
+def _rebased(found: SearchResult, baseline: Linearisation) -> SearchResult:
     """The same beside a base that is little better: all effects gain less by that."""
-    lost = (found.base.misfit - base.misfit) / found.unit
+    lost = (found.baseline.chi2 - baseline.chi2) / found.variance_factor
     trials = [
-        replace(each, gain=each.gain - lost)
+        replace(each, delta_chi2=each.delta_chi2 - lost)
         for each in found.trials
-        if each.point.misfit < base.misfit
+        if each.point.chi2 < baseline.chi2
     ]
-    anything = found.anything and replace(found.anything, gain=found.anything.gain - lost)
-    return replace(found, base=base, trials=trials, anything=anything)
+    generic = found.generic and replace(found.generic, delta_chi2=found.generic.delta_chi2 - lost)
+    return replace(found, baseline=baseline, trials=trials, generic=generic)
 
 
-def _deepened(given: Point, base: Point, fits: Fits, told: Told) -> Fits:
+def _deepened(
+    nominal: Linearisation, baseline: Linearisation, fits: Fits, progress: Progress
+) -> Fits:
     """The fits with the best one refitted from about where it lies, if its mark turns."""
-    best = min(fits, key=lambda name: fits[name].misfit, default=None)
-    if best is None or fits[best].misfit > base.misfit - LIMIT:
+    best = min(fits, key=lambda name: fits[name].chi2, default=None)
+    if best is None or fits[best].chi2 > baseline.chi2 - LIMIT:
         return fits
-    told(f"{best.replace('_', ' ')}, from about there")
-    return {**fits, best: deepest(given, fits[best], best)}
+    progress(f"{best.replace('_', ' ')}, from about there")
+    return {**fits, best: deepest_minimum(nominal, fits[best], best)}
 
 
-def _whole(base: Point, trial: Trial, unit: float) -> Trial:
+def _whole(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
     """The trial with its fit gone on to its end: what it tells of parameters is for the user."""
-    return priced(base, replace(trial, point=settled(trial.point)), unit)
+    return priced(baseline, replace(trial, point=settled(trial.point)), variance_factor)
 
 
-def priced(base: Point, trial: Trial, unit: float) -> Trial:
+def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
     """The trial with its gain: misfit less than the base's, less the price of its parameters."""
-    further = trial.point.active.size - base.active.size - len(trial.effects)
-    price = CHANCE if trial.effects[0] in NAMELESS else PRICE
-    return replace(trial, gain=lowered(base, trial.point, unit) - price * further)
+    further = trial.point.active.size - baseline.active.size - len(trial.effects)
+    price = CHANCE if trial.effects[0] in GENERIC else PRICE
+    return replace(
+        trial, delta_chi2=chi2_reduction(baseline, trial.point, variance_factor) - price * further
+    )
 
 
-def _second(found: Found, told: Told) -> Found:
+def _second(found: SearchResult, progress: Progress) -> SearchResult:
     """Look for more than the best effect explains: a second effect, and what is left after it."""
     best = found.trials[0]
-    needed = max(LIMIT, SHARE * best.gain)
-    told("what is left")
-    guesses = _others(best.point, best.effects, found.unit)
-    starts = [(best, guess) for guess in guesses[:2] if guess.gain >= needed * found.unit]
-    pairs = _sorted(_paired(found, starts, told) + _paired_from_afar(found, guesses, told))
-    if not pairs or pairs[0].gain - best.gain < needed:
-        return replace(found, rest=_refuted(best, guesses, pairs, found.unit))
+    needed = max(LIMIT, SHARE * best.delta_chi2)
+    progress("what is left")
+    guesses = _others(best.point, best.effects, found.variance_factor)
+    starts = [
+        (best, guess) for guess in guesses[:2] if guess.delta_chi2 >= needed * found.variance_factor
+    ]
+    pairs = _sorted(_paired(found, starts, progress) + _paired_globally(found, guesses, progress))
+    if not pairs or pairs[0].delta_chi2 - best.delta_chi2 < needed:
+        return replace(found, remaining=_refuted(best, guesses, pairs, found.variance_factor))
     for kept in reversed(pairs[0].effects):
-        alone = _alone(found, pairs[0], kept, told)
-        if alone is not None and pairs[0].gain - alone.gain < needed:
+        alone = _alone(found, pairs[0], kept, progress)
+        if alone is not None and pairs[0].delta_chi2 - alone.delta_chi2 < needed:
             others = [each for each in found.trials if each.effects != alone.effects]
-            return _second(replace(found, trials=[alone, *others]), told)
+            return _second(replace(found, trials=[alone, *others]), progress)
     second = next(each for each in guesses if each.effect == pairs[0].effects[-1])
     rivals = [each for each in near(best, found.trials) if second.effect not in each.effects]
-    pairs = _sorted(pairs + _paired(found, [(each, second) for each in rivals[:2]], told))
-    pairs[0] = _whole(found.base, pairs[0], found.unit)
-    told("what is left after both")
-    after = _others(pairs[0].point, pairs[0].effects, found.unit)
-    rest = after[0] if after else None
-    return replace(found, pair=pairs[0], other_pairs=tuple(pairs[1:]), rest=rest)
+    pairs = _sorted(pairs + _paired(found, [(each, second) for each in rivals[:2]], progress))
+    pairs[0] = _whole(found.baseline, pairs[0], found.variance_factor)
+    progress("what is left after both")
+    after = _others(pairs[0].point, pairs[0].effects, found.variance_factor)
+    remaining = after[0] if after else None
+    return replace(found, pair=pairs[0], other_pairs=tuple(pairs[1:]), remaining=remaining)
 
 
-def _refuted(best: Trial, guesses: list[Guess], pairs: list[Trial], unit: float) -> Guess | None:
+def _refuted(
+    best: Trial, guesses: list[Guess], pairs: list[Trial], variance_factor: float
+) -> Guess | None:
     """The best of what is left after the best effect: refits beside it, guesses for all others.
 
     pairs: best first
     """
-    gains = {each.effects[-1]: (each.gain - best.gain) * unit for each in reversed(pairs)}
-    rest = [replace(g, gain=gains.get(g.effect, g.gain)) for g in guesses]
-    return max(rest, key=lambda each: each.gain, default=None)
+    reductions = {
+        each.effects[-1]: (each.delta_chi2 - best.delta_chi2) * variance_factor
+        for each in reversed(pairs)
+    }
+    remaining = [replace(g, delta_chi2=reductions.get(g.effect, g.delta_chi2)) for g in guesses]
+    return max(remaining, key=lambda each: each.delta_chi2, default=None)
 
 
-def _paired(found: Found, starts: Sequence[tuple[Trial, Guess]], told: Told) -> list[Trial]:
+def _paired(
+    found: SearchResult, starts: Sequence[tuple[Trial, Guess]], progress: Progress
+) -> list[Trial]:
     """A second effect beside one, refitted together, from each start."""
     pairs = []
     for one, guess in starts:
-        told(f"{one.effects[0]} and {guess.effect}".replace("_", " "))
-        point = joined(one.point, guess)
+        progress(f"{one.effects[0]} and {guess.effect}".replace("_", " "))
+        point = started_at_guess(one.point, guess)
         if point is not None:
-            point = fitted(ticked(fitted(point, 4), guess.effect), 4, anew=1)
+            point = fitted(with_correction_at_size(fitted(point, 4), guess.effect), 4, anew=1)
             pair = Trial((*one.effects, guess.effect), point, 0.0)
-            pairs.append(priced(found.base, pair, found.unit))
+            pairs.append(priced(found.baseline, pair, found.variance_factor))
     return pairs
 
 
-def _paired_from_afar(found: Found, guesses: Sequence[Guess], told: Told) -> list[Trial]:
+def _paired_globally(
+    found: SearchResult, guesses: Sequence[Guess], progress: Progress
+) -> list[Trial]:
     """Second effects whose marks turn, beside the best one."""
     best = found.trials[0]
-    own = best.point.ground.model.space.of(*best.effects)
-    start = placed(grounded(found.given, best.point.ground), own, best.point.x[own])
+    own = best.point.space.of(*best.effects)
+    start = started_at(with_noise(found.nominal, best.point.noise), own, best.point.x[own])
     if start is None:
         return []
-    fits = from_afar(start, best.point, [each.effect for each in guesses], told)
+    fits = global_fits(start, best.point, [each.effect for each in guesses], progress)
     pairs = [Trial((*best.effects, name), point, 0.0) for name, point in fits.items()]
-    return [priced(found.base, pair, found.unit) for pair in pairs]
+    return [priced(found.baseline, pair, found.variance_factor) for pair in pairs]
 
 
 def _sorted(pairs: Sequence[Trial]) -> list[Trial]:
-    return sorted(pairs, key=lambda each: -each.gain)
+    return sorted(pairs, key=lambda each: -each.delta_chi2)
 
 
 def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
     """Of some trials those that these recordings do not tell from the best one."""
-    within = max(RIVAL, CLOSE * best.gain)
-    return [t for t in trials if t.effects != best.effects and best.gain - t.gain < within]
+    within = max(RIVAL, CLOSE * best.delta_chi2)
+    return [
+        t for t in trials if t.effects != best.effects and best.delta_chi2 - t.delta_chi2 < within
+    ]
 
 
-def _alone(found: Found, pair: Trial, kept: str, told: Told) -> Trial | None:
+def _alone(found: SearchResult, pair: Trial, kept: str, progress: Progress) -> Trial | None:
     """One effect of a pair alone: the other may only have led there, or have kept it small.
 
     Refitted as the other is let go, and at the size that it has in the pair from the machine as
     given, which has not bent to the other.
     """
     (other,) = (name for name in pair.effects if name != kept)
-    told(f"{kept} without {other}".replace("_", " "))
-    own = pair.point.ground.model.space.of(kept)
-    given = grounded(found.given, pair.point.ground)
-    anew = placed(given, own, pair.point.x[own])
+    progress(f"{kept} without {other}".replace("_", " "))
+    own = pair.point.space.of(kept)
+    nominal = with_noise(found.nominal, pair.point.noise)
+    anew = started_at(nominal, own, pair.point.x[own])
     starts = (faded(pair.point, other), anew and fitted(anew, 4))
     trials = [Trial((kept,), start, 0.0) for start in starts if start is not None]
-    whole = _sorted([_whole(found.base, each, found.unit) for each in trials])
-    return _with_likeness(found.base, found.guesses, whole[:1])[0] if whole else None
+    whole = _sorted([_whole(found.baseline, each, found.variance_factor) for each in trials])
+    return _with_confusable(found.baseline, found.guesses, whole[:1])[0] if whole else None
 
 
-def _others(point: Point, present: tuple[str, ...], unit: float) -> list[Guess]:
+def _others(point: Linearisation, present: tuple[str, ...], variance_factor: float) -> list[Guess]:
     """Guesses for all other effects, the price of their parameters off their gain."""
-    away = (*present, *NAMELESS)
-    names = [name for name in point.ground.model.space.effects if name not in away]
-    price = PRICE * unit
-    found = [replace(g, gain=g.gain - price * (len(g.places) - 1)) for g in screened(point, names)]
-    return sorted(found, key=lambda each: -each.gain)
+    away = (*present, *GENERIC)
+    names = [name for name in point.space.effects if name not in away]
+    price = PRICE * variance_factor
+    found = [
+        replace(g, delta_chi2=g.delta_chi2 - price * (len(g.places) - 1))
+        for g in screened(point, names)
+    ]
+    return sorted(found, key=lambda each: -each.delta_chi2)
 
 
-def _with_likeness(base: Point, guesses: Sequence[Guess], trials: list[Trial]) -> list[Trial]:
-    columns = {guess.effect: guess.columns for guess in guesses}
+def _with_confusable(
+    baseline: Linearisation, guesses: Sequence[Guess], trials: list[Trial]
+) -> list[Trial]:
+    columns = {guess.effect: guess.signature for guess in guesses}
     return [
         replace(
             each,
-            alike=tuple(
+            confusable=tuple(
                 name
                 for name in columns
                 if name != each.effects[0]
-                and likeness(base, columns[each.effects[0]], columns[name]) > ALIKE
+                and cosine_similarity(baseline, columns[each.effects[0]], columns[name]) > ALIKE
             ),
         )
         for each in trials

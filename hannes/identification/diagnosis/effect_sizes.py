@@ -10,52 +10,59 @@ from dataclasses import replace
 import numpy as np
 
 from hannes.identification.diagnosis.baseline import FINE
-from hannes.identification.diagnosis.decision import Choice
-from hannes.identification.diagnosis.final_fit import sized
-from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.decision import Decision
+from hannes.identification.diagnosis.final_fit import final_fit
+from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import faded
 from hannes.identification.diagnosis.score_test import amplitude_names
 
 WIDER = 1.5  # times the standard deviation of a profile: how far estimates spread
 NORMAL = 1.96  # standard deviations on each side, of an interval of 95 %
-Told = Callable[[str], None]
+Progress = Callable[[str], None]
 
 
 def with_sizes(
-    choice: Choice, seed: int, unit: float, told: Told
-) -> tuple[Choice, dict[int, float]]:
+    decision: Decision, seed: int, variance_factor: float, progress: Progress
+) -> tuple[Decision, dict[int, float]]:
     """The choice with its effects sized, and the standard deviation of each direction, by place.
 
     unit: by how much misfits are divided.
     """
-    if not choice.effects:
-        return choice, {}
-    told(f"{' and '.join(choice.effects)}, how large".replace("_", " "))
-    fit = sized(choice.point, choice.effects, FINE, seed, unit)
-    if choice.kind == "named" and len(choice.effects) == 2:
-        surest = {name: _surely(fit.point, name, fit.deviations, unit) for name in choice.effects}
+    if not decision.effects:
+        return decision, {}
+    progress(f"{' and '.join(decision.effects)}, how large".replace("_", " "))
+    fit = final_fit(decision.point, decision.effects, FINE, seed, variance_factor)
+    if decision.kind == "named" and len(decision.effects) == 2:
+        surest = {
+            name: _surely(fit.point, name, fit.deviations, variance_factor)
+            for name in decision.effects
+        }
         kept, other = sorted(surest, key=lambda name: -surest[name])
-        point = faded(choice.point, other) if surest[other] <= 1.0 else None
+        point = faded(decision.point, other) if surest[other] <= 1.0 else None
         if point is not None:
-            said = f"{choice.reason}; the size of {other.replace('_', ' ')} may be nothing"
-            left = Choice("named_with_remainder", (kept,), said, point)
-            return with_sizes(left, seed, unit, told)
-    return replace(choice, point=fit.point), fit.deviations
+            said = f"{decision.reason}; the size of {other.replace('_', ' ')} may be nothing"
+            left = Decision("named_with_remainder", (kept,), said, point)
+            return with_sizes(left, seed, variance_factor, progress)
+    return replace(decision, point=fit.point), fit.deviations
 
 
-def _surely(point: Point, effect: str, spread: dict[int, float], unit: float) -> float:
+def _surely(
+    point: Linearisation, effect: str, spread: dict[int, float], variance_factor: float
+) -> float:
     """How far the surest size of an effect is from off, over the reach of its interval."""
-    space = point.ground.model.space
+    space = point.space
     places = [space.place(name) for name in amplitude_names(space.effects[effect])]
     fitted = [place for place in places if place in spread]
-    return max(abs(float(point.x[k])) / (_wide(unit) * spread[k]) for k in fitted)
+    return max(abs(float(point.x[k])) / (_wide(variance_factor) * spread[k]) for k in fitted)
 
 
-def interval(point: Point, place: int, deviation: float, unit: float) -> dict[str, float]:
+def interval(
+    point: Linearisation, place: int, deviation: float, variance_factor: float
+) -> dict[str, float]:
     """Value of one direction and the ends of its 95 % interval within bounds [SI]."""
-    each = point.ground.model.space.directions[place]
+    each = point.space.parameters[place]
     value = float(each.value(point.x[place]))
-    reach = _wide(unit) * deviation * each.scale
+    reach = _wide(variance_factor) * deviation * each.scale
     return {
         "value": value,
         "low": max(each.low, value - reach),
@@ -63,6 +70,6 @@ def interval(point: Point, place: int, deviation: float, unit: float) -> dict[st
     }
 
 
-def _wide(unit: float) -> float:
+def _wide(variance_factor: float) -> float:
     """Standard deviations from a value to an end of its interval."""
-    return NORMAL * WIDER * float(np.sqrt(max(1.0, unit)))
+    return NORMAL * WIDER * float(np.sqrt(max(1.0, variance_factor)))

@@ -15,13 +15,13 @@ from hannes.campaigns.campaign import Entry
 from hannes.core.errors import ComputationFailed
 from hannes.core.recording.recording import Recording
 from hannes.core.recording.white_noise import roughness
-from hannes.identification.diagnosis.effect_search import Found, Trial
+from hannes.identification.diagnosis.effect_search import SearchResult, Trial
 from hannes.identification.diagnosis.linearisation import (
-    Care,
-    Point,
+    Linearisation,
+    NoiseAccuracy,
     differenced,
-    run_to_run,
-    surveyed,
+    estimated_noise,
+    run_to_run_rows,
 )
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.simulator import Model
@@ -30,7 +30,7 @@ from hannes.plants.protocol import Plant
 WORTH = 2.0  # standard deviations: a run that tells less is not proposed
 ENOUGH = 5.0  # the same: by so many two explanations are told apart for good
 MORE = 1.0  # the same: what more channels must add to be asked for
-BRIEF = Care(1.0, 20)  # of runs that are only proposed
+BRIEF = NoiseAccuracy(1.0, 20)  # of runs that are only proposed
 Proposals = Callable[[Mapping[str, Recording]], Mapping[str, Recording]]
 
 
@@ -46,37 +46,37 @@ class Separation:
     more: tuple[str, ...] = ()
 
 
-def next_run(plant: Plant, found: Found, entries: Iterable[Entry]) -> dict | None:
+def next_run(plant: Plant, found: SearchResult, entries: Iterable[Entry]) -> dict | None:
     """The run to record next, what it tells apart, and why; None where none is worth it.
 
     A plant may lack `proposals`.
     """
     proposals: Proposals | None = getattr(plant, "proposals", None)
-    every = [*found.trials, *([found.anything] if found.anything else [])]
-    pair = sorted(every, key=lambda each: -each.gain)[:2]
+    every = [*found.trials, *([found.generic] if found.generic else [])]
+    pair = sorted(every, key=lambda each: -each.delta_chi2)[:2]
     if proposals is None or len(pair) < 2:
         return None
     recorded: dict[str, Recording] = {}
     for each in entries:
         recorded.setdefault(each.condition, each.recording)
-    told = {
+    separations = {
         name: separation(found, plant, Entry(name, run, name), list(recorded.values()), *pair)
         for name, run in proposals(recorded).items()
     }
-    return proposed(told, [trial.effects[0] for trial in pair])
+    return proposed(separations, [trial.effects[0] for trial in pair])
 
 
-def proposed(told: Mapping[str, Separation], names: list[str]) -> dict | None:
+def proposed(separations: Mapping[str, Separation], names: list[str]) -> dict | None:
     """The run that tells most by what is logged so far, or with more where that is not enough."""
     apart = " from ".join(name.replace("_", " ") for name in names)
-    best = max(told, key=lambda name: told[name].usual, default="")
-    if best and told[best].usual >= ENOUGH:
-        why = f"it would tell {apart} by {told[best].usual:.1f} standard deviations"
+    best = max(separations, key=lambda name: separations[name].usual, default="")
+    if best and separations[best].usual >= ENOUGH:
+        why = f"it would tell {apart} by {separations[best].usual:.1f} standard deviations"
         return {"experiment": best, "also_log": [], "separates": names, "why": why}
-    best = max(told, key=lambda name: told[name].most, default="")
-    if not best or told[best].most < WORTH:
+    best = max(separations, key=lambda name: separations[name].most, default="")
+    if not best or separations[best].most < WORTH:
         return None
-    each = told[best]
+    each = separations[best]
     why = f"it would tell {apart} by {each.most:.1f} standard deviations"
     more = each.more if each.most > each.usual + MORE else ()
     if more:
@@ -85,23 +85,25 @@ def proposed(told: Mapping[str, Separation], names: list[str]) -> dict | None:
 
 
 def separation(
-    found: Found, plant: Plant, entry: Entry, recorded: Sequence[Recording], *pair: Trial
+    found: SearchResult, plant: Plant, entry: Entry, recorded: Sequence[Recording], *pair: Trial
 ) -> Separation:
     """Distance between two explanations of one more run; none where it cannot be simulated."""
-    base, run, more = found.base, entry.recording, {}
-    if base.ground.told:  # else nothing tells how noisy channels are that were not recorded
+    baseline, run, more = found.baseline, entry.recording, {}
+    if (
+        baseline.noise.simulated_noise
+    ):  # else nothing tells how noisy channels are that were not recorded
         more = {n: u for n, u in getattr(plant, "loggable", {}).items() if n not in run}
         run = _rough(plant, run, recorded, more)
-    group, there = Group(plant, [replace(entry, recording=run)]), base.ground.model
+    group, there = Group(plant, [replace(entry, recording=run)]), baseline.model
     model = Model(there.small, [group], there.space, ())
     model.whole = there.whole
     try:
         for trial in pair:
-            model = model.ticking(trial.point.x, trial.effects)
-        difference, doubt = _differing(base, model, group, *pair)
+            model = model.with_sampling_correction(trial.point.x, trial.effects)
+        difference, doubt = _differing(baseline, model, group, *pair)
     except ComputationFailed:
         return Separation(0.0, 0.0)
-    doubt *= max(1.0, found.unit)
+    doubt *= max(1.0, found.variance_factor)
     usual = np.repeat([name not in more for name in group.names], group.bins)
     return Separation(
         _distance(difference[usual], doubt[np.ix_(usual, usual)]),
@@ -111,31 +113,36 @@ def separation(
 
 
 def _differing(
-    base: Point, model: Model, group: Group, one: Trial, other: Trial
+    baseline: Linearisation, model: Model, group: Group, one: Trial, other: Trial
 ) -> tuple[np.ndarray, np.ndarray]:
     """What two explanations differ by, shape (n,), and the covariance of what is not known."""
     known = model.space.uncertain
-    vectors, slopes = differenced(model, base.x, known, False)
+    vectors, derivatives = differenced(model, baseline.x, known, False)
     ends = model.vectors(group, np.array([one.point.x, other.point.x]), True)
-    channels = model.simulated(group, base.x[np.newaxis], False)[0]
+    channels = model.simulated(group, baseline.x[np.newaxis], False)[0]
     if channels is None or not (np.isfinite(ends).all() and np.isfinite(vectors[0]).all()):
         raise ComputationFailed(f"{group.entries[0].name} cannot be simulated")
-    open_left = np.linalg.solve(base.curvature[: known.size, : known.size], slopes[0])
-    return ends[0] - ends[1], _doubt(base, model, channels) + slopes[0].T @ open_left
+    open_left = np.linalg.solve(baseline.hessian[: known.size, : known.size], derivatives[0])
+    return ends[0] - ends[1], _doubt(baseline, model, channels) + derivatives[0].T @ open_left
 
 
 def _distance(difference: np.ndarray, covariance: np.ndarray) -> float:
     return float(np.sqrt(difference @ np.linalg.solve(covariance, difference)))
 
 
-def _doubt(base: Point, model: Model, channels: Mapping[str, np.ndarray]) -> np.ndarray:
+def _doubt(baseline: Linearisation, model: Model, channels: Mapping[str, np.ndarray]) -> np.ndarray:
     """Covariance of a run by what is not known of it, the machine aside."""
-    noise, (group,) = base.ground.noise, model.groups
-    if base.ground.told:  # repeats may be noisier than simulated ones
+    noise, (group,) = baseline.noise.run_noise, model.groups
+    if baseline.noise.simulated_noise:  # repeats may be noisier than simulated ones
         more = np.repeat([noise.more.get(name, 1.0) for name in group.names], group.bins)
-        return surveyed(model, base.x, BRIEF, 0).covariances[0] * np.outer(more, more)
-    rows, jerk = run_to_run(model, base.x, group, channels), group.jerk(channels)
-    return noise.covariance(group) + np.diag((noise.jerk * jerk) ** 2) + rows.T @ rows
+        return estimated_noise(model, baseline.x, BRIEF, 0).covariances[0] * np.outer(more, more)
+    rows, nonlinearity = (
+        run_to_run_rows(model, baseline.x, group, channels),
+        group.nonlinearity(channels),
+    )
+    return (
+        noise.covariance(group) + np.diag((noise.nonlinearity * nonlinearity) ** 2) + rows.T @ rows
+    )
 
 
 def _rough(

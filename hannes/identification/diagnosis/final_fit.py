@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.core.errors import ComputationFailed
-from hannes.identification.diagnosis.gauss_newton import deviations, fitted, settled
-from hannes.identification.diagnosis.linearisation import Care, Point, begun
+from hannes.identification.diagnosis.gauss_newton import fitted, settled, standard_deviations
+from hannes.identification.diagnosis.linearisation import Linearisation, NoiseAccuracy, begun
 from hannes.identification.diagnosis.profile_likelihood import HOLLOWS, held_at, profile
-from hannes.identification.diagnosis.pruning import spared
+from hannes.identification.diagnosis.pruning import pruned
 from hannes.identification.diagnosis.repeat_groups import Group
 
 FINER = 2  # times
@@ -23,48 +23,60 @@ LINEAR = 1.15  # times what slopes tell, where no profile tells how far estimate
 
 
 @dataclass(frozen=True)
-class Sized:
+class FinalFit:
     """A fit, and the standard deviation of each direction that was fitted, by place, in steps."""
 
-    point: Point
+    point: Linearisation
     deviations: dict[int, float]
 
 
-def sized(point: Point, effects: Sequence[str], care: Care, seed: int, unit: float = 1.0) -> Sized:
+def final_fit(
+    point: Linearisation,
+    effects: Sequence[str],
+    accuracy: NoiseAccuracy,
+    seed: int,
+    variance_factor: float = 1.0,
+) -> FinalFit:
     """The fit in finer bins, at the floor of its valley; as it is where these cannot be had.
 
     unit: by how much misfits are divided.
     """
-    fine = _finer(point, effects, care, seed)
+    fine = _finer(point, effects, accuracy, seed)
     if fine is not point:
-        fine = spared(fine, effects, unit)
-    spread = dict(zip(fine.active.tolist(), (LINEAR * deviations(fine)).tolist(), strict=True))
-    places = np.intersect1d(fine.ground.model.space.of(*effects), fine.active)
+        fine = pruned(fine, effects, variance_factor)
+    spread = dict(
+        zip(fine.active.tolist(), (LINEAR * standard_deviations(fine)).tolist(), strict=True)
+    )
+    places = np.intersect1d(fine.space.of(*effects), fine.active)
     if fine is point or not places.size:
-        return Sized(point, spread)
+        return FinalFit(point, spread)
     found = {k: profile(fine, k, spread[k] / LINEAR) for k in map(int, places)}
     known = {k: each for k, each in found.items() if each is not None}
-    start = min([fine, *(each.lowest for each in known.values())], key=lambda each: each.misfit)
+    start = min([fine, *(each.lowest for each in known.values())], key=lambda each: each.chi2)
     values = [known[k].least if k in known else fine.x[k] for k in found]
     floor = held_at(start, places, np.array(values))
-    if floor is None or floor.misfit > fine.misfit + HOLLOWS * places.size or not _runs(floor):
-        return Sized(fine, spread)  # least along each, but not along all together
-    return Sized(floor, spread | {k: each.deviation for k, each in known.items()})
+    if floor is None or floor.chi2 > fine.chi2 + HOLLOWS * places.size or not _runs(floor):
+        return FinalFit(fine, spread)  # least along each, but not along all together
+    return FinalFit(floor, spread | {k: each.deviation for k, each in known.items()})
 
 
-def _finer(point: Point, effects: Sequence[str], care: Care, seed: int) -> Point:
-    model = point.ground.model
+def _finer(
+    point: Linearisation, effects: Sequence[str], accuracy: NoiseAccuracy, seed: int
+) -> Linearisation:
+    model = point.model
     held = model.held([Group(model.small, each.entries, FINER) for each in model.groups])
     try:
-        there = begun(held.ticking(point.x, effects), point.x, point.active, care, seed)
+        there = begun(
+            held.with_sampling_correction(point.x, effects), point.x, point.active, accuracy, seed
+        )
     except ComputationFailed:
         return point
     fine = settled(fitted(there, 4))
     return fine if _runs(fine) else point
 
 
-def _runs(point: Point) -> bool:
+def _runs(point: Linearisation) -> bool:
     """Tell whether every command can be simulated there, firmware and all, as it will be shown."""
-    model, rows = point.ground.model, point.x[np.newaxis]
+    model, rows = point.model, point.x[np.newaxis]
     runs = (model.simulated(group, rows, True, exact=True)[0] for group in model.groups)
     return all(run is not None for run in runs)

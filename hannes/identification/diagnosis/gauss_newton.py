@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.linearisation import Linearisation
 
 KEPT = 0.3  # of what a whole step promises, that it must keep
 DAMPINGS = (0.0, 0.3, 3.0, 30.0, 300.0)  # of the steps that are tried together where it does not
@@ -16,7 +16,7 @@ UNTOLD = 0.4  # of what is known already: a parameter of which recordings tell l
 LIGHT = 1e-6  # lest the curvature has no inverse
 
 
-def fitted(point: Point, steps: int, anew: int = 0) -> Point:
+def fitted(point: Linearisation, steps: int, anew: int = 0) -> Linearisation:
     """The point of the least misfit found in `steps` steps, and in as many after each `anew`.
 
     Steps take slopes along effects anew, as few as there are, and mend the others by what the
@@ -28,69 +28,69 @@ def fitted(point: Point, steps: int, anew: int = 0) -> Point:
     return point
 
 
-def settled(point: Point, little: float = SETTLED, below: float = np.inf) -> Point:
+def settled(point: Linearisation, little: float = SETTLED, below: float = np.inf) -> Linearisation:
     """All slopes anew and some steps, until that gains less than `little`; a few times at most.
 
     Gives up where a round gains less than the misfit still lies above `below`.
     """
     for _ in range(ROUNDS):
         found = _walked(relinearised(point), STEPS)
-        gained, point = point.misfit - found.misfit, found
-        if gained < max(little, point.misfit - below):
+        gained, point = point.chi2 - found.chi2, found
+        if gained < max(little, point.chi2 - below):
             break
     return point
 
 
-def relinearised(point: Point) -> Point:
+def relinearised(point: Linearisation) -> Linearisation:
     """The same point with all slopes had anew along which the recordings tell anything."""
-    told = np.sum(point.columns**2, axis=1) > UNTOLD**2 * point.prior**2
-    told |= point.active >= point.ground.model.space.uncertain.size
-    return point.moved(point.x, point.active[told]) or point
+    informed = np.sum(point.jacobian**2, axis=1) > UNTOLD**2 * point.prior**2
+    informed |= point.active >= point.space.uncertain.size
+    return point.moved(point.x, point.active[informed]) or point
 
 
-def _walked(point: Point, steps: int) -> Point:
+def _walked(point: Linearisation, steps: int) -> Linearisation:
     for _ in range(steps):
         found = _stepped(point)
-        if found is None or found.misfit >= point.misfit:  # many places are had as changes, nearly
+        if found is None or found.chi2 >= point.chi2:  # many places are had as changes, nearly
             break
-        gained, point = point.misfit - found.misfit, found.corrected(point)
+        gained, point = point.chi2 - found.chi2, found.corrected(point)
         if gained < SETTLED:
             break
     return point
 
 
-def _stepped(point: Point) -> Point | None:
+def _stepped(point: Linearisation) -> Linearisation | None:
     """A step that lowers the misfit: the whole one, or the best of many; None where there is none.
 
     The whole one where it does about what it promised.
     """
     step = newton_step(point)
-    place, misfit = _best(point, [step])
-    if misfit > point.misfit - KEPT * _promised(point, step):
+    place, chi2 = _best(point, [step])
+    if chi2 > point.chi2 - KEPT * _promised(point, step):
         steps = [share * newton_step(point, each) for each in DAMPINGS for share in SHARES]
-        place, misfit = min(((place, misfit), _best(point, steps)), key=lambda each: each[1])
-    if misfit >= point.misfit:
+        place, chi2 = min(((place, chi2), _best(point, steps)), key=lambda each: each[1])
+    if chi2 >= point.chi2:
         return None
-    return point.moved(place, point.active[point.active >= point.ground.model.space.uncertain.size])
+    return point.moved(place, point.active[point.active >= point.space.uncertain.size])
 
 
-def _best(point: Point, steps: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
+def _best(point: Linearisation, steps: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
     """Where the best of these steps leads, within bounds, and the misfit there."""
-    space = point.ground.model.space
+    space = point.space
     places = np.repeat(point.x[np.newaxis], len(steps), axis=0)
     places[:, point.active] += steps
     places = np.clip(places, space.low, space.high)
-    misfits = point.misfits(places)
-    best = int(np.argmin(misfits))
-    return places[best], float(misfits[best])
+    values = point.chi2_at(places)
+    best = int(np.argmin(values))
+    return places[best], float(values[best])
 
 
-def _promised(point: Point, step: np.ndarray) -> float:
+def _promised(point: Linearisation, step: np.ndarray) -> float:
     """How much a step lowers the misfit where that is quadratic."""
-    return float(2.0 * step @ point.pull - step @ point.curvature @ step)
+    return float(2.0 * step @ point.gradient - step @ point.hessian @ step)
 
 
-def newton_step(point: Point, damping: float = 0.0) -> np.ndarray:
+def newton_step(point: Linearisation, damping: float = 0.0) -> np.ndarray:
     """Step to the least misfit within bounds were it quadratic, (active,).
 
     Cut off at bounds only afterwards, a step of two sizes that do nearly the same leads uphill.
@@ -99,19 +99,19 @@ def newton_step(point: Point, damping: float = 0.0) -> np.ndarray:
     """
     from scipy.optimize import lsq_linear
 
-    space, x = point.ground.model.space, point.x[point.active]
+    space, x = point.space, point.x[point.active]
     low, high = space.low[point.active] - x, space.high[point.active] - x
-    curvature = point.curvature + np.diag(damping * point.prior**2 + LIGHT)
-    step = np.linalg.solve(curvature, point.pull)
+    hessian = point.hessian + np.diag(damping * point.prior**2 + LIGHT)
+    step = np.linalg.solve(hessian, point.gradient)
     if ((low <= step) & (step <= high)).all():
         return step
-    root = np.linalg.cholesky(curvature)
+    root = np.linalg.cholesky(hessian)
     return np.clip(
-        lsq_linear(root.T, np.linalg.solve(root, point.pull), (low, high), "bvls").x, low, high
+        lsq_linear(root.T, np.linalg.solve(root, point.gradient), (low, high), "bvls").x, low, high
     )
 
 
-def deviations(point: Point) -> np.ndarray:
+def standard_deviations(point: Linearisation) -> np.ndarray:
     """Standard deviations of the active directions were the misfit quadratic, (active,)."""
-    curvature = point.curvature + LIGHT * np.eye(point.active.size)
-    return np.sqrt(np.diag(np.linalg.inv(curvature)))
+    hessian = point.hessian + LIGHT * np.eye(point.active.size)
+    return np.sqrt(np.diag(np.linalg.inv(hessian)))

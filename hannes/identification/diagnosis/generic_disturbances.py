@@ -15,18 +15,20 @@ from hannes.core.kernels.jit import kernel
 from hannes.core.layout import Slot
 from hannes.core.parameter import Parameter
 
-TRAVEL = 10.0  # rad, at the output shaft, in which the hand closes: beyond, waves are mirrored
-BENT = 1.5  # rad, in which a joint closes
-CRAWL = 0.2  # rad/s, below which friction of a joint turns
+OUTPUT_RANGE = (
+    10.0  # rad, at the output shaft, in which the hand closes: beyond, waves are mirrored
+)
+JOINT_RANGE = 1.5  # rad, in which a joint closes
+SMOOTHING_SPEED = 0.2  # rad/s, below which friction of a joint turns
 
 
 @kernel
-def anything(
+def torque_series(
     motor_angle, gear_ratio, load, free_1, free_2, free_3, free_4, free_5,
     loaded_1, loaded_2, loaded_3, loaded_4,
 ):  # fmt: skip
     """Torque on the rotor [N m]: cosines of the angle, and the load's torque times others."""
-    u = math.pi * motor_angle / (TRAVEL * gear_ratio)
+    u = math.pi * motor_angle / (OUTPUT_RANGE * gear_ratio)
     one, two, three, four = math.cos(u), math.cos(2.0 * u), math.cos(3.0 * u), math.cos(4.0 * u)
     free = free_1 * one + free_2 * two + free_3 * three + free_4 * four
     of_load = loaded_1 * one + loaded_2 * two + loaded_3 * three + loaded_4 * four
@@ -34,25 +36,25 @@ def anything(
 
 
 @kernel
-def opening(joint_angle, rest, bent_2, bent_3, bent_4):
+def opening_series(joint_angle, rest, legendre_2, legendre_3, legendre_4):
     """Torque that opens a joint [N m]: Legendre's polynomials of the way that it has closed."""
-    x = 2.0 * (joint_angle - rest) / BENT - 1.0
+    x = 2.0 * (joint_angle - rest) / JOINT_RANGE - 1.0
     q = x * x
     second, third = 1.5 * q - 0.5, x * (2.5 * q - 1.5)
-    return bent_2 * second + bent_3 * third + bent_4 * (q * (4.375 * q - 3.75) + 0.375)
+    return legendre_2 * second + legendre_3 * third + legendre_4 * (q * (4.375 * q - 3.75) + 0.375)
 
 
 @kernel
-def dragging(joint_angle, joint_speed, rest, drag_1, drag_2, drag_3):
+def friction_series(joint_angle, joint_speed, rest, drag_1, drag_2, drag_3):
     """Torque against a joint's motion [N m]: Legendre's polynomials of the way it has closed."""
-    x = 2.0 * (joint_angle - rest) / BENT - 1.0
+    x = 2.0 * (joint_angle - rest) / JOINT_RANGE - 1.0
     q = x * x
     against = drag_1 * x + drag_2 * (1.5 * q - 0.5) + drag_3 * x * (2.5 * q - 1.5)
-    return math.tanh(joint_speed / CRAWL) * against
+    return math.tanh(joint_speed / SMOOTHING_SPEED) * against
 
 
 @kernel
-def easing(leader_tension, eased, easing_rate):
+def easing_tension(leader_tension, eased, easing_rate):
     """Tension that a pull has lost to what it bore before [N], and the rate at which it does."""
     lost = min(leader_tension, eased)
     return -lost, easing_rate * (leader_tension - lost)
@@ -71,15 +73,15 @@ TORQUE = Effect(
         *(_wave("free", k, "N m", 0.01) for k in range(1, 6)),
         *(_wave("loaded", k, "1", 0.2) for k in range(1, 5)),
     ),
-    terms=(Term(anything, writes=("motor_torque",), unit="N m"),),
+    terms=(Term(torque_series, writes=("motor_torque",), unit="N m"),),
 )
 OPENING = Effect(
     name="any_opening",
     meaning="Joints are pulled by something that goes with their angles, the same for all.",
     equation="T_open += sum bent_k P_k(2 (q - q_rest) / bent - 1)",
     source="Legendre's polynomials",
-    parameters=tuple(_wave("bent", k, "N m", 0.05) for k in range(2, 5)),
-    terms=(Term(opening, writes=("spring_torque",), unit="N m"),),
+    parameters=tuple(_wave("legendre", k, "N m", 0.05) for k in range(2, 5)),
+    terms=(Term(opening_series, writes=("spring_torque",), unit="N m"),),
 )
 DRAGGING = Effect(
     name="any_dragging",
@@ -87,7 +89,7 @@ DRAGGING = Effect(
     equation="T_open += tanh(q' / crawl) sum drag_k P_k(2 (q - q_rest) / bent - 1)",
     source="Legendre's polynomials",
     parameters=tuple(_wave("drag", k, "N m", 0.05) for k in range(1, 4)),
-    terms=(Term(dragging, writes=("spring_torque",), unit="N m"),),
+    terms=(Term(friction_series, writes=("spring_torque",), unit="N m"),),
 )
 EASING = Effect(
     name="any_easing",
@@ -97,11 +99,11 @@ EASING = Effect(
     parameters=(
         Parameter("easing_rate", 0.0, "1/s", (0.0, 1.0), "of the tension", "choice", off=0.0),
     ),
-    terms=(Term(easing, writes=("leader_tension",), states=("eased",), unit="N"),),
+    terms=(Term(easing_tension, writes=("leader_tension",), states=("eased",), unit="N"),),
     states=(Slot("eased", "N", "tension that is lost", tolerance=1e-4),),
 )
 EFFECTS = (TORQUE, OPENING, DRAGGING, EASING)
-SPOKEN = {
+GENERIC_NAMES = {
     TORQUE.name: "any torque over the motor's angle",
     OPENING.name: "any torque over joints' angles",
     DRAGGING.name: "any friction over joints' angles",

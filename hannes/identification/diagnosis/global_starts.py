@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
-from hannes.identification.diagnosis.linearisation import Point
-from hannes.identification.diagnosis.multistart import Fits, Told, placed
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.multistart import Fits, Progress, started_at
 from hannes.identification.diagnosis.score_test import (
     Guess,
     amplitude_names,
@@ -36,85 +36,89 @@ ROUNDS = 3  # as often at most
 DEEPER = 2.0  # of the misfit
 
 
-def from_afar(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
+def global_fits(
+    nominal: Linearisation, baseline: Linearisation, effects: Sequence[str], progress: Progress
+) -> Fits:
     """The best fit with each effect that turns, or is likely, if any is below the base."""
-    names = turning(given, effects)
-    if base.misfit > LOST * base.miss.size:
-        names += [name for name in _likely(given, effects)[:LIKELY] if name not in names]
-    return put_in(given, base, names, told)
+    names = size_dependent(nominal, effects)
+    if baseline.chi2 > LOST * baseline.residual.size:
+        names += [name for name in _likely(nominal, effects)[:LIKELY] if name not in names]
+    return fits_from_nominal(nominal, baseline, names, progress)
 
 
-def put_in(given: Point, base: Point, effects: Sequence[str], told: Told) -> Fits:
+def fits_from_nominal(
+    nominal: Linearisation, baseline: Linearisation, effects: Sequence[str], progress: Progress
+) -> Fits:
     """The best fit with each effect put into the machine as given, of those below the base."""
-    found = dict[str, Point]()
+    found = dict[str, Linearisation]()
     for name in effects:
-        told(f"{name.replace('_', ' ')}, from afar")
-        points = sorted(_begun(given, name), key=lambda each: each.misfit)[:CHOSEN]
+        progress(f"{name.replace('_', ' ')}, from afar")
+        points = sorted(_begun(nominal, name), key=lambda each: each.chi2)[:CHOSEN]
         points = [fitted(each, FURTHER) for each in points]
         if points:
-            best = min(points, key=lambda each: each.misfit)
-            found[name] = settled(best, below=base.misfit)
-    return {name: point for name, point in found.items() if point.misfit < base.misfit}
+            best = min(points, key=lambda each: each.chi2)
+            found[name] = settled(best, below=baseline.chi2)
+    return {name: point for name, point in found.items() if point.chi2 < baseline.chi2}
 
 
-def bent_to(base: Point, guess: Guess) -> bool:
+def absorbed_by_baseline(baseline: Linearisation, guess: Guess) -> bool:
     """Tell whether the machine's values can do nearly all that a guess does.
 
     The refitted base has bent to it then, and far: there no slope tells the way back.
     """
-    space = base.ground.model.space
+    space = baseline.space
     names = amplitude_names(space.effects[guess.effect])
     amplitudes = [guess.places.tolist().index(space.place(name)) for name in names]
-    mark = (guess.x[amplitudes] @ guess.columns)[np.newaxis]
-    _, beyond = projected(base, mark)
-    return bool(beyond[0, 0] < OWN * np.sum(mark**2))
+    signature = (guess.x[amplitudes] @ guess.signature)[np.newaxis]
+    _, beyond = projected(baseline, signature)
+    return bool(beyond[0, 0] < OWN * np.sum(signature**2))
 
 
-def deepest(given: Point, point: Point, name: str) -> Point:
+def deepest_minimum(nominal: Linearisation, point: Linearisation, name: str) -> Linearisation:
     """The best fit about one with an effect that turns: the misfit has many hollows there."""
-    if not turning(given, [name]):
+    if not size_dependent(nominal, [name]):
         return point
-    own = given.ground.model.space.of(name)
+    own = nominal.space.of(name)
     for _ in range(ROUNDS):
-        starts = (placed(given, own, _resized(point, name, share)[own]) for share in ABOUT)
+        starts = (started_at(nominal, own, _resized(point, name, share)[own]) for share in ABOUT)
         fits = [fitted(each, FURTHER) for each in starts if each is not None]
-        settling = (settled(each, below=point.misfit) for each in fits)
-        best = min(settling, key=lambda each: each.misfit, default=point)
-        if best.misfit > point.misfit - DEEPER:
+        settling = (settled(each, below=point.chi2) for each in fits)
+        best = min(settling, key=lambda each: each.chi2, default=point)
+        if best.chi2 > point.chi2 - DEEPER:
             break
         point = best
     return point
 
 
-def _resized(point: Point, name: str, share: float) -> np.ndarray:
+def _resized(point: Linearisation, name: str, share: float) -> np.ndarray:
     """x with an effect so many times as large within its range, its shape as it is, (size,)."""
-    space, x = point.ground.model.space, point.x.copy()
+    space, x = point.space, point.x.copy()
     places = [space.place(each) for each in amplitude_names(space.effects[name])]
     x[places] = np.clip(share * x[places], space.low[places], space.high[places])
     return x
 
 
-def turning(point: Point, effects: Sequence[str]) -> list[str]:
+def size_dependent(point: Linearisation, effects: Sequence[str]) -> list[str]:
     """Of some effects those whose mark, by any amplitude, is another one where that is large."""
-    small = _marks(point, effects, 1.0)
-    sides = [_marks(point, list(small), side * LARGE) for side in (-1.0, 1.0)]
+    small = _signatures(point, effects, 1.0)
+    sides = [_signatures(point, list(small), side * LARGE) for side in (-1.0, 1.0)]
     return [
         name
         for name, rows in small.items()
-        if any(_turned(rows, large[name]) for large in sides if name in large)
+        if any(_differ(rows, large[name]) for large in sides if name in large)
     ]
 
 
-def _turned(small: np.ndarray, large: np.ndarray) -> bool:
+def _differ(small: np.ndarray, large: np.ndarray) -> bool:
     return any(
         abs(one @ other) < TURNED * np.sqrt((one @ one) * (other @ other))
         for one, other in zip(small, large, strict=True)
     )
 
 
-def _marks(point: Point, effects: Sequence[str], size: float) -> dict[str, np.ndarray]:
+def _signatures(point: Linearisation, effects: Sequence[str], size: float) -> dict[str, np.ndarray]:
     """Whitened change by each amplitude at a size, per step, of effects whose range it is in."""
-    known = point.ground.model.space.effects
+    known = point.space.effects
     trials = [
         (name, shapes(known[name])[0], steps)
         for name in effects
@@ -124,33 +128,35 @@ def _marks(point: Point, effects: Sequence[str], size: float) -> dict[str, np.nd
     return {name: rows for (name, _, _), rows in zip(trials, found, strict=True)}
 
 
-def _likely(given: Point, effects: Sequence[str]) -> list[str]:
+def _likely(nominal: Linearisation, effects: Sequence[str]) -> list[str]:
     """Effects in the order of what the best size of each would leave, were all else to follow."""
-    least = {name: _left(given, name, _sizes(given, name)).min(initial=np.inf) for name in effects}
+    least = {
+        name: _left(nominal, name, _sizes(nominal, name)).min(initial=np.inf) for name in effects
+    }
     return sorted(least, key=lambda name: least[name])
 
 
-def _left(given: Point, name: str, rows: np.ndarray) -> np.ndarray:
+def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
     """Misfit of places with an effect, shape (m,), were all else to follow by its slopes."""
-    own = given.ground.model.space.of(name)
-    return given.with_active(np.union1d(given.active, own)).misfits(rows, following=True)
+    own = nominal.space.of(name)
+    return nominal.with_active(np.union1d(nominal.active, own)).chi2_at(rows, following=True)
 
 
-def _begun(given: Point, name: str) -> list[Point]:
+def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
     """A few steps from the best of all sizes."""
-    own = given.ground.model.space.of(name)
-    rows = _sizes(given, name)
-    best = rows[np.argsort(_left(given, name, rows))[:TRIED]]
-    points = [placed(given, own, row[own]) for row in best]
+    own = nominal.space.of(name)
+    rows = _sizes(nominal, name)
+    best = rows[np.argsort(_left(nominal, name, rows))[:TRIED]]
+    points = [started_at(nominal, own, row[own]) for row in best]
     return [fitted(each, STEPS) for each in points if each is not None]
 
 
-def _sizes(given: Point, name: str) -> np.ndarray:
+def _sizes(nominal: Linearisation, name: str) -> np.ndarray:
     """Places with each amplitude of an effect at each size inside its range, (m, size)."""
-    space = given.ground.model.space
+    space = nominal.space
     rows = []
     for place in (space.place(each) for each in amplitude_names(space.effects[name])):
         for size in (*SIZES, *np.negative(SIZES)):
-            if space.low[place] <= given.x[place] + size <= space.high[place]:
-                rows.append(given.x + size * (np.arange(space.size) == place))
+            if space.low[place] <= nominal.x[place] + size <= space.high[place]:
+                rows.append(nominal.x + size * (np.arange(space.size) == place))
     return np.array(rows).reshape(-1, space.size)

@@ -5,41 +5,50 @@ from collections.abc import Sequence
 import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted
-from hannes.identification.diagnosis.linearisation import Ground, Point, grounded
+from hannes.identification.diagnosis.linearisation import Linearisation, NoiseCovariance, with_noise
 
 STEPS = 3  # of a fit from where all runs have led, which is near
 
 
-def held_out(base: Point, trial: Point, seen: Sequence[int], unseen: Sequence[int]) -> float:
+def heldout_reduction(
+    baseline: Linearisation,
+    trial: Linearisation,
+    fitted_runs: Sequence[int],
+    heldout_runs: Sequence[int],
+) -> float:
     """Misfit of the base less that of the trial on the runs that were not fitted.
 
-    `seen`, `unseen`: bit masks of the runs of each group. Zero where either has none.
+    `fitted_runs`, `heldout_runs`: bit masks of the runs of each group. Zero where either has none.
     """
-    if not (any(seen) and any(unseen)):
+    if not (any(fitted_runs) and any(heldout_runs)):
         return 0.0
-    return _left(base, seen, unseen) - _left(trial, seen, unseen)
+    return _left(baseline, fitted_runs, heldout_runs) - _left(trial, fitted_runs, heldout_runs)
 
 
-def _left(point: Point, seen: Sequence[int], unseen: Sequence[int]) -> float:
-    found = fitted(_only(point, seen), STEPS)
-    there = _only(point, unseen).moved(found.x, np.zeros(0, int))
-    return float("inf") if there is None else float(there.miss @ there.miss)
+def _left(point: Linearisation, fitted_runs: Sequence[int], heldout_runs: Sequence[int]) -> float:
+    found = fitted(_only(point, fitted_runs), STEPS)
+    there = _only(point, heldout_runs).moved(found.x, np.zeros(0, int))
+    return float("inf") if there is None else float(there.residual @ there.residual)
 
 
-def _only(point: Point, masks: Sequence[int]) -> Point:
+def _only(point: Linearisation, masks: Sequence[int]) -> Linearisation:
     """The point as some of the runs alone would have it: means of fewer runs are noisier."""
-    ground, numbers = point.ground, [k for k, mask in enumerate(masks) if mask]
-    whole = [ground.model.groups[k] for k in numbers]
+    noise, numbers = point.noise, [k for k, mask in enumerate(masks) if mask]
+    whole = [noise.model.groups[k] for k in numbers]
     groups = [
         group.only([n for n in range(group.count) if masks[k] >> n & 1])
         for k, group in zip(numbers, whole, strict=True)
     ]
     covariances = [
-        ground.covariances[k] * (old.count / new.count)
+        noise.covariances[k] * (old.count / new.count)
         for k, old, new in zip(numbers, whole, groups, strict=True)
     ]
-    grain = [ground.grain[k] for k in numbers]
-    model, rows = ground.model.of(groups, numbers), [ground.restless[k] for k in numbers]
-    some = Ground(model, ground.noise, grain, covariances, rows, ground.told)
-    vectors, slopes = ([each[k] for k in numbers] for each in (point.vectors, point.slopes))
-    return grounded(point, some, vectors, slopes)
+    discretisation = [noise.discretisation[k] for k in numbers]
+    model, rows = noise.model.of(groups, numbers), [noise.run_to_run[k] for k in numbers]
+    some = NoiseCovariance(
+        model, noise.run_noise, discretisation, covariances, rows, noise.simulated_noise
+    )
+    vectors, derivatives = (
+        [each[k] for k in numbers] for each in (point.vectors, point.derivatives)
+    )
+    return with_noise(point, some, vectors, derivatives)

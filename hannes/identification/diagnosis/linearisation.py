@@ -8,6 +8,7 @@ import numpy as np
 
 from hannes.core.errors import ComputationFailed
 from hannes.identification.diagnosis.noise_model import Noise, of_repeats
+from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import NOWHERE, SHIFT, Model
@@ -20,15 +21,18 @@ FINE = 0.3  # steps of an effect's parameter, to difference by
 
 
 @dataclass(frozen=True)
-class Care:
-    """How well noise is to be known: see Noise for `jerk`; simulations that average the grain."""
+class NoiseAccuracy:
+    """How accurately noise is to be known.
 
-    jerk: float
+    nonlinearity: see Noise;  samples: simulations that average the controller's discretisation
+    """
+
+    nonlinearity: float
     samples: int
 
 
 @dataclass(frozen=True)
-class Ground:
+class NoiseCovariance:
     """What all points of one diagnosis share.
 
     noise: of a run of each group; grain: what firmware adds, shape (n,) each
@@ -38,11 +42,11 @@ class Ground:
     """
 
     model: Model
-    noise: Noise
-    grain: list[np.ndarray]
+    run_noise: Noise
+    discretisation: list[np.ndarray]
     covariances: list[np.ndarray]
-    restless: list[np.ndarray]
-    told: bool
+    run_to_run: list[np.ndarray]
+    simulated_noise: bool
 
     @cached_property
     def roots(self) -> list[np.ndarray]:
@@ -61,65 +65,77 @@ class Ground:
 
 
 @dataclass(frozen=True)
-class Point:
+class Linearisation:
     """A place x, shape (size,), of which the directions in `active` may move.
 
     vectors: simulated bin means of each group; slopes: their change by x, shape (active, n) each
     miss: whitened measured minus simulated, (N,); columns: whitened slopes, (active, N)
     """
 
-    ground: Ground
+    noise: NoiseCovariance
     x: np.ndarray
     active: np.ndarray
     vectors: list[np.ndarray] = field(repr=False)
-    slopes: list[np.ndarray] = field(repr=False)
-    miss: np.ndarray = field(repr=False)
-    columns: np.ndarray = field(repr=False)
+    derivatives: list[np.ndarray] = field(repr=False)
+    residual: np.ndarray = field(repr=False)
+    jacobian: np.ndarray = field(repr=False)
+
+    @property
+    def model(self) -> Model:
+        """What simulates the runs."""
+        return self.noise.model
+
+    @property
+    def space(self) -> ParameterSpace:
+        """All parameters that a fit may move."""
+        return self.noise.model.space
 
     @cached_property
-    def misfit(self) -> float:
+    def chi2(self) -> float:
         """Squared distance of the recordings and of what is uncertain, in standard deviations."""
-        return float(self.miss @ self.miss + np.sum((self.ground.model.space.prior * self.x) ** 2))
+        return float(self.residual @ self.residual + np.sum((self.space.prior * self.x) ** 2))
 
     @property
     def prior(self) -> np.ndarray:
         """Roots of the weights of the active directions."""
-        return self.ground.model.space.prior[self.active]
+        return self.space.prior[self.active]
 
     @cached_property
-    def curvature(self) -> np.ndarray:
+    def hessian(self) -> np.ndarray:
         """Half the second derivative of the misfit by the active directions."""
-        return self.columns @ self.columns.T + np.diag(self.prior**2)
+        return self.jacobian @ self.jacobian.T + np.diag(self.prior**2)
 
     @cached_property
-    def pull(self) -> np.ndarray:
+    def gradient(self) -> np.ndarray:
         """Minus half the gradient of the misfit."""
-        return self.columns @ self.miss - self.prior**2 * self.x[self.active]
+        return self.jacobian @ self.residual - self.prior**2 * self.x[self.active]
 
     @property
-    def hoped(self) -> float:
+    def predicted_reduction(self) -> float:
         """By how much the misfit would fall in a whole step, were it quadratic."""
-        return float(self.pull @ np.linalg.solve(self.curvature, self.pull))
+        return float(self.gradient @ np.linalg.solve(self.hessian, self.gradient))
 
-    def moved(self, x: np.ndarray, fresh: np.ndarray) -> "Point | None":
+    def moved(self, x: np.ndarray, fresh: np.ndarray) -> "Linearisation | None":
         """The point at another x, slopes along `fresh` anew and the others as they were.
 
         None where the machine cannot be simulated there.
         """
-        ground = self.ground
-        vectors, made = differenced(ground.model, x, fresh, self._has_effects)
+        noise = self.noise
+        vectors, made = differenced(noise.model, x, fresh, self._has_effects)
         if not all(np.isfinite(each).all() for each in vectors):
             return None
         places = np.searchsorted(self.active, fresh)
-        slopes = [each.copy() for each in self.slopes]
-        columns = self.columns.copy()
-        for old, new in zip(slopes, made, strict=True):
+        derivatives = [each.copy() for each in self.derivatives]
+        jacobian = self.jacobian.copy()
+        for old, new in zip(derivatives, made, strict=True):
             old[places] = new
         if fresh.size:
-            columns[places] = ground.together(made)
-        return Point(ground, x, self.active, vectors, slopes, missed(ground, vectors), columns)
+            jacobian[places] = noise.together(made)
+        return Linearisation(
+            noise, x, self.active, vectors, derivatives, whitened_residual(noise, vectors), jacobian
+        )
 
-    def misfits(self, places: np.ndarray, following: bool = False) -> np.ndarray:
+    def chi2_at(self, places: np.ndarray, following: bool = False) -> np.ndarray:
         """Misfit at each of the places x, shape (m, size); infinite where nothing can be run.
 
         Nor is anything run where the machine's values alone are further off than all is here, or
@@ -128,21 +144,21 @@ class Point:
         following: after all active directions have followed, as far as slopes from here tell
         """
         found = np.full(len(places), np.inf)
-        off = np.sum((self.ground.model.space.prior * places) ** 2, axis=1)
-        near = np.flatnonzero(off <= max(self.misfit, self.miss.size))
+        off = np.sum((self.space.prior * places) ** 2, axis=1)
+        near = np.flatnonzero(off <= max(self.chi2, self.residual.size))
         if not near.size:
             return found
         made = self._vectors_at(places[near])
         for row, k in enumerate(near):
             vectors = [each[row] for each in made]
             if all(np.isfinite(each).all() for each in vectors):
-                there = replace(self, x=places[k], miss=missed(self.ground, vectors))
-                found[k] = there.misfit - (there.hoped if following else 0.0)
+                there = replace(self, x=places[k], residual=whitened_residual(self.noise, vectors))
+                found[k] = there.chi2 - (there.predicted_reduction if following else 0.0)
         return found
 
     def _vectors_at(self, places: np.ndarray) -> list[np.ndarray]:
         """Of each group at places, shape (m, n): of many by what they change from here, quicker."""
-        model, effects = self.ground.model, self._has_effects
+        model, effects = self.model, self._has_effects
         if len(places) < MANY:
             return [model.vectors(group, places, effects) for group in model.groups]
         groups = zip(model.groups, self.vectors, strict=True)
@@ -152,39 +168,43 @@ class Point:
 
     @property
     def _has_effects(self) -> bool:
-        return self.active.size > self.ground.model.space.uncertain.size
+        return self.active.size > self.space.uncertain.size
 
-    def corrected(self, before: "Point") -> "Point":
+    def corrected(self, before: "Linearisation") -> "Linearisation":
         """The point with its slopes mended by what the step from `before` really did (Broyden)."""
         step = (self.x - before.x)[self.active]
         if (length := float(step @ step)) < 1e-8:
             return self
-        wrong = (before.miss - self.miss) - step @ (0.5 * (self.columns + before.columns))
-        return replace(self, columns=self.columns + np.outer(step, wrong) / length)
+        wrong = (before.residual - self.residual) - step @ (0.5 * (self.jacobian + before.jacobian))
+        return replace(self, jacobian=self.jacobian + np.outer(step, wrong) / length)
 
-    def with_active(self, active: np.ndarray) -> "Point":
+    def with_active(self, active: np.ndarray) -> "Linearisation":
         """The same place with other directions active: slopes along new ones are zero until had."""
-        ground, known = self.ground, np.isin(active, self.active)
+        noise, known = self.noise, np.isin(active, self.active)
         places = np.searchsorted(self.active, active[known])
-        slopes = [np.zeros((active.size, each.shape[1])) for each in self.slopes]
-        columns = np.zeros((active.size, self.columns.shape[1]))
-        for new, old in zip(slopes, self.slopes, strict=True):
+        derivatives = [np.zeros((active.size, each.shape[1])) for each in self.derivatives]
+        jacobian = np.zeros((active.size, self.jacobian.shape[1]))
+        for new, old in zip(derivatives, self.derivatives, strict=True):
             new[known] = old[places]
-        columns[known] = self.columns[places]
-        return Point(ground, self.x, active, self.vectors, slopes, self.miss, columns)
+        jacobian[known] = self.jacobian[places]
+        return Linearisation(
+            noise, self.x, active, self.vectors, derivatives, self.residual, jacobian
+        )
 
 
-def missed(ground: Ground, vectors: Sequence[np.ndarray]) -> np.ndarray:
+def whitened_residual(noise: NoiseCovariance, vectors: Sequence[np.ndarray]) -> np.ndarray:
     """Whitened measured minus simulated of all groups, shape (N,)."""
-    groups = zip(ground.model.groups, vectors, ground.grain, strict=True)
-    return ground.together([group.mean - made - grain for group, made, grain in groups])
+    groups = zip(noise.model.groups, vectors, noise.discretisation, strict=True)
+    return noise.together(
+        [group.mean - made - discretisation for group, made, discretisation in groups]
+    )
 
 
 def differenced(
     model: Model, x: np.ndarray, along: np.ndarray, effects: bool
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Vectors of all groups at x, and their change along some directions, (directions, n)."""
-    vectors, slopes = [], []
+    vectors, derivatives = [], []
     for group in model.groups:
         acting = model.space.acting(group)[along]
         steps = _steps(model, x, along[acting])
@@ -195,8 +215,8 @@ def differenced(
             changes = _near(model, group, here, x, x + steps, effects) / sizes[:, np.newaxis]
             found[acting] = np.nan_to_num(changes, posinf=0.0, neginf=0.0)
         vectors.append(here)
-        slopes.append(found)
-    return vectors, slopes
+        derivatives.append(found)
+    return vectors, derivatives
 
 
 def _near(
@@ -214,90 +234,109 @@ def _steps(model: Model, x: np.ndarray, along: np.ndarray) -> np.ndarray:
     """One row for each direction: towards its given value, and never out of bounds."""
     space, steps = model.space, np.zeros((along.size, x.size))
     for row, place in zip(steps, along, strict=True):
-        size = FINE if space.directions[place].effect else STEP
+        size = FINE if space.parameters[place].effect else STEP
         row[place] = size if x[place] <= 0.0 else -size
         if not space.low[place] <= x[place] + row[place] <= space.high[place]:
             row[place] = -row[place]
     return steps
 
 
-def first(model: Model, care: Care, seed: int) -> Point:
+def first(model: Model, accuracy: NoiseAccuracy, seed: int) -> Linearisation:
     """The point where everything is as given and no effect is there."""
-    return begun(model, np.zeros(model.space.size), model.space.uncertain, care, seed)
+    return begun(model, np.zeros(model.space.size), model.space.uncertain, accuracy, seed)
 
 
-def begun(model: Model, x: np.ndarray, active: np.ndarray, care: Care, seed: int) -> Point:
+def begun(
+    model: Model, x: np.ndarray, active: np.ndarray, accuracy: NoiseAccuracy, seed: int
+) -> Linearisation:
     """The point at x, and the ground as it is there; ComputationFailed where none can be run."""
     effects = active.size > model.space.uncertain.size
-    vectors, slopes = differenced(model, x, active, effects)
+    vectors, derivatives = differenced(model, x, active, effects)
     if not all(np.isfinite(each).all() for each in vectors):
         raise ComputationFailed(NOWHERE)
-    return _on(surveyed(model, x, care, seed), x, active, vectors, slopes)
+    return _assembled(estimated_noise(model, x, accuracy, seed), x, active, vectors, derivatives)
 
 
-def surveyed(model: Model, x: np.ndarray, care: Care, seed: int) -> Ground:
+def estimated_noise(
+    model: Model, x: np.ndarray, accuracy: NoiseAccuracy, seed: int
+) -> NoiseCovariance:
     """Noise, grain, and what runs differ in, as they are at x, of effects only those held."""
-    grains = model.grain(x, care.samples, seed)
+    discretisations = model.discretisation_errors(x, accuracy.samples, seed)
     channels = [model.simulated(group, x[np.newaxis], False)[0] or {} for group in model.groups]
-    jerks = [group.jerk(each) for group, each in zip(model.groups, channels, strict=True)]
-    pairs = zip(model.groups, channels, strict=True)
-    restless = [run_to_run(model, x, group, each) for group, each in pairs]
-    strays, roughs = [each.strays for each in grains], [each.rough for each in grains]
-    times, told = care.jerk, any(each.any() for each in strays)
-    if not told:
-        times = max(times, REPEATED)
-        strays, roughs = of_repeats(model.groups, jerks, restless, times)
-    noise = Noise(model.groups, strays, roughs, jerks, restless, times)
-    covariances = [
-        (noise.covariance(group) + np.diag((times * jerk) ** 2) + rows.T @ rows) / group.count
-        for group, jerk, rows in zip(model.groups, jerks, restless, strict=True)
+    nonlinearities = [
+        group.nonlinearity(each) for group, each in zip(model.groups, channels, strict=True)
     ]
-    for covariance, group, grain in zip(covariances, model.groups, grains, strict=True):
-        if grain.strays.any():  # the mean of so many simulations is not sure either
-            covariance += noise.moved(group) / len(grain.strays)
-    return Ground(model, noise, [each.mean for each in grains], covariances, restless, told)
+    pairs = zip(model.groups, channels, strict=True)
+    run_to_run = [run_to_run_rows(model, x, group, each) for group, each in pairs]
+    deviations, roughnesses = (
+        [each.deviations for each in discretisations],
+        [each.roughness for each in discretisations],
+    )
+    times, simulated_noise = accuracy.nonlinearity, any(each.any() for each in deviations)
+    if not simulated_noise:
+        times = max(times, REPEATED)
+        deviations, roughnesses = of_repeats(model.groups, nonlinearities, run_to_run, times)
+    run_noise = Noise(model.groups, deviations, roughnesses, nonlinearities, run_to_run, times)
+    covariances = [
+        (run_noise.covariance(group) + np.diag((times * nonlinearity) ** 2) + rows.T @ rows)
+        / group.count
+        for group, nonlinearity, rows in zip(model.groups, nonlinearities, run_to_run, strict=True)
+    ]
+    for covariance, group, discretisation in zip(
+        covariances, model.groups, discretisations, strict=True
+    ):
+        if discretisation.deviations.any():  # the mean of so many simulations is not sure either
+            covariance += run_noise.moved(group) / len(discretisation.deviations)
+    return NoiseCovariance(
+        model,
+        run_noise,
+        [each.mean for each in discretisations],
+        covariances,
+        run_to_run,
+        simulated_noise,
+    )
 
 
-def grounded(
-    point: Point,
-    ground: Ground,
+def with_noise(
+    point: Linearisation,
+    noise: NoiseCovariance,
     vectors: list[np.ndarray] | None = None,
-    slopes: list[np.ndarray] | None = None,
-) -> Point:
+    derivatives: list[np.ndarray] | None = None,
+) -> Linearisation:
     """The same place on another ground, with vectors and slopes of its groups where they differ."""
-    vectors, slopes = vectors or point.vectors, slopes or point.slopes
-    return _on(ground, point.x, point.active, vectors, slopes)
+    vectors, derivatives = vectors or point.vectors, derivatives or point.derivatives
+    return _assembled(noise, point.x, point.active, vectors, derivatives)
 
 
-def _on(
-    ground: Ground,
+def _assembled(
+    noise: NoiseCovariance,
     x: np.ndarray,
     active: np.ndarray,
     vectors: list[np.ndarray],
-    slopes: list[np.ndarray],
-) -> Point:
-    miss, columns = missed(ground, vectors), ground.together(slopes)
-    return Point(ground, x, active, vectors, slopes, miss, columns)
+    derivatives: list[np.ndarray],
+) -> Linearisation:
+    residual, jacobian = whitened_residual(noise, vectors), noise.together(derivatives)
+    return Linearisation(noise, x, active, vectors, derivatives, residual, jacobian)
 
 
-def run_to_run(model: Model, x: np.ndarray, group: Group, channels: Channels) -> np.ndarray:
+def run_to_run_rows(model: Model, x: np.ndarray, group: Group, channels: Channels) -> np.ndarray:
     """How a group's runs differ about x, one standard deviation a row, shape (k, n).
 
     Where fingers touch, a change does not do one way what it does the other, reversed: what both
     ways have in common is a row of its own.
     """
     space, sizes = model.space, _run_sizes(model, group)
-    names = {space.directions[k].name: k for k in space.uncertain if space.acting(group)[k]}
+    names = {space.parameters[k].name: k for k in space.uncertain if space.acting(group)[k]}
     steps = np.zeros((len(names), x.size))
     for step, (name, place) in zip(steps, names.items(), strict=True):
-        step[place] = sizes.pop(name, 0.0) / space.directions[place].scale
+        step[place] = sizes.pop(name, 0.0) / space.parameters[place].scale
     steps = steps[steps.any(axis=1)]
     made = model.changes(group, x, np.vstack([x + steps, x - steps]), False)
     more, less = np.nan_to_num(made).reshape(2, len(steps), group.part.size)
     found = [*(0.5 * (more - less)), *(0.5 * (more + less))]
     found += [_own_step(model, group, name, size) for name, size in sizes.items() if size]
-    late, early = (group.vector(channels, side * SHIFT) for side in (0.5, -0.5))
-    found.append((late - early) * space.settings.start_time / SHIFT)
+    later, earlier = (group.vector(channels, side * SHIFT) for side in (0.5, -0.5))
+    found.append((later - earlier) * space.settings.start_time / SHIFT)
     return np.array(found)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import SETTLED, fitted, settled
-from hannes.identification.diagnosis.linearisation import Point, grounded
+from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.score_test import Guess, amplitude_names
 from hannes.identification.diagnosis.simulator import TICKED
 
@@ -21,42 +21,51 @@ TAKEN = (0.0, 0.5, 1.0)  # of what an effect did: shares that all else takes ove
 FADING = (0.75, 0.5, 0.25, 0.0)  # of an effect that is let go, all else fitted after each
 LITTLE = 0.005  # of the gain: a round of slopes that lowers the misfit by less is the last
 
-Told = Callable[[str], None]
-Start = tuple[Point, Guess]
-Fits = dict[str, Point]
+Progress = Callable[[str], None]
+Start = tuple[Linearisation, Guess]
+Fits = dict[str, Linearisation]
 
 
 def refitted(
-    given: Point, base: Point, starts: Sequence[Start], known: Fits, needed: float, told: Told
+    nominal: Linearisation,
+    baseline: Linearisation,
+    starts: Sequence[Start],
+    known: Fits,
+    needed: float,
+    progress: Progress,
 ) -> Fits:
     """Best fit with each effect from every start, below the base; the best few from several ends.
 
     known: fits from elsewhere; needed: gain that a name needs. What ended above the base did not
     get there: the base is that effect at off.
     """
-    best = _better(_started(starts, told), known)
+    best = _better(_started(starts, progress), known)
     # A guess at the machine as given promises what refitting the base has brought already.
-    hoped = dict.fromkeys(best, 0.0) | {g.effect: g.gain for at, g in starts if at is base}
-    gains = {name: max(base.misfit - point.misfit, hoped[name]) for name, point in best.items()}
-    enough = NEAR * max([needed, *gains.values()])
-    for name in sorted(gains, key=lambda each: -gains[each])[:FINAL]:
-        if gains[name] > enough:
-            told(f"{name.replace('_', ' ')}, once more")
-            best[name] = _from_both(best[name], base, given, hoped[name])
-    best = _crossed(best, base, needed, told)
-    return {name: point for name, point in best.items() if point.misfit < base.misfit}
+    predicted = dict.fromkeys(best, 0.0) | {
+        g.effect: g.delta_chi2 for at, g in starts if at is baseline
+    }
+    reductions = {
+        name: max(baseline.chi2 - point.chi2, predicted[name]) for name, point in best.items()
+    }
+    enough = NEAR * max([needed, *reductions.values()])
+    for name in sorted(reductions, key=lambda each: -reductions[each])[:FINAL]:
+        if reductions[name] > enough:
+            progress(f"{name.replace('_', ' ')}, once more")
+            best[name] = _from_both(best[name], baseline, nominal, predicted[name])
+    best = _crossed(best, baseline, needed, progress)
+    return {name: point for name, point in best.items() if point.chi2 < baseline.chi2}
 
 
-def _started(starts: Sequence[Start], told: Told) -> Fits:
+def _started(starts: Sequence[Start], progress: Progress) -> Fits:
     """Best fit with each effect from every start, slopes mended as it goes."""
     best: Fits = {}
     for start, guess in starts:
-        told(guess.effect.replace("_", " "))
-        point = joined(start, guess)
+        progress(guess.effect.replace("_", " "))
+        point = started_at_guess(start, guess)
         if point is None:
             continue
-        point = ticked(fitted(point, 5), guess.effect)
-        if guess.effect not in best or point.misfit < best[guess.effect].misfit:
+        point = with_correction_at_size(fitted(point, 5), guess.effect)
+        if guess.effect not in best or point.chi2 < best[guess.effect].chi2:
             best[guess.effect] = point
     return best
 
@@ -64,27 +73,29 @@ def _started(starts: Sequence[Start], told: Told) -> Fits:
 def _better(fits: Fits, others: Fits) -> Fits:
     """Of every effect's fits the one that leaves less."""
     every = [*fits.items(), *others.items()]
-    return dict(sorted(every, key=lambda each: -each[1].misfit))
+    return dict(sorted(every, key=lambda each: -each[1].chi2))
 
 
-def _from_both(point: Point, base: Point, given: Point, hoped: float) -> Point:
+def _from_both(
+    point: Linearisation, baseline: Linearisation, nominal: Linearisation, predicted: float
+) -> Linearisation:
     """A fit with an effect settled; where it was led astray, from the machine as given too.
 
     The base bends to hide an effect; where fingers touch a fit from there may stay bent. It does
-    where it gains less than what was `hoped` for, or where it had far to go.
+    where it gains less than what was `predicted` for, or where it had far to go.
     """
-    found = settled(point, little(base.misfit - point.misfit))
-    gain = base.misfit - found.misfit
-    far = point.misfit - found.misfit > max(ASTRAY, FAR * gain)
-    if not far and gain > HELD * hoped:
+    found = settled(point, little(baseline.chi2 - point.chi2))
+    delta_chi2 = baseline.chi2 - found.chi2
+    far = point.chi2 - found.chi2 > max(ASTRAY, FAR * delta_chi2)
+    if not far and delta_chi2 > HELD * predicted:
         return found
-    places = np.setdiff1d(point.active, base.active)
-    there = placed(grounded(given, point.ground), places, found.x[places])
-    other = found if there is None else settled(there, little(gain), found.misfit)
-    return min(found, other, key=lambda each: each.misfit)
+    places = np.setdiff1d(point.active, baseline.active)
+    there = started_at(with_noise(nominal, point.noise), places, found.x[places])
+    other = found if there is None else settled(there, little(delta_chi2), found.chi2)
+    return min(found, other, key=lambda each: each.chi2)
 
 
-def _crossed(best: Fits, base: Point, needed: float, told: Told) -> Fits:
+def _crossed(best: Fits, baseline: Linearisation, needed: float, progress: Progress) -> Fits:
     """The same, rivals that gain nearly as much as the best effect fitted from its machine as well.
 
     Where fingers touch, fits that went other ways may differ by more than their effects do. A
@@ -92,86 +103,90 @@ def _crossed(best: Fits, base: Point, needed: float, told: Told) -> Fits:
     """
     best, leaders = dict(best), list[str]()
     while best and len(leaders) < 2:
-        leader = min(best, key=lambda name: best[name].misfit)
+        leader = min(best, key=lambda name: best[name].chi2)
         if leader in leaders:
             break
         leaders.append(leader)
-        gain = base.misfit - best[leader].misfit
+        delta_chi2 = baseline.chi2 - best[leader].chi2
         for name, point in best.items():
-            if name != leader and base.misfit - point.misfit > CROSSED * max(gain, needed):
-                told(f"{name.replace('_', ' ')}, from there")
-                best[name] = _from_machine(best[leader], point, base, gain)
+            if name != leader and baseline.chi2 - point.chi2 > CROSSED * max(delta_chi2, needed):
+                progress(f"{name.replace('_', ' ')}, from there")
+                best[name] = _from_machine(best[leader], point, baseline, delta_chi2)
     return best
 
 
-def _from_machine(other: Point, point: Point, base: Point, gain: float) -> Point:
+def _from_machine(
+    other: Linearisation, point: Linearisation, baseline: Linearisation, delta_chi2: float
+) -> Linearisation:
     """A fit begun anew at another one's machine, its own effect kept; the better of both."""
     x = point.x.copy()
-    x[base.active] = other.x[base.active]
-    there = point.moved(x, np.setdiff1d(point.active, base.active))
+    x[baseline.active] = other.x[baseline.active]
+    there = point.moved(x, np.setdiff1d(point.active, baseline.active))
     if there is None:
         return point
-    found = settled(there, little(gain), point.misfit)
-    return min(point, found, key=lambda each: each.misfit)
+    found = settled(there, little(delta_chi2), point.chi2)
+    return min(point, found, key=lambda each: each.chi2)
 
 
-def beside(base: Point, guess: Guess, best: Point | None) -> Point | None:
+def fit_beside(
+    baseline: Linearisation, guess: Guess, best: Linearisation | None
+) -> Linearisation | None:
     """The best fit of a guess from the base, and from another fit's machine; None below neither."""
-    start = joined(base, guess)
+    start = started_at_guess(baseline, guess)
     if start is None:
         return None
     point = fitted(start, 5)
-    point = settled(point, little(base.misfit - point.misfit))
+    point = settled(point, little(baseline.chi2 - point.chi2))
     if best is not None:
-        point = _from_machine(best, point, base, base.misfit - best.misfit)
-    return point if point.misfit < base.misfit else None
+        point = _from_machine(best, point, baseline, baseline.chi2 - best.chi2)
+    return point if point.chi2 < baseline.chi2 else None
 
 
-def ticked(point: Point, name: str) -> Point:
+def with_correction_at_size(point: Linearisation, name: str) -> Linearisation:
     """Refitted with firmware's ticks as they are at the size at which an effect was found."""
-    model, places = point.ground.model, point.ground.model.space.of(name)
+    model, places = point.model, point.space.of(name)
     if not model.in_loop(name) or np.abs(point.x[places]).max() <= TICKED[0]:
         return point
-    ground = replace(point.ground, model=model.ticking(point.x, [name]))
-    there = replace(point, ground=ground).moved(point.x, places)
+    noise = replace(point.noise, model=model.with_sampling_correction(point.x, [name]))
+    there = replace(point, noise=noise).moved(point.x, places)
     return point if there is None else fitted(there, 5)
 
 
-def joined(start: Point, guess: Guess) -> Point | None:
+def started_at_guess(start: Linearisation, guess: Guess) -> Linearisation | None:
     """The start with an effect at the best share of its guess; None where that breaks down."""
-    space, rows = start.ground.model.space, np.repeat(start.x[np.newaxis], len(SHARES), axis=0)
+    space, rows = start.space, np.repeat(start.x[np.newaxis], len(SHARES), axis=0)
     rows[:, guess.places] = guess.x
     amplitudes = [space.place(name) for name in amplitude_names(space.effects[guess.effect])]
     rows[:, amplitudes] *= np.array(SHARES)[:, np.newaxis]
     active = np.union1d(start.active, guess.places)
-    best = rows[np.argmin(start.with_active(active).misfits(rows))]
-    return placed(start, guess.places, best[guess.places])
+    best = rows[np.argmin(start.with_active(active).chi2_at(rows))]
+    return started_at(start, guess.places, best[guess.places])
 
 
-def without(point: Point, effects: Sequence[str]) -> np.ndarray:
+def without(point: Linearisation, effects: Sequence[str]) -> np.ndarray:
     """Places without these effects: as it is else, and where all else takes their work over.
 
     That by a linear guess, whole and by half; shape (3, size), within bounds.
     """
-    space, rows = point.ground.model.space, np.repeat(point.x[np.newaxis], len(TAKEN), axis=0)
+    space, rows = point.space, np.repeat(point.x[np.newaxis], len(TAKEN), axis=0)
     rows[:, space.of(*effects)] = 0.0
     names = [name for each in effects for name in amplitude_names(space.effects[each])]
     acting = np.isin(point.active, [space.place(name) for name in names])
     kept = ~np.isin(point.active, space.of(*effects))
-    work = point.x[point.active[acting]] @ point.columns[acting]
-    pull = point.columns[kept] @ work + point.pull[kept]
-    step = np.linalg.solve(point.curvature[np.ix_(kept, kept)], pull)
+    work = point.x[point.active[acting]] @ point.jacobian[acting]
+    gradient = point.jacobian[kept] @ work + point.gradient[kept]
+    step = np.linalg.solve(point.hessian[np.ix_(kept, kept)], gradient)
     rows[:, point.active[kept]] += np.outer(TAKEN, step)
     return np.clip(rows, space.low, space.high)
 
 
-def faded(point: Point, name: str) -> Point | None:
+def faded(point: Linearisation, name: str) -> Linearisation | None:
     """The fit with an effect let go little by little, all else following; None where it breaks.
 
     Taken away at once it would leave the hollow that it led to: where fingers touch others are
     all about.
     """
-    space = point.ground.model.space
+    space = point.space
     places = space.of(name)
     there = point.with_active(np.setdiff1d(point.active, places))
     further = there.active[there.active >= space.uncertain.size]
@@ -185,13 +200,15 @@ def faded(point: Point, name: str) -> Point | None:
     return there
 
 
-def placed(start: Point, places: np.ndarray, values: np.ndarray) -> Point | None:
+def started_at(
+    start: Linearisation, places: np.ndarray, values: np.ndarray
+) -> Linearisation | None:
     """The start with an effect's directions active and at these values of x."""
     x = start.x.copy()
     x[places] = values
     return start.with_active(np.union1d(start.active, places)).moved(x, np.sort(places))
 
 
-def little(gain: float) -> float:
+def little(delta_chi2: float) -> float:
     """What a round may gain and be the last, where so much is gained in all."""
-    return max(SETTLED, LITTLE * gain)
+    return max(SETTLED, LITTLE * delta_chi2)

@@ -38,28 +38,32 @@ class Noise:
     def __init__(
         self,
         groups: Sequence[Group],
-        strays: Sequence[np.ndarray],
-        roughs: Sequence[Levels],
-        jerks: Sequence[np.ndarray],
-        restless: Sequence[np.ndarray],
-        jerk: float,
+        deviations: Sequence[np.ndarray],
+        roughnesses: Sequence[Levels],
+        nonlinearities: Sequence[np.ndarray],
+        run_to_run: Sequence[np.ndarray],
+        nonlinearity: float,
     ) -> None:
-        self.groups, self.jerk = groups, jerk
+        self.groups, self.nonlinearity = groups, nonlinearity
         self._white = {
-            id(group): white_levels(group, rough, FAINT if len(stray) >= MANY else FEW)
-            for group, rough, stray in zip(groups, roughs, strays, strict=True)
+            id(group): white_levels(
+                group, roughness_matrix, FAINT if len(deviation) >= MANY else FEW
+            )
+            for group, roughness_matrix, deviation in zip(
+                groups, roughnesses, deviations, strict=True
+            )
         }
         self._profiles = {
             id(group): _profile(group, each)
-            for group, each in zip(groups, strays, strict=True)
+            for group, each in zip(groups, deviations, strict=True)
             if len(each)
         }
-        self._strays = {id(group): each for group, each in zip(groups, strays, strict=True)}
-        self._lagged = self._correlations(strays)
+        self._strays = {id(group): each for group, each in zip(groups, deviations, strict=True)}
+        self._lagged = self._correlations(deviations)
         self._correlated: dict[tuple, np.ndarray] = {}
         self._covariances: dict[int, np.ndarray] = {}
         self.more: Levels = {}
-        self.more = self._compared([jerk * each for each in jerks], restless)
+        self.more = self._compared([nonlinearity * each for each in nonlinearities], run_to_run)
 
     def covariance(self, group: Group) -> np.ndarray:
         """Shape (n, n), positive definite."""
@@ -78,25 +82,25 @@ class Noise:
         """Covariance of what the sensors' noise makes the machine do, shape (n, n)."""
         if not self._lagged:
             return np.zeros((group.part.size, group.part.size))
-        strays = self._strays.get(id(group))
-        if strays is not None and len(strays) >= MANY:
-            return self._told(group, strays)
+        deviations = self._strays.get(id(group))
+        if deviations is not None and len(deviations) >= MANY:
+            return self._per_time(group, deviations)
         kind = group.width, group.names, group.bins
         if kind not in self._correlated:
             self._correlated[kind] = self._correlation(group)
         return self._correlated[kind] * np.outer(self._profile(group), self._profile(group))
 
-    def _told(self, group: Group, strays: np.ndarray) -> np.ndarray:
+    def _per_time(self, group: Group, deviations: np.ndarray) -> np.ndarray:
         if id(group) not in self._covariances:
-            self._covariances[id(group)] = covariance(strays, len(group.names))
+            self._covariances[id(group)] = covariance(deviations, len(group.names))
         return self._covariances[id(group)]
 
     def _correlation(self, group: Group) -> np.ndarray:
         width = min(self._lagged, key=lambda each: abs(each - group.width))
         pairs = self._lagged[width]
-        rough = np.block([[_toeplitz(pairs, a, b, group.bins) for b in group.names]
+        roughness_matrix = np.block([[_toeplitz(pairs, a, b, group.bins) for b in group.names]
                           for a in group.names])  # fmt: skip
-        values, vectors = np.linalg.eigh(0.5 * (rough + rough.T))
+        values, vectors = np.linalg.eigh(0.5 * (roughness_matrix + roughness_matrix.T))
         return (vectors * np.maximum(values, LEAST * values.mean())) @ vectors.T
 
     def _profile(self, group: Group) -> np.ndarray:
@@ -112,18 +116,20 @@ class Noise:
         }
         return np.repeat([usual.get(name, 0.0) for name in group.names], group.bins)
 
-    def _correlations(self, strays: Sequence[np.ndarray]) -> dict[float, dict[tuple, np.ndarray]]:
+    def _correlations(
+        self, deviations: Sequence[np.ndarray]
+    ) -> dict[float, dict[tuple, np.ndarray]]:
         """Width of bin -> pair of channels -> correlation over lags, tapered."""
         runs: dict[float, list[dict[str, np.ndarray]]] = {}
-        for group, rows in zip(self.groups, strays, strict=True):
+        for group, rows in zip(self.groups, deviations, strict=True):
             for row in rows / np.maximum(self._profile(group), 1e-30):
                 runs.setdefault(group.width, []).append({n: row[group.of(n)] for n in group.names})
         return {width: _covariances(width, each) for width, each in runs.items()}
 
-    def _compared(self, shaken: Sequence[np.ndarray], restless: Sequence[np.ndarray]) -> Levels:
+    def _compared(self, shaken: Sequence[np.ndarray], run_to_run: Sequence[np.ndarray]) -> Levels:
         """How many times as far repeats are from each other, by channel; at least 1."""
         squares: dict[str, list[float]] = {}
-        for group, *each in zip(self.groups, shaken, restless, strict=True):
+        for group, *each in zip(self.groups, shaken, run_to_run, strict=True):
             level = np.sqrt(np.diag(self.covariance(group)))
             for rest in _rests(group, level, *each):
                 for name in group.names:
@@ -132,10 +138,10 @@ class Noise:
         return {name: max(1.0, float(np.sqrt(np.mean(each)))) for name, each in squares.items()}
 
 
-def _profile(group: Group, strays: np.ndarray) -> np.ndarray:
+def _profile(group: Group, deviations: np.ndarray) -> np.ndarray:
     """Standard deviation of each bin among runs, from it and the bins about it, (n,)."""
     window = np.full(2 * NEAR + 1, 1.0 / (2 * NEAR + 1))
-    variance = np.mean(np.square(strays), axis=0).reshape(len(group.names), group.bins)
+    variance = np.mean(np.square(deviations), axis=0).reshape(len(group.names), group.bins)
     padded = np.pad(variance, ((0, 0), (NEAR, NEAR)), "edge")
     smooth = [np.convolve(row, window, "valid") for row in padded]
     return np.sqrt(np.concatenate(smooth))
@@ -143,28 +149,28 @@ def _profile(group: Group, strays: np.ndarray) -> np.ndarray:
 
 def of_repeats(
     groups: Sequence[Group],
-    jerks: Sequence[np.ndarray],
-    restless: Sequence[np.ndarray],
-    jerk: float,
+    nonlinearities: Sequence[np.ndarray],
+    run_to_run: Sequence[np.ndarray],
+    nonlinearity: float,
 ) -> tuple[list[np.ndarray], list[Levels]]:
-    """`strays` and `roughs` for Noise, of a plant that cannot simulate noisy sensors."""
-    strays, roughs = [], []
-    for group, stray, rows in zip(groups, jerks, restless, strict=True):
+    """`deviations` and `roughnesses` for Noise, of a plant that cannot simulate noisy sensors."""
+    deviations, roughnesses = [], []
+    for group, deviation, rows in zip(groups, nonlinearities, run_to_run, strict=True):
         levels = white_levels(group, {})
         level = np.repeat([levels[name] for name in group.names], group.bins)
-        rests = _rests(group, level, jerk * stray, rows)
-        strays.append(np.array(rests).reshape(-1, group.part.size))
-        roughs.append(recorded_roughness(group) if rests else {})
-    return strays, roughs
+        rests = _rests(group, level, nonlinearity * deviation, rows)
+        deviations.append(np.array(rests).reshape(-1, group.part.size))
+        roughnesses.append(recorded_roughness(group) if rests else {})
+    return deviations, roughnesses
 
 
 def _rests(
-    group: Group, level: np.ndarray, shake: np.ndarray, restless: np.ndarray
+    group: Group, level: np.ndarray, shake: np.ndarray, run_to_run: np.ndarray
 ) -> list[np.ndarray]:
     """What each run differs in from the mean of its group, what runs do taken away."""
     if group.count < 2:
         return []
-    white = Whitening.of(np.hypot(level, shake), restless)
+    white = Whitening.of(np.hypot(level, shake), run_to_run)
     apart = (group.measured - group.mean) * np.sqrt(group.count / (group.count - 1.0))
     return [white.rest(each) for each in apart]
 
@@ -201,9 +207,14 @@ def white_levels(group: Group, known: Levels, least: float = FEW) -> Levels:
     least: share of the roughness that is there however much is known.
     """
     found = {}
-    for name, rough in recorded_roughness(group).items():
+    for name, level_recorded in recorded_roughness(group).items():
         samples = group.views[0].samples(name)
-        more = np.sqrt(max(rough**2 - (SAME * known.get(name, 0.0)) ** 2, (least * rough) ** 2))
+        more = np.sqrt(
+            max(
+                level_recorded**2 - (SAME * known.get(name, 0.0)) ** 2,
+                (least * level_recorded) ** 2,
+            )
+        )
         level = float(more) / np.sqrt(samples.size / group.bins)
         found[name] = max(level, 1e-6 * float(np.abs(samples).max()), 1e-12)
     return found

@@ -8,35 +8,39 @@ started late by chance would be a delay.
 
 import numpy as np
 
-from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.linearisation import Linearisation
 
 QUIET = 0.7  # of the noise told, at least, where the best model leaves less: it is told too large
 
 
-def noise_left(base: Point, least: float) -> float:
+def estimated_variance_factor(baseline: Linearisation, least: float) -> float:
     """What a bin's square is by noise alone, of the least misfit of any model: 1 as it was told.
 
     Never below QUIET; where only repeats tell it, never below 1.
     """
-    return max(QUIET if base.ground.told else 1.0, least / base.miss.size)
+    return max(QUIET if baseline.noise.simulated_noise else 1.0, least / baseline.residual.size)
 
 
-def lowered(base: Point, point: Point, unit: float) -> float:
-    """How far a point is below the base, where a bin's square by noise is `unit`."""
-    if unit >= 1.0:
-        return (base.misfit - point.misfit) / unit
-    return _weighed(base, unit) - _weighed(point, unit)
+def chi2_reduction(baseline: Linearisation, point: Linearisation, variance_factor: float) -> float:
+    """How far a point is below the base, where a bin's square by noise is `variance_factor`."""
+    if variance_factor >= 1.0:
+        return (baseline.chi2 - point.chi2) / variance_factor
+    return _weighed(baseline, variance_factor) - _weighed(point, variance_factor)
 
 
-def _weighed(point: Point, unit: float) -> float:
+def _weighed(point: Linearisation, variance_factor: float) -> float:
     """The misfit with less noise, what runs differ in as it was."""
     from scipy.linalg import solve_triangular
 
-    ground, found = point.ground, float(np.sum((point.ground.model.space.prior * point.x) ** 2))
-    groups = ground.model.groups
-    misses = np.split(point.miss, np.cumsum([group.part.size for group in groups])[:-1])
-    for group, root, rows, miss in zip(groups, ground.roots, ground.restless, misses, strict=True):
-        less = unit * (root @ root.T) + (1.0 - unit) / group.count * (rows.T @ rows)
-        white = solve_triangular(np.linalg.cholesky(less), root @ miss, lower=True)
+    noise, found = point.noise, float(np.sum((point.space.prior * point.x) ** 2))
+    groups = noise.model.groups
+    misses = np.split(point.residual, np.cumsum([group.part.size for group in groups])[:-1])
+    for group, root, rows, residual in zip(
+        groups, noise.roots, noise.run_to_run, misses, strict=True
+    ):
+        less = variance_factor * (root @ root.T) + (1.0 - variance_factor) / group.count * (
+            rows.T @ rows
+        )
+        white = solve_triangular(np.linalg.cholesky(less), root @ residual, lower=True)
         found += float(white @ white)
     return found

@@ -17,7 +17,7 @@ LOOSE = 1e-3  # weight of an effect's size, per step of its range: recordings al
 
 
 @dataclass(frozen=True)
-class Direction:
+class FreeParameter:
     """One number x that a fit may move: parameter = centre + scale x, in SI, within bounds.
 
     owner: what the parameter belongs to where it is not the machine's; effect: name of its effect
@@ -42,7 +42,7 @@ class Direction:
         return (value - self.centre) / self.scale
 
 
-class Space:
+class ParameterSpace:
     """All directions: the uncertain parameters first, then those of the effects on trial."""
 
     def __init__(
@@ -50,30 +50,30 @@ class Space:
     ) -> None:
         self.effects = {each.name: each for each in effects}
         known = _uncertain(plant, groups, settings)
-        self.directions = [*known, *_of_effects(effects)]
+        self.parameters = [*known, *_of_effects(effects)]
         self.uncertain = np.arange(len(known))
-        self.prior = np.array([np.sqrt(each.weight) for each in self.directions])
-        self.low = np.array([(d.low - d.centre) / d.scale for d in self.directions])
-        self.high = np.array([(d.high - d.centre) / d.scale for d in self.directions])
+        self.prior = np.array([np.sqrt(each.weight) for each in self.parameters])
+        self.low = np.array([(d.low - d.centre) / d.scale for d in self.parameters])
+        self.high = np.array([(d.high - d.centre) / d.scale for d in self.parameters])
         self.settings = settings
         self._acting: dict[str, np.ndarray] = {}
 
     @property
     def size(self) -> int:
         """Number of directions."""
-        return len(self.directions)
+        return len(self.parameters)
 
     def acting(self, group: Group) -> np.ndarray:
         """Which directions make a difference to a group, shape (size,)."""
         if group.owner not in self._acting:
-            owners = [each.owner for each in self.directions]
+            owners = [each.owner for each in self.parameters]
             self._acting[group.owner] = np.array([not o or o == group.owner for o in owners])
         return self._acting[group.owner]
 
     @cached_property
     def _places(self) -> dict[str, list[int]]:
         found: dict[str, list[int]] = {name: [] for name in self.effects}
-        for place, each in enumerate(self.directions):
+        for place, each in enumerate(self.parameters):
             if each.effect:
                 found[each.effect].append(place)
         return found
@@ -84,14 +84,14 @@ class Space:
 
     def place(self, name: str) -> int:
         """Place of an effect's parameter, by full name."""
-        return next(k for k, d in enumerate(self.directions) if d.effect and d.name == name)
+        return next(k for k, d in enumerate(self.parameters) if d.effect and d.name == name)
 
     def columns(self, group: Group, rows: np.ndarray, effects: bool) -> dict[str, np.ndarray]:
         """Parameters by full name [SI] for rows of x, shape (m, size)."""
         acting = self.acting(group)
         return {
             each.name: each.value(rows[:, place])
-            for place, each in enumerate(self.directions)
+            for place, each in enumerate(self.parameters)
             if acting[place] and (effects or not each.effect)
         }
 
@@ -99,12 +99,12 @@ class Space:
         """Parameters of the machine at x [SI], with those of one owner."""
         return {
             d.name: float(d.value(x[k]))
-            for k, d in enumerate(self.directions)
+            for k, d in enumerate(self.parameters)
             if not d.owner or d.owner == owner
         }
 
 
-def _uncertain(plant: Plant, groups: Sequence[Group], settings: Settings) -> list[Direction]:
+def _uncertain(plant: Plant, groups: Sequence[Group], settings: Settings) -> list[FreeParameter]:
     """One direction for each uncertain parameter of the machine, and of each thing it handles."""
     sizes: Mapping[str, float] = getattr(plant, "uncertain", {})
     owners = {group.owner: group for group in groups}
@@ -128,21 +128,21 @@ def _ratio(value: float, usual: float, size: float) -> float:
     return abs(value / usual) if usual and np.isclose(size, abs(usual)) else 1.0
 
 
-def _direction(plant: Plant, name: str, owner: str, value: float, scale: float) -> Direction:
+def _direction(plant: Plant, name: str, owner: str, value: float, scale: float) -> FreeParameter:
     low, high = plant.parameters.declared[name].bounds
-    return Direction(name, owner, value, scale or 1.0, low, high)
+    return FreeParameter(name, owner, value, scale or 1.0, low, high)
 
 
-def _of_effects(effects: Sequence[Effect]) -> list[Direction]:
+def _of_effects(effects: Sequence[Effect]) -> list[FreeParameter]:
     return [_of_effect(effect, each) for effect in effects for each in effect.parameters]
 
 
-def _of_effect(effect: Effect, parameter: Parameter) -> Direction:
+def _of_effect(effect: Effect, parameter: Parameter) -> FreeParameter:
     """Along a parameter; held as lightly however short its steps are."""
     low, high = parameter.bounds
     span = _span(parameter)
     centre = parameter.value if parameter.off is None else parameter.off
-    return Direction(
+    return FreeParameter(
         effect.full_name(parameter.name),
         "",
         centre,

@@ -9,22 +9,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import LIGHT
-from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.linearisation import Linearisation
 
 
 @dataclass(frozen=True)
-class Strain:
+class PriorDistance:
     """times: how far values are off, over how far that is told; chance: of so much or more.
 
     excess: of their squares over what is expected
     """
 
-    times: float
-    chance: float
+    ratio: float
+    p_value: float
     excess: float
 
 
-def strain(point: Point) -> Strain:
+def prior_distance(point: Linearisation) -> PriorDistance:
     """Of all that the recordings tell of the machine's values.
 
     A value of which they tell the share h is off by a square of h, expected: so many numbers are
@@ -32,8 +32,8 @@ def strain(point: Point) -> Strain:
     """
     from scipy.stats import chi2
 
-    known = point.active < point.ground.model.space.uncertain.size
-    inverse = np.linalg.inv(point.curvature + LIGHT * np.eye(point.active.size))
-    told = max(float(known.sum() - np.trace(inverse[np.ix_(known, known)])), LIGHT)
+    known = point.active < point.space.uncertain.size
+    inverse = np.linalg.inv(point.hessian + LIGHT * np.eye(point.active.size))
+    degrees = max(float(known.sum() - np.trace(inverse[np.ix_(known, known)])), LIGHT)
     off = float(np.sum(point.x[point.active[known]] ** 2))
-    return Strain((off / told) ** 0.5, float(chi2.sf(off, told)), off - told)
+    return PriorDistance((off / degrees) ** 0.5, float(chi2.sf(off, degrees)), off - degrees)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
-from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.linearisation import Linearisation
 
 STEP, LONGER, SHORTER = 1.5, 1.5, 0.3  # standard deviations by slopes; times the step before
 MOST = 5  # steps each way
@@ -30,10 +30,10 @@ class Profile:
 
     least: float
     deviation: float
-    lowest: Point = field(repr=False)
+    lowest: Linearisation = field(repr=False)
 
 
-def profile(point: Point, place: int, deviation: float) -> Profile | None:
+def profile(point: Linearisation, place: int, deviation: float) -> Profile | None:
     """Of one direction, from a fit and its standard deviation by slopes; None without a valley.
 
     One that is not seen from both sides, as at an end of a range, is none. The fit's model holds
@@ -41,13 +41,13 @@ def profile(point: Point, place: int, deviation: float) -> Profile | None:
     """
     sides = [list(_walk(point, place, side * STEP * deviation)) for side in (-1.0, 1.0)]
     met = [point, *sides[0], *sides[1]]
-    lowest = min(met, key=lambda each: each.misfit)
-    near = [[e for e in side if e.misfit < lowest.misfit + OTHER] for side in ([point], *sides)]
+    lowest = min(met, key=lambda each: each.chi2)
+    near = [[e for e in side if e.chi2 < lowest.chi2 + OTHER] for side in ([point], *sides)]
     if not all(near):
         return None
     kept = [each for side in near for each in side]
     away = np.array([each.x[place] - point.x[place] for each in kept]) / deviation
-    above = np.array([each.misfit for each in kept]) - lowest.misfit
+    above = np.array([each.chi2 for each in kept]) - lowest.chi2
     bend, slope, _ = np.polyfit(away, above, 2, w=1.0 / (HOLLOWS + above))
     if bend <= 0.0:
         return None
@@ -55,7 +55,7 @@ def profile(point: Point, place: int, deviation: float) -> Profile | None:
     return Profile(float(point.x[place]) + deviation * least, deviation / bend**0.5, lowest)
 
 
-def held_at(point: Point, places: np.ndarray, values: np.ndarray) -> Point | None:
+def held_at(point: Linearisation, places: np.ndarray, values: np.ndarray) -> Linearisation | None:
     """The fit with some directions held at values of x; None where that cannot be simulated."""
     x = point.x.copy()
     x[places] = values
@@ -63,20 +63,20 @@ def held_at(point: Point, places: np.ndarray, values: np.ndarray) -> Point | Non
     return None if there is None else settled(fitted(there, 4))
 
 
-def _walk(point: Point, place: int, step: float) -> Iterator[Point]:
+def _walk(point: Linearisation, place: int, step: float) -> Iterator[Linearisation]:
     """Fits with one direction held, further and further off; a first step too long is shortened."""
-    space, here, lowest = point.ground.model.space, point, point.misfit
+    space, here, lowest = point.space, point, point.chi2
     for _ in range(MOST):
         value = float(np.clip(here.x[place] + step, space.low[place], space.high[place]))
         if value == here.x[place]:
             return
         there = held_at(here, np.array([place]), np.array([value]))
-        if there is None or there.misfit > lowest + OTHER:
+        if there is None or there.chi2 > lowest + OTHER:
             if here is not point:
                 return
             step *= SHORTER
             continue
         yield there
-        here, lowest, step = there, min(lowest, there.misfit), LONGER * step
-        if there.misfit > lowest + RISEN:
+        here, lowest, step = there, min(lowest, there.chi2), LONGER * step
+        if there.chi2 > lowest + RISEN:
             return

@@ -11,33 +11,35 @@ from collections.abc import Sequence
 import numpy as np
 
 from hannes.identification.diagnosis.effect_search import PRICE
-from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.profile_likelihood import held_at
 from hannes.identification.diagnosis.score_test import amplitude_names
 
 APART = 4.0  # of the misfit: the size that goes is missed by so much less than the one that stays
 
 
-def spared(point: Point, effects: Sequence[str], unit: float) -> Point:
+def pruned(point: Linearisation, effects: Sequence[str], variance_factor: float) -> Linearisation:
     """The fit with sizes of these effects held at off that lower the misfit by too little.
 
     unit: by how much misfits are divided. At least one size of each effect stays.
     """
-    space = point.ground.model.space
+    space = point.space
     for name in effects:
         sizes = [space.place(each) for each in amplitude_names(space.effects[name])]
         places = [each for each in sizes if each in point.active]  # of a class the first is fitted
-        while len(places) > 1 and (found := _without_one(point, places, unit)):
+        while len(places) > 1 and (found := _without_one(point, places, variance_factor)):
             place, point = found
             places.remove(place)
     return point
 
 
-def _without_one(point: Point, places: Sequence[int], unit: float) -> tuple[int, Point] | None:
+def _without_one(
+    point: Linearisation, places: Sequence[int], variance_factor: float
+) -> tuple[int, Linearisation] | None:
     """The size that is missed least, and the fit without it; None where it is not to go."""
     fits = {place: held_at(point, np.array([place]), np.zeros(1)) for place in places}
     rises = {
-        place: np.inf if fit is None else (fit.misfit - point.misfit) / unit
+        place: np.inf if fit is None else (fit.chi2 - point.chi2) / variance_factor
         for place, fit in fits.items()
     }
     least, next_least = sorted(rises, key=lambda place: rises[place])[:2]

@@ -33,7 +33,7 @@ class Group:
         self.names, self.part = self.views[0].channels, self.views[0].part
         self.bins = self.views[0].bins
         self.measured = np.array([view.measured for view in self.views])
-        self.nominal, (self.owner, self.own) = given(plant, self.recording)
+        self.nominal, (self.owner, self.own) = nominal_values(plant, self.recording)
 
     def only(self, runs: Sequence[int]) -> "Group":
         """The same with some of the runs alone, simulated as before."""
@@ -54,13 +54,13 @@ class Group:
         """Bin means averaged over the runs, shape (n,)."""
         return self.measured.mean(axis=0)
 
-    def vector(self, channels: Channels, late: float = 0.0) -> np.ndarray:
-        """The same of a simulation that starts `late` [s]."""
-        return self.views[0].of(channels, late)
+    def vector(self, channels: Channels, start_offset: float = 0.0) -> np.ndarray:
+        """The same of a simulation that starts `start_offset` [s]."""
+        return self.views[0].of(channels, start_offset)
 
-    def jerk(self, channels: Channels) -> np.ndarray:
+    def nonlinearity(self, channels: Channels) -> np.ndarray:
         """How far samples stray from a straight line in each bin, see View.jerks."""
-        return self.views[0].jerks(channels)
+        return self.views[0].nonlinearities(channels)
 
     def of(self, name: str) -> slice:
         """Where a channel lies in the vector."""
@@ -68,7 +68,9 @@ class Group:
         return slice(first, first + self.bins)
 
 
-def given(plant: Plant, recording: object) -> tuple[dict[str, float], tuple[str, tuple[str, ...]]]:
+def nominal_values(
+    plant: Plant, recording: object
+) -> tuple[dict[str, float], tuple[str, tuple[str, ...]]]:
     """A run's parameters as given, and which belong to what it handles: a plant may tell."""
     nominal, own = getattr(plant, "nominal", None), getattr(plant, "own", None)
     return (

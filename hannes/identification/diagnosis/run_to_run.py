@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from hannes.identification.diagnosis.linearisation import Ground
+from hannes.identification.diagnosis.linearisation import NoiseCovariance
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
 
@@ -20,13 +20,13 @@ LOOSER = 2.0  # times the scatter of the machine's values that is told by who te
 MOST = 0.2  # of scatter, that it is widened to
 
 
-def in_keeping(ground: Ground, settings: Settings) -> Settings:
+def settings_from_repeats(noise: NoiseCovariance, settings: Settings) -> Settings:
     """The settings where repeats agree with them; else what these show, and twice the scatter.
 
     Nothing shows how far the machine's values are off. Who knows runs too well knows these no
     better, so that a name has to hold where they are less well known.
     """
-    machine, start = times(ground)
+    machine, start = observed_ratios(noise)
     if (machine, start) == (1.0, 1.0):
         return settings
     return Settings(
@@ -36,18 +36,18 @@ def in_keeping(ground: Ground, settings: Settings) -> Settings:
     )
 
 
-def disagreement(told: Settings, shown: Settings) -> list[str]:
+def disagreement(assumed: Settings, observed: Settings) -> list[str]:
     """What a reader must know where repeats did not agree with what was told."""
-    if told == shown:
+    if assumed == observed:
         return []
     return [
-        f"repeats differ further than [diagnose] tells: run_scatter {shown.run_scatter:.2g} and "
-        f"start_time {shown.start_time:.2g} s were taken, as they show, and scatter "
-        f"{shown.scatter:.2g} to be safe"
+        f"repeats differ further than [diagnose] tells: run_scatter {observed.run_scatter:.2g} and "
+        f"start_time {observed.start_time:.2g} s were taken, as they show, and scatter "
+        f"{observed.scatter:.2g} to be safe"
     ]
 
 
-def times(ground: Ground) -> tuple[float, float]:
+def observed_ratios(noise: NoiseCovariance) -> tuple[float, float]:
     """How many times as far as told runs differ, in the machine's values and in their start.
 
     The likeliest pair of all; 1 where repeats do not surely show more, and where nothing but they
@@ -56,14 +56,14 @@ def times(ground: Ground) -> tuple[float, float]:
     repeats = [
         _Repeats.of(group, covariance * group.count - rows.T @ rows, rows)
         for group, covariance, rows in zip(
-            ground.model.groups, ground.covariances, ground.restless, strict=True
+            noise.model.groups, noise.covariances, noise.run_to_run, strict=True
         )
-        if group.count > 1 and ground.told
+        if group.count > 1 and noise.simulated_noise
     ]
     pairs = list(product(TIMES, TIMES))
-    chances = [sum(each.log_likelihood(*pair) for each in repeats) for pair in pairs]
-    best = int(np.argmax(chances))
-    gained = 2.0 * (chances[best] - chances[pairs.index((1.0, 1.0))])
+    likelihoods = [sum(each.log_likelihood(*pair) for each in repeats) for pair in pairs]
+    best = int(np.argmax(likelihoods))
+    gained = 2.0 * (likelihoods[best] - likelihoods[pairs.index((1.0, 1.0))])
     return pairs[best] if gained >= SURE else (1.0, 1.0)
 
 

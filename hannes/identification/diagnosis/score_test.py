@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 
 from hannes.core.effect import Effect
-from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.parameter_space import LOOSE
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.simulator import Model
@@ -29,37 +29,39 @@ class Guess:
     """
 
     effect: str
-    gain: float
+    delta_chi2: float
     places: np.ndarray
     x: np.ndarray
-    columns: np.ndarray
+    signature: np.ndarray
 
 
-def screened(point: Point, effects: Sequence[str], sizes: Sequence[float] = SMALL) -> list[Guess]:
+def screened(
+    point: Linearisation, effects: Sequence[str], sizes: Sequence[float] = SMALL
+) -> list[Guess]:
     """The best guess for each effect, the largest gain first."""
     trials = [
         (name, shape, steps)
         for name in effects
-        for k, shape in enumerate(shapes(point.ground.model.space.effects[name]))
+        for k, shape in enumerate(shapes(point.space.effects[name]))
         for steps in stepped(point, name, sizes if k == 0 else sizes[:1])
     ]
     guesses: dict[str, Guess] = {}
     if not trials:
         return []
     for (name, shape, steps), rows in zip(trials, secants(point, trials), strict=True):
-        for twin, side in _twins(point.ground.model.space.effects[name], shape):
+        for twin, side in _twins(point.space.effects[name], shape):
             found = _guess(point, name, twin, side * rows, abs(steps[0]))
-            if name not in guesses or found.gain > guesses[name].gain:
+            if name not in guesses or found.delta_chi2 > guesses[name].delta_chi2:
                 guesses[name] = found
-    return sorted(guesses.values(), key=lambda each: -each.gain)
+    return sorted(guesses.values(), key=lambda each: -each.delta_chi2)
 
 
-def stepped(point: Point, name: str, sizes: Sequence[float]) -> list[np.ndarray]:
+def stepped(point: Linearisation, name: str, sizes: Sequence[float]) -> list[np.ndarray]:
     """Steps of an effect's amplitudes at each size that their ranges hold, each (amplitudes,).
 
     An amplitude whose range does not hold the first size is tried with the sign turned.
     """
-    space = point.ground.model.space
+    space = point.space
     places = [space.place(each) for each in amplitude_names(space.effects[name])]
     low, high = space.low[places], space.high[places]
     sides = np.where((low <= sizes[0]) & (sizes[0] <= high), 1.0, -1.0)
@@ -96,10 +98,10 @@ def _spread(low: float, high: float, count: int) -> np.ndarray:
 
 
 def secants(
-    point: Point, trials: Sequence[tuple[str, dict[str, float], np.ndarray]]
+    point: Linearisation, trials: Sequence[tuple[str, dict[str, float], np.ndarray]]
 ) -> list[np.ndarray]:
     """Whitened change of all groups per step of each trial's amplitudes, shape (amplitudes, N)."""
-    model, x = point.ground.model, point.x
+    model, x = point.model, point.x
     rows, spans, steps = list[np.ndarray](), [], list[float]()
     for name, shape, sizes in trials:
         amplitudes = [model.space.place(n) for n in amplitude_names(model.space.effects[name])]
@@ -112,7 +114,7 @@ def secants(
     for group in model.groups:
         made = _changes(model, group, x, stacked, float(np.abs(per_step).max()))
         changes.append(np.nan_to_num(made / per_step, posinf=0.0, neginf=0.0))
-    whole = point.ground.together(changes)
+    whole = point.noise.together(changes)
     return np.split(whole, np.cumsum(spans)[:-1])
 
 
@@ -144,41 +146,41 @@ def _shaped(model: Model, x: np.ndarray, shape: dict[str, float]) -> np.ndarray:
     moved = x.copy()
     for name, value in shape.items():
         where = model.space.place(name)
-        moved[where] = model.space.directions[where].x(value)
+        moved[where] = model.space.parameters[where].x(value)
     return moved
 
 
 def _guess(
-    point: Point, name: str, shape: dict[str, float], rows: np.ndarray, size: float
+    point: Linearisation, name: str, shape: dict[str, float], rows: np.ndarray, size: float
 ) -> Guess:
     from scipy.optimize import lsq_linear
 
-    model = point.ground.model
+    model = point.model
     effect = model.space.effects[name]
     places = np.array([model.space.place(each) for each in amplitude_names(effect)])
-    pull, curvature = projected(point, rows)
-    root = np.linalg.cholesky(curvature + LOOSE * np.eye(len(places)))
+    gradient, hessian = projected(point, rows)
+    root = np.linalg.cholesky(hessian + LOOSE * np.eye(len(places)))
     bounds = (model.space.low[places] - 1e-9, model.space.high[places] + 1e-9)
-    found = lsq_linear(root.T, np.linalg.solve(root, pull), bounds).x
-    gain = float(2.0 * pull @ found - found @ curvature @ found)
+    found = lsq_linear(root.T, np.linalg.solve(root, gradient), bounds).x
+    delta_chi2 = float(2.0 * gradient @ found - found @ hessian @ found)
     ratio = float(np.abs(found).max() / size)
     if ratio > HOLDS or (ratio < 1.0 / HOLDS and size > SMALL[0]):
-        gain *= 0.5  # a guess by a secant of another size
+        delta_chi2 *= 0.5  # a guess by a secant of another size
     own = model.space.of(name)
     x = _shaped(model, np.zeros(model.space.size), shape)
     x[places] = found
-    return Guess(name, gain, own, x[own], rows)
+    return Guess(name, delta_chi2, own, x[own], rows)
 
 
-def projected(point: Point, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def projected(point: Linearisation, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pull and curvature of the misfit along further columns, all active directions free."""
-    moved = np.linalg.solve(point.curvature, point.columns @ rows.T)
-    pull = rows @ point.miss - moved.T @ point.pull
-    curvature = rows @ rows.T - (rows @ point.columns.T) @ moved
-    return pull, 0.5 * (curvature + curvature.T)
+    moved = np.linalg.solve(point.hessian, point.jacobian @ rows.T)
+    gradient = rows @ point.residual - moved.T @ point.gradient
+    hessian = rows @ rows.T - (rows @ point.jacobian.T) @ moved
+    return gradient, 0.5 * (hessian + hessian.T)
 
 
-def likeness(point: Point, one: np.ndarray, other: np.ndarray) -> float:
+def cosine_similarity(point: Linearisation, one: np.ndarray, other: np.ndarray) -> float:
     """Largest cosine between what two effects do beyond what the machine's parameters can."""
     size = len(one)
     _, whole = projected(point, np.vstack([one, other]))

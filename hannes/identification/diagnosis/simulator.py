@@ -9,7 +9,7 @@ import numpy as np
 from hannes.core.effect import Effect
 from hannes.core.errors import ComputationFailed
 from hannes.core.recording.white_noise import roughness
-from hannes.identification.diagnosis.parameter_space import Space
+from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.plants.protocol import Plant
 
@@ -24,7 +24,7 @@ Unrounded = Callable[[int], Mapping[str, np.ndarray]]  # of a Plant, see there
 
 
 @dataclass(frozen=True)
-class Grain:
+class DiscretisationError:
     """What firmware adds to a group's run.
 
     mean: shape (n,), the part that a model can know; strays: shape (samples, n), what each run was
@@ -33,12 +33,12 @@ class Grain:
     """
 
     mean: np.ndarray
-    strays: np.ndarray
-    rough: dict[str, float]
+    deviations: np.ndarray
+    roughness: dict[str, float]
 
 
 @dataclass(frozen=True)
-class Marks:
+class SamplingCorrection:
     """What firmware's ticks do to a group's run, at sizes of one effect.
 
     sizes: of its amplitude, shape (k,), in its steps; rows: shape (k, n)
@@ -56,33 +56,41 @@ class Marks:
         return (1.0 - share) * self.rows[low] + share * self.rows[high]
 
     @staticmethod
-    def of(place: int, tried: Sequence[tuple[int, float]], rows: np.ndarray) -> "Marks":
+    def of(
+        place: int, tried: Sequence[tuple[int, float]], rows: np.ndarray
+    ) -> "SamplingCorrection":
         """Of the effect at a place; rows: none, and one for each place and size tried."""
         known = [(0.0, np.nan_to_num(rows[0]))]  # where none breaks down, all are unknown
         for (at, size), row in zip(tried, rows[1:], strict=True):
             if at == place and np.isfinite(row).all():
                 known.append((size, row))
         known.sort(key=lambda each: each[0])
-        return Marks(np.array([size for size, _ in known]), np.array([row for _, row in known]))
+        return SamplingCorrection(
+            np.array([size for size, _ in known]), np.array([row for _, row in known])
+        )
 
 
 class Model:
     """A plant, all runs it shall explain, and the effects on trial.
 
-    Simulations are quick ones: what the firmware's sampling and rounding add (`grain`) is computed
-    apart and changes little. `small` is the model without effects, `whole` the one with all that
-    are on trial in it, so that one compilation serves them all.
+    Simulations are quick ones. What the firmware's sampling and rounding add is computed apart
+    (`discretisation_errors`) and changes little. `small` is the model without effects, `whole`
+    the one with all candidate effects, so that one compilation serves them all.
     """
 
     def __init__(
-        self, plant: Plant, groups: Sequence[Group], space: Space, effects: Sequence[Effect]
+        self,
+        plant: Plant,
+        groups: Sequence[Group],
+        space: ParameterSpace,
+        effects: Sequence[Effect],
     ) -> None:
         self.groups, self.space = list(groups), space
         self.small, self.whole = plant, plant.with_effects(*effects)
-        self._ticks: dict[int, dict[int, Marks]] = {}  # group, place
+        self._corrections: dict[int, dict[int, SamplingCorrection]] = {}  # group, place
         self._held = False  # effects are part of the machine, wherever it is looked at
 
-    def ticking(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
+    def with_sampling_correction(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
         """The same, quick simulations mended by what firmware's ticks do to effects near x.
 
         A lag of half a tick does in a loop that is closed once a tick what it does not in a
@@ -92,30 +100,32 @@ class Model:
         its mark turns with it, and nothing is known.
         """
         made = copy(self)
-        made._ticks = {key: dict(each) for key, each in self._ticks.items()}
+        made._corrections = {key: dict(each) for key, each in self._corrections.items()}
         places = self.space.of(*(name for name in effects if self.in_loop(name)))
         unrounded: Unrounded | None = getattr(self.small, "unrounded", None)
         if unrounded is None or not places.size:
             return made
         for group in self.groups:
-            found = self._by_ticks(group, x, places, unrounded)
-            made._ticks.setdefault(id(group), {}).update(found)
+            found = self._sampling_corrections(group, x, places, unrounded)
+            made._corrections.setdefault(id(group), {}).update(found)
         return made
 
     def of(self, groups: Sequence[Group], numbers: Sequence[int]) -> "Model":
         """The same for other runs under the commands of the groups of these numbers."""
         made = copy(self)
-        made.groups, made._ticks = list(groups), {}
+        made.groups, made._corrections = list(groups), {}
         pairs = zip(groups, (self.groups[k] for k in numbers), strict=True)
-        made._ticks = {
-            id(new): self._ticks[id(old)] for new, old in pairs if id(old) in self._ticks
+        made._corrections = {
+            id(new): self._corrections[id(old)]
+            for new, old in pairs
+            if id(old) in self._corrections
         }
         return made
 
     def held(self, groups: Sequence[Group]) -> "Model":
         """The same for its runs in other bins, effects being a part of the machine everywhere."""
         made = copy(self)
-        made.groups, made.small, made._ticks, made._held = list(groups), self.whole, {}, True
+        made.groups, made.small, made._corrections, made._held = list(groups), self.whole, {}, True
         return made
 
     def in_loop(self, name: str) -> bool:
@@ -124,9 +134,9 @@ class Model:
         written = {channel for term in effect.terms for channel in term.writes}
         return bool(written & set(firmware)) and len(effect.amplitudes) == len(effect.parameters)
 
-    def _by_ticks(
+    def _sampling_corrections(
         self, group: Group, x: np.ndarray, places: np.ndarray, unrounded: Unrounded
-    ) -> dict[int, Marks]:
+    ) -> dict[int, SamplingCorrection]:
         """Change by ticks of a group's bin means, by place, at some sizes of each effect."""
         tried = [(int(place), size) for place in places for size in self._sizes(x, place)]
         rows = np.repeat(x[np.newaxis], 1 + len(tried), axis=0)
@@ -135,7 +145,10 @@ class Model:
             row[place] = size
         runs = self.simulated(group, rows, True, True, unrounded(len(rows)))
         apart = self._vectors(group, runs) - self._vectors(group, self.simulated(group, rows, True))
-        return {int(place): Marks.of(int(place), tried, apart - apart[0]) for place in places}
+        return {
+            int(place): SamplingCorrection.of(int(place), tried, apart - apart[0])
+            for place in places
+        }
 
     def _sizes(self, x: np.ndarray, place: int) -> np.ndarray:
         """Sizes of an effect, other than none, at which ticks are looked at."""
@@ -173,7 +186,7 @@ class Model:
         """Bin means for rows of x, shape (m, n); nan where a run breaks down."""
         effects = effects or self._held
         found = self._vectors(group, self.simulated(group, rows, effects, exact))
-        return self._mended(group, found, rows) if effects and not exact else found
+        return self._corrected(group, found, rows) if effects and not exact else found
 
     def changes(
         self,
@@ -199,13 +212,13 @@ class Model:
         else:
             columns = self.space.columns(group, stacked, effects)
             made = self._vectors(group, alike(columns, group.recording, group.names))
-            made = self._mended(group, made, stacked) if effects else made
+            made = self._corrected(group, made, stacked) if effects else made
         return made[1:] - made[0]
 
-    def _mended(self, group: Group, vectors: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    def _corrected(self, group: Group, vectors: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """Vectors of quick simulations with what firmware's ticks do to effects added to them."""
-        for place, marks in self._ticks.get(id(group), {}).items():
-            vectors = vectors + marks.at(rows[:, place])
+        for place, correction in self._corrections.get(id(group), {}).items():
+            vectors = vectors + correction.at(rows[:, place])
         return vectors
 
     def _vectors(self, group: Group, runs: Sequence[Channels | None]) -> np.ndarray:
@@ -215,7 +228,9 @@ class Model:
                 row[:] = group.vector(channels)
         return found
 
-    def grain(self, x: np.ndarray, samples: int, seed: int) -> "list[Grain]":
+    def discretisation_errors(
+        self, x: np.ndarray, samples: int, seed: int
+    ) -> "list[DiscretisationError]":
         """What the firmware's grain adds to each group near x, and how it differs from run to run.
 
         Its rounding makes a pattern that the least change moves, and its sensors' noise, where the
@@ -225,9 +240,9 @@ class Model:
         known = self.space.uncertain
         drawn = np.random.default_rng([seed, 7]).standard_normal((samples, known.size))
         rows[:, known] += AROUND * drawn
-        return [self._grain(group, rows) for group in self.groups]
+        return [self._discretisation_error(group, rows) for group in self.groups]
 
-    def _grain(self, group: Group, rows: np.ndarray) -> "Grain":
+    def _discretisation_error(self, group: Group, rows: np.ndarray) -> "DiscretisationError":
         noisy = getattr(self.small, "noisy", None)
         further = noisy(group.recording, len(rows)) if noisy else NOTHING
         made = self.simulated(group, rows, False, exact=True, further=further)
@@ -240,10 +255,10 @@ class Model:
             raise ComputationFailed(NOWHERE)
         difference = np.array([group.vector(run) - smooth for run, smooth in pairs])
         mean = difference.mean(axis=0)
-        rough = [{name: roughness(run[name]) for name in group.names} for run, _ in pairs]
-        usual = {name: float(np.median([each[name] for each in rough])) for name in group.names}
-        strays = (difference - mean) * np.sqrt(len(pairs) / (len(pairs) - 1.0))
-        return Grain(mean, strays, usual)
+        recorded = [{name: roughness(run[name]) for name in group.names} for run, _ in pairs]
+        usual = {name: float(np.median([each[name] for each in recorded])) for name in group.names}
+        deviations = (difference - mean) * np.sqrt(len(pairs) / (len(pairs) - 1.0))
+        return DiscretisationError(mean, deviations, usual)
 
 
 def _alone(plant: Plant, values: dict[str, float], group: Group) -> Channels | None:

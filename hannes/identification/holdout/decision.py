@@ -11,80 +11,84 @@ from hannes.identification.holdout.effect_test import FEWEST_BLOCKS, Trial, riva
 
 WITHIN = 1.5  # times the floor: what repeats and a model that is nearly right leave
 
-Said = dict[str, Any]  # the verdict's first fields: verdict, effects, reason
+VerdictFields = dict[str, Any]  # the verdict's first fields: verdict, effects, reason
 
 
 def decided(
-    trials: Sequence[Trial], given: float, left: float, lacking: str, note: str
-) -> tuple[Trial | None, Said]:
+    trials: Sequence[Trial], nominal: float, left: float, lacking: str, note: str
+) -> tuple[Trial | None, VerdictFields]:
     """Return the winner or None, and the verdict's first fields.
 
-    `trials`: best first. `given`, `left`: misfit of the worst channel as given and with the base
-    refitted, in units of its floor. `lacking`: why nothing can be claimed; `note`: how pieces
+    `trials`: best first. `nominal`, `left`: misfit of the worst channel as given and with the base
+    refitted, in units of its floor. `lacking`: why nothing can be claimed; `note`: how segments
     were cut.
     """
     best = trials[0] if trials and trials[0].accepted else None
     if lacking:
-        return None, _said("undecided", lacking)
-    if given <= WITHIN:
-        return None, _said("no_gap", f"as given, the worst channel lies at {_floors(given)}")
+        return None, _fields("undecided", lacking)
+    if nominal <= WITHIN:
+        return None, _fields(
+            "no_gap", f"as given, the worst channel lies at {_times_text(nominal)}"
+        )
     if best is not None:
         names = [best.name, *(each.name for each in rivals(best, trials))]
         kind = "named" if len(names) == 1 else "one_of"
-        return best, _said(kind, _chosen(best, note), names)
+        return best, _fields(kind, _chosen(best, note), names)
     kind = "recalibrated" if left <= WITHIN else "unknown"
-    return None, _said(kind, f"with the base refitted, the worst channel lies at {_floors(left)}")
+    return None, _fields(
+        kind, f"with the base refitted, the worst channel lies at {_times_text(left)}"
+    )
 
 
-def _said(kind: str, reason: str, effects: Sequence[str] = ()) -> Said:
+def _fields(kind: str, reason: str, effects: Sequence[str] = ()) -> VerdictFields:
     return {"verdict": kind, "effects": list(effects), "reason": reason}
 
 
-def _floors(times: float) -> str:
+def _times_text(times: float) -> str:
     return f"{times:.1f} times the floor"
 
 
-def lacking(campaign: Campaign, pieces: Sequence[Segment], trials: Sequence[Trial]) -> str:
+def lacking(campaign: Campaign, segments: Sequence[Segment], trials: Sequence[Trial]) -> str:
     """Why these recordings allow no claim, and what to record; empty where they do."""
-    if len(campaign.entries) < 2 or not in_roles(pieces, "show"):
+    if len(campaign.entries) < 2 or not in_roles(segments, "show"):
         return (
             "no recording is left to show the result on that was never used to find it: "
             "record at least two more runs under the same command"
         )
-    if not in_roles(pieces, "select") or not in_roles(pieces, "fit"):
+    if not in_roles(segments, "select") or not in_roles(segments, "fit"):
         longer = f", or one of at least {FEWEST_BLOCKS_TO_SPLIT * campaign.plant.block:g} s"
         return (
             "no recording is left to choose by that was not fitted: record at least one more "
             f"run under the same command{longer * may_be_split(campaign.plant)}"
         )
-    blocks = [trial.block_gains.size for trial in trials if trial.applicable]
+    blocks = [trial.block_reductions.size for trial in trials if trial.applicable]
     few = blocks and max(blocks) < FEWEST_BLOCKS
     return "the recordings to choose by are too short: record longer runs" if few else ""
 
 
-def tempered(said: Said, gap: Mapping[str, Mapping[str, float]]) -> Said:
+def confirmed(fields: VerdictFields, gap: Mapping[str, Mapping[str, float]]) -> VerdictFields:
     """Take a name back that the show recordings do not bear out; tell a remainder."""
-    if not said["effects"]:
-        return said
+    if not fields["effects"]:
+        return fields
     squares = [
         sum((each[key] / each["floor"]) ** 2 for each in gap.values())
         for key in ("before", "after")
     ]
     if squares[1] >= squares[0]:
         reason = "an effect was chosen, but on the show recordings it closes nothing"
-        return _said("unknown", reason)
+        return _fields("unknown", reason)
     worst = max(each["after"] / each["floor"] for each in gap.values())
-    if said["verdict"] == "named" and worst > WITHIN:
-        reason = f"{said['reason']}; what remains is {_floors(worst)}"
-        return {**said, "verdict": "named_with_remainder", "reason": reason}
-    return said
+    if fields["verdict"] == "named" and worst > WITHIN:
+        reason = f"{fields['reason']}; what remains is {_times_text(worst)}"
+        return {**fields, "verdict": "named_with_remainder", "reason": reason}
+    return fields
 
 
 def _chosen(best: Trial, note: str) -> str:
-    better = int(np.sum(best.block_gains > 0.0))
+    better = int(np.sum(best.block_reductions > 0.0))
     text = (
         f"on recordings not fitted it takes away {100 * best.share:.0f} % of the misfit above the "
-        f"floor, in {better} of {best.block_gains.size} blocks, and its size lies "
+        f"floor, in {better} of {best.block_reductions.size} blocks, and its size lies "
         f"{best.evidence:.1f} standard deviations from none"
     )
     return f"{text}; {note}" if note else text

@@ -8,7 +8,7 @@ import numpy as np
 
 from hannes.core.effect import Effect
 from hannes.core.parameter import Parameter
-from hannes.identification.holdout.least_squares import Fitted, Misfit
+from hannes.identification.holdout.least_squares import Fitted, WeightedResidual
 
 ALPHA = 0.01  # false alarms accepted per effect, where the assumptions hold
 POWER_80 = 3.42  # standard deviations seen with 80 % power at ALPHA, two-sided: 2.576 + 0.842
@@ -34,11 +34,11 @@ class Trial:
     effect: Effect
     why: str = ""
     fitted: Fitted | None = None
-    gain: float = 0.0
+    delta_chi2: float = 0.0
     share: float = 0.0
-    sureness: float = 0.0
+    lower_limit: float = 0.0
     evidence: float = 0.0
-    block_gains: np.ndarray = field(default_factory=lambda: np.zeros(0), repr=False)
+    block_reductions: np.ndarray = field(default_factory=lambda: np.zeros(0), repr=False)
     confusable_with: tuple[str, ...] = ()
 
     @property
@@ -52,26 +52,28 @@ class Trial:
         return self.fitted is not None
 
 
-def judge(trial: Trial, misfit: Misfit, before: Fitted, rng: np.random.Generator) -> Trial:
-    """Return the trial with its gain over `before` on the pieces of `misfit`, and the decision."""
+def judge(
+    trial: Trial, residual: WeightedResidual, before: Fitted, rng: np.random.Generator
+) -> Trial:
+    """Return the trial with its chi2 reduction on the segments of `residual`, and the outcome."""
     fitted = trial.fitted
     assert fitted is not None
-    old, new = (_squares(misfit, f) for f in (before, fitted))
-    gains = _block_gains(old, new, misfit.clusters())
-    drawn = rng.integers(0, gains.size, (RESAMPLES, gains.size))
-    gain = float((old - new).mean())
+    old, new = (_squares(residual, f) for f in (before, fitted))
+    reductions = _block_reductions(old, new, residual.clusters())
+    drawn = rng.integers(0, reductions.size, (RESAMPLES, reductions.size))
+    delta_chi2 = float((old - new).mean())
     judged = replace(
         trial,
-        gain=gain,
-        share=gain / max(float(old.mean()) - 1.0, abs(gain), 1e-12),
-        sureness=float(np.quantile(gains[drawn].mean(1), ALPHA)),
+        delta_chi2=delta_chi2,
+        share=delta_chi2 / max(float(old.mean()) - 1.0, abs(delta_chi2), 1e-12),
+        lower_limit=float(np.quantile(reductions[drawn].mean(1), ALPHA)),
         evidence=evidence(fitted, trial.effect),
-        block_gains=gains,
+        block_reductions=reductions,
     )
     return replace(judged, why=_objection(judged))
 
 
-def _block_gains(old: np.ndarray, new: np.ndarray, blocks: np.ndarray) -> np.ndarray:
+def _block_reductions(old: np.ndarray, new: np.ndarray, blocks: np.ndarray) -> np.ndarray:
     """Logarithm of what an effect divides each block's squared misfit by, the floor added.
 
     So that no single block, however bad before, carries the choice alone.
@@ -82,11 +84,11 @@ def _block_gains(old: np.ndarray, new: np.ndarray, blocks: np.ndarray) -> np.nda
     return np.log((before + 1.0) / (after + 1.0))
 
 
-def _squares(misfit: Misfit, fitted: Fitted) -> np.ndarray:
+def _squares(residual: WeightedResidual, fitted: Fitted) -> np.ndarray:
     """Squared misfit of every sample in units of the floor."""
-    raw = misfit.raw(fitted.plant, fitted.values)
+    raw = residual.raw(fitted.plant, fitted.values)
     return np.concatenate(
-        [(v / misfit.floors[n]) ** 2 for channels in raw for n, v in channels.items()]
+        [(v / residual.noise_floors[n]) ** 2 for channels in raw for n, v in channels.items()]
     )
 
 
@@ -106,11 +108,11 @@ def _objection(trial: Trial) -> str:
     from scipy.stats import chi2
 
     needed = float(np.sqrt(chi2.ppf(1.0 - ALPHA, len(trial.effect.amplitudes))))
-    if trial.block_gains.size < FEWEST_BLOCKS:
-        return f"only {trial.block_gains.size} blocks to judge by, {FEWEST_BLOCKS} are needed"
-    if trial.sureness <= 0.0:
+    if trial.block_reductions.size < FEWEST_BLOCKS:
+        return f"only {trial.block_reductions.size} blocks to judge by, {FEWEST_BLOCKS} are needed"
+    if trial.lower_limit <= 0.0:
         return "its gain on recordings not fitted is within what chance gives"
-    if trial.gain < LEAST_GAIN or trial.share < LEAST_SHARE:
+    if trial.delta_chi2 < LEAST_GAIN or trial.share < LEAST_SHARE:
         return f"it explains only {100 * trial.share:.0f} % of what is above the floor"
     if trial.evidence < needed:
         return (
@@ -122,10 +124,10 @@ def _objection(trial: Trial) -> str:
 
 def ranked(trials: Sequence[Trial]) -> list[Trial]:
     """Best first: accepted ones by gain, then the others by gain, inapplicable ones last."""
-    return sorted(trials, key=lambda t: (not t.accepted, not t.applicable, -t.gain, t.name))
+    return sorted(trials, key=lambda t: (not t.accepted, not t.applicable, -t.delta_chi2, t.name))
 
 
-def with_likeness(trials: Sequence[Trial]) -> list[Trial]:
+def with_confusable(trials: Sequence[Trial]) -> list[Trial]:
     """Return the trials, each with the names of those it is easily confused with here."""
     spaces = {trial.name: _signature(trial) for trial in trials if trial.applicable}
     return [
@@ -169,11 +171,11 @@ def rivals(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
     return [
         each
         for each in trials
-        if each is not best and each.accepted and each.gain >= RIVAL * best.gain
+        if each is not best and each.accepted and each.delta_chi2 >= RIVAL * best.delta_chi2
     ]
 
 
-def smallest_detectable(trials: Sequence[Trial]) -> dict[str, dict[str, dict[str, Any]]]:
+def minimum_detectable_sizes(trials: Sequence[Trial]) -> dict[str, dict[str, dict[str, Any]]]:
     """Per effect and amplitude: the size seen with 80 % power at ALPHA, were the fit linear.
 
     `value` is None, with the `reason`, where no size inside the physical bounds would be seen.

@@ -1,4 +1,4 @@
-"""Fits a plant's parameters to pieces of recordings: least squares with the given values as prior.
+"""Fits a plant's parameters to recording segments: least squares, nominal values as prior.
 
 Differences are taken on the scale of each parameter's uncertainty, never of its value, first in
 coarse steps, then in finer ones. Coarse: a simulation from an adaptive solver is only smooth down
@@ -44,54 +44,54 @@ class Fitted:
         return float(np.sqrt(self.covariance[place, place]))
 
 
-class Misfit:
-    """Weighted difference between simulation and pieces of recordings."""
+class WeightedResidual:
+    """Weighted difference between simulation and segments of recordings."""
 
     def __init__(
-        self, plant: Plant, pieces: Sequence[Segment], floors: Mapping[str, float]
+        self, plant: Plant, segments: Sequence[Segment], noise_floors: Mapping[str, float]
     ) -> None:
-        self.plant, self.pieces, self.floors = plant, pieces, floors
+        self.plant, self.segments, self.noise_floors = plant, segments, noise_floors
 
     def raw(self, plant: Plant, values: Mapping[str, float]) -> list[dict[str, np.ndarray]]:
-        """Simulated minus recorded of each piece and channel, over its counted samples."""
+        """Simulated minus recorded of each segment and channel, over its counted samples."""
         runs: dict[bytes, dict[str, np.ndarray]] = {}
         found = []
-        for piece in self.pieces:
-            key = self.plant.same_run(piece.recording)
+        for segment in self.segments:
+            key = self.plant.same_run(segment.recording)
             if key not in runs:
-                runs[key] = plant.simulate(values, piece.recording)
-            found.append(self._difference(piece, runs[key]))
+                runs[key] = plant.simulate(values, segment.recording)
+            found.append(self._difference(segment, runs[key]))
         return found
 
-    def _difference(self, piece: Segment, run: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    def _difference(self, segment: Segment, run: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         return {
-            name: (run[name] - piece.recording[name])[piece.mask]
-            for name in self.floors
-            if name in piece.recording
+            name: (run[name] - segment.recording[name])[segment.mask]
+            for name in self.noise_floors
+            if name in segment.recording
         }
 
-    def weigh(self, raw: Sequence[Mapping[str, np.ndarray]]) -> np.ndarray:
+    def weighted(self, raw: Sequence[Mapping[str, np.ndarray]]) -> np.ndarray:
         """One vector in units of the floor, counting what is correlated once."""
         parts = []
-        for piece, channels in zip(self.pieces, raw, strict=True):
-            interval = float(np.median(np.diff(piece.recording.time)))
+        for segment, channels in zip(self.segments, raw, strict=True):
+            interval = float(np.median(np.diff(segment.recording.time)))
             together = max(1.0, self.plant.block / PER_BLOCK / interval)
             parts += [
-                softened(v, robust(self.plant, n)) / (self.floors[n] * np.sqrt(together))
+                softened(v, robust(self.plant, n)) / (self.noise_floors[n] * np.sqrt(together))
                 for n, v in channels.items()
             ]
         return np.concatenate(parts)
 
     def clusters(self) -> np.ndarray:
-        """Block number of every element of `weigh`; the same block of repeats is one cluster."""
+        """Block number of every element of `weighted`; the same block of repeats is one cluster."""
         numbers: dict[tuple[bytes, int], int] = {}
         parts = []
-        for piece in self.pieces:
-            key = self.plant.same_run(piece.recording)
-            time = piece.recording.time
-            blocks = ((time - time[0]) / self.plant.block).astype(int)[piece.mask]
+        for segment in self.segments:
+            key = self.plant.same_run(segment.recording)
+            time = segment.recording.time
+            blocks = ((time - time[0]) / self.plant.block).astype(int)[segment.mask]
             ids = np.array([numbers.setdefault((key, int(b)), len(numbers)) for b in blocks])
-            parts += [ids for name in self.floors if name in piece.recording]
+            parts += [ids for name in self.noise_floors if name in segment.recording]
         return np.concatenate(parts)
 
 
@@ -107,10 +107,10 @@ def softened(difference: np.ndarray, size: float) -> np.ndarray:
 
 
 def fit(
-    misfit: Misfit,
+    residual: WeightedResidual,
     plant: Plant,
     start: Mapping[str, float] | None = None,
-    tell: Progress = lambda text: None,
+    progress: Progress = lambda text: None,
 ) -> Fitted:
     """Refit the free parameters of `plant` and all those of its effects, from `start`.
 
@@ -120,25 +120,25 @@ def fit(
 
     scales = _scales(plant)
     names, scale = tuple(scales), np.array(list(scales.values()))
-    given = np.array([plant.parameters[name] for name in names])
+    nominal = np.array([plant.parameters[name] for name in names])
     known = start or {}
     begin = np.array([known.get(name, plant.parameters[name]) for name in names])
     bounds = np.array([plant.parameters.declared[name].bounds for name in names], float).T
-    low, high = (bounds - given) / scale + [[-1e-9], [1e-9]]
+    low, high = (bounds - nominal) / scale + [[-1e-9], [1e-9]]
     prior = np.array([1.0 if name in plant.free else 0.1 for name in names])
 
     def values(x: np.ndarray) -> dict[str, float]:
-        return dict(zip(names, np.clip(given + x * scale, *bounds).tolist(), strict=True))
+        return dict(zip(names, np.clip(nominal + x * scale, *bounds).tolist(), strict=True))
 
     def data(x: np.ndarray) -> np.ndarray:
-        return misfit.weigh(misfit.raw(plant, values(x)))
+        return residual.weighted(residual.raw(plant, values(x)))
 
     def columns(x: np.ndarray, step: float) -> np.ndarray:
-        tell(", ".join(each.name for each in plant.effects) or "base")
+        progress(", ".join(each.name for each in plant.effects) or "base")
         return differences(data, x, low, high, step)
 
     unknown = [k for k, name in enumerate(names) if name not in plant.free and name not in known]
-    x = _begun(data, (begin - given) / scale, unknown, low, high)
+    x = _scanned_start(data, (begin - nominal) / scale, unknown, low, high)
     for step in STEPS:
         found = least_squares(
             lambda x: np.concatenate((data(x), prior * x)),
@@ -151,13 +151,13 @@ def fit(
         )
         x = found.x
     rows = found.jac[: -len(names)]
-    covariance = _covariance(rows, found.fun[: -len(names)], misfit.clusters(), prior)
+    covariance = _covariance(rows, found.fun[: -len(names)], residual.clusters(), prior)
     return Fitted(
         plant, names, values(found.x), scale, covariance * np.outer(scale, scale), rows, prior
     )
 
 
-def _begun(
+def _scanned_start(
     data: Callable[[np.ndarray], np.ndarray],
     x: np.ndarray,
     unknown: Sequence[int],
@@ -193,12 +193,12 @@ def differences(
     size: float,
 ) -> np.ndarray:
     """Forward differences by `size`, backward at the upper bound; shape (samples, parameters)."""
-    base, columns = data(x), []
+    baseline, columns = data(x), []
     for place in range(x.size):
         step = size if x[place] + size <= high[place] else -size
         moved = x.copy()
         moved[place] = max(x[place] + step, low[place])
-        columns.append((data(moved) - base) / step)
+        columns.append((data(moved) - baseline) / step)
     return np.array(columns).T
 
 
@@ -210,8 +210,8 @@ def _covariance(
     The second ("sandwich") holds although what remains is no white noise.
     """
     inverse = np.linalg.inv(columns.T @ columns + np.diag(prior**2))
-    pulls = np.zeros((clusters.max() + 1, columns.shape[1]))
-    np.add.at(pulls, clusters, columns * rest[:, np.newaxis])
-    robust = inverse @ (pulls.T @ pulls + np.diag(prior**2)) @ inverse
+    scores = np.zeros((clusters.max() + 1, columns.shape[1]))
+    np.add.at(scores, clusters, columns * rest[:, np.newaxis])
+    robust = inverse @ (scores.T @ scores + np.diag(prior**2)) @ inverse
     larger = np.sqrt(np.maximum(np.diag(robust), np.diag(inverse)) / np.diag(robust))
     return robust * np.outer(larger, larger)

@@ -22,8 +22,8 @@ def reproduce(
 ) -> dict[str, Any]:
     """Write the page without any diagnosis to `out`, whole or not at all; see `write_page`."""
     with atomic_folder(out) as folder:
-        told = write_page(folder, progress, quick=quick)
-    return {**told, "out": str(out)}
+        content = write_page(folder, progress, quick=quick)
+    return {**content, "out": str(out)}
 
 
 def write_page(
@@ -44,14 +44,14 @@ def write_page(
     drawings = figures(runs)
     must_show = [*checks.must_show(runs), energy_row(progress), *more]
     page = render("page.html.j2", _content(runs, drawings, must_show, findings(diagnoses)))
-    told = summary(runs, must_show)
+    content = summary(runs, must_show)
     (folder / "index.html").write_text(page, encoding="utf-8", newline="\n")
-    (folder / "summary.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    (folder / "summary.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     (folder / "figures").mkdir()
     for each in drawings.values():
         file = folder / "figures" / f"{each.name}.svg"
         file.write_text(each.svg, encoding="utf-8", newline="\n")
-    return {"rows": told["rows"], "must_show": must_show}
+    return {"rows": content["rows"], "must_show": must_show}
 
 
 def _content(

@@ -20,7 +20,7 @@ NOTE = (
     "paper's are real objects and a real hand; ours are virtual, with stiffnesses chosen within "
     "published ranges: no figure is compared with a figure, only the task with the task."
 )
-UNTOLD = (
+NO_ESTIMATE = (
     "Grasps of which nothing is told, because the motor felt nothing, count: as further off than "
     "any other, and as held by no interval."
 )
@@ -31,35 +31,37 @@ def read(folder: str | Path) -> dict[str, Any]:
     """Content of evaluation.json of a results folder; BadInput where it is none."""
     file = Path(folder) / "evaluation.json"
     try:
-        told: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-        found(told)
-        checks(told)
+        evaluation: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        found(evaluation)
+        checks(evaluation)
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise BadInput(
             f"{file} is not written by this version's `hannes evaluate`: {error}; evaluate again"
         ) from None
-    return told
+    return evaluation
 
 
-def checks(told: dict[str, Any]) -> list[Row]:
+def checks(evaluation: dict[str, Any]) -> list[Row]:
     """What F1 lacks to 100 %: of windows, of grasps, of the worst object."""
     keys = ("f1_windows", "f1_grasps", "f1_worst")
     names = ("average per window", "average per grasp", "worst object per window")
     return [
-        row(f"F1 of ten virtual objects, {name}, lacks", 100.0 - 100.0 * told[key], bound, "%")
+        row(
+            f"F1 of ten virtual objects, {name}, lacks", 100.0 - 100.0 * evaluation[key], bound, "%"
+        )
         for key, name, bound in zip(keys, names, BOUNDS, strict=True)
     ]
 
 
-def found(told: dict[str, Any]) -> Finding:
+def found(evaluation: dict[str, Any]) -> Finding:
     """The section of the page."""
     title, about = ABOUT["recognition"]
-    curve = [_curve(told)] if "learning_curve" in told else []
-    tables = (_table(told), _confusion(told), _estimates(told), *curve)
+    curve = [_curve(evaluation)] if "learning_curve" in evaluation else []
+    tables = (_table(evaluation), _confusion(evaluation), _estimates(evaluation), *curve)
     return Finding("recognition", title, about, tables=tables)
 
 
-def _table(told: dict[str, Any]) -> Table:
+def _table(evaluation: dict[str, Any]) -> Table:
     rows: list[tuple[str, ...]] = [
         (
             each["name"],
@@ -70,11 +72,11 @@ def _table(told: dict[str, Any]) -> Table:
             number(each["stiffness_N_per_m"] or float("nan"), 2),
             decimals(100.0 * each["stable_in_time"], 0),
         )
-        for each in told["objects"]
+        for each in evaluation["objects"]
     ]
-    average = [decimals(100.0 * told[key], 1) for key in ("f1_windows", "f1_grasps")]
-    late = decimals(100.0 * told["stable_in_time"], 0)
-    rows.append(("Average", "", decimals(TABLE_3_AVERAGE, 1), *average, "", late))
+    average = [decimals(100.0 * evaluation[key], 1) for key in ("f1_windows", "f1_grasps")]
+    time = decimals(100.0 * evaluation["stable_in_time"], 0)
+    rows.append(("Average", "", decimals(TABLE_3_AVERAGE, 1), *average, "", time))
     columns = (
         "Object", "Class", "Paper, F1 [%]", "Ours, windows [%]", "Ours, grasps [%]",
         "Stiffness told [N/m]", "Decided for good within 150 ms [%]",
@@ -82,17 +84,17 @@ def _table(told: dict[str, Any]) -> Table:
     return Table("table3", "Table III: rigid or soft", columns, tuple(rows), NOTE)
 
 
-def _confusion(told: dict[str, Any]) -> Table:
+def _confusion(evaluation: dict[str, Any]) -> Table:
     """Windows by class and by what was told, and how far probabilities can be trusted."""
-    words, rows = list(next(iter(told["confusion"].values()))), []
-    for true, answers in told["confusion"].items():
+    words, rows = list(next(iter(evaluation["confusion"].values()))), []
+    for true, answers in evaluation["confusion"].items():
         whole = sum(answers.values())
         shares = [decimals(100.0 * answers[word] / max(1, whole), 1) for word in words]
         rows.append((true, str(whole), *shares))
-    error = decimals(100.0 * told["reliability"]["calibration_error"], 1)
+    error = decimals(100.0 * evaluation["reliability"]["calibration_error"], 1)
     since = {
-        word: "never" if late is None else f"{number(1e3 * late, 2)} ms after contact"
-        for word, late in told["stable_after_s"].items()
+        word: "never" if time is None else f"{number(1e3 * time, 2)} ms after contact"
+        for word, time in evaluation["stable_after_s"].items()
     }
     note = (
         f"Probabilities are {error} points off on average (expected calibration error over "
@@ -103,7 +105,7 @@ def _confusion(told: dict[str, Any]) -> Table:
     return Table("confusion", "What windows were told", columns, tuple(rows), note)
 
 
-def _estimates(told: dict[str, Any]) -> Table:
+def _estimates(evaluation: dict[str, Any]) -> Table:
     """Peak force and stiffness: how far off, and whether intervals hold."""
     named = (("force", "Peak grip force"), ("stiffness", "Stiffness"))
     rows = tuple(
@@ -115,24 +117,24 @@ def _estimates(told: dict[str, Any]) -> Table:
             decimals(each["interval_width"], 1),
         )
         for key, words in named
-        if (each := told[key])["told"]
+        if (each := evaluation[key])["told"]
     )
     columns = (
         "From current and position alone", "Told of grasps", "Off, median [%]",
         "95 % intervals hold [%]", "Upper end over lower, median",
     )  # fmt: skip
-    return Table("estimates", "How hard and how stiff", columns, rows, UNTOLD)
+    return Table("estimates", "How hard and how stiff", columns, rows, NO_ESTIMATE)
 
 
 def _known(value: float | None) -> float:
     return float("nan") if value is None else value
 
 
-def _curve(told: dict[str, Any]) -> Table:
+def _curve(evaluation: dict[str, Any]) -> Table:
     keys = ("f1_windows", "f1_grasps", "f1_worst", "stable_in_time")
     rows = tuple(
         (str(each["grasps"]), *(decimals(100.0 * each[key], 1) for key in keys))
-        for each in told["learning_curve"]
+        for each in evaluation["learning_curve"]
     )
     columns = (
         "Grasps learnt from", "F1, windows [%]", "F1, grasps [%]", "Worst object [%]",

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hannes.identification.diagnosis.linearisation import Point
+from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.score_test import Guess, projected
 
@@ -20,63 +20,63 @@ INSIDE = 7.0  # of the gain that runs under one command must show: means may dif
 
 
 @dataclass(frozen=True)
-class Drift:
+class Trend:
     """An effect that would grow from run to run, and by how much that lowers the misfit."""
 
     effect: str
-    gain: float
+    delta_chi2: float
 
 
-def drifts(point: Point, guesses: Sequence[Guess]) -> Drift | None:
+def strongest_trend(point: Linearisation, guesses: Sequence[Guess]) -> Trend | None:
     """The best of all; None where no command was repeated often enough to see, in a known order."""
-    groups = point.ground.model.groups
+    groups = point.model.groups
     if not any(_ordered(group) for group in groups):
         return None
-    found = [Drift(each.effect, _gain(point, row)) for each in guesses for row in each.columns]
-    return max(found, key=lambda each: each.gain, default=None)
+    found = [Trend(each.effect, _gain(point, row)) for each in guesses for row in each.signature]
+    return max(found, key=lambda each: each.delta_chi2, default=None)
 
 
 def _ordered(group: Group) -> bool:
     return group.count >= FEWEST and float(np.ptp(group.numbers)) > 0.0
 
 
-def _gain(point: Point, mark: np.ndarray) -> float:
+def _gain(point: Linearisation, signature: np.ndarray) -> float:
     """Of a mark, whitened, (N,), that is as often there as runs came before."""
-    groups = point.ground.model.groups
-    marks = np.split(mark, np.cumsum([group.part.size for group in groups])[:-1])
-    mean = np.concatenate([m * g.numbers.mean() for m, g in zip(marks, groups, strict=True)])
-    pull, curvature = (float(each.sum()) for each in projected(point, mean[np.newaxis]))
-    inside, stiff = _inside(point, marks)
+    groups = point.model.groups
+    signatures = np.split(signature, np.cumsum([group.part.size for group in groups])[:-1])
+    mean = np.concatenate([m * g.numbers.mean() for m, g in zip(signatures, groups, strict=True)])
+    gradient, hessian = (float(each.sum()) for each in projected(point, mean[np.newaxis]))
+    inside, stiff = _inside(point, signatures)
     if inside**2 < INSIDE * stiff:
         return 0.0
-    return (pull + inside) ** 2 / (curvature + stiff)
+    return (gradient + inside) ** 2 / (hessian + stiff)
 
 
-def _inside(point: Point, marks: Sequence[np.ndarray]) -> tuple[float, float]:
+def _inside(point: Linearisation, signatures: Sequence[np.ndarray]) -> tuple[float, float]:
     """Pull and curvature that runs under one command add, by their order."""
-    groups, pull, curvature = point.ground.model.groups, 0.0, 0.0
-    runs = [_of_runs(point, k, each) for k, each in enumerate(marks)]
-    for group, along, mark in zip(groups, runs, marks, strict=True):
+    groups, gradient, hessian = point.model.groups, 0.0, 0.0
+    runs = [_of_runs(point, k, each) for k, each in enumerate(signatures)]
+    for group, along, signature in zip(groups, runs, signatures, strict=True):
         order = group.numbers - group.numbers.mean()
-        pull += float(order @ along) / group.count
-        curvature += float(order @ order * (mark @ mark)) / group.count
-    spread = _spread(groups, runs, marks)
-    return pull / spread, max(curvature / spread, 1e-30)
+        gradient += float(order @ along) / group.count
+        hessian += float(order @ order * (signature @ signature)) / group.count
+    spread = _spread(groups, runs, signatures)
+    return gradient / spread, max(hessian / spread, 1e-30)
 
 
-def _of_runs(point: Point, number: int, mark: np.ndarray) -> np.ndarray:
+def _of_runs(point: Linearisation, number: int, signature: np.ndarray) -> np.ndarray:
     """What runs of a group are off their mean, along a mark, (runs,)."""
-    group = point.ground.model.groups[number]
-    return point.ground.white(number, group.measured - group.mean) @ mark
+    group = point.model.groups[number]
+    return point.noise.white(number, group.measured - group.mean) @ signature
 
 
 def _spread(
-    groups: Sequence[Group], runs: Sequence[np.ndarray], marks: Sequence[np.ndarray]
+    groups: Sequence[Group], runs: Sequence[np.ndarray], signatures: Sequence[np.ndarray]
 ) -> float:
     """Variance of runs along a mark without their trend, over what is told; at least 1."""
     squares, freedom = TOLD, TOLD
-    for group, along, mark in zip(groups, runs, marks, strict=True):
-        if _ordered(group) and (size := float(mark @ mark)) > 0.0:
+    for group, along, signature in zip(groups, runs, signatures, strict=True):
+        if _ordered(group) and (size := float(signature @ signature)) > 0.0:
             order = group.numbers - group.numbers.mean()
             rest = along - order * (order @ along) / (order @ order)
             squares += float(rest @ rest) / size / group.count
