@@ -1,11 +1,11 @@
-"""What of the reducible gap is left on the show recordings, before and after, beside the truth.
+"""What of the reducible gap is left on the test recordings, before and after, beside the truth.
 
 Beside recordings a gap that is small against the spread of repeats cannot be measured. Here the
-show runs are made again, by the same hand, with and without what is hidden in it, on the same noise:
-their difference d is the gap that the effect makes. Of it d' C^-1 d is reducible, C of noise, of
-what differs from run to run, and of all parameters by how far they may be off: what other values
-of the machine would explain as well does not count. What the result's effects do in the library's
-hand is taken off d for what is left. The factors are means over runs that share no noise.
+test runs are simulated again by the same hand, with and without the hidden effect, on the same
+noise. Their difference d is the gap that the effect makes. Of it d' C^-1 d is reducible. C holds
+noise, run-to-run variability, and all parameters by their uncertainty: what other values of the
+machine explain as well does not count. What the named effects do in the library's hand is
+subtracted from d for what is left. The factors are means over runs that share no noise.
 """
 
 from collections.abc import Mapping, Sequence

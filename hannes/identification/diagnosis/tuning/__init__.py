@@ -1,0 +1,17 @@
+"""Every tuning constant of the diagnosis, in one frozen dataclass for each of its four stages."""
+
+from hannes.identification.diagnosis.tuning.fit import FIT, FitTuning
+from hannes.identification.diagnosis.tuning.noise import NOISE, NoiseTuning
+from hannes.identification.diagnosis.tuning.search import SEARCH, SearchTuning
+from hannes.identification.diagnosis.tuning.verdict import VERDICT, VerdictTuning
+
+__all__ = [
+    "FIT",
+    "NOISE",
+    "SEARCH",
+    "VERDICT",
+    "FitTuning",
+    "NoiseTuning",
+    "SearchTuning",
+    "VerdictTuning",
+]

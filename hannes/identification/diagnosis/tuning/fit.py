@@ -1,0 +1,65 @@
+"""Constants of the fits: differences, Gauss-Newton steps, profiles, and bins."""
+
+from dataclasses import dataclass
+
+from hannes.identification.tuning_table import COST, DEVELOPMENT, NUMERICS, constant
+
+
+@dataclass(frozen=True)
+class FitTuning:
+    """How chi-squared is differenced and minimised."""
+
+    bins: int = constant(115, "1", "of each channel, at most: longer runs have wider bins", COST)
+    machine_step: float = constant(
+        0.5, "standard deviations", "by which the machine's values are differenced", NUMERICS
+    )
+    effect_step: float = constant(
+        0.3, "steps", "by which an effect's parameter is differenced", NUMERICS
+    )
+    steps_per_range: float = constant(60.0, "1", "in the range of an effect's parameter", NUMERICS)
+    effect_prior_weight: float = constant(
+        1e-3, "1/steps^2", "of an effect's size: it regularises and hardly pulls", NUMERICS
+    )
+    points_as_changes: int = constant(
+        4, "1", "points from which on they are simulated as changes, at a wider tolerance", COST
+    )
+    kept_reduction: float = constant(
+        0.3, "1", "of the predicted reduction, which a whole step must reach", NUMERICS
+    )
+    dampings: tuple[float, ...] = constant(
+        (0.0, 0.3, 3.0, 30.0, 300.0), "1", "Levenberg's, tried together where it does not", NUMERICS
+    )
+    step_shares: tuple[float, ...] = constant((1.0, 0.35), "1", "of each damped step", NUMERICS)
+    rounds: int = constant(5, "1", "of new derivatives, at most, until a fit has converged", COST)
+    steps_per_round: int = constant(5, "1", "with derivatives updated by Broyden's rule", COST)
+    converged: float = constant(0.3, "chi2", "reduction of the last step", DEVELOPMENT)
+    least_information: float = constant(
+        0.4, "1", "of the prior's: a parameter with less in the data keeps its derivatives", COST
+    )
+    jitter: float = constant(1e-6, "1", "added to the Hessian's diagonal, to invert it", NUMERICS)
+    finer_bins: int = constant(2, "1", "times as many bins in the final fit", COST)
+    linear_widening: float = constant(
+        1.15, "1", "times the linear standard deviation where there is no profile"
+    )
+    profile_step: float = constant(1.5, "standard deviations", "first step of a profile", NUMERICS)
+    profile_growth: float = constant(1.5, "1", "times the step before", NUMERICS)
+    profile_shrink: float = constant(0.3, "1", "times a first step that was too long", NUMERICS)
+    profile_steps: int = constant(5, "1", "each way", COST)
+    profile_rise: float = constant(6.0, "chi2", "above the least met: far enough", NUMERICS)
+    other_valley: float = constant(16.0, "chi2", "above the least met: another minimum", NUMERICS)
+    local_minima: float = constant(3.0, "chi2", "by which fits end higher or lower by chance")
+    interval_widening: float = constant(
+        1.5,
+        "1",
+        "times the standard deviation of a profile: how far estimates scatter",
+        DEVELOPMENT,
+    )
+    missed_more: float = constant(
+        4.0,
+        "chi2",
+        "by which the size that stays is missed more than the one that goes",
+        DEVELOPMENT,
+    )
+
+
+FIT = FitTuning()

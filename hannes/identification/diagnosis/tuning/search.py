@@ -1,0 +1,114 @@
+"""Constants of the search: which effects are refitted, from where, and how often."""
+
+from dataclasses import dataclass
+
+from hannes.identification.tuning_table import COST, DEVELOPMENT, NUMERICS, constant
+
+
+@dataclass(frozen=True)
+class SearchTuning:
+    """How the catalogue is searched."""
+
+    shortlist: int = constant(5, "1", "effects of each screening that are refitted", COST)
+    faint: float = constant(
+        6.0, "chi2", "reduction below which an effect is not refitted", DEVELOPMENT
+    )
+    biased_baseline: float = constant(
+        1.3, "chi2 per bin", "of a baseline that may be biased by the missing effect", DEVELOPMENT
+    )
+    name_limit: float = constant(
+        12.0,
+        "chi2",
+        "reduction for which an effect is named: more than chance gives any of them",
+        DEVELOPMENT,
+    )
+    parameter_price: float = constant(
+        6.0, "chi2", "of each parameter of an effect beyond its first", DEVELOPMENT
+    )
+    generic_price: float = constant(
+        1.5,
+        "chi2",
+        "the same of a generic disturbance: about what chance gives a parameter",
+        DEVELOPMENT,
+    )
+    rival: float = constant(
+        10.0, "chi2", "within which a rival is not separated from the best", DEVELOPMENT
+    )
+    rival_share: float = constant(
+        0.08,
+        "1",
+        "of the best reduction, likewise: no model is right to more than that",
+        DEVELOPMENT,
+    )
+    second_share: float = constant(
+        0.04, "1", "of the first effect's reduction, for a second one", DEVELOPMENT
+    )
+    other_minimum: float = constant(2.0, "chi2", "by which another baseline is a better one")
+    confusable_cosine: float = constant(
+        0.95, "1", "of two signatures that these recordings hardly separate", "convention"
+    )
+    screening_sizes: tuple[float, ...] = constant(
+        (1.0, 8.0, 25.0, -8.0, -25.0), "steps", "of a screening for large effects", COST
+    )
+    secant_range: float = constant(3.0, "1", "times a secant's size within which it is believed")
+    shapes: int = constant(5, "1", "values tried of a shape parameter", COST)
+    guess_shares: tuple[float, ...] = constant(
+        (1.0, 0.5, 0.2, 0.05), "1", "of a guess, of which the best starts a fit", COST
+    )
+    final_fits: int = constant(3, "1", "fits refined with new derivatives", COST)
+    final_share: float = constant(0.5, "1", "of the largest reduction that such a fit has", COST)
+    kept_guess: float = constant(
+        0.7, "1", "of a guess's reduction: a fit with less may be in a local minimum"
+    )
+    far_reduction: float = constant(10.0, "chi2", "of one refinement: likewise")
+    far_share: float = constant(0.05, "1", "of the reduction, if that is more")
+    crossed_share: float = constant(
+        0.6,
+        "1",
+        "of the best reduction: such a rival is refitted from the best one's machine",
+        DEVELOPMENT,
+    )
+    takeover_shares: tuple[float, ...] = constant(
+        (0.0, 0.5, 1.0), "1", "of a removed effect's work that other parameters take over", NUMERICS
+    )
+    fading_shares: tuple[float, ...] = constant(
+        (0.75, 0.5, 0.25, 0.0), "1", "of an effect that is removed gradually", NUMERICS
+    )
+    last_round_share: float = constant(
+        0.005, "1", "of the whole reduction: a round with less is the last", COST
+    )
+    size_dependent_cosine: float = constant(
+        0.3,
+        "1",
+        "of a small and a large signature, below which the effect starts globally",
+        DEVELOPMENT,
+    )
+    large_size: float = constant(8.0, "steps", "of the large signature")
+    global_sizes: tuple[float, ...] = constant(
+        (2.0, 4.0, 6.0, 9.0, 14.0), "steps", "both ways, from which global starts are chosen"
+    )
+    own_part: float = constant(
+        0.01,
+        "1",
+        "of a signature, squared: where the machine's values absorb all but that",
+        DEVELOPMENT,
+    )
+    lost_baseline: float = constant(
+        3.0,
+        "chi2 per bin",
+        "of a baseline beside which likely effects start globally too",
+        DEVELOPMENT,
+    )
+    likely_effects: int = constant(3, "1", "that do so", COST)
+    starts_tried: int = constant(3, "1", "sizes with the best linear guess that are fitted", COST)
+    start_steps: int = constant(2, "1", "steps of each", COST)
+    starts_kept: int = constant(2, "1", "of these that are fitted further", COST)
+    further_steps: int = constant(5, "1", "steps of each", COST)
+    neighbour_sizes: tuple[float, ...] = constant(
+        (0.8, 0.9, 1.1, 1.25), "1", "times the size found, where a deeper minimum is looked for"
+    )
+    neighbour_rounds: int = constant(3, "1", "of that, at most", COST)
+    deeper: float = constant(2.0, "chi2", "by which a minimum is deeper")
+
+
+SEARCH = SearchTuning()
