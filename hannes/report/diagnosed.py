@@ -30,9 +30,9 @@ class Diagnosis(Protocol):
         """Measured and simulated channels of each recording that is drawn."""
 
     @property
-    def floors(self) -> Mapping[str, float]:
+    def noise_floors(self) -> Mapping[str, float]:
         """Noise floor of each judged channel, in the channel's unit."""
 
     @property
-    def deep(self) -> Result | None:
-        """What the verdict came from, of a plant that says what of it is uncertain."""
+    def details(self) -> Result | None:
+        """What the verdict came from, where the plant declares what of it is uncertain."""
