@@ -1,6 +1,6 @@
 # Needs only make and a Python >= 3.11 with venv; everything else goes into .venv.
 .DEFAULT_GOAL := help
-.PHONY: help env run test lint format docs bench lock
+.PHONY: help env env-test run test test-all lint format docs bench structure size audit lock
 
 bin := .venv/bin
 
@@ -12,10 +12,13 @@ endif
 endif
 
 help:  ## this list
-	@sed -n 's/^\([a-z]*\):.*## /make \1	/p' Makefile
+	@sed -n 's/^\([a-z-]*\):.*## /make \1	/p' Makefile
 
-env:  ## the environment in .venv, up to date
+env:  ## the environment in .venv, up to date: what hannes itself needs
 	@sh tools/bootstrap.sh
+
+env-test:  ## the same with what its tests and benchmarks need
+	@sh tools/bootstrap.sh test
 
 run: env  ## the paper's experiments and a first diagnosis: pages in results/
 	$(bin)/python -m benchmarks.truth.closures --out results/closures --slack "3 mm" --runs 6 --seed 1
@@ -30,16 +33,19 @@ run: env  ## the paper's experiments and a first diagnosis: pages in results/
 	$(bin)/hannes reproduce --out results/reproduce --slack results/hidden-slack --taut results/no-slack \
 	    --recognition results/rigid-or-soft
 
-test: lint  ## format, lint, types, direction of imports, tests on all cores
+test: lint  ## format, lint, types, direction of imports, the quick tests on all cores
+	$(bin)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow"
+
+test-all: lint  ## the same with the slow tests, for a release
 	$(bin)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
 
-lint: env  ## all of `make test` but the tests
+lint: env-test  ## all of `make test` but the tests
 	$(bin)/ruff format --check
 	$(bin)/ruff check
 	$(bin)/mypy
 	$(bin)/lint-imports --no-logo --no-cache
 
-format: env  ## put the code into the project's format
+format: env-test  ## put the code into the project's format
 	$(bin)/ruff format
 	$(bin)/ruff check --fix
 
@@ -47,11 +53,29 @@ docs: env  ## the README's picture anew: figure 8 of `hannes reproduce`
 	$(bin)/hannes reproduce --out results/reproduce
 	cp results/reproduce/figures/fig8.svg docs/grasp.svg
 
-bench: env  ## speed and accuracy beside peers, batches, start: benchmarks/README.md
+bench: env-test  ## speed and accuracy beside peers, batches, start: benchmarks/README.md
 	$(bin)/python -m benchmarks
 
-lock: env  ## choose package versions anew: requirements.lock
-	$(bin)/python -m pip install --quiet uv
-	$(bin)/uv pip compile pyproject.toml --universal --python-version 3.11 --fork-strategy fewest \
-	    --all-extras --generate-hashes --upgrade --no-emit-index-url --quiet \
-	    --custom-compile-command "make lock" --output-file requirements.lock
+structure: env-test  ## how the packages are built, beside the limits they keep
+	$(bin)/python -m tools.structure
+
+size: env  ## size and time of an install of hannes without extras, downloads included
+	$(bin)/python -m tools.install_size
+
+audit: env-test  ## licences of all that is installed, known faults of the locked versions
+	$(bin)/python -m tools.licences
+	$(bin)/python -m venv .venv/audit
+	.venv/audit/bin/pip install --quiet pip-audit
+	.venv/audit/bin/pip-audit --strict --requirement requirements.lock --require-hashes --disable-pip
+	.venv/audit/bin/pip-audit --strict --requirement requirements-test.lock --require-hashes --disable-pip
+
+# The second lock holds the first at the same versions: `make test` adds to what `make run` installed.
+compiled := .venv/lock/bin/uv pip compile pyproject.toml --universal --python-version 3.11 \
+    --fork-strategy fewest --generate-hashes --no-emit-index-url --quiet --custom-compile-command "make lock"
+
+lock: env  ## choose package versions anew: requirements.lock, requirements-test.lock
+	$(bin)/python -m venv .venv/lock
+	.venv/lock/bin/pip install --quiet uv
+	$(compiled) --upgrade --extra install --output-file requirements.lock
+	$(compiled) --upgrade --extra install --extra test --extra dev --constraint requirements.lock \
+	    --output-file requirements-test.lock

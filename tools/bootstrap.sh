@@ -1,8 +1,14 @@
 #!/bin/sh
 # Puts a working environment into .venv: the locked packages and the project, editable.
+# `bootstrap.sh` installs what hannes needs; `bootstrap.sh test` what its tests need too.
 # Safe to repeat: it does nothing when .venv is up to date, and starts afresh after a killed install.
 set -eu
 cd "$(dirname "$0")/.."
+
+core=requirements.lock
+whole=requirements-test.lock   # all of the core at the same versions, and more
+lock=$core
+if [ "${1:-}" = test ]; then lock=$whole; fi
 
 venv=.venv
 packages=$venv/.packages   # written last: what the packages in .venv were installed from
@@ -57,38 +63,52 @@ wait_for_running() {
     done
 }
 
-install_packages() {
+fresh_environment() {
     python=$(find_python)
-    echo "hannes: installing packages into $venv (a minute or two)" >&2
     rm -f "$packages" "$project"
     "$python" -m venv --clear "$venv" >/dev/null 2>&1 ||
         fail "$python could not create $venv; is the folder writable and the disk not full?"
-    pip_install -r requirements.lock
-    packages_wanted >"$packages.new"
+}
+
+# What tests need goes on top of a whole core; anything else starts afresh.
+install_packages() {
+    echo "hannes: installing packages into $venv (a minute or two)" >&2
+    if ! holds "$core"; then fresh_environment; fi
+    rm -f "$packages"
+    pip_install -r "$lock"
+    packages_of "$lock" >"$packages.new"
     mv "$packages.new" "$packages"
 }
 
 install_project() {
     pip_install --no-deps --no-build-isolation -e .
-    cp pyproject.toml "$project.new"
+    project_wanted >"$project.new"
     mv "$project.new" "$project"
 }
 
 # A checkout that was moved needs a new environment too: its scripts name the old folder.
-packages_wanted() {
+packages_of() {
     pwd
-    cat requirements.lock
+    cat "$1"
+}
+
+project_wanted() {
+    cat pyproject.toml hannes/core/version.py
 }
 
 same() {
     [ -f "$2" ] && [ "$1" = "$(cat "$2")" ]
 }
 
+holds() {
+    same "$(packages_of "$1")" "$packages" && "$venv/bin/python" -c '' >/dev/null 2>&1
+}
+
 ready() {
-    same "$(packages_wanted)" "$packages" && "$venv/bin/python" -c '' >/dev/null 2>&1
+    holds "$lock" || holds "$whole"
 }
 
 # Spelt with `if`: after `||` the shell would not stop at the first failure (set -e).
 if ! ready; then wait_for_running; fi
 if ! ready; then install_packages; fi
-if ! same "$(cat pyproject.toml)" "$project"; then install_project; fi
+if ! same "$(project_wanted)" "$project"; then install_project; fi
