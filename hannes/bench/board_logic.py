@@ -117,9 +117,9 @@ class BoardLogic:
         self._watch()
         values = self.machine.step(self._wanted())
         self._limit(values)
-        self.time += 1_000_000 // self.settings.rate
         row = tuple(values[channel.name] for channel in self.machine.channels)
         frames = [self._frame(Kind.TELEMETRY, self.telemetry.pack(row))]
+        self.time += 1_000_000 // self.settings.rate
         if self.time - self._pulsed >= PULSE_PERIOD:
             self._pulsed = self.time
             pulse = Pulse(self.state, self._beat, self._refused, self._dropped)

@@ -248,7 +248,7 @@ class Telemetry:
     def unpack(self, payload: bytes) -> tuple[float, ...]:
         """Return the values [the channels' units] in `payload`."""
         raw = self.format.unpack(payload)
-        return tuple(n * c.scale for n, c in zip(raw, self.channels, strict=True))
+        return tuple(round(n * c.scale, 12) for n, c in zip(raw, self.channels, strict=True))
 
     def pack(self, values: tuple[float, ...]) -> bytes:
         """Return the payload of `values` [the channels' units], held within the codes' ranges."""

@@ -31,6 +31,7 @@ class Port:
             )
         except (OSError, ValueError) as error:  # SerialException is an OSError
             raise BadInput(_why(name, error)) from None
+        self._port.reset_input_buffer()  # what was sent before anybody listened is no frame
         self.notes = self._low_latency()
 
     def read(self) -> bytes:

@@ -47,6 +47,7 @@ class Session:
         self._listener: Adapter = link.adapter()
         self._follow = RawLogReader(log)
         self.heard = Heard()
+        self._stopped: bool | None = None  # seen or not, once closed
 
     def events(self) -> Iterator[Event]:
         """What has come since the last look."""
@@ -112,11 +113,12 @@ class Session:
 
     def close(self) -> bool:
         """Stop the board and end the reader; False where the stop was not seen."""
-        seen = self.reader.close()
-        for _ in self.events():
-            pass
-        self._follow.close()
-        return seen
+        if self._stopped is None:
+            self._stopped = self.reader.close()
+            for _ in self.events():
+                pass
+            self._follow.close()
+        return self._stopped
 
     def _note(self, event: Event) -> None:
         heard = self.heard

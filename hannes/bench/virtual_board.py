@@ -139,6 +139,7 @@ class VirtualBoard:
         self._splitter = Splitter(HOST_LENGTHS)
         self._damaged = 0
         self._reset_done = not self.how.reset
+        self.ticks = 0
 
     def run(self, until: Callable[[], bool]) -> None:
         """Tick in real time until `until` says so."""
@@ -155,6 +156,7 @@ class VirtualBoard:
 
     def once(self, moment: float) -> None:
         """Hear, tick and send once, `moment` [s] after the beginning."""
+        self.ticks += 1
         data = self.far.read()
         out = self.cable.is_out(moment)
         if out:

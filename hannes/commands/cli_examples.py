@@ -1,6 +1,6 @@
 """Examples that `hannes COMMAND --help` shows, by command."""
 
-from hannes.commands import cli_learning, cli_recordings
+from hannes.commands import cli_bench, cli_learning, cli_recordings
 
 EXAMPLES = {
     "": """\
@@ -67,4 +67,5 @@ campaign.toml (docs/campaign.md has all of it):
   start_time = "0.2 ms"                   # of when a run starts (10 ms)""",
     **cli_recordings.EXAMPLES,
     **cli_learning.EXAMPLES,
+    **cli_bench.EXAMPLES,
 }

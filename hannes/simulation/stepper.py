@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from hannes.core.effect import Effect
-from hannes.core.errors import BadInput, ComputationFailed
+from hannes.core.errors import BadInput, ComputationFailed, nearest
 from hannes.simulation.compiler.assemble import Compiled
 from hannes.simulation.compiler.entry_points import LONGEST, RUN
 from hannes.simulation.experiment.experiment import Experiment
@@ -63,11 +63,19 @@ class Stepper:
         layout = self._compiled.states
         return {slot.name: self._y[layout[slot.name]].copy() for slot in layout.slots}
 
+    def value(self, name: str) -> float:
+        """Value of a parameter by its name in the compiled layout [SI]."""
+        return float(self._p[self._place(name)][0])
+
     def set_value(self, name: str, value: float) -> None:
         """Change a parameter from the next tick on, by its name in the compiled layout [SI]."""
+        self._p[self._place(name)] = value
+
+    def _place(self, name: str) -> slice:
         if name not in self._compiled.parameters:
-            raise BadInput(f'no compiled parameter "{name}"')
-        self._p[self._compiled.parameters[name]] = value
+            known = [slot.name for slot in self._compiled.parameters.slots]
+            raise BadInput(f'no compiled parameter "{name}"{nearest(name, known)}')
+        return self._compiled.parameters[name]
 
     def step(self, reference: float | None = None) -> dict[str, Any]:
         """Let the firmware read, decide and drive until its next tick.

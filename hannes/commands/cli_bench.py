@@ -1,0 +1,156 @@
+"""The commands of the bench: a virtual board, recording from a board, the quality of a link."""
+
+import argparse
+import sys
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hannes.commands.cli_output import add_json, print_json
+from hannes.core.errors import BadInput
+
+if TYPE_CHECKING:
+    from hannes.bench.reader import Link
+
+EXAMPLES = {
+    "board": """\
+hannes board dynamometer              a virtual hand on a pseudo-terminal; prints its name
+hannes board my_board.toml --tcp 4000 on a socket of this machine
+hannes board dynamometer --seconds 60
+
+my_board.toml; all but the first line may be left out:
+  experiment = "dynamometer"          # its hand, effects, object and noise
+  [board]
+  watchdog = "200 ms"
+  current_limit = "6 A"
+  [misbehaviour]
+  lost = "0.1 %"                      # of packets; also repeated, damaged
+  late = "5 ms"                       # longest delay of a packet
+  cut = "3 s"                         # the cable is out from then on, for cut_for
+  drift = "0.004 %"                   # of the board's clock""",
+    "record": """\
+hannes record void-closure --port /dev/ttyUSB0 --out void_01.h5
+hannes record dynamometer --port socket://127.0.0.1:4000 --out grasp.h5
+hannes record void-closure --port /dev/ttyACM0 --board text --baud 115200 --out void.csv
+hannes record --recover void_01.rawlog --out void_01.h5""",
+    "port": """\
+hannes port
+hannes port /dev/ttyUSB0
+hannes port /dev/ttyUSB0 --seconds 30 --json""",
+}
+
+
+def add(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Add the commands; `command(name, call, description)` makes the parser of one."""
+    board = command("board", _board, "a virtual board: the hand's model behind a serial port")
+    board.add_argument("specification", help="a shipped experiment, or a board's .toml file")
+    board.add_argument("--tcp", type=int, metavar="PORT", help="on a socket of this machine")
+    board.add_argument("--seconds", type=float, default=0.0, help="end after so long (never)")
+
+    record = command("record", _record, "send an experiment's command to a board, and record")
+    record.add_argument("experiment", nargs="?", help="a shipped experiment, or a .toml file")
+    _add_link(record, "--port")
+    record.add_argument("--out", required=True, metavar="FILE", help="a .h5 or .csv file")
+    record.add_argument("--reconnect", type=float, default=0.0, metavar="SECONDS",
+                        help="wait so long for a link that was lost (0: end)")  # fmt: skip
+    record.add_argument("--recover", metavar="RAWLOG", help="make a recording of a raw log")
+    add_json(record)
+
+    port = command("port", _port, "list serial ports, or measure the link to a board")
+    _add_link(port, "port")
+    port.add_argument("--seconds", type=float, default=3.0, help="how long to measure (3)")
+    add_json(port)
+
+
+def _add_link(parser: argparse.ArgumentParser, name: str) -> None:
+    where = {} if name.startswith("-") else {"nargs": "?"}
+    parser.add_argument(name, help="device, or socket://HOST:PORT", **where)  # type: ignore[arg-type]
+    parser.add_argument("--board", default="hannes", help="hannes (default), text, feetech")
+    parser.add_argument("--baud", type=int, default=0, help="baud rate (the board's own)")
+
+
+def _link(chosen: argparse.Namespace) -> "Link":
+    from hannes.bench.adapters import adapter
+    from hannes.bench.reader import Link
+
+    if not chosen.port:
+        raise BadInput("no port given; `hannes port` lists those there are")
+    adapter(chosen.board)
+    return Link(
+        chosen.port, chosen.board, {}, chosen.baud, float(getattr(chosen, "reconnect", 0.0))
+    )
+
+
+def _board(chosen: argparse.Namespace) -> None:
+    from hannes.bench.board_file import read_board
+    from hannes.bench.virtual_board import Socket, Terminal, VirtualBoard
+    from hannes.bench.virtual_hand import VirtualHand
+
+    given = read_board(chosen.specification)
+    variant = given.variant
+    VirtualHand(variant.hand, variant.experiment).step(None)  # compiled before anybody connects
+    far = Terminal() if chosen.tcp is None else Socket(chosen.tcp)
+    print(far.address, flush=True)
+    board = VirtualBoard(
+        lambda: VirtualHand(variant.hand, variant.experiment), far, given.settings, given.how
+    )
+    ticks = round(chosen.seconds * given.settings.rate)
+    try:
+        board.run(lambda: bool(ticks) and board.ticks >= ticks)
+    finally:
+        far.close()
+
+
+def _record(chosen: argparse.Namespace) -> None:
+    from hannes.bench.record import RAW, record, recover
+
+    out = Path(chosen.out)
+    if chosen.recover:
+        made = recover(chosen.recover)
+        made.write(out)
+        _said(chosen, {"out": str(out), "samples": made.time.size, "raw": chosen.recover})
+        return
+    if not chosen.experiment:
+        raise BadInput("no experiment given; `hannes experiments` lists them")
+    raw = out.with_name(out.name + RAW)
+    done = record(chosen.experiment, _link(chosen), raw, progress=_say)
+    done.recording.write(out)
+    said = {"out": str(out), "raw": str(raw), "samples": done.recording.time.size}
+    _said(chosen, said | {"stop_seen": done.stopped})
+
+
+def _said(chosen: argparse.Namespace, report: dict[str, Any]) -> None:
+    if chosen.json:
+        print_json(report)
+        return
+    print(f"wrote {report['out']}: {report['samples']} samples (raw bytes: {report['raw']})")
+    print(f"next: hannes check {report['out']}")
+
+
+def _port(chosen: argparse.Namespace) -> None:
+    from hannes.bench.port import listed
+    from hannes.bench.port_report import examine
+
+    if not chosen.port:
+        found = listed()
+        if chosen.json:
+            print_json([{"port": name, "what": what} for name, what in found])
+        else:
+            print("\n".join(f"{n}  {w}" for n, w in found) or "no serial port on this machine")
+        return
+    report = examine(_link(chosen), chosen.seconds)
+    if chosen.json:
+        print_json(asdict(report) | {"advice": report.advice()})
+        return
+    middle, high, longest = (1e3 * each for each in report.round_trip)
+    print(f"{chosen.port}: {report.about.firmware}, {report.about.rate:g} Hz")
+    print(f"  round trip  {middle:.2f} ms (99 %: {high:.2f}, longest {longest:.2f})")
+    print(f"  frames      {report.rows} samples, {report.lost} lost, {report.damaged} damaged")
+    print(f"  clock       {1e6 * report.drift:+.1f} ppm against this machine's")
+    for line in [*report.notes, *report.advice()]:
+        print(f"  {line}")
+
+
+def _say(text: str) -> None:
+    print(f"hannes: {text}", file=sys.stderr)
