@@ -87,7 +87,7 @@ def _parser() -> _Parser:
 
     effects = _command(commands, "effects", _effects, "list the effects, or describe one")
     effects.add_argument("effect", nargs="?", help="a name, or file.py:EFFECT of your own")
-    effects.add_argument("--plant", metavar="PLANT", help="those that this plant alone has")
+    effects.add_argument("--plant", metavar="PLANT", help="whose: its own, or that yours is for")
 
     hand = _command(commands, "hand", _hand, "show a hand: parts, equations, effects, values")
     hand.add_argument(
@@ -180,23 +180,10 @@ def _experiments(chosen: argparse.Namespace) -> None:
 
 
 def _effects(chosen: argparse.Namespace) -> None:
-    from pathlib import Path
+    from hannes.commands.effects import described, listed
 
-    from hannes.identification import confusability
-    from hannes.plants.protocol import find_plant
-    from hannes.simulation import catalogue
-    from hannes.simulation.hand.hand_file import own_catalogue
-
-    found = find_plant(chosen.plant, Path.cwd()) if chosen.plant else None
-    known = catalogue.effects() if found is None else own_catalogue(found)
-    if chosen.effect:
-        print(known.get(chosen.effect) or catalogue.effect(chosen.effect))
-        if found is None and (near := confusability.text(chosen.effect)):
-            print(near)
-        return
-    for each in known.values():
-        meaning = textwrap.fill(each.meaning, 78, initial_indent="  ", subsequent_indent="  ")
-        print(f"{each.name}\n{meaning}\n  {each.equation}\n  source: {each.source}")
+    name, plant = chosen.effect, chosen.plant
+    print(described(name, plant) if name else listed(plant))
 
 
 def _hand(chosen: argparse.Namespace) -> None:

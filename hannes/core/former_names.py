@@ -52,6 +52,7 @@ class Finder:
 
     @staticmethod
     def find_spec(name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
+        """Tell how to load a module that has a former name, None for all others."""
         package, _, module = name.partition(".")
         found = package == "hannes" and module in MOVED
         return ModuleSpec(name, cast(Any, _Loader)) if found else None
@@ -62,10 +63,11 @@ class _Loader:
 
     @staticmethod
     def create_module(spec: ModuleSpec) -> None:
-        return None
+        """As importlib does it."""
 
     @staticmethod
     def exec_module(module: ModuleType) -> None:
+        """Warn, and let the module of today stand under the former name."""
         name = module.__name__
         today = MOVED[name.partition(".")[2]]
         warnings.warn(f"{name} goes with the next release: {_advice(today)}", MovedWarning, 2)

@@ -58,6 +58,8 @@ class Plant(Protocol):
     own(recording):                the object of a run, and the parameters of that object alone
     robust:     channel -> residual [its unit] beyond which a sample counts less (soft L1), for
                 recordings with outliers
+    compiled_from: its written equations, into which effects are compiled; without it they run as
+                plain Python
     catalogue:  name -> effect of this plant alone, tried besides the common catalogue
     read(path):                    recordings of one file by name: of a logger of its own, or of
                                    one that writes several runs into a file

@@ -129,6 +129,7 @@ class Axis(ByValue):
         "motor.viscous_friction": 50.0,
         "axis.offset": 5.0,
     }
+    compiled_from = EQUATIONS
     catalogue: Mapping[str, Effect] = {slow_friction.EFFECT.name: slow_friction.EFFECT}
     block = 1.0  # s, over which residuals are taken as independent
 

@@ -114,6 +114,7 @@ class Finger(ByValue):
     }
     robust: Mapping[str, float] = {"force": 100.0}  # a finger may slip, and an object give way
     block = 1.0  # s, over which residuals are taken as independent
+    compiled_from = EQUATIONS
     catalogue: Mapping[str, Effect] = {each.name: each for each in OWN}
 
     def __init__(self, effects: tuple[Effect, ...] = ()) -> None:

@@ -85,6 +85,7 @@ class HandPlant(ByValue):
     loggable: Mapping[str, str] = {"duty": "1"}
     block = 0.2
     expected = EXPECTED
+    compiled_from = EQUATIONS
     start_time = 0.01  # s, standard deviation of a run's start against its clock
 
     def __init__(self, hand: Hand | None = None) -> None:

@@ -1,0 +1,49 @@
+"""What `hannes effects` prints: all effects, or one with what it is easily confused with."""
+
+import textwrap
+from collections.abc import Mapping
+from pathlib import Path
+
+from hannes.core.effect import Effect
+from hannes.core.errors import BadInput
+from hannes.identification import confusability
+from hannes.plants.protocol import Plant, find_plant
+from hannes.simulation import catalogue
+from hannes.simulation.compiler.kernel_check import check_kernels
+from hannes.simulation.hand.hand_file import own_catalogue
+
+HAND = "hand"
+
+
+def listed(plant: str | None) -> str:
+    """All effects that ship, or those that a plant alone has."""
+    return "\n".join(_in_short(each) for each in _known(plant).values())
+
+
+def described(name: str, plant: str | None) -> str:
+    """One effect: by name, or the user's own, refused where a run of the plant would refuse it."""
+    if found := _known(plant).get(name):
+        near = confusability.text(name) if plant is None else ""
+        return "\n".join([str(found), near]) if near else str(found)
+    found = catalogue.effect(name)
+    if ".py:" in name:
+        _check(found, find_plant(plant or HAND, Path.cwd()))
+    return str(found)
+
+
+def _known(plant: str | None) -> Mapping[str, Effect]:
+    return catalogue.effects() if plant is None else own_catalogue(find_plant(plant, Path.cwd()))
+
+
+def _check(effect: Effect, plant: Plant) -> None:
+    """Raise BadInput in one line for what a run would refuse."""
+    if why := plant.accepts(effect):
+        other = "" if plant.name != HAND else "; if it is for another plant, name that with --plant"
+        raise BadInput(f'effect {effect.name} does not fit the plant "{plant.name}": {why}{other}')
+    if (equations := getattr(plant, "compiled_from", None)) is not None:
+        check_kernels(equations, effect)
+
+
+def _in_short(effect: Effect) -> str:
+    meaning = textwrap.fill(effect.meaning, 78, initial_indent="  ", subsequent_indent="  ")
+    return f"{effect.name}\n{meaning}\n  {effect.equation}\n  source: {effect.source}"
