@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 import oven
 import pytest
+import scipy.optimize
 
 from hannes.campaigns.campaign import Campaign, Entry
 from hannes.commands.calibrate import calibrate
@@ -33,6 +34,31 @@ def test_values_come_back_and_all_starts_agree():
     assert found.agreeing == [True] * 4
     assert found.repeatable_residual.repeats is False
     assert found.plant.parameters["oven.gain"] == by_name(found)["oven.gain"].value
+
+
+def test_the_search_is_scipys_bounded_least_squares(monkeypatch):
+    """Each round is one call, within the asked bounds; the answer is a point that it tried."""
+    calls, original = [], scipy.optimize.least_squares
+
+    def noted(residual, start, **options):
+        tried = []
+        calls.append((tried, options["bounds"]))
+
+        def counted(x):
+            tried.append(x.copy())
+            return residual(x)
+
+        return original(counted, start, **options)
+
+    monkeypatch.setattr(scipy.optimize, "least_squares", noted)
+    asked = {"bounds": {"oven.gain": ["0.5", "4"]}}
+    made = oven.campaign(1, TRUE, parameters=THREE, starts=1, **asked)
+    found = calibrate(made, progress=False).found
+    assert len(calls) == len(found.costs) > 1
+    for _, (low, high) in calls:
+        assert np.isfinite([low, high]).all()
+        assert np.array_equal([low, high], [found.scales.low, found.scales.high])
+    assert any(np.array_equal(found.x, x) for x in calls[-1][0])
 
 
 def coverage(plant, count, scatter, **asked):
