@@ -29,17 +29,12 @@ from hannes.identification.diagnosis.antedependence import covariance
 from hannes.identification.diagnosis.baseline import based
 from hannes.identification.diagnosis.campaign_diagnosis import _masks
 from hannes.identification.diagnosis.decision import (
-    DOUBT,
-    MOST,
-    OUTSIDE,
     _at_end,
     _explained,
     _pair,
     decide,
 )
 from hannes.identification.diagnosis.effect_search import (
-    FAINT,
-    LIMIT,
     Trial,
     _back,
     _rebased,
@@ -57,7 +52,6 @@ from hannes.identification.diagnosis.generic_disturbances import (
 from hannes.identification.diagnosis.heldout import heldout_reduction
 from hannes.identification.diagnosis.linearisation import differenced
 from hannes.identification.diagnosis.multistart import (
-    FADING,
     _crossed,
     faded,
     started_at,
@@ -78,6 +72,7 @@ from hannes.identification.diagnosis.score_test import (
 )
 from hannes.identification.diagnosis.settings import Settings, read_settings
 from hannes.identification.diagnosis.trend import strongest_trend
+from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 from hannes.plants.axis.plant import Axis
 from hannes.plants.hand.plant import HandPlant
 from hannes.simulation.catalogue import effects
@@ -151,7 +146,7 @@ def test_an_effect_is_let_go_little_by_little(investigated, monkeypatch):
     alone = faded(point, "hardening")
     assert alone.chi2 == pytest.approx(best.point.chi2, abs=1.0)
     assert np.array_equal(alone.active, best.point.active)
-    assert [at.x[own][0] / 0.3 for at in starts] == pytest.approx(FADING)
+    assert [at.x[own][0] / 0.3 for at in starts] == pytest.approx(SEARCH.fading_shares)
     monkeypatch.setattr(multistart.Linearisation, "moved", lambda *_: None)
     assert faded(point, "hardening") is None
 
@@ -185,8 +180,14 @@ def test_a_name_that_takes_another_machine_than_was_told_is_not_clean(investigat
     assert "times as far as scatter tells" in unclean.reason
     baseline = strained.baseline  # what is left of it says nothing
     flat = replace(baseline, residual=np.zeros_like(baseline.residual), x=np.zeros_like(baseline.x))
-    assert _explained(replace(strained, baseline=flat), replace(best, delta_chi2=20.0)) < MOST
-    assert _explained(replace(strained, baseline=flat), replace(best, delta_chi2=1e4)) > MOST
+    assert (
+        _explained(replace(strained, baseline=flat), replace(best, delta_chi2=20.0))
+        < VERDICT.explained_share
+    )
+    assert (
+        _explained(replace(strained, baseline=flat), replace(best, delta_chi2=1e4))
+        > VERDICT.explained_share
+    )
 
 
 def test_the_machine_takes_over_what_an_effect_did_that_it_can_do_itself():
@@ -221,8 +222,8 @@ def test_what_anything_explains_as_well_has_no_name(investigated):
 
 def test_a_rival_without_a_name_that_gains_nothing_itself_doubts_none(investigated):
     masks, kinds = ([0b011] * 2, [0b100] * 2), []
-    best = replace(investigated.trials[0], delta_chi2=LIMIT + 1.0)
-    for delta_chi2 in (FAINT - 0.1, FAINT + 0.1):
+    best = replace(investigated.trials[0], delta_chi2=SEARCH.name_limit + 1.0)
+    for delta_chi2 in (SEARCH.faint - 0.1, SEARCH.faint + 0.1):
         rival = Trial(("any_torque",), best.point, delta_chi2)
         found = replace(investigated, trials=[best], pair=None, generic=rival)
         kinds.append(decide(found, *masks).kind)
@@ -369,7 +370,7 @@ def test_a_rival_that_went_astray_starts_from_the_machine_of_the_best(monkeypatc
     monkeypatch.setattr(
         multistart, "settled", lambda at, *how: starts.append(at) or settled(at, *how)
     )
-    again = _crossed(points, baseline, LIMIT, lambda text: None)
+    again = _crossed(points, baseline, SEARCH.name_limit, lambda text: None)
     assert again["twin"].chi2 == pytest.approx(twin.chi2, abs=0.5)
     assert again["turbulence"] is first
     assert np.array_equal(starts[0].x[baseline.active], first.x[baseline.active])
@@ -398,7 +399,7 @@ def test_rounds_of_slopes_end_where_they_cannot_arrive(investigated, monkeypatch
 def test_a_gain_is_of_what_was_not_fitted_too(investigated):
     baseline, best = investigated.baseline, investigated.trials[0].point
     fitted_runs, heldout_runs = ([0b011] * 2, [0b100] * 2)
-    assert heldout_reduction(baseline, best, fitted_runs, heldout_runs) > LIMIT
+    assert heldout_reduction(baseline, best, fitted_runs, heldout_runs) > SEARCH.name_limit
     assert heldout_reduction(baseline, baseline, fitted_runs, heldout_runs) == 0.0
     assert heldout_reduction(baseline, best, fitted_runs, [0, 0]) == 0.0
 
@@ -411,7 +412,7 @@ def test_what_grows_from_run_to_run_is_no_clean_name():
 
 def test_what_does_not_grow_does_not_drift(investigated):
     best = investigated.trials[0].point
-    assert strongest_trend(best, investigated.guesses).delta_chi2 < LIMIT
+    assert strongest_trend(best, investigated.guesses).delta_chi2 < SEARCH.name_limit
     assert (
         strongest_trend(investigated.baseline, investigated.guesses).delta_chi2
         < 0.95 * investigated.trials[0].delta_chi2
@@ -425,7 +426,7 @@ def test_a_guess_agrees_with_the_refit_where_an_effect_is_small():
     trial = next(each for each in small.trials if each.effects == ("turbulence",))
     assert guess.delta_chi2 == pytest.approx(trial.delta_chi2 * small.variance_factor, rel=0.1)
     again = {g.effect: g.delta_chi2 for g in screened(trial.point, ["hardening"])}
-    assert again["hardening"] < LIMIT
+    assert again["hardening"] < SEARCH.name_limit
 
 
 def test_what_parameters_can_do_is_no_mark_of_an_effect(investigated):
@@ -503,12 +504,21 @@ def test_a_phase_and_its_opposite_are_tried_by_one_mark():
 def test_what_is_too_faint_to_name_is_unknown():
     entries = [e for e in recordings(3) if e.role != "show"]
     empty = search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
-    for delta_chi2, kind in ((DOUBT - 0.1, "recalibrated"), (DOUBT, "unknown"), (LIMIT, "named")):
+    for delta_chi2, kind in (
+        (VERDICT.doubt - 0.1, "recalibrated"),
+        (VERDICT.doubt, "unknown"),
+        (SEARCH.name_limit, "named"),
+    ):
         trial = Trial(("hardening",), empty.baseline, delta_chi2)
         decision = decide(replace(empty, trials=[trial]), [0b011] * 2, [0b100] * 2)
         assert decision.kind == kind
-        assert (f"where a name needs {LIMIT:.0f}" in decision.reason) == (kind == "unknown")
-    for delta_chi2, kind in ((OUTSIDE - 0.1, "recalibrated"), (OUTSIDE, "unknown")):
+        assert (f"where a name needs {SEARCH.name_limit:.0f}" in decision.reason) == (
+            kind == "unknown"
+        )
+    for delta_chi2, kind in (
+        (VERDICT.generic_limit - 0.1, "recalibrated"),
+        (VERDICT.generic_limit, "unknown"),
+    ):
         rival = Trial(("any_torque",), empty.baseline, delta_chi2)
         decision = decide(replace(empty, trials=[], generic=rival), [0b011] * 2, [0b100] * 2)
         assert decision.kind == kind

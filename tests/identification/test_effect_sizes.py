@@ -9,14 +9,17 @@ from hannes.dynamics.leader_slack import EFFECT as SLACK
 from hannes.dynamics.wire_compliance import EFFECT as COMPLIANCE
 from hannes.identification.diagnosis import effect_sizes as module
 from hannes.identification.diagnosis.decision import Decision
-from hannes.identification.diagnosis.effect_sizes import NORMAL, WIDER, interval, with_sizes
+from hannes.identification.diagnosis.effect_sizes import NORMAL, interval, with_sizes
 from hannes.identification.diagnosis.final_fit import FinalFit
 from hannes.identification.diagnosis.parameter_space import FreeParameter
+from hannes.identification.diagnosis.tuning import FIT
 
 EFFECTS = {each.name: each for each in (SLACK, COMPLIANCE)}
 PLACES = ("leader_slack.length", "wire_compliance.leader", "wire_compliance.follower")
 PAIR = (SLACK.name, COMPLIANCE.name)
-EDGE = NORMAL * WIDER  # standard deviations from off, where an interval just holds it
+EDGE = (
+    NORMAL * FIT.interval_widening
+)  # standard deviations from off, where an interval just holds it
 
 
 def point(*x):

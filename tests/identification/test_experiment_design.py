@@ -9,7 +9,7 @@ from benchmarks.truth.campaign import make
 from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment, noise_floors
-from hannes.identification.diagnosis.baseline import ROUGH
+from hannes.identification.diagnosis.baseline import COARSE
 from hannes.identification.diagnosis.effect_search import SearchResult, Trial
 from hannes.identification.diagnosis.experiment_design import Separation, proposed, separation
 from hannes.identification.diagnosis.linearisation import first
@@ -71,7 +71,7 @@ def open_case():
     plant, entries = HandPlant(), logged([False, False])
     groups, both = grouped(plant, entries), [effects()[name] for name in NAMES]
     space = ParameterSpace(plant, groups, Settings(), both)
-    baseline = first(Model(plant, groups, space, both), ROUGH, 0)
+    baseline = first(Model(plant, groups, space, both), COARSE, 0)
     trials = []
     for name, size in SIZES.items():
         x, place = baseline.x.copy(), space.place(name)

@@ -11,12 +11,13 @@ from hannes.identification.diagnosis import final_fit as module
 from hannes.identification.diagnosis import profile_likelihood as profiles
 from hannes.identification.diagnosis.baseline import FINE
 from hannes.identification.diagnosis.effect_search import search_effects
-from hannes.identification.diagnosis.final_fit import FINER, final_fit
+from hannes.identification.diagnosis.final_fit import final_fit
 from hannes.identification.diagnosis.gauss_newton import standard_deviations
 from hannes.identification.diagnosis.profile_likelihood import Profile, profile
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import NOTHING, Model
+from hannes.identification.diagnosis.tuning import FIT
 
 SIZE = 2.0  # N s^2/m^2
 NAME = ["turbulence"]
@@ -39,9 +40,9 @@ def of(point, name="turbulence"):
 
 def test_groups_have_so_many_times_as_many_bins(named):
     for group in named.model.groups:
-        narrow = Group(Sled(), group.entries, FINER)
-        assert narrow.width == pytest.approx(group.width / FINER)
-        assert narrow.bins == pytest.approx(FINER * group.bins, abs=1)
+        narrow = Group(Sled(), group.entries, FIT.finer_bins)
+        assert narrow.width == pytest.approx(group.width / FIT.finer_bins)
+        assert narrow.bins == pytest.approx(FIT.finer_bins * group.bins, abs=1)
 
 
 def test_effects_are_part_of_a_machine_that_holds_them(named):
@@ -69,7 +70,7 @@ def test_what_was_named_is_known_better_in_finer_bins(named):
 
 def stays(found, point):
     """Tell that a fit is as it was, and known no better than slopes tell."""
-    linear = [module.LINEAR * each for each in standard_deviations(point)]
+    linear = [FIT.linear_widening * each for each in standard_deviations(point)]
     return found.point is point and list(found.deviations.values()) == linear
 
 

@@ -9,13 +9,14 @@ from sled import KNOWN, TURBULENCE, Sled, recordings
 from hannes.identification.diagnosis import decision as choices
 from hannes.identification.diagnosis import gauss_newton
 from hannes.identification.diagnosis.campaign_diagnosis import _masks
-from hannes.identification.diagnosis.decision import GROWN_BESIDE, decide
+from hannes.identification.diagnosis.decision import decide
 from hannes.identification.diagnosis.effect_search import search_effects
-from hannes.identification.diagnosis.global_starts import SIZES, _sizes
+from hannes.identification.diagnosis.global_starts import _sizes
 from hannes.identification.diagnosis.linearisation import differenced
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.diagnosis.trend import Trend
+from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 
 
 class Follower(Sled):
@@ -96,17 +97,17 @@ def test_sizes_from_afar_are_inside_the_range_and_none_is_twice(both):
     nominal = both[1].nominal
     space, place = nominal.space, int(nominal.space.of("turbulence")[0])
     rows = _sizes(nominal, "turbulence")  # from 0 on
-    assert rows[:, place].tolist() == list(SIZES)
+    assert rows[:, place].tolist() == list(SEARCH.global_sizes)
     others = np.delete(rows - nominal.x, place, axis=1)
-    assert not others.any() and rows.shape == (len(SIZES), space.size)
+    assert not others.any() and rows.shape == (len(SEARCH.global_sizes), space.size)
 
 
 @pytest.mark.parametrize(
     ("delta_chi2", "of_name", "kind"),
     [
-        (GROWN_BESIDE - 1.0, 60.0, "named"),
-        (GROWN_BESIDE + 1.0, 60.0, "named_with_remainder"),
-        (GROWN_BESIDE + 1.0, GROWN_BESIDE + 0.5, "unknown"),
+        (VERDICT.trend_beside_name - 1.0, 60.0, "named"),
+        (VERDICT.trend_beside_name + 1.0, 60.0, "named_with_remainder"),
+        (VERDICT.trend_beside_name + 1.0, VERDICT.trend_beside_name + 0.5, "unknown"),
         (1e9, 60.0, "unknown"),
     ],
 )

@@ -24,8 +24,9 @@ from hannes.identification.diagnosis.linearisation import run_to_run_rows
 from hannes.identification.diagnosis.multistart import started_at
 from hannes.identification.diagnosis.noise_scale import chi2_reduction
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
-from hannes.identification.diagnosis.score_test import ALL_SIZES, stepped
+from hannes.identification.diagnosis.score_test import stepped
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.simulation.catalogue import effects
 
 ELSEWHERE = 0.07  # m
@@ -61,7 +62,7 @@ def size(point):
 
 
 def test_what_has_another_mark_where_it_is_large_is_found_from_afar(shifted, monkeypatch):
-    monkeypatch.setattr(global_starts, "LOST", np.inf)
+    monkeypatch.setattr(global_starts, "SEARCH", replace(SEARCH, lost_baseline=np.inf))
     nominal, baseline, asked = shifted.nominal, shifted.baseline, []
     assert size_dependent(nominal, ["shifted", "turbulence"]) == ["shifted"]
     fits = global_fits(nominal, baseline, ["turbulence", "shifted"], asked.append)
@@ -79,12 +80,13 @@ def test_where_the_base_leaves_far_too_much_likely_effects_are_tried_from_afar(
     effects = [*KNOWN, "shifted"]
     assert global_starts._likely(nominal, effects)[0] == "shifted"
     monkeypatch.setattr(global_starts, "size_dependent", lambda *_: [])
-    monkeypatch.setattr(global_starts, "LIKELY", 1)
-    monkeypatch.setattr(global_starts, "LOST", 0.9 * baseline.chi2 / baseline.residual.size)
+    per_bin = baseline.chi2 / baseline.residual.size
+    one = replace(SEARCH, likely_effects=1)
+    monkeypatch.setattr(global_starts, "SEARCH", replace(one, lost_baseline=0.9 * per_bin))
     fits = global_fits(nominal, baseline, effects, lambda text: None)
     assert list(fits) == ["shifted"]
     assert size(fits["shifted"]) == pytest.approx(ELSEWHERE, rel=0.01)
-    monkeypatch.setattr(global_starts, "LOST", 1.1 * baseline.chi2 / baseline.residual.size)
+    monkeypatch.setattr(global_starts, "SEARCH", replace(one, lost_baseline=1.1 * per_bin))
     assert global_fits(nominal, baseline, effects, lambda text: None) == {}
 
 
@@ -164,7 +166,7 @@ def test_amplitudes_of_one_side_each_are_tried_each_on_its_own_side():
     found = search_effects(
         Sled(), entries, [KNOWN["hardening"], LOPSIDED], Settings(0.02, 0.005), 0
     )
-    steps = stepped(found.baseline, "lopsided", ALL_SIZES)
+    steps = stepped(found.baseline, "lopsided", SEARCH.screening_sizes)
     assert [each.tolist() for each in steps] == [[s, -s] for s in (1.0, 8.0, 25.0)]
     space = found.baseline.space
     point = found.trials[0].point

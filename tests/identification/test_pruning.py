@@ -11,8 +11,8 @@ from hannes.core.effect import Term
 from hannes.core.kernels.jit import kernel
 from hannes.dynamics.wire_compliance import EFFECT
 from hannes.identification.diagnosis import pruning
-from hannes.identification.diagnosis.effect_search import PRICE
-from hannes.identification.diagnosis.pruning import APART, pruned
+from hannes.identification.diagnosis.pruning import pruned
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 NAME = EFFECT.name
 
@@ -61,18 +61,18 @@ def fit(monkeypatch, without, effect=EFFECT, active=(3, 4)):
 
 
 def test_what_lowers_the_misfit_by_too_little_stays_at_off(monkeypatch):
-    point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0 + 0.9 * PRICE})
+    point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0 + 0.9 * SEARCH.parameter_price})
     assert pruned(point, [NAME], 1.0).off == (4,)
 
 
 def test_what_is_asked_for_stays(monkeypatch):
-    point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0 + 1.1 * PRICE})
+    point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0 + 1.1 * SEARCH.parameter_price})
     assert pruned(point, [NAME], 1.0) is point
     assert pruned(point, [NAME], 1.3).off == (4,)  # in the noise that is there it is not
 
 
 def test_where_either_could_go_both_stay(monkeypatch):
-    point = fit(monkeypatch, {(3,): 101.0 + 0.9 * APART, (4,): 101.0})
+    point = fit(monkeypatch, {(3,): 101.0 + 0.9 * FIT.missed_more, (4,): 101.0})
     assert pruned(point, [NAME], 1.0) is point
 
 

@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hannes.identification.diagnosis.residual_tests import CHANCE, autocorrelated, channel_excess
+from hannes.identification.diagnosis.residual_tests import autocorrelated, channel_excess
+from hannes.identification.diagnosis.tuning import VERDICT
 
 BINS, NAMES = 115, ("current", "position")
 
@@ -25,7 +26,7 @@ def left(seed, level=1.0, slow=0.0):
 @pytest.mark.parametrize("level", [0.5, 1.0, 2.0])
 def test_noise_alone_hardly_ever_hangs_together_whatever_its_level(level):
     alarms = [autocorrelated(left(seed, level)) is not None for seed in range(400)]
-    assert np.mean(alarms) < 2.5 * CHANCE
+    assert np.mean(alarms) < 2.5 * VERDICT.residual_p_value
 
 
 def test_a_slow_wave_far_below_the_noise_is_found_where_it_is():
@@ -36,7 +37,7 @@ def test_a_slow_wave_far_below_the_noise_is_found_where_it_is():
         )  # which all bins together do not see
         found = autocorrelated(point)
         assert found is not None and found.where == "the position of runs like grasp"
-        assert found.p_value < CHANCE and found.excess > 0.0
+        assert found.p_value < VERDICT.residual_p_value and found.excess > 0.0
 
 
 def test_a_run_of_few_bins_tells_nothing():
@@ -72,7 +73,7 @@ def refitted(seed, level=1.0, step=0.0):
 @pytest.mark.parametrize("level", [0.7, 1.0, 1.4])
 def test_what_a_fit_leaves_of_noise_hardly_ever_stands_out(level):
     alarms = [channel_excess(refitted(seed, level)) is not None for seed in range(200)]
-    assert np.mean(alarms) < 2.5 * CHANCE
+    assert np.mean(alarms) < 2.5 * VERDICT.residual_p_value
 
 
 def test_what_a_fit_leaves_of_a_step_stands_out_though_it_hardly_hangs_together():

@@ -7,16 +7,13 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from hannes.identification.diagnosis.run_to_run import (
-    LOOSER,
-    MOST,
-    SURE,
-    TIMES,
     _Repeats,
     disagreement,
     observed_ratios,
     settings_from_repeats,
 )
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.tuning import NOISE
 
 BINS, REPEATS = 60, 6
 TIME = np.linspace(0.0, 1.0, BINS)
@@ -69,14 +66,14 @@ def test_without_repeats_or_noise_known_from_elsewhere_nothing_is_told():
 def test_settings_follow_what_repeats_show_and_a_reader_is_told():
     assumed = Settings(0.01, 0.0025, 1e-4)
     observed = settings_from_repeats(noise(0, 4.0, 4.0), assumed)
-    assert observed.scatter == LOOSER * assumed.scatter
+    assert observed.scatter == NOISE.wider_scatter * assumed.scatter
     assert (
         observed.run_scatter > 2.0 * assumed.run_scatter
         and observed.start_time > 2.0 * assumed.start_time
     )
     (said,) = disagreement(assumed, observed)
     assert f"start_time {observed.start_time:.2g} s" in said
-    assert settings_from_repeats(noise(0, 4.0, 4.0), Settings(0.15)).scatter == MOST
+    assert settings_from_repeats(noise(0, 4.0, 4.0), Settings(0.15)).scatter == NOISE.widest_scatter
     assert settings_from_repeats(noise(0, 4.0, 4.0), Settings(0.3)).scatter == 0.3
 
 
@@ -97,7 +94,7 @@ def test_likelihood_is_that_of_the_normal_distribution():
         each = multivariate_normal(np.zeros(BINS), covariance).logpdf(apart)
         return (REPEATS - 1.0) / REPEATS * float(each.sum())
 
-    for pair in ((1.5, 2.0), (TIMES[-1], 1.0)):
+    for pair in ((1.5, 2.0), (NOISE.excess_ratios[-1], 1.0)):
         gained = assumed.log_likelihood(*pair) - assumed.log_likelihood(1.0, 1.0)
         assert gained == pytest.approx(plain(*pair) - plain(1.0, 1.0), rel=1e-6)
-    assert SURE == pytest.approx(2.0 * -np.log(1 / 400), abs=0.1)
+    assert NOISE.excess_likelihood == pytest.approx(2.0 * -np.log(1 / 400), abs=0.1)

@@ -9,11 +9,7 @@ go.
 
 import numpy as np
 
-BACK = 8  # bins, on which one depends,
-NEAR = 5  # from windows that begin so many bins earlier to so many later
-ROWS = 4  # windows for each coefficient, at least
-RIDGE = 1e-3  # of the regressors' mean square
-FLOOR = 1e-6  # of a channel's mean square, that nothing before tells
+from hannes.identification.diagnosis.tuning import NOISE
 
 
 def covariance(deviations: np.ndarray, channels: int) -> np.ndarray:
@@ -23,7 +19,15 @@ def covariance(deviations: np.ndarray, channels: int) -> np.ndarray:
     bins = rows.shape[1]
     sizes = np.sqrt(np.mean(np.square(rows), axis=(0, 1)))
     sizes = np.where(sizes > 0.0, sizes, 1.0)
-    back = max(1, min(BACK, count * (2 * NEAR + 1) // (ROWS * channels)))
+    back = max(
+        1,
+        min(
+            NOISE.antedependence_order,
+            count
+            * (2 * NOISE.antedependence_window + 1)
+            // (NOISE.windows_per_coefficient * channels),
+        ),
+    )
     rows = rows / sizes
     spread = _spread([_regressed(rows, at, back) for at in range(bins)])
     order = np.arange(bins * channels).reshape(bins, channels).T.ravel()
@@ -34,15 +38,19 @@ def covariance(deviations: np.ndarray, channels: int) -> np.ndarray:
 def _regressed(rows: np.ndarray, at: int, back: int) -> tuple[np.ndarray, np.ndarray]:
     """How a bin follows from those before, oldest first, (channels, k); what they do not tell."""
     back, bins, channels = min(back, at), rows.shape[1], rows.shape[2]
-    starts = [at + shift for shift in range(-NEAR, NEAR + 1) if back <= at + shift < bins]
+    starts = [
+        at + shift
+        for shift in range(-NOISE.antedependence_window, NOISE.antedependence_window + 1)
+        if back <= at + shift < bins
+    ]
     response = np.concatenate([rows[:, each] for each in starts])
     regressors = np.concatenate([rows[:, k - back : k].reshape(len(rows), -1) for k in starts])
     products = regressors.T @ regressors
-    ridge = RIDGE * np.trace(products) / max(1, len(products)) + FLOOR
+    ridge = NOISE.ridge * np.trace(products) / max(1, len(products)) + NOISE.regression_floor
     followed = np.linalg.solve(products + ridge * np.eye(len(products)), regressors.T @ response)
     rest = response - regressors @ followed
     free = max(len(response) - regressors.shape[1], len(response) // 2)
-    return followed.T, rest.T @ rest / free + FLOOR * np.eye(channels)
+    return followed.T, rest.T @ rest / free + NOISE.regression_floor * np.eye(channels)
 
 
 def _spread(steps: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:

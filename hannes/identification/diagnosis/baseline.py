@@ -17,13 +17,11 @@ from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.run_to_run import settings_from_repeats
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
+from hannes.identification.diagnosis.tuning import NOISE
 from hannes.plants.protocol import Plant
 
-ROUGH, FINE = (
-    NoiseAccuracy(10.0, 3),
-    NoiseAccuracy(1.0, 40),
-)  # by the one a fit finds its way, by the other it ends
-SURVEYS = 2  # of noise: where fingers touch, what runs differ in depends on where the base is
+COARSE = NoiseAccuracy(NOISE.coarse_nonlinearity, NOISE.coarse_samples)
+FINE = NoiseAccuracy(NOISE.fine_nonlinearity, NOISE.fine_samples)
 
 
 def based(
@@ -48,11 +46,11 @@ def based(
 def _fitted(model: Model, seed: int, progress: Progress) -> tuple[Linearisation, Linearisation]:
     """The machine as given, and refitted without any effect, with noise as it is there."""
     progress("the machine as given")
-    nominal = first(model, ROUGH, seed)
+    nominal = first(model, COARSE, seed)
     progress("the base")
     baseline = fitted(nominal, 5, anew=1)
     corrected = model.with_sampling_correction(baseline.x, list(model.space.effects))
-    for _ in range(SURVEYS):
+    for _ in range(NOISE.noise_estimates):
         noise = estimated_noise(corrected, baseline.x, FINE, seed)
         baseline = settled(fitted(with_noise(baseline, noise), 4))
     return with_noise(nominal, noise), baseline

@@ -11,19 +11,18 @@ from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_cam
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.before_after import STAGES, left, simulated, traced
 from hannes.identification.diagnosis.decision import Decision, decide
-from hannes.identification.diagnosis.effect_search import LIMIT, PRICE, SearchResult, search_effects
+from hannes.identification.diagnosis.effect_search import SearchResult, search_effects
 from hannes.identification.diagnosis.effect_sizes import interval, with_sizes
 from hannes.identification.diagnosis.experiment_design import next_run
 from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENERIC
 from hannes.identification.diagnosis.run_to_run import disagreement
 from hannes.identification.diagnosis.score_test import amplitude_names, cosine_similarity, projected
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
 from hannes.plants.protocol import Plant
 
-ALPHA = 0.02  # of empty hands on which LIMIT aims to name something, at most
-COMPARED = 8  # effects of which the confusability is told
 POWER_80 = 0.842  # standard deviations above a limit that are seen four times in five
 Progress = Callable[[str], None]
 
@@ -135,7 +134,7 @@ class _Closing:
             candidates=self.candidates(),
             reason=decision.reason,
             tried=self.tried(tried),
-            alpha=ALPHA,
+            alpha=VERDICT.false_alarms,
             recordings={
                 role: [entry.name for entry in self.campaign.of(role)]
                 for role in ("fit", "select", "show")
@@ -198,7 +197,7 @@ class _Closing:
         trials = [*self.found.trials, *([self.found.pair] if self.found.pair else [])]
         most = max([trial.delta_chi2 for trial in trials], default=0.0)
         above = (self.found.baseline.chi2 - self.found.bins) / self.found.variance_factor
-        return max(0.0, float(delta_chi2 / max(most, above, LIMIT)))
+        return max(0.0, float(delta_chi2 / max(most, above, SEARCH.name_limit)))
 
     def tried(self, tried: dict[str, tuple[Effect, str]]) -> list[dict[str, Any]]:
         reductions = {each["effect"]: each for each in self.candidates()}
@@ -225,7 +224,9 @@ class _Closing:
             for number, name in enumerate(amplitude_names(effect)):
                 each = space.parameters[space.place(name)]
                 least = 1.0 / np.sqrt(max(float(hessian[number, number]), 1e-30))
-                needed = np.sqrt(LIMIT + PRICE * (len(space.of(guess.effect)) - 1))
+                needed = np.sqrt(
+                    SEARCH.name_limit + SEARCH.parameter_price * (len(space.of(guess.effect)) - 1)
+                )
                 size = (
                     (needed + POWER_80) * least * each.scale * np.sqrt(self.found.variance_factor)
                 )
@@ -237,7 +238,7 @@ class _Closing:
         """Cosines between the marks of the effects that come nearest, and of those named."""
         rows = [each["effect"] for each in self.candidates()]
         known = {self.names[guess.effect]: guess.signature for guess in self.found.guesses}
-        names = [name for name in rows if name in known][:COMPARED]
+        names = [name for name in rows if name in known][: VERDICT.compared]
         baseline = self.found.baseline
         cosines = [
             [round(cosine_similarity(baseline, known[a], known[b]), 3) for b in names]
@@ -288,8 +289,8 @@ def _said(row: dict[str, Any], named: bool) -> str:
     if named:
         return "accepted"
     delta_chi2 = row["evidence"] ** 2
-    if delta_chi2 < LIMIT:
-        return f"lowers the misfit by {delta_chi2:.0f}; a name needs {LIMIT:.0f}"
+    if delta_chi2 < SEARCH.name_limit:
+        return f"lowers the misfit by {delta_chi2:.0f}; a name needs {SEARCH.name_limit:.0f}"
     return f"lowers the misfit by {delta_chi2:.0f}, which the verdict weighs"
 
 

@@ -7,15 +7,10 @@ import numpy as np
 
 from hannes.core.parameter import Parameter
 from hannes.identification.diagnosis.effect_search import (
-    CLEAN,
-    FAINT,
-    LIMIT,
-    SHARE,
     SearchResult,
     Trial,
     near,
 )
-from hannes.identification.diagnosis.gauss_newton import LIGHT
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
 from hannes.identification.diagnosis.heldout import heldout_reduction
 from hannes.identification.diagnosis.linearisation import Linearisation
@@ -26,19 +21,7 @@ from hannes.identification.diagnosis.residual_tests import (
     channel_excess,
 )
 from hannes.identification.diagnosis.trend import Trend, strongest_trend
-
-MOST = 0.8  # of what can be explained, that one effect must, to be named beside a remainder
-HALF = 0.5  # of a pair's gain, that the one must which all near pairs have in common
-AGAINST = 4.0  # misfit of recordings held out that a name may add to,
-ALLOWED = 0.05  # or so much of its gain, if that is more and no more than a name needs
-DOUBT = 10.5  # gain of an effect too little to name it, but more than chance leaves
-OUTSIDE = 11.0  # the same of what has no name, at its own price of chance
-FURTHER = 8.0  # gain of an effect that is not named beside a first, but tells a remainder
-GROWN = 36.0  # gain of what grows from run to run, that is told
-GROWN_BESIDE = 12.0  # the same beside a name, which is no clean one then
-BEYOND = 4.0  # of the misfit: what an effect would gain beyond the end of a range, to be doubted
-STRAINED = 0.005  # chance of a machine so far from its given values, that doubts a clean name
-FIT = 1.15  # times the bins: a base as given that leaves no more agrees
+from hannes.identification.diagnosis.tuning import FIT, SEARCH, VERDICT
 
 
 @dataclass(frozen=True)
@@ -57,14 +40,17 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
     fitted_runs: the training split; heldout_runs: the validation split
     """
     best = found.trials[0] if found.trials else None
-    if best is None or best.delta_chi2 < LIMIT:
+    if best is None or best.delta_chi2 < SEARCH.name_limit:
         return _nothing(found, best)
     trial = found.pair or best
     delta_chi2 = (
         heldout_reduction(found.baseline, trial.point, fitted_runs, heldout_runs)
         / found.variance_factor
     )
-    reason = f"{_names(trial)} lowers the misfit by {trial.delta_chi2:.0f} (limit {LIMIT:.0f})"
+    reason = (
+        f"{_names(trial)} lowers the misfit by {trial.delta_chi2:.0f} "
+        f"(limit {SEARCH.name_limit:.0f})"
+    )
     if not delta_chi2 >= -allowed(trial.delta_chi2):  # nor where it cannot be told
         reason = f"{reason}, but not that of recordings held out ({delta_chi2:.0f})"
         return Decision("unknown", (), reason, found.baseline)
@@ -79,13 +65,14 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
 
 def allowed(delta_chi2: float) -> float:
     """What a name of this gain may add to the misfit of recordings held out: refits differ."""
-    return min(max(AGAINST, ALLOWED * delta_chi2), LIMIT)
+    return min(max(VERDICT.heldout_increase, VERDICT.heldout_share * delta_chi2), SEARCH.name_limit)
 
 
 def _nothing(found: SearchResult, best: Trial | None) -> Decision:
     delta_chi2 = 0.0 if best is None else best.delta_chi2
     least = (
-        f"no effect lowers the misfit by the {LIMIT:.0f} that a name needs (best {delta_chi2:.0f})"
+        f"no effect lowers the misfit by the {SEARCH.name_limit:.0f} that a name needs "
+        f"(best {delta_chi2:.0f})"
     )
     if trend := _trend(found, found.baseline):
         return Decision("unknown", (), f"{_trend_text(found, trend)}, and {least}", found.baseline)
@@ -98,17 +85,20 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
         return Decision(
             "unknown", (), f"refitted, the base leaves {more}, and {least}", found.baseline
         )
-    if found.generic and found.generic.delta_chi2 >= OUTSIDE:
+    if found.generic and found.generic.delta_chi2 >= VERDICT.generic_limit:
         generic_name = GENERIC_NAMES[found.generic.effects[0]]
         reason = (
             f"{generic_name} would lower the misfit by {found.generic.delta_chi2:.0f}, and {least}"
         )
         return Decision("unknown", (), reason, found.baseline)
-    if delta_chi2 >= DOUBT:
+    if delta_chi2 >= VERDICT.doubt:
         name = _names(found.trials[0])
-        reason = f"{name} lowers the misfit by {delta_chi2:.0f}, where a name needs {LIMIT:.0f}"
+        reason = (
+            f"{name} lowers the misfit by {delta_chi2:.0f}, where a name needs "
+            f"{SEARCH.name_limit:.0f}"
+        )
         return Decision("unknown", (), reason, found.baseline)
-    if found.nominal.chi2 <= FIT * found.bins:
+    if found.nominal.chi2 <= VERDICT.agrees * found.bins:
         return Decision(
             "no_gap", (), f"as given it leaves what is expected, and {least}", found.baseline
         )
@@ -119,7 +109,7 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
 
 def _more(point: Linearisation, bins: int) -> str:
     """What a point leaves that noise does not, in words; an empty string where there is none."""
-    if point.chi2 > CLEAN * bins:
+    if point.chi2 > VERDICT.clean * bins:
         return f"{point.chi2 / bins:.2f} per bin (1 expected)"
     if slow := autocorrelated(point):
         return f"more in {slow.where} than chance (p = {slow.p_value:.1g})"
@@ -130,7 +120,7 @@ def _doubted(found: SearchResult, trial: Trial) -> str:
     """Why effects that explain much are not what is there, or an empty string."""
     if name := _stretched(found, trial):
         return f"only with {name} at an end of its range and beyond: something like it is there"
-    if found.generic and found.generic.delta_chi2 > FAINT and near(trial, [found.generic]):
+    if found.generic and found.generic.delta_chi2 > SEARCH.faint and near(trial, [found.generic]):
         generic_name = GENERIC_NAMES[found.generic.effects[0]]
         return f"{generic_name} does by {found.generic.delta_chi2:.0f}: something else may be there"
     return ""
@@ -145,7 +135,7 @@ def _stretched(found: SearchResult, trial: Trial) -> str:
             value = float(space.parameters[place].value(trial.point.x[place]))
             if (
                 _at_end(each, value)
-                and _beyond(trial.point, place) > BEYOND * found.variance_factor
+                and _beyond(trial.point, place) > VERDICT.beyond_range * found.variance_factor
             ):
                 return f"{effect.name}'s {each.name}".replace("_", " ")
     return ""
@@ -165,7 +155,7 @@ def _beyond(point: Linearisation, place: int) -> float:
     At an end of a range that is a step out of it: a fit that could go inward has gone.
     """
     number = int(np.searchsorted(point.active, place))
-    inverse = np.linalg.inv(point.hessian + LIGHT * np.eye(point.active.size))
+    inverse = np.linalg.inv(point.hessian + FIT.jitter * np.eye(point.active.size))
     return float(point.gradient[number] ** 2 * inverse[number, number])
 
 
@@ -178,7 +168,7 @@ def _left(found: SearchResult, trial: Trial) -> str:
     if slow := _underexplained(found, trial):
         more = f"{slow.excess / found.variance_factor:.0f} stand out in {slow.where} alone"
         return f"{more}, so something else is there"
-    rest, needed = found.remaining, max(LIMIT, SHARE * trial.delta_chi2)
+    rest, needed = found.remaining, max(SEARCH.name_limit, SEARCH.second_share * trial.delta_chi2)
     if rest is not None and rest.delta_chi2 / found.variance_factor > needed:
         more = rest.effect.replace("_", " ")
         further = rest.delta_chi2 / found.variance_factor
@@ -192,7 +182,7 @@ def _left(found: SearchResult, trial: Trial) -> str:
 def _far_from_prior(trial: Trial) -> PriorDistance | None:
     """How far the machine that goes with these effects is off, where that is no chance."""
     found = prior_distance(trial.point)
-    return found if found.p_value < STRAINED else None
+    return found if found.p_value < VERDICT.prior_p_value else None
 
 
 def _underexplained(found: SearchResult, trial: Trial) -> StructuredResidual | None:
@@ -201,14 +191,20 @@ def _underexplained(found: SearchResult, trial: Trial) -> StructuredResidual | N
     What shows in one channel alone is about as much by both, and which is more is chance.
     """
     slow = channel_excess(found.baseline)
-    return slow if slow is not None and MOST * slow.excess > _lowered(found, trial) else None
+    return (
+        slow
+        if slow is not None and VERDICT.explained_share * slow.excess > _lowered(found, trial)
+        else None
+    )
 
 
 def _lowered(found: SearchResult, trial: Trial) -> float:
     return found.baseline.chi2 - trial.point.chi2
 
 
-def _trend(found: SearchResult, point: Linearisation, least: float = GROWN) -> Trend | None:
+def _trend(
+    found: SearchResult, point: Linearisation, least: float = VERDICT.trend_limit
+) -> Trend | None:
     """What grows from run to run, where that lowers the misfit by enough to tell it."""
     trend = strongest_trend(point, found.guesses)
     return trend if trend is not None and trend.delta_chi2 > least * found.variance_factor else None
@@ -234,10 +230,10 @@ def _clean(found: SearchResult, trial: Trial, reason: str) -> Decision:
 
 def _beside(found: SearchResult, trial: Trial, decision: Decision) -> Decision:
     """The choice with a remainder where a little grows beside it, unless that explains more."""
-    trend = _trend(found, trial.point, GROWN_BESIDE)
+    trend = _trend(found, trial.point, VERDICT.trend_beside_name)
     if trend is None or decision.kind != "named":
         return decision
-    instead = _trend(found, found.baseline, GROWN_BESIDE)
+    instead = _trend(found, found.baseline, VERDICT.trend_beside_name)
     reason = f"{decision.reason}; {_trend_text(found, trend)}"
     if instead and instead.delta_chi2 > trial.delta_chi2 * found.variance_factor:
         return Decision("unknown", (), reason, found.baseline)
@@ -248,7 +244,7 @@ def _faintly(found: SearchResult, trial: Trial) -> str:
     """What is left after a single effect, too little to be named, or an empty string."""
     rest = found.remaining
     if rest is None or rest.delta_chi2 / found.variance_factor < max(
-        FURTHER, 0.5 * SHARE * trial.delta_chi2
+        VERDICT.remainder, 0.5 * SEARCH.second_share * trial.delta_chi2
     ):
         return ""
     name = rest.effect.replace("_", " ")
@@ -264,7 +260,9 @@ def _pair(found: SearchResult, trial: Trial, reason: str) -> Decision:
     reason = f"{reason}; {_nearest(rivals)}"
     common = set(trial.effects).intersection(*(each.effects for each in rivals))
     alone = [each for each in found.trials if set(each.effects) <= common]
-    if not alone or alone[0].delta_chi2 < max(LIMIT, HALF * trial.delta_chi2):
+    if not alone or alone[0].delta_chi2 < max(
+        SEARCH.name_limit, VERDICT.common_share * trial.delta_chi2
+    ):
         return Decision("unknown", (), reason, found.baseline)
     return Decision("named_with_remainder", alone[0].effects, reason, alone[0].point)
 
@@ -277,7 +275,7 @@ def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
     explained, first = _explained(found, trial), found.trials[0]
     if len(trial.effects) > 1:
         explained *= first.delta_chi2 / trial.delta_chi2
-    if explained < MOST or near(first, found.trials):
+    if explained < VERDICT.explained_share or near(first, found.trials):
         return Decision("unknown", (), reason, found.baseline)
     return Decision("named_with_remainder", first.effects, reason, first.point)
 

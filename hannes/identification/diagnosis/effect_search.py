@@ -31,22 +31,10 @@ from hannes.identification.diagnosis.multistart import (
 )
 from hannes.identification.diagnosis.noise_scale import chi2_reduction, estimated_variance_factor
 from hannes.identification.diagnosis.repeat_groups import grouped
-from hannes.identification.diagnosis.score_test import ALL_SIZES, Guess, cosine_similarity, screened
+from hannes.identification.diagnosis.score_test import Guess, cosine_similarity, screened
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.protocol import Plant
-
-SHORT = 5  # effects of each screening that are refitted
-FAINT = 6.0  # a guess that gains less is not refitted
-BENT = 1.3  # times the bins: a base that leaves more may hide an effect by bending to it
-LIMIT = 12.0  # gain of an effect that is named: more than chance gives any of a catalogue
-PRICE = 6.0  # of each parameter of an effect beyond its first: the more it has, the more it fits
-CHANCE = 1.5  # the same of an effect without a name: about what chance gives a parameter
-RIVAL = 10.0  # a rival within so much of the best gain is not told from it
-CLOSE = 0.08  # of the best gain: so near a rival may come by what no model has right
-SHARE = 0.04  # of the first effect's gain that a second one needs
-HOLLOW = 2.0  # gain by which a base found from elsewhere is another one
-ALIKE = 0.95  # cosine of two effects that these recordings hardly tell apart
-CLEAN = 1.3  # times the bins: what a whole model leaves at most
 
 
 @dataclass(frozen=True)
@@ -108,7 +96,10 @@ def search_effects(
     while (leader := _leading(found)) and (
         better := _back(found.baseline, leader, found.variance_factor, progress)
     ):
-        if found.baseline.chi2 - better.chi2 < SHARE * leader.delta_chi2 * found.variance_factor:
+        if (
+            found.baseline.chi2 - better.chi2
+            < SEARCH.second_share * leader.delta_chi2 * found.variance_factor
+        ):
             found = _rebased(found, better)
             break
         found = _searched(nominal, better, known, progress)
@@ -117,7 +108,7 @@ def search_effects(
 
 def _enough(found: SearchResult) -> bool:
     """Tell whether the best effect gains what a name needs."""
-    return bool(found.trials) and found.trials[0].delta_chi2 > LIMIT
+    return bool(found.trials) and found.trials[0].delta_chi2 > SEARCH.name_limit
 
 
 def _leading(found: SearchResult) -> Trial | None:
@@ -125,7 +116,7 @@ def _leading(found: SearchResult) -> Trial | None:
     every = [*found.trials[:1], *([found.generic] if found.generic else [])]
     named = found.trials[:1] if _enough(found) else every
     best = max(named, key=lambda each: each.delta_chi2, default=None)
-    return best if best is not None and best.delta_chi2 > FAINT else None
+    return best if best is not None and best.delta_chi2 > SEARCH.faint else None
 
 
 def _searched(
@@ -136,18 +127,21 @@ def _searched(
     every = screened(baseline, list(baseline.space.effects))
     guesses = [each for each in every if each.effect not in GENERIC]
     names = [each.effect for each in guesses]
-    likely = [guess for guess in guesses[:SHORT] if guess.delta_chi2 > FAINT]
+    likely = [guess for guess in guesses[: SEARCH.shortlist] if guess.delta_chi2 > SEARCH.faint]
     absorbed = [
         g.effect for g in likely if g.effect not in known and absorbed_by_baseline(baseline, g)
     ]
     known = {**known, **fits_from_nominal(nominal, baseline, absorbed, progress)}
     starts = [(baseline, guess) for guess in likely]
-    if baseline.chi2 > BENT * baseline.residual.size:
-        large = screened(nominal, names, ALL_SIZES)[:SHORT]
-        starts += [(baseline, guess) for guess in guesses[SHORT : 2 * SHORT]]
+    if baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size:
+        large = screened(nominal, names, SEARCH.screening_sizes)[: SEARCH.shortlist]
+        starts += [(baseline, guess) for guess in guesses[SEARCH.shortlist : 2 * SEARCH.shortlist]]
         starts += [(nominal, guess) for guess in large]
     fits = _deepened(
-        nominal, baseline, refitted(nominal, baseline, starts, known, LIMIT, progress), progress
+        nominal,
+        baseline,
+        refitted(nominal, baseline, starts, known, SEARCH.name_limit, progress),
+        progress,
     )
     variance_factor = estimated_variance_factor(
         baseline, min([baseline.chi2, *(each.chi2 for each in fits.values())])
@@ -157,7 +151,7 @@ def _searched(
         for name, point in fits.items()
     ]
     trials.sort(key=lambda each: -each.delta_chi2)
-    if trials and trials[0].delta_chi2 > LIMIT:
+    if trials and trials[0].delta_chi2 > SEARCH.name_limit:
         trials[0] = _whole(baseline, trials[0], variance_factor)
     confusable = _with_confusable(baseline, guesses, trials)
     free = [each for each in every if each.effect in GENERIC]
@@ -179,10 +173,10 @@ def _generic(
     From the base, and from the machine of the best effect; never before the others: what it bends
     is not theirs.
     """
-    best = trials[0].point if trials and trials[0].delta_chi2 > FAINT else None
+    best = trials[0].point if trials and trials[0].delta_chi2 > SEARCH.faint else None
     found = []
     for guess in guesses:
-        if guess.delta_chi2 / variance_factor >= FAINT:
+        if guess.delta_chi2 / variance_factor >= SEARCH.faint:
             progress(guess.effect.replace("_", " "))
             point = fit_beside(baseline, guess, best)
             found += (
@@ -207,7 +201,7 @@ def _back(
     if point is None:
         return None
     point = settled(point, little(baseline.chi2 - best.point.chi2), baseline.chi2)
-    better = baseline.chi2 - point.chi2 > HOLLOW * variance_factor
+    better = baseline.chi2 - point.chi2 > SEARCH.other_minimum * variance_factor
     return settled(point) if better else None
 
 
@@ -228,7 +222,7 @@ def _deepened(
 ) -> Fits:
     """The fits with the best one refitted from about where it lies, if its mark turns."""
     best = min(fits, key=lambda name: fits[name].chi2, default=None)
-    if best is None or fits[best].chi2 > baseline.chi2 - LIMIT:
+    if best is None or fits[best].chi2 > baseline.chi2 - SEARCH.name_limit:
         return fits
     progress(f"{best.replace('_', ' ')}, from about there")
     return {**fits, best: deepest_minimum(nominal, fits[best], best)}
@@ -242,7 +236,7 @@ def _whole(baseline: Linearisation, trial: Trial, variance_factor: float) -> Tri
 def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
     """The trial with its gain: misfit less than the base's, less the price of its parameters."""
     further = trial.point.active.size - baseline.active.size - len(trial.effects)
-    price = CHANCE if trial.effects[0] in GENERIC else PRICE
+    price = SEARCH.generic_price if trial.effects[0] in GENERIC else SEARCH.parameter_price
     return replace(
         trial, delta_chi2=chi2_reduction(baseline, trial.point, variance_factor) - price * further
     )
@@ -251,7 +245,7 @@ def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Tri
 def _second(found: SearchResult, progress: Progress) -> SearchResult:
     """Look for more than the best effect explains: a second effect, and what is left after it."""
     best = found.trials[0]
-    needed = max(LIMIT, SHARE * best.delta_chi2)
+    needed = max(SEARCH.name_limit, SEARCH.second_share * best.delta_chi2)
     progress("what is left")
     guesses = _others(best.point, best.effects, found.variance_factor)
     starts = [
@@ -325,7 +319,7 @@ def _sorted(pairs: Sequence[Trial]) -> list[Trial]:
 
 def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
     """Of some trials those that these recordings do not tell from the best one."""
-    within = max(RIVAL, CLOSE * best.delta_chi2)
+    within = max(SEARCH.rival, SEARCH.rival_share * best.delta_chi2)
     return [
         t for t in trials if t.effects != best.effects and best.delta_chi2 - t.delta_chi2 < within
     ]
@@ -352,7 +346,7 @@ def _others(point: Linearisation, present: tuple[str, ...], variance_factor: flo
     """Guesses for all other effects, the price of their parameters off their gain."""
     away = (*present, *GENERIC)
     names = [name for name in point.space.effects if name not in away]
-    price = PRICE * variance_factor
+    price = SEARCH.parameter_price * variance_factor
     found = [
         replace(g, delta_chi2=g.delta_chi2 - price * (len(g.places) - 1))
         for g in screened(point, names)
@@ -371,7 +365,8 @@ def _with_confusable(
                 name
                 for name in columns
                 if name != each.effects[0]
-                and cosine_similarity(baseline, columns[each.effects[0]], columns[name]) > ALIKE
+                and cosine_similarity(baseline, columns[each.effects[0]], columns[name])
+                > SEARCH.confusable_cosine
             ),
         )
         for each in trials

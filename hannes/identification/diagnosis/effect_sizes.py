@@ -15,8 +15,8 @@ from hannes.identification.diagnosis.final_fit import final_fit
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import faded
 from hannes.identification.diagnosis.score_test import amplitude_names
+from hannes.identification.diagnosis.tuning import FIT
 
-WIDER = 1.5  # times the standard deviation of a profile: how far estimates spread
 NORMAL = 1.96  # standard deviations on each side, of an interval of 95 %
 Progress = Callable[[str], None]
 
@@ -72,4 +72,4 @@ def interval(
 
 def _wide(variance_factor: float) -> float:
     """Standard deviations from a value to an end of its interval."""
-    return NORMAL * WIDER * float(np.sqrt(max(1.0, variance_factor)))
+    return NORMAL * FIT.interval_widening * float(np.sqrt(max(1.0, variance_factor)))

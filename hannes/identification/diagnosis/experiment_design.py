@@ -25,12 +25,10 @@ from hannes.identification.diagnosis.linearisation import (
 )
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.simulator import Model
+from hannes.identification.diagnosis.tuning import NOISE, VERDICT
 from hannes.plants.protocol import Plant
 
-WORTH = 2.0  # standard deviations: a run that tells less is not proposed
-ENOUGH = 5.0  # the same: by so many two explanations are told apart for good
-MORE = 1.0  # the same: what more channels must add to be asked for
-BRIEF = NoiseAccuracy(1.0, 20)  # of runs that are only proposed
+BRIEF = NoiseAccuracy(NOISE.fine_nonlinearity, NOISE.proposed_samples)
 Proposals = Callable[[Mapping[str, Recording]], Mapping[str, Recording]]
 
 
@@ -70,15 +68,15 @@ def proposed(separations: Mapping[str, Separation], names: list[str]) -> dict | 
     """The run that tells most by what is logged so far, or with more where that is not enough."""
     apart = " from ".join(name.replace("_", " ") for name in names)
     best = max(separations, key=lambda name: separations[name].usual, default="")
-    if best and separations[best].usual >= ENOUGH:
+    if best and separations[best].usual >= VERDICT.enough_separation:
         why = f"it would tell {apart} by {separations[best].usual:.1f} standard deviations"
         return {"experiment": best, "also_log": [], "separates": names, "why": why}
     best = max(separations, key=lambda name: separations[name].most, default="")
-    if not best or separations[best].most < WORTH:
+    if not best or separations[best].most < VERDICT.least_separation:
         return None
     each = separations[best]
     why = f"it would tell {apart} by {each.most:.1f} standard deviations"
-    more = each.more if each.most > each.usual + MORE else ()
+    more = each.more if each.most > each.usual + VERDICT.worth_logging else ()
     if more:
         why += f", without {' and '.join(more)} by {each.usual:.1f}"
     return {"experiment": best, "also_log": list(more), "separates": names, "why": why}

@@ -14,12 +14,10 @@ import numpy as np
 from hannes.core.errors import ComputationFailed
 from hannes.identification.diagnosis.gauss_newton import fitted, settled, standard_deviations
 from hannes.identification.diagnosis.linearisation import Linearisation, NoiseAccuracy, begun
-from hannes.identification.diagnosis.profile_likelihood import HOLLOWS, held_at, profile
+from hannes.identification.diagnosis.profile_likelihood import held_at, profile
 from hannes.identification.diagnosis.pruning import pruned
 from hannes.identification.diagnosis.repeat_groups import Group
-
-FINER = 2  # times
-LINEAR = 1.15  # times what slopes tell, where no profile tells how far estimates spread
+from hannes.identification.diagnosis.tuning import FIT
 
 
 @dataclass(frozen=True)
@@ -45,17 +43,21 @@ def final_fit(
     if fine is not point:
         fine = pruned(fine, effects, variance_factor)
     spread = dict(
-        zip(fine.active.tolist(), (LINEAR * standard_deviations(fine)).tolist(), strict=True)
+        zip(
+            fine.active.tolist(),
+            (FIT.linear_widening * standard_deviations(fine)).tolist(),
+            strict=True,
+        )
     )
     places = np.intersect1d(fine.space.of(*effects), fine.active)
     if fine is point or not places.size:
         return FinalFit(point, spread)
-    found = {k: profile(fine, k, spread[k] / LINEAR) for k in map(int, places)}
+    found = {k: profile(fine, k, spread[k] / FIT.linear_widening) for k in map(int, places)}
     known = {k: each for k, each in found.items() if each is not None}
     start = min([fine, *(each.lowest for each in known.values())], key=lambda each: each.chi2)
     values = [known[k].least if k in known else fine.x[k] for k in found]
     floor = held_at(start, places, np.array(values))
-    if floor is None or floor.chi2 > fine.chi2 + HOLLOWS * places.size or not _runs(floor):
+    if floor is None or floor.chi2 > fine.chi2 + FIT.local_minima * places.size or not _runs(floor):
         return FinalFit(fine, spread)  # least along each, but not along all together
     return FinalFit(floor, spread | {k: each.deviation for k, each in known.items()})
 
@@ -64,7 +66,7 @@ def _finer(
     point: Linearisation, effects: Sequence[str], accuracy: NoiseAccuracy, seed: int
 ) -> Linearisation:
     model = point.model
-    held = model.held([Group(model.small, each.entries, FINER) for each in model.groups])
+    held = model.held([Group(model.small, each.entries, FIT.finer_bins) for each in model.groups])
     try:
         there = begun(
             held.with_sampling_correction(point.x, effects), point.x, point.active, accuracy, seed

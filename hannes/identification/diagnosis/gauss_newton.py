@@ -5,15 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hannes.identification.diagnosis.linearisation import Linearisation
-
-KEPT = 0.3  # of what a whole step promises, that it must keep
-DAMPINGS = (0.0, 0.3, 3.0, 30.0, 300.0)  # of the steps that are tried together where it does not
-SHARES = (1.0, 0.35)  # of each
-ROUNDS = 5  # of slopes anew, at most, until a fit has settled
-STEPS = 5  # with slopes as they are mended, far quicker than slopes anew
-SETTLED = 0.3  # of the misfit: a step that gains less is the last
-UNTOLD = 0.4  # of what is known already: a parameter of which recordings tell less stays
-LIGHT = 1e-6  # lest the curvature has no inverse
+from hannes.identification.diagnosis.tuning import FIT
 
 
 def fitted(point: Linearisation, steps: int, anew: int = 0) -> Linearisation:
@@ -28,13 +20,15 @@ def fitted(point: Linearisation, steps: int, anew: int = 0) -> Linearisation:
     return point
 
 
-def settled(point: Linearisation, little: float = SETTLED, below: float = np.inf) -> Linearisation:
+def settled(
+    point: Linearisation, little: float = FIT.converged, below: float = np.inf
+) -> Linearisation:
     """All slopes anew and some steps, until that gains less than `little`; a few times at most.
 
     Gives up where a round gains less than the misfit still lies above `below`.
     """
-    for _ in range(ROUNDS):
-        found = _walked(relinearised(point), STEPS)
+    for _ in range(FIT.rounds):
+        found = _walked(relinearised(point), FIT.steps_per_round)
         gained, point = point.chi2 - found.chi2, found
         if gained < max(little, point.chi2 - below):
             break
@@ -43,7 +37,7 @@ def settled(point: Linearisation, little: float = SETTLED, below: float = np.inf
 
 def relinearised(point: Linearisation) -> Linearisation:
     """The same point with all slopes had anew along which the recordings tell anything."""
-    informed = np.sum(point.jacobian**2, axis=1) > UNTOLD**2 * point.prior**2
+    informed = np.sum(point.jacobian**2, axis=1) > FIT.least_information**2 * point.prior**2
     informed |= point.active >= point.space.uncertain.size
     return point.moved(point.x, point.active[informed]) or point
 
@@ -54,7 +48,7 @@ def _walked(point: Linearisation, steps: int) -> Linearisation:
         if found is None or found.chi2 >= point.chi2:  # many places are had as changes, nearly
             break
         gained, point = point.chi2 - found.chi2, found.corrected(point)
-        if gained < SETTLED:
+        if gained < FIT.converged:
             break
     return point
 
@@ -66,8 +60,10 @@ def _stepped(point: Linearisation) -> Linearisation | None:
     """
     step = newton_step(point)
     place, chi2 = _best(point, [step])
-    if chi2 > point.chi2 - KEPT * _promised(point, step):
-        steps = [share * newton_step(point, each) for each in DAMPINGS for share in SHARES]
+    if chi2 > point.chi2 - FIT.kept_reduction * _promised(point, step):
+        steps = [
+            share * newton_step(point, each) for each in FIT.dampings for share in FIT.step_shares
+        ]
         place, chi2 = min(((place, chi2), _best(point, steps)), key=lambda each: each[1])
     if chi2 >= point.chi2:
         return None
@@ -101,7 +97,7 @@ def newton_step(point: Linearisation, damping: float = 0.0) -> np.ndarray:
 
     space, x = point.space, point.x[point.active]
     low, high = space.low[point.active] - x, space.high[point.active] - x
-    hessian = point.hessian + np.diag(damping * point.prior**2 + LIGHT)
+    hessian = point.hessian + np.diag(damping * point.prior**2 + FIT.jitter)
     step = np.linalg.solve(hessian, point.gradient)
     if ((low <= step) & (step <= high)).all():
         return step
@@ -113,5 +109,5 @@ def newton_step(point: Linearisation, damping: float = 0.0) -> np.ndarray:
 
 def standard_deviations(point: Linearisation) -> np.ndarray:
     """Standard deviations of the active directions were the misfit quadratic, (active,)."""
-    hessian = point.hessian + LIGHT * np.eye(point.active.size)
+    hessian = point.hessian + FIT.jitter * np.eye(point.active.size)
     return np.sqrt(np.diag(np.linalg.inv(hessian)))

@@ -23,17 +23,7 @@ from hannes.identification.diagnosis.score_test import (
     shapes,
     stepped,
 )
-
-TURNED = 0.3  # cosine of the marks of a small and a large size, below which one tells not the other
-LARGE = 8.0  # steps
-SIZES = (2.0, 4.0, 6.0, 9.0, 14.0)  # steps, both ways
-OWN = 0.01  # of a mark, squared: what no value of the machine can do, where a base bends to it
-LOST, LIKELY = 3.0, 3  # times the bins: a base that leaves more is far off; effects tried then
-TRIED, STEPS = 3, 2  # of all sizes the best by a linear guess, which take so many steps,
-CHOSEN, FURTHER = 2, 5  # and of these the best, which take more
-ABOUT = (0.8, 0.9, 1.1, 1.25)  # times the size found, from where to look for a deeper hollow,
-ROUNDS = 3  # as often at most
-DEEPER = 2.0  # of the misfit
+from hannes.identification.diagnosis.tuning import SEARCH
 
 
 def global_fits(
@@ -41,8 +31,10 @@ def global_fits(
 ) -> Fits:
     """The best fit with each effect that turns, or is likely, if any is below the base."""
     names = size_dependent(nominal, effects)
-    if baseline.chi2 > LOST * baseline.residual.size:
-        names += [name for name in _likely(nominal, effects)[:LIKELY] if name not in names]
+    if baseline.chi2 > SEARCH.lost_baseline * baseline.residual.size:
+        names += [
+            name for name in _likely(nominal, effects)[: SEARCH.likely_effects] if name not in names
+        ]
     return fits_from_nominal(nominal, baseline, names, progress)
 
 
@@ -53,8 +45,8 @@ def fits_from_nominal(
     found = dict[str, Linearisation]()
     for name in effects:
         progress(f"{name.replace('_', ' ')}, from afar")
-        points = sorted(_begun(nominal, name), key=lambda each: each.chi2)[:CHOSEN]
-        points = [fitted(each, FURTHER) for each in points]
+        points = sorted(_begun(nominal, name), key=lambda each: each.chi2)[: SEARCH.starts_kept]
+        points = [fitted(each, SEARCH.further_steps) for each in points]
         if points:
             best = min(points, key=lambda each: each.chi2)
             found[name] = settled(best, below=baseline.chi2)
@@ -71,7 +63,7 @@ def absorbed_by_baseline(baseline: Linearisation, guess: Guess) -> bool:
     amplitudes = [guess.places.tolist().index(space.place(name)) for name in names]
     signature = (guess.x[amplitudes] @ guess.signature)[np.newaxis]
     _, beyond = projected(baseline, signature)
-    return bool(beyond[0, 0] < OWN * np.sum(signature**2))
+    return bool(beyond[0, 0] < SEARCH.own_part * np.sum(signature**2))
 
 
 def deepest_minimum(nominal: Linearisation, point: Linearisation, name: str) -> Linearisation:
@@ -79,12 +71,15 @@ def deepest_minimum(nominal: Linearisation, point: Linearisation, name: str) -> 
     if not size_dependent(nominal, [name]):
         return point
     own = nominal.space.of(name)
-    for _ in range(ROUNDS):
-        starts = (started_at(nominal, own, _resized(point, name, share)[own]) for share in ABOUT)
-        fits = [fitted(each, FURTHER) for each in starts if each is not None]
+    for _ in range(SEARCH.neighbour_rounds):
+        starts = (
+            started_at(nominal, own, _resized(point, name, share)[own])
+            for share in SEARCH.neighbour_sizes
+        )
+        fits = [fitted(each, SEARCH.further_steps) for each in starts if each is not None]
         settling = (settled(each, below=point.chi2) for each in fits)
         best = min(settling, key=lambda each: each.chi2, default=point)
-        if best.chi2 > point.chi2 - DEEPER:
+        if best.chi2 > point.chi2 - SEARCH.deeper:
             break
         point = best
     return point
@@ -101,7 +96,7 @@ def _resized(point: Linearisation, name: str, share: float) -> np.ndarray:
 def size_dependent(point: Linearisation, effects: Sequence[str]) -> list[str]:
     """Of some effects those whose mark, by any amplitude, is another one where that is large."""
     small = _signatures(point, effects, 1.0)
-    sides = [_signatures(point, list(small), side * LARGE) for side in (-1.0, 1.0)]
+    sides = [_signatures(point, list(small), side * SEARCH.large_size) for side in (-1.0, 1.0)]
     return [
         name
         for name, rows in small.items()
@@ -111,7 +106,7 @@ def size_dependent(point: Linearisation, effects: Sequence[str]) -> list[str]:
 
 def _differ(small: np.ndarray, large: np.ndarray) -> bool:
     return any(
-        abs(one @ other) < TURNED * np.sqrt((one @ one) * (other @ other))
+        abs(one @ other) < SEARCH.size_dependent_cosine * np.sqrt((one @ one) * (other @ other))
         for one, other in zip(small, large, strict=True)
     )
 
@@ -146,9 +141,9 @@ def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
     """A few steps from the best of all sizes."""
     own = nominal.space.of(name)
     rows = _sizes(nominal, name)
-    best = rows[np.argsort(_left(nominal, name, rows))[:TRIED]]
+    best = rows[np.argsort(_left(nominal, name, rows))[: SEARCH.starts_tried]]
     points = [started_at(nominal, own, row[own]) for row in best]
-    return [fitted(each, STEPS) for each in points if each is not None]
+    return [fitted(each, SEARCH.start_steps) for each in points if each is not None]
 
 
 def _sizes(nominal: Linearisation, name: str) -> np.ndarray:
@@ -156,7 +151,7 @@ def _sizes(nominal: Linearisation, name: str) -> np.ndarray:
     space = nominal.space
     rows = []
     for place in (space.place(each) for each in amplitude_names(space.effects[name])):
-        for size in (*SIZES, *np.negative(SIZES)):
+        for size in (*SEARCH.global_sizes, *np.negative(SEARCH.global_sizes)):
             if space.low[place] <= nominal.x[place] + size <= space.high[place]:
                 rows.append(nominal.x + size * (np.arange(space.size) == place))
     return np.array(rows).reshape(-1, space.size)

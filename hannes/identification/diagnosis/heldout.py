@@ -6,8 +6,7 @@ import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.linearisation import Linearisation, NoiseCovariance, with_noise
-
-STEPS = 3  # of a fit from where all runs have led, which is near
+from hannes.identification.diagnosis.tuning import VERDICT
 
 
 def heldout_reduction(
@@ -26,7 +25,7 @@ def heldout_reduction(
 
 
 def _left(point: Linearisation, fitted_runs: Sequence[int], heldout_runs: Sequence[int]) -> float:
-    found = fitted(_only(point, fitted_runs), STEPS)
+    found = fitted(_only(point, fitted_runs), VERDICT.heldout_steps)
     there = _only(point, heldout_runs).moved(found.x, np.zeros(0, int))
     return float("inf") if there is None else float(there.residual @ there.residual)
 

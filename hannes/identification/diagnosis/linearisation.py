@@ -11,13 +11,9 @@ from hannes.identification.diagnosis.noise_model import Noise, of_repeats
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.settings import Settings
-from hannes.identification.diagnosis.simulator import NOWHERE, SHIFT, Model
+from hannes.identification.diagnosis.simulator import NOWHERE, Model
+from hannes.identification.diagnosis.tuning import FIT, NOISE
 from hannes.plants.protocol import run_to_run_spread
-
-STEP = 0.5  # standard deviations of what is uncertain, to difference by
-REPEATED = 2.0  # times a stray inside a bin, at least, where only repeats tell how noisy runs are
-MANY = 4  # places: so many are simulated as changes, which take a wider tolerance
-FINE = 0.3  # steps of an effect's parameter, to difference by
 
 
 @dataclass(frozen=True)
@@ -159,7 +155,7 @@ class Linearisation:
     def _vectors_at(self, places: np.ndarray) -> list[np.ndarray]:
         """Of each group at places, shape (m, n): of many by what they change from here, quicker."""
         model, effects = self.model, self._has_effects
-        if len(places) < MANY:
+        if len(places) < FIT.points_as_changes:
             return [model.vectors(group, places, effects) for group in model.groups]
         groups = zip(model.groups, self.vectors, strict=True)
         return [
@@ -234,7 +230,7 @@ def _steps(model: Model, x: np.ndarray, along: np.ndarray) -> np.ndarray:
     """One row for each direction: towards its given value, and never out of bounds."""
     space, steps = model.space, np.zeros((along.size, x.size))
     for row, place in zip(steps, along, strict=True):
-        size = FINE if space.parameters[place].effect else STEP
+        size = FIT.effect_step if space.parameters[place].effect else FIT.machine_step
         row[place] = size if x[place] <= 0.0 else -size
         if not space.low[place] <= x[place] + row[place] <= space.high[place]:
             row[place] = -row[place]
@@ -274,7 +270,7 @@ def estimated_noise(
     )
     times, simulated_noise = accuracy.nonlinearity, any(each.any() for each in deviations)
     if not simulated_noise:
-        times = max(times, REPEATED)
+        times = max(times, NOISE.repeats_nonlinearity)
         deviations, roughnesses = of_repeats(model.groups, nonlinearities, run_to_run, times)
     run_noise = Noise(model.groups, deviations, roughnesses, nonlinearities, run_to_run, times)
     covariances = [
@@ -335,8 +331,8 @@ def run_to_run_rows(model: Model, x: np.ndarray, group: Group, channels: Channel
     more, less = np.nan_to_num(made).reshape(2, len(steps), group.part.size)
     found = [*(0.5 * (more - less)), *(0.5 * (more + less))]
     found += [_own_step(model, group, name, size) for name, size in sizes.items() if size]
-    later, earlier = (group.vector(channels, side * SHIFT) for side in (0.5, -0.5))
-    found.append((later - earlier) * space.settings.start_time / SHIFT)
+    later, earlier = (group.vector(channels, side * NOISE.start_shift) for side in (0.5, -0.5))
+    found.append((later - earlier) * space.settings.start_time / NOISE.start_shift)
     return np.array(found)
 
 

@@ -5,21 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from hannes.identification.diagnosis.gauss_newton import SETTLED, fitted, settled
+from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.score_test import Guess, amplitude_names
-from hannes.identification.diagnosis.simulator import TICKED
-
-SHARES = (1.0, 0.5, 0.2, 0.05)  # of a guess: a start is at the best, where fingers touch none holds
-FINAL = 3  # fits that are had with all slopes anew,
-NEAR = 0.5  # where they gain this share of the most, and of what a name needs
-HELD = 0.7  # of what its guess promised: a fit that gains less was led astray,
-ASTRAY = 10.0  # or one that slopes had anew lower by so much more,
-FAR = 0.05  # and by this share of the gain
-CROSSED = 0.6  # of the best gain: a rival that gains this is fitted from the best one's machine too
-TAKEN = (0.0, 0.5, 1.0)  # of what an effect did: shares that all else takes over where it goes
-FADING = (0.75, 0.5, 0.25, 0.0)  # of an effect that is let go, all else fitted after each
-LITTLE = 0.005  # of the gain: a round of slopes that lowers the misfit by less is the last
+from hannes.identification.diagnosis.tuning import FIT, NOISE, SEARCH
 
 Progress = Callable[[str], None]
 Start = tuple[Linearisation, Guess]
@@ -47,8 +36,8 @@ def refitted(
     reductions = {
         name: max(baseline.chi2 - point.chi2, predicted[name]) for name, point in best.items()
     }
-    enough = NEAR * max([needed, *reductions.values()])
-    for name in sorted(reductions, key=lambda each: -reductions[each])[:FINAL]:
+    enough = SEARCH.final_share * max([needed, *reductions.values()])
+    for name in sorted(reductions, key=lambda each: -reductions[each])[: SEARCH.final_fits]:
         if reductions[name] > enough:
             progress(f"{name.replace('_', ' ')}, once more")
             best[name] = _from_both(best[name], baseline, nominal, predicted[name])
@@ -86,8 +75,8 @@ def _from_both(
     """
     found = settled(point, little(baseline.chi2 - point.chi2))
     delta_chi2 = baseline.chi2 - found.chi2
-    far = point.chi2 - found.chi2 > max(ASTRAY, FAR * delta_chi2)
-    if not far and delta_chi2 > HELD * predicted:
+    far = point.chi2 - found.chi2 > max(SEARCH.far_reduction, SEARCH.far_share * delta_chi2)
+    if not far and delta_chi2 > SEARCH.kept_guess * predicted:
         return found
     places = np.setdiff1d(point.active, baseline.active)
     there = started_at(with_noise(nominal, point.noise), places, found.x[places])
@@ -109,7 +98,9 @@ def _crossed(best: Fits, baseline: Linearisation, needed: float, progress: Progr
         leaders.append(leader)
         delta_chi2 = baseline.chi2 - best[leader].chi2
         for name, point in best.items():
-            if name != leader and baseline.chi2 - point.chi2 > CROSSED * max(delta_chi2, needed):
+            if name != leader and baseline.chi2 - point.chi2 > SEARCH.crossed_share * max(
+                delta_chi2, needed
+            ):
                 progress(f"{name.replace('_', ' ')}, from there")
                 best[name] = _from_machine(best[leader], point, baseline, delta_chi2)
     return best
@@ -145,7 +136,7 @@ def fit_beside(
 def with_correction_at_size(point: Linearisation, name: str) -> Linearisation:
     """Refitted with firmware's ticks as they are at the size at which an effect was found."""
     model, places = point.model, point.space.of(name)
-    if not model.in_loop(name) or np.abs(point.x[places]).max() <= TICKED[0]:
+    if not model.in_loop(name) or np.abs(point.x[places]).max() <= NOISE.correction_sizes[0]:
         return point
     noise = replace(point.noise, model=model.with_sampling_correction(point.x, [name]))
     there = replace(point, noise=noise).moved(point.x, places)
@@ -154,10 +145,10 @@ def with_correction_at_size(point: Linearisation, name: str) -> Linearisation:
 
 def started_at_guess(start: Linearisation, guess: Guess) -> Linearisation | None:
     """The start with an effect at the best share of its guess; None where that breaks down."""
-    space, rows = start.space, np.repeat(start.x[np.newaxis], len(SHARES), axis=0)
+    space, rows = start.space, np.repeat(start.x[np.newaxis], len(SEARCH.guess_shares), axis=0)
     rows[:, guess.places] = guess.x
     amplitudes = [space.place(name) for name in amplitude_names(space.effects[guess.effect])]
-    rows[:, amplitudes] *= np.array(SHARES)[:, np.newaxis]
+    rows[:, amplitudes] *= np.array(SEARCH.guess_shares)[:, np.newaxis]
     active = np.union1d(start.active, guess.places)
     best = rows[np.argmin(start.with_active(active).chi2_at(rows))]
     return started_at(start, guess.places, best[guess.places])
@@ -168,7 +159,7 @@ def without(point: Linearisation, effects: Sequence[str]) -> np.ndarray:
 
     That by a linear guess, whole and by half; shape (3, size), within bounds.
     """
-    space, rows = point.space, np.repeat(point.x[np.newaxis], len(TAKEN), axis=0)
+    space, rows = point.space, np.repeat(point.x[np.newaxis], len(SEARCH.takeover_shares), axis=0)
     rows[:, space.of(*effects)] = 0.0
     names = [name for each in effects for name in amplitude_names(space.effects[each])]
     acting = np.isin(point.active, [space.place(name) for name in names])
@@ -176,7 +167,7 @@ def without(point: Linearisation, effects: Sequence[str]) -> np.ndarray:
     work = point.x[point.active[acting]] @ point.jacobian[acting]
     gradient = point.jacobian[kept] @ work + point.gradient[kept]
     step = np.linalg.solve(point.hessian[np.ix_(kept, kept)], gradient)
-    rows[:, point.active[kept]] += np.outer(TAKEN, step)
+    rows[:, point.active[kept]] += np.outer(SEARCH.takeover_shares, step)
     return np.clip(rows, space.low, space.high)
 
 
@@ -190,7 +181,7 @@ def faded(point: Linearisation, name: str) -> Linearisation | None:
     places = space.of(name)
     there = point.with_active(np.setdiff1d(point.active, places))
     further = there.active[there.active >= space.uncertain.size]
-    for share in FADING:
+    for share in SEARCH.fading_shares:
         x = there.x.copy()
         x[places] = share * point.x[places]
         moved = there.moved(x, further)
@@ -211,4 +202,4 @@ def started_at(
 
 def little(delta_chi2: float) -> float:
     """What a round may gain and be the last, where so much is gained in all."""
-    return max(SETTLED, LITTLE * delta_chi2)
+    return max(FIT.converged, SEARCH.last_round_share * delta_chi2)

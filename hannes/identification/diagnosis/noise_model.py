@@ -13,15 +13,9 @@ import numpy as np
 from hannes.core.recording.white_noise import roughness
 from hannes.identification.diagnosis.antedependence import covariance
 from hannes.identification.diagnosis.repeat_groups import Group
+from hannes.identification.diagnosis.tuning import NOISE
 from hannes.identification.whitening import Whitening
 
-REACH = 0.6  # s, over which noise hangs together
-LEAST = 0.05  # of the mean eigenvalue: a covariance from few runs has none that is surely less
-FAINT = 0.03  # of a channel's roughness, that many simulations surely lack,
-FEW = 0.1  # and so much that few runs do
-SAME = 1.05  # times a simulated roughness: it is known no better than so
-NEAR = 5  # bins on each side, over which simulations tell how noisy a bin is
-MANY = 20  # simulations that tell how noise hangs together at each time of a run
 TYPICAL = 0.4549  # median of a squared standard normal number
 Levels = dict[str, float]  # channel -> standard deviation of a bin mean
 
@@ -47,7 +41,11 @@ class Noise:
         self.groups, self.nonlinearity = groups, nonlinearity
         self._white = {
             id(group): white_levels(
-                group, roughness_matrix, FAINT if len(deviation) >= MANY else FEW
+                group,
+                roughness_matrix,
+                NOISE.least_white_of_many
+                if len(deviation) >= NOISE.many_simulations
+                else NOISE.least_white_of_few,
             )
             for group, roughness_matrix, deviation in zip(
                 groups, roughnesses, deviations, strict=True
@@ -83,7 +81,7 @@ class Noise:
         if not self._lagged:
             return np.zeros((group.part.size, group.part.size))
         deviations = self._strays.get(id(group))
-        if deviations is not None and len(deviations) >= MANY:
+        if deviations is not None and len(deviations) >= NOISE.many_simulations:
             return self._per_time(group, deviations)
         kind = group.width, group.names, group.bins
         if kind not in self._correlated:
@@ -101,7 +99,7 @@ class Noise:
         roughness_matrix = np.block([[_toeplitz(pairs, a, b, group.bins) for b in group.names]
                           for a in group.names])  # fmt: skip
         values, vectors = np.linalg.eigh(0.5 * (roughness_matrix + roughness_matrix.T))
-        return (vectors * np.maximum(values, LEAST * values.mean())) @ vectors.T
+        return (vectors * np.maximum(values, NOISE.least_eigenvalue * values.mean())) @ vectors.T
 
     def _profile(self, group: Group) -> np.ndarray:
         """Standard deviation of each bin; of a run that was not simulated, those of another."""
@@ -140,9 +138,9 @@ class Noise:
 
 def _profile(group: Group, deviations: np.ndarray) -> np.ndarray:
     """Standard deviation of each bin among runs, from it and the bins about it, (n,)."""
-    window = np.full(2 * NEAR + 1, 1.0 / (2 * NEAR + 1))
+    window = np.full(2 * NOISE.profile_window + 1, 1.0 / (2 * NOISE.profile_window + 1))
     variance = np.mean(np.square(deviations), axis=0).reshape(len(group.names), group.bins)
-    padded = np.pad(variance, ((0, 0), (NEAR, NEAR)), "edge")
+    padded = np.pad(variance, ((0, 0), (NOISE.profile_window, NOISE.profile_window)), "edge")
     smooth = [np.convolve(row, window, "valid") for row in padded]
     return np.sqrt(np.concatenate(smooth))
 
@@ -176,7 +174,7 @@ def _rests(
 
 
 def _covariances(width: float, runs: list[dict[str, np.ndarray]]) -> dict[tuple, np.ndarray]:
-    lags = np.arange(max(2, round(REACH / width)) + 1)
+    lags = np.arange(max(2, round(NOISE.correlation_time / width)) + 1)
     taper = 0.5 * (1.0 + np.cos(np.pi * lags / lags.size))
     names = sorted({name for run in runs for name in run})
     found = {}
@@ -201,7 +199,7 @@ def _toeplitz(pairs: dict[tuple, np.ndarray], a: str, b: str, size: int) -> np.n
     return toeplitz(earlier, later)
 
 
-def white_levels(group: Group, known: Levels, least: float = FEW) -> Levels:
+def white_levels(group: Group, known: Levels, least: float = NOISE.least_white_of_few) -> Levels:
     """Noise of each channel's bin means beyond one of a known roughness, were it white.
 
     least: share of the roughness that is there however much is known.
@@ -211,7 +209,7 @@ def white_levels(group: Group, known: Levels, least: float = FEW) -> Levels:
         samples = group.views[0].samples(name)
         more = np.sqrt(
             max(
-                level_recorded**2 - (SAME * known.get(name, 0.0)) ** 2,
+                level_recorded**2 - (NOISE.roughness_accuracy * known.get(name, 0.0)) ** 2,
                 (least * level_recorded) ** 2,
             )
         )

@@ -9,8 +9,7 @@ started late by chance would be a delay.
 import numpy as np
 
 from hannes.identification.diagnosis.linearisation import Linearisation
-
-QUIET = 0.7  # of the noise told, at least, where the best model leaves less: it is told too large
+from hannes.identification.diagnosis.tuning import NOISE
 
 
 def estimated_variance_factor(baseline: Linearisation, least: float) -> float:
@@ -18,7 +17,10 @@ def estimated_variance_factor(baseline: Linearisation, least: float) -> float:
 
     Never below QUIET; where only repeats tell it, never below 1.
     """
-    return max(QUIET if baseline.noise.simulated_noise else 1.0, least / baseline.residual.size)
+    return max(
+        NOISE.least_variance_factor if baseline.noise.simulated_noise else 1.0,
+        least / baseline.residual.size,
+    )
 
 
 def chi2_reduction(baseline: Linearisation, point: Linearisation, variance_factor: float) -> float:

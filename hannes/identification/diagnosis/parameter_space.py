@@ -10,10 +10,8 @@ from hannes.core.effect import Effect
 from hannes.core.parameter import Parameter
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.tuning import FIT
 from hannes.plants.protocol import Plant
-
-PARTS = 60.0  # of a parameter's span that make one step along it
-LOOSE = 1e-3  # weight of an effect's size, per step of its range: recordings alone shall tell it
 
 
 @dataclass(frozen=True)
@@ -146,10 +144,10 @@ def _of_effect(effect: Effect, parameter: Parameter) -> FreeParameter:
         effect.full_name(parameter.name),
         "",
         centre,
-        span / PARTS,
+        span / FIT.steps_per_range,
         low,
         high,
-        LOOSE * (span / (high - low)) ** 2,
+        FIT.effect_prior_weight * (span / (high - low)) ** 2,
         effect.name,
     )
 

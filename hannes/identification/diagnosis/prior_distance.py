@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hannes.identification.diagnosis.gauss_newton import LIGHT
 from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.tuning import FIT
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ def prior_distance(point: Linearisation) -> PriorDistance:
     from scipy.stats import chi2
 
     known = point.active < point.space.uncertain.size
-    inverse = np.linalg.inv(point.hessian + LIGHT * np.eye(point.active.size))
-    degrees = max(float(known.sum() - np.trace(inverse[np.ix_(known, known)])), LIGHT)
+    inverse = np.linalg.inv(point.hessian + FIT.jitter * np.eye(point.active.size))
+    degrees = max(float(known.sum() - np.trace(inverse[np.ix_(known, known)])), FIT.jitter)
     off = float(np.sum(point.x[point.active[known]] ** 2))
     return PriorDistance((off / degrees) ** 0.5, float(chi2.sf(off, degrees)), off - degrees)

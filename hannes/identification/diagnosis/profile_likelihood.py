@@ -13,12 +13,7 @@ import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation
-
-STEP, LONGER, SHORTER = 1.5, 1.5, 0.3  # standard deviations by slopes; times the step before
-MOST = 5  # steps each way
-RISEN = 6.0  # above the least misfit met: far enough
-OTHER = 16.0  # above it: another valley
-HOLLOWS = 3.0  # of the misfit, by which fits end higher or lower by chance
+from hannes.identification.diagnosis.tuning import FIT
 
 
 @dataclass(frozen=True)
@@ -39,16 +34,18 @@ def profile(point: Linearisation, place: int, deviation: float) -> Profile | Non
     One that is not seen from both sides, as at an end of a range, is none. The fit's model holds
     its effects: a direction that is held is not active.
     """
-    sides = [list(_walk(point, place, side * STEP * deviation)) for side in (-1.0, 1.0)]
+    sides = [list(_walk(point, place, side * FIT.profile_step * deviation)) for side in (-1.0, 1.0)]
     met = [point, *sides[0], *sides[1]]
     lowest = min(met, key=lambda each: each.chi2)
-    near = [[e for e in side if e.chi2 < lowest.chi2 + OTHER] for side in ([point], *sides)]
+    near = [
+        [e for e in side if e.chi2 < lowest.chi2 + FIT.other_valley] for side in ([point], *sides)
+    ]
     if not all(near):
         return None
     kept = [each for side in near for each in side]
     away = np.array([each.x[place] - point.x[place] for each in kept]) / deviation
     above = np.array([each.chi2 for each in kept]) - lowest.chi2
-    bend, slope, _ = np.polyfit(away, above, 2, w=1.0 / (HOLLOWS + above))
+    bend, slope, _ = np.polyfit(away, above, 2, w=1.0 / (FIT.local_minima + above))
     if bend <= 0.0:
         return None
     least = float(np.clip(-slope / (2.0 * bend), away.min(), away.max()))
@@ -66,17 +63,17 @@ def held_at(point: Linearisation, places: np.ndarray, values: np.ndarray) -> Lin
 def _walk(point: Linearisation, place: int, step: float) -> Iterator[Linearisation]:
     """Fits with one direction held, further and further off; a first step too long is shortened."""
     space, here, lowest = point.space, point, point.chi2
-    for _ in range(MOST):
+    for _ in range(FIT.profile_steps):
         value = float(np.clip(here.x[place] + step, space.low[place], space.high[place]))
         if value == here.x[place]:
             return
         there = held_at(here, np.array([place]), np.array([value]))
-        if there is None or there.chi2 > lowest + OTHER:
+        if there is None or there.chi2 > lowest + FIT.other_valley:
             if here is not point:
                 return
-            step *= SHORTER
+            step *= FIT.profile_shrink
             continue
         yield there
-        here, lowest, step = there, min(lowest, there.chi2), LONGER * step
-        if there.chi2 > lowest + RISEN:
+        here, lowest, step = there, min(lowest, there.chi2), FIT.profile_growth * step
+        if there.chi2 > lowest + FIT.profile_rise:
             return

@@ -10,12 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hannes.identification.diagnosis.effect_search import PRICE
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.profile_likelihood import held_at
 from hannes.identification.diagnosis.score_test import amplitude_names
-
-APART = 4.0  # of the misfit: the size that goes is missed by so much less than the one that stays
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 
 def pruned(point: Linearisation, effects: Sequence[str], variance_factor: float) -> Linearisation:
@@ -44,6 +42,10 @@ def _without_one(
     }
     least, next_least = sorted(rises, key=lambda place: rises[place])[:2]
     fit = fits[least]
-    if fit is None or rises[least] > PRICE or rises[next_least] < rises[least] + APART:
+    if (
+        fit is None
+        or rises[least] > SEARCH.parameter_price
+        or rises[next_least] < rises[least] + FIT.missed_more
+    ):
         return None
     return least, fit

@@ -7,9 +7,9 @@ import numpy as np
 
 from hannes.campaigns.campaign import Entry
 from hannes.identification.binned_run import BIN, View
+from hannes.identification.diagnosis.tuning import FIT
 from hannes.plants.protocol import Plant
 
-BINS = 115  # of each channel, at most: longer runs are slower, and so have wider bins
 Channels = Mapping[str, np.ndarray]
 
 
@@ -25,7 +25,7 @@ class Group:
     def __init__(self, plant: Plant, entries: Sequence[Entry], finer: int = 1) -> None:
         channels = tuple(name for name in plant.judged if name in entries[0].recording)
         duration = float(np.ptp(entries[0].recording.time))
-        self.width = round(max(BIN, duration / BINS) / finer, 6)
+        self.width = round(max(BIN, duration / FIT.bins) / finer, 6)
         self.entries = tuple(entries)
         self.numbers = np.array([each.number for each in entries])
         self.views = [View(each, plant, channels, (), self.width) for each in entries]

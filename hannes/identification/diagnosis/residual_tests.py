@@ -16,11 +16,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hannes.identification.diagnosis.gauss_newton import LIGHT
 from hannes.identification.diagnosis.linearisation import Linearisation
-
-SLOWEST = (8, 24)  # components (discrete cosines) of a channel that are summed; the rest is quick
-CHANCE = 0.01  # that nothing is missing, below which something is
+from hannes.identification.diagnosis.tuning import FIT, VERDICT
 
 
 @dataclass(frozen=True)
@@ -40,15 +37,23 @@ class StructuredResidual:
 
 def autocorrelated(point: Linearisation) -> StructuredResidual | None:
     """The least likely of all that is left; None where chance explains it."""
-    squares = [(name, each) for name, each in _squares(point) if each.size > 2 * SLOWEST[-1]]
+    squares = [
+        (name, each)
+        for name, each in _squares(point)
+        if each.size > 2 * VERDICT.slow_components[-1]
+    ]
     if not squares:
         return None
-    usual = float(np.median([np.mean(each[SLOWEST[-1] :]) for _, each in squares]))
+    usual = float(np.median([np.mean(each[VERDICT.slow_components[-1] :]) for _, each in squares]))
     found = [_least(name, each, usual) for name, each in squares]
-    excess = sum(each.excess for each in found if each.p_value < CHANCE)
+    excess = sum(each.excess for each in found if each.p_value < VERDICT.residual_p_value)
     least = min(found, key=lambda each: each.p_value)
-    p_value = min(1.0, least.p_value * len(found) * len(SLOWEST))
-    return replace(least, excess=excess, p_value=p_value) if p_value < CHANCE else None
+    p_value = min(1.0, least.p_value * len(found) * len(VERDICT.slow_components))
+    return (
+        replace(least, excess=excess, p_value=p_value)
+        if p_value < VERDICT.residual_p_value
+        else None
+    )
 
 
 def channel_excess(point: Linearisation) -> StructuredResidual | None:
@@ -60,14 +65,16 @@ def channel_excess(point: Linearisation) -> StructuredResidual | None:
     """
     if not point.noise.simulated_noise:
         return None
-    squares = [each for _, each in _squares(point) if each.size > 2 * SLOWEST[-1]]
+    squares = [each for _, each in _squares(point) if each.size > 2 * VERDICT.slow_components[-1]]
     if not squares:
         return None
-    level = max(1.0, float(np.median([np.mean(each[SLOWEST[-1] :]) for each in squares])))
+    level = max(
+        1.0, float(np.median([np.mean(each[VERDICT.slow_components[-1] :]) for each in squares]))
+    )
     found = list(_freed(point, level))
     least = min(found, key=lambda each: (each.p_value, -each.excess))  # chance may underflow to 0
     p_value = min(1.0, least.p_value * len(found))
-    return replace(least, p_value=p_value) if p_value < CHANCE else None
+    return replace(least, p_value=p_value) if p_value < VERDICT.residual_p_value else None
 
 
 def _freed(point: Linearisation, level: float) -> Iterator[StructuredResidual]:
@@ -75,19 +82,19 @@ def _freed(point: Linearisation, level: float) -> Iterator[StructuredResidual]:
     from scipy.fft import idct
     from scipy.stats import chi2
 
-    inverse = np.linalg.inv(point.hessian + LIGHT * np.eye(point.active.size))
+    inverse = np.linalg.inv(point.hessian + FIT.jitter * np.eye(point.active.size))
     residual = point.residual - point.gradient @ inverse @ point.jacobian
     for place, name, bins in _channels(point):
-        if bins <= 2 * SLOWEST[-1]:
+        if bins <= 2 * VERDICT.slow_components[-1]:
             continue
         waves = idct(np.eye(bins), norm="ortho", axis=1)
-        for count in SLOWEST:
+        for count in VERDICT.slow_components:
             left, moved = (
                 waves[:count] @ residual[place],
                 point.jacobian[:, place] @ waves[:count].T,
             )
             spread = np.eye(count) - moved.T @ inverse @ moved
-            taken = float(left @ np.linalg.solve(spread + LIGHT * np.eye(count), left))
+            taken = float(left @ np.linalg.solve(spread + FIT.jitter * np.eye(count), left))
             yield StructuredResidual(
                 name, taken - count * level, float(chi2.sf(taken / level, count))
             )
@@ -97,10 +104,10 @@ def _least(name: str, squares: np.ndarray, usual: float) -> StructuredResidual:
     """What is less likely of the sums of the slowest components of a channel."""
     from scipy.stats import f
 
-    level, found = max(float(np.mean(squares[SLOWEST[-1] :])), usual), []
-    for count in SLOWEST:
+    level, found = max(float(np.mean(squares[VERDICT.slow_components[-1] :])), usual), []
+    for count in VERDICT.slow_components:
         ratio = float(np.mean(squares[:count])) / level
-        p_value = float(f.sf(ratio, count, squares.size - SLOWEST[-1]))
+        p_value = float(f.sf(ratio, count, squares.size - VERDICT.slow_components[-1]))
         found.append(StructuredResidual(name, (ratio - 1.0) * count * level, p_value))
     return min(found, key=lambda each: each.p_value)
 

@@ -12,12 +12,9 @@ import numpy as np
 from hannes.identification.diagnosis.linearisation import NoiseCovariance
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.tuning import NOISE
 
 # As far as told: the machine's values, and the start.
-TIMES = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0)
-SURE = 12.0  # twice the log likelihood gained: two numbers by chance gain it once in four hundred
-LOOSER = 2.0  # times the scatter of the machine's values that is told by who tells too little
-MOST = 0.2  # of scatter, that it is widened to
 
 
 def settings_from_repeats(noise: NoiseCovariance, settings: Settings) -> Settings:
@@ -30,7 +27,7 @@ def settings_from_repeats(noise: NoiseCovariance, settings: Settings) -> Setting
     if (machine, start) == (1.0, 1.0):
         return settings
     return Settings(
-        max(settings.scatter, min(LOOSER * settings.scatter, MOST)),
+        max(settings.scatter, min(NOISE.wider_scatter * settings.scatter, NOISE.widest_scatter)),
         machine * settings.run_scatter,
         start * settings.start_time,
     )
@@ -60,11 +57,11 @@ def observed_ratios(noise: NoiseCovariance) -> tuple[float, float]:
         )
         if group.count > 1 and noise.simulated_noise
     ]
-    pairs = list(product(TIMES, TIMES))
+    pairs = list(product(NOISE.excess_ratios, NOISE.excess_ratios))
     likelihoods = [sum(each.log_likelihood(*pair) for each in repeats) for pair in pairs]
     best = int(np.argmax(likelihoods))
     gained = 2.0 * (likelihoods[best] - likelihoods[pairs.index((1.0, 1.0))])
-    return pairs[best] if gained >= SURE else (1.0, 1.0)
+    return pairs[best] if gained >= NOISE.excess_likelihood else (1.0, 1.0)
 
 
 @dataclass(frozen=True)

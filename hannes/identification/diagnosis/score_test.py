@@ -11,14 +11,11 @@ import numpy as np
 
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.parameter_space import LOOSE
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.simulator import Model
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 SMALL = (1.0,)  # steps of an amplitude
-ALL_SIZES = (1.0, 8.0, 25.0, -8.0, -25.0)  # where what is missing may be large: no secant holds all
-HOLDS = 3.0  # times its size, or as small a part, within which a secant is believed
-SHAPES = 5  # values of a parameter that tells where or how fast an effect acts
 
 
 @dataclass(frozen=True)
@@ -73,7 +70,7 @@ def stepped(point: Linearisation, name: str, sizes: Sequence[float]) -> list[np.
 def shapes(effect: Effect) -> list[dict[str, float]]:
     """What parameters that have no `off` are tried at, by full name [SI]."""
     free = [each for each in effect.parameters if each.off is None]
-    count = SHAPES if len(free) == 1 else 3
+    count = SEARCH.shapes if len(free) == 1 else 3
     tried = [
         np.unique([each.value, *(each.tried or _spread(*each.bounds, count - 1))]) for each in free
     ]
@@ -159,12 +156,12 @@ def _guess(
     effect = model.space.effects[name]
     places = np.array([model.space.place(each) for each in amplitude_names(effect)])
     gradient, hessian = projected(point, rows)
-    root = np.linalg.cholesky(hessian + LOOSE * np.eye(len(places)))
+    root = np.linalg.cholesky(hessian + FIT.effect_prior_weight * np.eye(len(places)))
     bounds = (model.space.low[places] - 1e-9, model.space.high[places] + 1e-9)
     found = lsq_linear(root.T, np.linalg.solve(root, gradient), bounds).x
     delta_chi2 = float(2.0 * gradient @ found - found @ hessian @ found)
     ratio = float(np.abs(found).max() / size)
-    if ratio > HOLDS or (ratio < 1.0 / HOLDS and size > SMALL[0]):
+    if ratio > SEARCH.secant_range or (ratio < 1.0 / SEARCH.secant_range and size > SMALL[0]):
         delta_chi2 *= 0.5  # a guess by a secant of another size
     own = model.space.of(name)
     x = _shaped(model, np.zeros(model.space.size), shape)
@@ -186,7 +183,7 @@ def cosine_similarity(point: Linearisation, one: np.ndarray, other: np.ndarray) 
     _, whole = projected(point, np.vstack([one, other]))
     roots = []
     for part in (whole[:size, :size], whole[size:, size:]):
-        roots.append(np.linalg.cholesky(part + LOOSE * np.eye(len(part))))
+        roots.append(np.linalg.cholesky(part + FIT.effect_prior_weight * np.eye(len(part))))
     between = np.linalg.solve(roots[0], whole[:size, size:])
     cosines = np.linalg.svd(np.linalg.solve(roots[1], between.T), compute_uv=False)
     return float(min(1.0, cosines[0]))

@@ -11,14 +11,10 @@ from hannes.core.errors import ComputationFailed
 from hannes.core.recording.white_noise import roughness
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
+from hannes.identification.diagnosis.tuning import NOISE
 from hannes.plants.protocol import Plant
 
 NOWHERE = "the base cannot be simulated under a recording's reference; try a base nearer to it"
-SHIFT = 0.4e-3  # s, over which the effect of starting later is differenced
-AROUND = 0.1  # standard deviations over which the grain is averaged
-TICKED = (0.5, 3.0)  # steps of an effect, at which to see what firmware's ticks do to it,
-AROUND_IT = (0.5, 1.0, 1.5)  # and times the size at which it lies
-LEAST = 2  # simulations that it takes
 NOTHING: Mapping[str, np.ndarray] = {}
 Unrounded = Callable[[int], Mapping[str, np.ndarray]]  # of a Plant, see there
 
@@ -153,8 +149,10 @@ class Model:
     def _sizes(self, x: np.ndarray, place: int) -> np.ndarray:
         """Sizes of an effect, other than none, at which ticks are looked at."""
         low, high = self.space.low[place], self.space.high[place]
-        there = (float(x[place]) * share for share in AROUND_IT)
-        sizes = np.unique([*TICKED, *(-size for size in TICKED), *there])
+        there = (float(x[place]) * share for share in NOISE.correction_shares)
+        sizes = np.unique(
+            [*NOISE.correction_sizes, *(-size for size in NOISE.correction_sizes), *there]
+        )
         return sizes[(low <= sizes) & (sizes <= high) & (sizes != 0.0)]
 
     def simulated(
@@ -239,7 +237,7 @@ class Model:
         rows = x + np.zeros((samples, x.size))
         known = self.space.uncertain
         drawn = np.random.default_rng([seed, 7]).standard_normal((samples, known.size))
-        rows[:, known] += AROUND * drawn
+        rows[:, known] += NOISE.contact_nudge * drawn
         return [self._discretisation_error(group, rows) for group in self.groups]
 
     def _discretisation_error(self, group: Group, rows: np.ndarray) -> "DiscretisationError":
@@ -251,7 +249,7 @@ class Model:
             for run, smooth in zip(made, self.vectors(group, rows, False), strict=True)
             if run is not None and np.isfinite(smooth).all()
         ]
-        if len(pairs) < LEAST:
+        if len(pairs) < NOISE.fewest_simulations:
             raise ComputationFailed(NOWHERE)
         difference = np.array([group.vector(run) - smooth for run, smooth in pairs])
         mean = difference.mean(axis=0)

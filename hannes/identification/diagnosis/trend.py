@@ -13,10 +13,7 @@ import numpy as np
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.score_test import Guess, projected
-
-FEWEST = 3  # runs of a group, to tell drift from scatter
-TOLD = 10.0  # runs whose weight the scatter has that is told, against what repeats show
-INSIDE = 7.0  # of the gain that runs under one command must show: means may differ for any reason
+from hannes.identification.diagnosis.tuning import VERDICT
 
 
 @dataclass(frozen=True)
@@ -37,7 +34,7 @@ def strongest_trend(point: Linearisation, guesses: Sequence[Guess]) -> Trend | N
 
 
 def _ordered(group: Group) -> bool:
-    return group.count >= FEWEST and float(np.ptp(group.numbers)) > 0.0
+    return group.count >= VERDICT.fewest_repeats and float(np.ptp(group.numbers)) > 0.0
 
 
 def _gain(point: Linearisation, signature: np.ndarray) -> float:
@@ -47,7 +44,7 @@ def _gain(point: Linearisation, signature: np.ndarray) -> float:
     mean = np.concatenate([m * g.numbers.mean() for m, g in zip(signatures, groups, strict=True)])
     gradient, hessian = (float(each.sum()) for each in projected(point, mean[np.newaxis]))
     inside, stiff = _inside(point, signatures)
-    if inside**2 < INSIDE * stiff:
+    if inside**2 < VERDICT.trend_within * stiff:
         return 0.0
     return (gradient + inside) ** 2 / (hessian + stiff)
 
@@ -74,7 +71,7 @@ def _spread(
     groups: Sequence[Group], runs: Sequence[np.ndarray], signatures: Sequence[np.ndarray]
 ) -> float:
     """Variance of runs along a mark without their trend, over what is told; at least 1."""
-    squares, freedom = TOLD, TOLD
+    squares, freedom = VERDICT.assumed_weight, VERDICT.assumed_weight
     for group, along, signature in zip(groups, runs, signatures, strict=True):
         if _ordered(group) and (size := float(signature @ signature)) > 0.0:
             order = group.numbers - group.numbers.mean()
