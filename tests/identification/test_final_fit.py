@@ -117,13 +117,12 @@ def valley(monkeypatch, chi2, at, deviation=0.1, low=-10.0):
     """The profile of a made-up misfit over one direction, walked from a place."""
 
     def held(point, places, values):
-        there = SimpleNamespace(x=np.array(values), chi2=chi2(values[0]), noise=noise)
+        there = SimpleNamespace(x=np.array(values), chi2=chi2(values[0]), space=space)
         return there if np.isfinite(there.chi2) else None
 
     space = SimpleNamespace(low=np.array([low]), high=np.array([10.0]))
-    noise = SimpleNamespace(model=SimpleNamespace(space=space))
     monkeypatch.setattr(profiles, "held_at", held)
-    point = SimpleNamespace(x=np.array([at]), chi2=chi2(at), noise=noise)
+    point = SimpleNamespace(x=np.array([at]), chi2=chi2(at), space=space)
     return profile(point, 0, deviation)
 
 

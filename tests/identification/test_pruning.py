@@ -44,7 +44,6 @@ def fit(monkeypatch, without, effect=EFFECT, active=(3, 4)):
     """A made-up fit of two sizes, at places 3 and 4; without: misfit by the places held at off."""
     names = [effect.full_name(each.name) for each in effect.amplitudes]
     space = SimpleNamespace(effects={effect.name: effect}, place=lambda n: 3 + names.index(n))
-    noise = SimpleNamespace(model=SimpleNamespace(space=space))
 
     def held(point, places, values):
         assert not values.any()  # off
@@ -53,11 +52,11 @@ def fit(monkeypatch, without, effect=EFFECT, active=(3, 4)):
         return (
             None
             if chi2 is None
-            else SimpleNamespace(chi2=chi2, off=off, noise=noise, active=active)
+            else SimpleNamespace(chi2=chi2, off=off, space=space, active=active)
         )
 
     monkeypatch.setattr(pruning, "held_at", held)
-    return SimpleNamespace(chi2=100.0, off=(), noise=noise, active=active)
+    return SimpleNamespace(chi2=100.0, off=(), space=space, active=active)
 
 
 def test_what_lowers_the_misfit_by_too_little_stays_at_off(monkeypatch):

@@ -19,8 +19,9 @@ def left(seed, level=1.0, slow=0.0):
     ]
     residual = level * np.random.default_rng(seed).standard_normal(4 * BINS)
     residual[3 * BINS :] += slow * np.cos(3.0 * np.pi * (np.arange(BINS) + 0.5) / BINS)
-    noise = SimpleNamespace(model=SimpleNamespace(groups=groups), simulated_noise=True)
-    return SimpleNamespace(residual=residual, noise=noise)
+    model = SimpleNamespace(groups=groups)
+    noise = SimpleNamespace(simulated_noise=True)
+    return SimpleNamespace(residual=residual, model=model, noise=noise)
 
 
 @pytest.mark.parametrize("level", [0.5, 1.0, 2.0])

@@ -1,10 +1,9 @@
-"""Covariance of noise from few runs of it: each time told by the moments before it.
+"""Covariance of noise from few simulated runs: every bin is regressed on the bins before it.
 
-Sums of what a control loop does to noise are small where it pulls back: a covariance that is cut
-off over lags, or averaged over times, fills up what that leaves out, and counts a slow change
-several times as likely as it is. A regression of every bin on the few before keeps it (Gabriel
-1962; Pourahmadi 1999), is never singular, and may change along a run, as friction holds and lets
-go.
+A control loop keeps sums of its noise small. A covariance that is cut off over lags, or averaged
+over time, loses that, and makes slow changes several times as likely as they are. Regressing each
+bin on a few earlier ones keeps it (Gabriel 1962; Pourahmadi 1999). The result is never singular,
+and may change along a run, as friction does.
 """
 
 import numpy as np
@@ -13,7 +12,7 @@ from hannes.identification.diagnosis.tuning import NOISE
 
 
 def covariance(deviations: np.ndarray, channels: int) -> np.ndarray:
-    """Of rows of noise, shape (m, n), one channel after the other of as many bins; shape (n, n)."""
+    """Covariance, (n, n), of rows of noise, shape (m, n), channels one after another."""
     count = len(deviations)
     rows = deviations.reshape(count, channels, -1).transpose(0, 2, 1)  # run, bin, channel
     bins = rows.shape[1]
@@ -36,7 +35,7 @@ def covariance(deviations: np.ndarray, channels: int) -> np.ndarray:
 
 
 def _regressed(rows: np.ndarray, at: int, back: int) -> tuple[np.ndarray, np.ndarray]:
-    """How a bin follows from those before, oldest first, (channels, k); what they do not tell."""
+    """Coefficients of one bin on earlier ones, oldest first, (channels, k); residual covariance."""
     back, bins, channels = min(back, at), rows.shape[1], rows.shape[2]
     starts = [
         at + shift
@@ -54,7 +53,7 @@ def _regressed(rows: np.ndarray, at: int, back: int) -> tuple[np.ndarray, np.nda
 
 
 def _spread(steps: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """Covariance of all bins, (bins channels,) squared, bin after bin, from steps to each."""
+    """Covariance of all bins, (bins channels,) squared, bin after bin, from their regressions."""
     from scipy.linalg import cholesky, solve_triangular
 
     channels = len(steps[0][1])

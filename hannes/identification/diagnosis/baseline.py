@@ -1,4 +1,4 @@
-"""The machine as given, and refitted without any effect: what everything else is compared with."""
+"""The nominal machine and the baseline fit, against which every effect is compared."""
 
 from collections.abc import Sequence
 
@@ -32,7 +32,10 @@ def based(
     seed: int,
     progress: Progress,
 ) -> tuple[Linearisation, Linearisation]:
-    """As given and refitted; once more where repeats show that runs differ further than told."""
+    """The nominal and the refitted machine.
+
+    Fitted once more where repeats show more run-to-run variability than the settings assume.
+    """
 
     def model(settings: Settings) -> Model:
         return Model(plant, groups, ParameterSpace(plant, groups, settings, effects), effects)
@@ -44,7 +47,7 @@ def based(
 
 
 def _fitted(model: Model, seed: int, progress: Progress) -> tuple[Linearisation, Linearisation]:
-    """The machine as given, and refitted without any effect, with noise as it is there."""
+    """The nominal machine and the baseline fit, with noise estimated at the baseline."""
     progress("the machine as given")
     nominal = first(model, COARSE, seed)
     progress("the base")

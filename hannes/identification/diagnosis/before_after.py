@@ -1,4 +1,4 @@
-"""What whole simulations, firmware and all, leave of recordings: before and after, in SI units."""
+"""What complete simulations, sampled controller included, leave of recordings, in SI units."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,10 @@ STAGES = ("as_given", "before", "after")
 
 
 def simulated(model: Model, entries: Sequence[Entry], places: np.ndarray) -> list[list[Channels]]:
-    """Channels of each recording at each of the places x, shape (stages, size)."""
+    """Channels of each recording at each of the points x, shape (stages, size).
+
+    Raises ComputationFailed where one cannot be simulated.
+    """
     found: dict[int, list[Channels]] = {}
     for group in grouped(model.small, entries):
         made = model.simulated(group, places, True, exact=True)
@@ -27,7 +30,7 @@ def simulated(model: Model, entries: Sequence[Entry], places: np.ndarray) -> lis
 
 
 def left(pieces: Sequence[Segment], runs: Sequence[Channels], names: Sequence[str]) -> Raw:
-    """Simulated minus recorded of each piece and channel, over its counted samples."""
+    """Simulated minus recorded of each segment and channel, over its counted samples."""
     return [
         {
             name: (run[name] - piece.recording[name])[piece.mask]

@@ -1,4 +1,4 @@
-"""The deep diagnosis of a campaign: from its recordings to the verdict and what draws it."""
+"""The diagnosis of a campaign by fits: from its recordings to the verdict and its page."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -23,15 +23,16 @@ from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
 from hannes.plants.protocol import Plant
 
-POWER_80 = 0.842  # standard deviations above a limit that are seen four times in five
+POWER_80 = 0.842  # standard deviations above a limit for 80 % power
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class Result:
-    """The verdict, the plant with what was found, traces of the recordings shown, floors.
+    """The verdict, the plant with what was found, and what the page draws.
 
-    found, choice: what it all came from.
+    traces: of the held-out recordings;  noise_floors: channel -> its unit
+    found, decision: what the verdict follows from
     """
 
     verdict: Verdict
@@ -43,14 +44,17 @@ class Result:
 
 
 def declares_uncertainty(plant: Plant) -> bool:
-    """Tell whether a plant says all that a deep diagnosis asks: what of it is uncertain."""
+    """Whether a plant declares what of it is uncertain, which this diagnosis needs."""
     return bool(getattr(plant, "uncertain", {}))
 
 
 def diagnose_campaign(
     campaign: Campaign, settings: Settings, seed: int, progress: Progress
 ) -> Result:
-    """Diagnose a campaign that lacks no role. ComputationFailed where its base cannot be run."""
+    """Diagnose a campaign in which every role is filled.
+
+    Raises ComputationFailed where the baseline cannot be simulated.
+    """
     import scipy.linalg  # noqa: F401  loaded now, or its threads are not limited
     from threadpoolctl import threadpool_limits
 
@@ -58,11 +62,11 @@ def diagnose_campaign(
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]
     usable += [each for each in GENERIC if not campaign.plant.accepts(each)]
-    with threadpool_limits(1, "blas"):  # sums of many threads end on other bits
+    with threadpool_limits(1, "blas"):  # sums over several threads round otherwise
         found = search_effects(campaign.plant, known, usable, settings, seed, progress)
         decision = decide(found, *(_masks(found, role) for role in ("fit", "select")))
         decision, spread = with_sizes(decision, seed, found.variance_factor, progress)
-        progress("the recordings to show")
+        progress("the test recordings")
         closing = _Closing(campaign, found, decision, spread, seed)
         result = closing.result(tried)
     said = disagreement(settings, closing.model.space.settings)
@@ -70,7 +74,7 @@ def diagnose_campaign(
 
 
 def candidates(campaign: Campaign) -> dict[str, tuple[Effect, str]]:
-    """Name by which each effect can be found again -> effect, why it cannot be tried or ''."""
+    """Name by which an effect can be found -> the effect, and why it cannot be tried or ""."""
     present = {each.name for each in campaign.plant.effects}
     return {
         name: (
@@ -95,7 +99,7 @@ def _masks(found: SearchResult, role: str) -> list[int]:
 
 
 class _Closing:
-    """Opens the show recordings and puts everything together."""
+    """Opens the held-out recordings and assembles the verdict."""
 
     def __init__(
         self,
@@ -106,7 +110,7 @@ class _Closing:
         seed: int,
     ) -> None:
         self.campaign, self.found, self.decision, self.seed = campaign, found, decision, seed
-        self.spread = spread  # standard deviation of each direction that was fitted, by place
+        self.spread = spread  # standard deviation of each fitted parameter, by index
         segments, _ = split_campaign(campaign)
         self.known, self.heldout = (in_roles(segments, *r) for r in (("fit", "select"), ("show",)))
         self.noise_floors, self.how = noise_floors(campaign.plant, self.known)
@@ -153,14 +157,14 @@ class _Closing:
         return Result(verdict, self.refitted(), traces, self.noise_floors, self.found, decision)
 
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Value and 95 % interval of each parameter of the effects named, within its bounds."""
+        """Value and 95 % interval of each parameter of the named effects, within its bounds."""
         decision, found = self.decision, {}
         if not decision.effects:
             return {}
         space = self.model.space
         for place in map(int, space.of(*decision.effects)):
             if place not in self.spread:
-                continue  # of a class only the first is fitted
+                continue  # only the first effect of a class is fitted
             name = space.parameters[place].name
             declared = self.model.whole.parameters.declared[name]
             found[name] = {
@@ -171,7 +175,7 @@ class _Closing:
         return found
 
     def candidates(self) -> list[dict[str, Any]]:
-        """Every effect that was looked at, best first; gains of those refitted are exact."""
+        """Every effect that was screened, best first; reductions of refitted ones are exact."""
         exact = {trial.effects[0]: trial for trial in self.found.trials}
         rows = []
         for guess in self.found.guesses:
@@ -193,7 +197,7 @@ class _Closing:
         return sorted(rows, key=lambda row: -row["evidence"])
 
     def share(self, delta_chi2: float) -> float:
-        """Gain as a share of all that was found to go, or that lies above what is expected."""
+        """A reduction as a share of the largest one, or of what lies above the expected value."""
         trials = [*self.found.trials, *([self.found.pair] if self.found.pair else [])]
         most = max([trial.delta_chi2 for trial in trials], default=0.0)
         above = (self.found.baseline.chi2 - self.found.bins) / self.found.variance_factor
@@ -215,7 +219,7 @@ class _Closing:
         )
 
     def detectable(self) -> dict[str, dict[str, dict[str, Any]]]:
-        """Size of each amplitude that would be named four times in five, all else refitted."""
+        """Size of each amplitude that would be named with 80 % power, all else refitted."""
         baseline, space, found = self.found.baseline, self.model.space, {}
         for guess in self.found.guesses:
             effect = space.effects[guess.effect]
@@ -235,7 +239,7 @@ class _Closing:
         return found
 
     def confusability(self) -> dict[str, Any]:
-        """Cosines between the marks of the effects that come nearest, and of those named."""
+        """Cosine similarities of the signatures of the best effects and of those named."""
         rows = [each["effect"] for each in self.candidates()]
         known = {self.names[guess.effect]: guess.signature for guess in self.found.guesses}
         names = [name for name in rows if name in known][: VERDICT.compared]
@@ -250,7 +254,7 @@ class _Closing:
         return self.model.whole.parameters.declared[name].unit
 
     def next_run(self) -> dict[str, Any] | None:
-        """The run worth recording where the verdict names no single effect but some gain."""
+        """The run worth recording where effects compete or none is named."""
         kind, trials = self.decision.kind, self.found.trials
         if kind not in ("one_of", "unknown") or not trials:
             return None
@@ -260,7 +264,7 @@ class _Closing:
         return run and {**run, "separates": names}
 
     def refitted(self) -> Plant:
-        """The plant as it came, refitted, or refitted with the effects that were found."""
+        """The plant as given, refitted, or refitted with the effects found."""
         plant, decision = self.campaign.plant, self.decision
         if decision.kind == "no_gap":
             return plant
@@ -273,7 +277,7 @@ class _Closing:
         return grown.with_values({n: v for n, v in values.items() if n in grown.parameters})
 
     def owner(self) -> str:
-        """Whose own parameters a hand.toml takes: those of the thing that the hand has itself."""
+        """Whose own parameters a hand.toml takes: those of the object that the plant has itself."""
         for group in self.model.groups:
             same = all(group.nominal[n] == self.campaign.plant.parameters[n] for n in group.own)
             if group.own and same:

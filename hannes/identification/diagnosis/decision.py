@@ -1,4 +1,4 @@
-"""From what was found to a verdict: a name, a class, a remainder, or nothing that can be named."""
+"""From the search to a verdict: an effect, a class, a remainder, or nothing that can be named."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ from hannes.identification.diagnosis.tuning import FIT, SEARCH, VERDICT
 
 @dataclass(frozen=True)
 class Decision:
-    """The verdict's kind, the effects named, why, and the point that the result stands for."""
+    """The verdict's kind, the effects named, the reason, and the fit that the result stands for."""
 
     kind: str
     effects: tuple[str, ...]
@@ -51,7 +51,7 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
         f"{_names(trial)} lowers the misfit by {trial.delta_chi2:.0f} "
         f"(limit {SEARCH.name_limit:.0f})"
     )
-    if not delta_chi2 >= -allowed(trial.delta_chi2):  # nor where it cannot be told
+    if not delta_chi2 >= -allowed(trial.delta_chi2):  # nor where it is not a number
         reason = f"{reason}, but not that of recordings held out ({delta_chi2:.0f})"
         return Decision("unknown", (), reason, found.baseline)
     if any(fitted_runs) and any(heldout_runs):
@@ -64,11 +64,12 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
 
 
 def allowed(delta_chi2: float) -> float:
-    """What a name of this gain may add to the misfit of recordings held out: refits differ."""
+    """How much a name with this reduction may add to the chi-squared of held-out runs."""
     return min(max(VERDICT.heldout_increase, VERDICT.heldout_share * delta_chi2), SEARCH.name_limit)
 
 
 def _nothing(found: SearchResult, best: Trial | None) -> Decision:
+    """The decision where no effect reduces chi-squared enough."""
     delta_chi2 = 0.0 if best is None else best.delta_chi2
     least = (
         f"no effect lowers the misfit by the {SEARCH.name_limit:.0f} that a name needs "
@@ -78,12 +79,12 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
         return Decision("unknown", (), f"{_trend_text(found, trend)}, and {least}", found.baseline)
     if more := _more(found.baseline, found.bins):
         return Decision(
-            "unknown", (), f"refitted, the base leaves {more}, and {least}", found.baseline
+            "unknown", (), f"refitted, the baseline leaves {more}, and {least}", found.baseline
         )
     if slow := channel_excess(found.baseline):
         more = f"more in {slow.where} than the machine's own values can (p = {slow.p_value:.1g})"
         return Decision(
-            "unknown", (), f"refitted, the base leaves {more}, and {least}", found.baseline
+            "unknown", (), f"refitted, the baseline leaves {more}, and {least}", found.baseline
         )
     if found.generic and found.generic.delta_chi2 >= VERDICT.generic_limit:
         generic_name = GENERIC_NAMES[found.generic.effects[0]]
@@ -103,12 +104,12 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
             "no_gap", (), f"as given it leaves what is expected, and {least}", found.baseline
         )
     per_bin = found.baseline.chi2 / found.bins
-    reason = f"refitted, the base leaves {per_bin:.2f} per bin (1 expected), and {least}"
+    reason = f"refitted, the baseline leaves {per_bin:.2f} per bin (1 expected), and {least}"
     return Decision("recalibrated", (), reason, found.baseline)
 
 
 def _more(point: Linearisation, bins: int) -> str:
-    """What a point leaves that noise does not, in words; an empty string where there is none."""
+    """What a fit leaves beyond noise, in words; an empty string where there is nothing."""
     if point.chi2 > VERDICT.clean * bins:
         return f"{point.chi2 / bins:.2f} per bin (1 expected)"
     if slow := autocorrelated(point):
@@ -127,7 +128,7 @@ def _doubted(found: SearchResult, trial: Trial) -> str:
 
 
 def _stretched(found: SearchResult, trial: Trial) -> str:
-    """A parameter that would go beyond its physical range, in words, or an empty string."""
+    """A parameter that would leave its physical range, in words, or an empty string."""
     space = trial.point.space
     for effect in (space.effects[name] for name in trial.effects):
         for each in effect.parameters:
@@ -142,7 +143,7 @@ def _stretched(found: SearchResult, trial: Trial) -> str:
 
 
 def _at_end(parameter: Parameter, value: float) -> bool:
-    """Tell whether a range ends there: `off` is no end, and what counts or turns has none."""
+    """Whether a range ends there: `off` is no end, and counts and angles have none."""
     low, high = parameter.bounds
     ends = [end for end in (low, high) if end != parameter.off]
     endless = parameter.turns is not None or parameter.tried
@@ -150,9 +151,9 @@ def _at_end(parameter: Parameter, value: float) -> bool:
 
 
 def _beyond(point: Linearisation, place: int) -> float:
-    """What a step along one direction would lower the misfit by, all else following.
+    """Reduction of chi-squared by a step along one parameter, all else following.
 
-    At an end of a range that is a step out of it: a fit that could go inward has gone.
+    At an end of its range that is a step out of it: a fit that could go inward has gone.
     """
     number = int(np.searchsorted(point.active, place))
     inverse = np.linalg.inv(point.hessian + FIT.jitter * np.eye(point.active.size))
@@ -160,7 +161,7 @@ def _beyond(point: Linearisation, place: int) -> float:
 
 
 def _left(found: SearchResult, trial: Trial) -> str:
-    """What speaks for something more, or an empty string."""
+    """What indicates something more than the effects of a trial, or an empty string."""
     if trend := _trend(found, trial.point):
         return _trend_text(found, trend)
     if more := _more(trial.point, found.bins):
@@ -174,21 +175,21 @@ def _left(found: SearchResult, trial: Trial) -> str:
         further = rest.delta_chi2 / found.variance_factor
         return f"{further:.0f} more would go with {more}, so something else is there"
     if far := _far_from_prior(trial):
-        ratio = f"{far.ratio:.1f} times as far as scatter tells"
+        ratio = f"{far.ratio:.1f} times as far as scatter allows"
         return f"it takes a machine whose values are off {ratio}: so they are, or hide something"
     return ""
 
 
 def _far_from_prior(trial: Trial) -> PriorDistance | None:
-    """How far the machine that goes with these effects is off, where that is no chance."""
+    """How far the machine fitted with these effects is off its prior, where that is improbable."""
     found = prior_distance(trial.point)
     return found if found.p_value < VERDICT.prior_p_value else None
 
 
 def _underexplained(found: SearchResult, trial: Trial) -> StructuredResidual | None:
-    """What stands out of the base in one channel, where far less than that is explained in all.
+    """Excess of one channel of the baseline, where the trial explains far less than that in all.
 
-    What shows in one channel alone is about as much by both, and which is more is chance.
+    What appears in one channel alone is about as large by both, and which is larger is chance.
     """
     slow = channel_excess(found.baseline)
     return (
@@ -205,7 +206,7 @@ def _lowered(found: SearchResult, trial: Trial) -> float:
 def _trend(
     found: SearchResult, point: Linearisation, least: float = VERDICT.trend_limit
 ) -> Trend | None:
-    """What grows from run to run, where that lowers the misfit by enough to tell it."""
+    """A trend across runs that reduces chi-squared by at least `least`."""
     trend = strongest_trend(point, found.guesses)
     return trend if trend is not None and trend.delta_chi2 > least * found.variance_factor else None
 
@@ -217,6 +218,7 @@ def _trend_text(found: SearchResult, trend: Trend) -> str:
 
 
 def _clean(found: SearchResult, trial: Trial, reason: str) -> Decision:
+    """The decision where nothing more is indicated beside a trial."""
     if len(trial.effects) > 1:
         return _pair(found, trial, reason)
     rivals = near(trial, found.trials)
@@ -229,7 +231,10 @@ def _clean(found: SearchResult, trial: Trial, reason: str) -> Decision:
 
 
 def _beside(found: SearchResult, trial: Trial, decision: Decision) -> Decision:
-    """The choice with a remainder where a little grows beside it, unless that explains more."""
+    """The decision with a remainder where a small trend is there too.
+
+    Unknown, if the trend alone explains more than the effect.
+    """
     trend = _trend(found, trial.point, VERDICT.trend_beside_name)
     if trend is None or decision.kind != "named":
         return decision
@@ -241,7 +246,7 @@ def _beside(found: SearchResult, trial: Trial, decision: Decision) -> Decision:
 
 
 def _faintly(found: SearchResult, trial: Trial) -> str:
-    """What is left after a single effect, too little to be named, or an empty string."""
+    """A second effect too small to be named, in words, or an empty string."""
     rest = found.remaining
     if rest is None or rest.delta_chi2 / found.variance_factor < max(
         VERDICT.remainder, 0.5 * SEARCH.second_share * trial.delta_chi2
@@ -253,7 +258,7 @@ def _faintly(found: SearchResult, trial: Trial) -> str:
 
 
 def _pair(found: SearchResult, trial: Trial, reason: str) -> Decision:
-    """Two effects; where others would do as well, what is common to all pairs."""
+    """The decision for two effects; where other pairs do as well, what all of them share."""
     rivals = near(trial, found.other_pairs)
     if not rivals:
         return Decision("named", trial.effects, reason, trial.point)
@@ -272,6 +277,7 @@ def _nearest(rivals: Sequence[Trial]) -> str:
 
 
 def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
+    """The decision where something more than a trial is indicated."""
     explained, first = _explained(found, trial), found.trials[0]
     if len(trial.effects) > 1:
         explained *= first.delta_chi2 / trial.delta_chi2
@@ -281,9 +287,9 @@ def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
 
 
 def _explained(found: SearchResult, trial: Trial) -> float:
-    """Share of all that speaks for a missing effect that a trial takes away.
+    """Share that a trial explains of all that indicates a missing effect.
 
-    Nothing where something that grows from run to run would take away more.
+    Zero where a trend across runs would explain more.
     """
     delta_chi2, slow = trial.delta_chi2 * found.variance_factor, autocorrelated(trial.point)
     trend, instead = (_trend(found, p) for p in (trial.point, found.baseline))

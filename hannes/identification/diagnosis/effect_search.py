@@ -1,4 +1,4 @@
-"""From recordings to what is missing: the base refitted, a short list refitted, a second effect."""
+"""Searches for what is missing: baseline, shortlist of single effects, then a second effect."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -41,8 +41,8 @@ from hannes.plants.protocol import Plant
 class Trial:
     """Effects refitted together.
 
-    gain: how much of the base's misfit they take away, less the price of their parameters
-    alike: effects whose marks these recordings hardly tell from the first one's
+    delta_chi2: chi-squared of the baseline less the trial's, less the price of its parameters
+    confusable: effects whose signatures these recordings hardly separate from the first one's
     """
 
     effects: tuple[str, ...]
@@ -53,14 +53,14 @@ class Trial:
 
 @dataclass(frozen=True)
 class SearchResult:
-    """Everything that came of an investigation.
+    """Everything that a search found.
 
-    given: with everything as given; base: the base refitted; trials: single effects, best first;
-    guesses: of the whole catalogue, linear, at the base that was searched from; pair: two effects,
-    where one leaves more, and other_pairs that were refitted beside it; rest: the best guess of
-    what is left after the last of them
-    unit: by how much misfits are divided: the noise is what the best model leaves, within limits
-    anything: the best effect without a name refitted, where a guess says that this is worth while
+    nominal, baseline: the machine as given and refitted;  trials: single effects, best first
+    guesses: of the whole catalogue, linear, at the baseline
+    pair: two effects, where one is not enough;  other_pairs: refitted beside it
+    remaining: the best guess for what is left after the last of them
+    variance_factor: variance of the noise over the assumed one, by which chi-squared is divided
+    generic: the best generic disturbance, where a guess makes one worth fitting
     """
 
     nominal: Linearisation
@@ -75,7 +75,7 @@ class SearchResult:
 
     @property
     def bins(self) -> int:
-        """How many numbers are compared."""
+        """How many values are compared."""
         return self.baseline.residual.size
 
 
@@ -87,7 +87,7 @@ def search_effects(
     seed: int,
     progress: Progress = lambda text: None,
 ) -> SearchResult:
-    """Search what is missing. Raises ComputationFailed where the base cannot be simulated."""
+    """Search for what is missing; ComputationFailed where the baseline cannot be simulated."""
     groups = grouped(plant, entries)
     nominal, baseline = based(plant, groups, settings, effects, seed, progress)
     names = [each.name for each in effects if each.name not in GENERIC]
@@ -107,12 +107,12 @@ def search_effects(
 
 
 def _enough(found: SearchResult) -> bool:
-    """Tell whether the best effect gains what a name needs."""
+    """Whether the best effect reduces chi-squared enough for a name."""
     return bool(found.trials) and found.trials[0].delta_chi2 > SEARCH.name_limit
 
 
 def _leading(found: SearchResult) -> Trial | None:
-    """What led the fit furthest: an effect that gains what a name needs, else whatever did."""
+    """The trial that improved the fit most: one that may be named, else any."""
     every = [*found.trials[:1], *([found.generic] if found.generic else [])]
     named = found.trials[:1] if _enough(found) else every
     best = max(named, key=lambda each: each.delta_chi2, default=None)
@@ -122,7 +122,7 @@ def _leading(found: SearchResult) -> Trial | None:
 def _searched(
     nominal: Linearisation, baseline: Linearisation, known: Fits, progress: Progress
 ) -> SearchResult:
-    """Single effects beside a base: screened, the best of them refitted; known: fits from afar."""
+    """Single effects beside a baseline: screened, the best refitted; known: global fits."""
     progress("a look at every effect")
     every = screened(baseline, list(baseline.space.effects))
     guesses = [each for each in every if each.effect not in GENERIC]
@@ -168,10 +168,10 @@ def _generic(
     variance_factor: float,
     progress: Progress,
 ) -> Trial | None:
-    """The best effect without a name, each fitted where its guess gains anything: refits gain more.
+    """The best generic disturbance, each fitted where its guess promises a reduction.
 
-    From the base, and from the machine of the best effect; never before the others: what it bends
-    is not theirs.
+    Fitted from the baseline and from the machine of the best effect, after all effects: a machine
+    that is biased by a generic disturbance is no start for an effect.
     """
     best = trials[0].point if trials and trials[0].delta_chi2 > SEARCH.faint else None
     found = []
@@ -190,10 +190,10 @@ def _generic(
 def _back(
     baseline: Linearisation, best: Trial, variance_factor: float, progress: Progress
 ) -> Linearisation | None:
-    """The base refitted from where the best effect led, without it; None where that is no better.
+    """The baseline refitted from where the best effect led, without it; None where it is no better.
 
-    Where fingers touch the misfit has more than one hollow: an effect may only have led out of one.
-    The machine's own values take over from it what they can.
+    With contacts chi-squared has several local minima. An effect may only have led out of one. The
+    machine's own parameters take over as much of its work as they can.
     """
     progress("the base from there")
     rows = without(best.point, best.effects)
@@ -206,7 +206,7 @@ def _back(
 
 
 def _rebased(found: SearchResult, baseline: Linearisation) -> SearchResult:
-    """The same beside a base that is little better: all effects gain less by that."""
+    """The same result beside a slightly better baseline: every reduction shrinks by that."""
     lost = (found.baseline.chi2 - baseline.chi2) / found.variance_factor
     trials = [
         replace(each, delta_chi2=each.delta_chi2 - lost)
@@ -220,7 +220,7 @@ def _rebased(found: SearchResult, baseline: Linearisation) -> SearchResult:
 def _deepened(
     nominal: Linearisation, baseline: Linearisation, fits: Fits, progress: Progress
 ) -> Fits:
-    """The fits with the best one refitted from about where it lies, if its mark turns."""
+    """The fits with the best one refitted around its size, if its signature depends on size."""
     best = min(fits, key=lambda name: fits[name].chi2, default=None)
     if best is None or fits[best].chi2 > baseline.chi2 - SEARCH.name_limit:
         return fits
@@ -229,12 +229,12 @@ def _deepened(
 
 
 def _whole(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
-    """The trial with its fit gone on to its end: what it tells of parameters is for the user."""
+    """The trial with its fit converged: its parameters are reported."""
     return priced(baseline, replace(trial, point=settled(trial.point)), variance_factor)
 
 
 def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
-    """The trial with its gain: misfit less than the base's, less the price of its parameters."""
+    """The trial with its reduction of chi-squared, less the price of its parameters."""
     further = trial.point.active.size - baseline.active.size - len(trial.effects)
     price = SEARCH.generic_price if trial.effects[0] in GENERIC else SEARCH.parameter_price
     return replace(
@@ -243,7 +243,7 @@ def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Tri
 
 
 def _second(found: SearchResult, progress: Progress) -> SearchResult:
-    """Look for more than the best effect explains: a second effect, and what is left after it."""
+    """Look for a second effect, and for what is left after it."""
     best = found.trials[0]
     needed = max(SEARCH.name_limit, SEARCH.second_share * best.delta_chi2)
     progress("what is left")
@@ -272,7 +272,7 @@ def _second(found: SearchResult, progress: Progress) -> SearchResult:
 def _refuted(
     best: Trial, guesses: list[Guess], pairs: list[Trial], variance_factor: float
 ) -> Guess | None:
-    """The best of what is left after the best effect: refits beside it, guesses for all others.
+    """The best of what is left after the best effect: refits where there are any, else guesses.
 
     pairs: best first
     """
@@ -287,7 +287,7 @@ def _refuted(
 def _paired(
     found: SearchResult, starts: Sequence[tuple[Trial, Guess]], progress: Progress
 ) -> list[Trial]:
-    """A second effect beside one, refitted together, from each start."""
+    """A second effect beside one, both refitted, from each start."""
     pairs = []
     for one, guess in starts:
         progress(f"{one.effects[0]} and {guess.effect}".replace("_", " "))
@@ -302,7 +302,7 @@ def _paired(
 def _paired_globally(
     found: SearchResult, guesses: Sequence[Guess], progress: Progress
 ) -> list[Trial]:
-    """Second effects whose marks turn, beside the best one."""
+    """Second effects whose signatures depend on size, beside the best one."""
     best = found.trials[0]
     own = best.point.space.of(*best.effects)
     start = started_at(with_noise(found.nominal, best.point.noise), own, best.point.x[own])
@@ -318,7 +318,7 @@ def _sorted(pairs: Sequence[Trial]) -> list[Trial]:
 
 
 def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
-    """Of some trials those that these recordings do not tell from the best one."""
+    """The trials that these recordings do not separate from the best one."""
     within = max(SEARCH.rival, SEARCH.rival_share * best.delta_chi2)
     return [
         t for t in trials if t.effects != best.effects and best.delta_chi2 - t.delta_chi2 < within
@@ -328,8 +328,8 @@ def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
 def _alone(found: SearchResult, pair: Trial, kept: str, progress: Progress) -> Trial | None:
     """One effect of a pair alone: the other may only have led there, or have kept it small.
 
-    Refitted as the other is let go, and at the size that it has in the pair from the machine as
-    given, which has not bent to the other.
+    Refitted while the other is removed gradually, and from the nominal machine at the size that it
+    has in the pair: the nominal machine is not biased by the other.
     """
     (other,) = (name for name in pair.effects if name != kept)
     progress(f"{kept} without {other}".replace("_", " "))
@@ -343,7 +343,7 @@ def _alone(found: SearchResult, pair: Trial, kept: str, progress: Progress) -> T
 
 
 def _others(point: Linearisation, present: tuple[str, ...], variance_factor: float) -> list[Guess]:
-    """Guesses for all other effects, the price of their parameters off their gain."""
+    """Guesses for all other effects, less the price of their parameters."""
     away = (*present, *GENERIC)
     names = [name for name in point.space.effects if name not in away]
     price = SEARCH.parameter_price * variance_factor

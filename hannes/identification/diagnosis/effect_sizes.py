@@ -1,7 +1,7 @@
-"""How large the effects of a verdict are; of two, one that may be nothing at all is let go.
+"""Effect sizes with intervals; of two effects one whose interval contains off is dropped.
 
-A second effect is named for what it lowers the misfit by. Looked at closer its size may be so
-uncertain that it holds off: then a remainder is there, and not that effect for sure.
+A second effect is named for its reduction of chi-squared. Its final fit may show a size so
+uncertain that its interval contains off. Then there is a remainder, and not surely that effect.
 """
 
 from collections.abc import Callable
@@ -17,16 +17,16 @@ from hannes.identification.diagnosis.multistart import faded
 from hannes.identification.diagnosis.score_test import amplitude_names
 from hannes.identification.diagnosis.tuning import FIT
 
-NORMAL = 1.96  # standard deviations on each side, of an interval of 95 %
+NORMAL = 1.96  # standard deviations on each side of a normal 95 % interval
 Progress = Callable[[str], None]
 
 
 def with_sizes(
     decision: Decision, seed: int, variance_factor: float, progress: Progress
 ) -> tuple[Decision, dict[int, float]]:
-    """The choice with its effects sized, and the standard deviation of each direction, by place.
+    """The decision with its effects fitted, and the standard deviation of each parameter, by index.
 
-    unit: by how much misfits are divided.
+    variance_factor: by which chi-squared is divided
     """
     if not decision.effects:
         return decision, {}
@@ -49,7 +49,7 @@ def with_sizes(
 def _surely(
     point: Linearisation, effect: str, spread: dict[int, float], variance_factor: float
 ) -> float:
-    """How far the surest size of an effect is from off, over the reach of its interval."""
+    """Distance of an effect's most certain size from off, over the half-width of its interval."""
     space = point.space
     places = [space.place(name) for name in amplitude_names(space.effects[effect])]
     fitted = [place for place in places if place in spread]
@@ -59,7 +59,7 @@ def _surely(
 def interval(
     point: Linearisation, place: int, deviation: float, variance_factor: float
 ) -> dict[str, float]:
-    """Value of one direction and the ends of its 95 % interval within bounds [SI]."""
+    """Value of one parameter and the ends of its 95 % interval within bounds [SI]."""
     each = point.space.parameters[place]
     value = float(each.value(point.x[place]))
     reach = _wide(variance_factor) * deviation * each.scale

@@ -1,9 +1,9 @@
 """The run most worth recording next: the one on which two explanations differ most.
 
-Each proposed run is simulated with both, as they fit what is recorded; their difference counts in
-standard deviations of what is not known there: sensors, firmware, run to run, and of the machine
-what the recordings so far leave open. Channels that were not logged so far are asked for only where
-no run without them tells the two apart.
+Each proposed run is simulated with both explanations as fitted. Their difference counts in
+standard deviations of everything uncertain there: sensors, discretisation, run-to-run variability,
+and the machine as far as the recordings leave it open. Channels that were not logged so far are
+asked for only where no run without them separates the two.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -34,9 +34,9 @@ Proposals = Callable[[Mapping[str, Recording]], Mapping[str, Recording]]
 
 @dataclass(frozen=True)
 class Separation:
-    """How far a run tells two explanations apart, in standard deviations.
+    """How well a run separates two explanations, in standard deviations.
 
-    usual: by the channels that are logged so far; most: by those in `more` too
+    usual: by the channels that are logged so far;  most: by those in `more` too
     """
 
     usual: float
@@ -45,7 +45,7 @@ class Separation:
 
 
 def next_run(plant: Plant, found: SearchResult, entries: Iterable[Entry]) -> dict | None:
-    """The run to record next, what it tells apart, and why; None where none is worth it.
+    """The run to record next, what it separates, and why; None where none is worth it.
 
     A plant may lack `proposals`.
     """
@@ -65,17 +65,17 @@ def next_run(plant: Plant, found: SearchResult, entries: Iterable[Entry]) -> dic
 
 
 def proposed(separations: Mapping[str, Separation], names: list[str]) -> dict | None:
-    """The run that tells most by what is logged so far, or with more where that is not enough."""
+    """The run that separates best by what is logged so far, or with more channels if needed."""
     apart = " from ".join(name.replace("_", " ") for name in names)
     best = max(separations, key=lambda name: separations[name].usual, default="")
     if best and separations[best].usual >= VERDICT.enough_separation:
-        why = f"it would tell {apart} by {separations[best].usual:.1f} standard deviations"
+        why = f"it would separate {apart} by {separations[best].usual:.1f} standard deviations"
         return {"experiment": best, "also_log": [], "separates": names, "why": why}
     best = max(separations, key=lambda name: separations[name].most, default="")
     if not best or separations[best].most < VERDICT.least_separation:
         return None
     each = separations[best]
-    why = f"it would tell {apart} by {each.most:.1f} standard deviations"
+    why = f"it would separate {apart} by {each.most:.1f} standard deviations"
     more = each.more if each.most > each.usual + VERDICT.worth_logging else ()
     if more:
         why += f", without {' and '.join(more)} by {each.usual:.1f}"
@@ -85,11 +85,9 @@ def proposed(separations: Mapping[str, Separation], names: list[str]) -> dict | 
 def separation(
     found: SearchResult, plant: Plant, entry: Entry, recorded: Sequence[Recording], *pair: Trial
 ) -> Separation:
-    """Distance between two explanations of one more run; none where it cannot be simulated."""
+    """Separation of two explanations by one more run; zero where it cannot be simulated."""
     baseline, run, more = found.baseline, entry.recording, {}
-    if (
-        baseline.noise.simulated_noise
-    ):  # else nothing tells how noisy channels are that were not recorded
+    if baseline.noise.simulated_noise:
         more = {n: u for n, u in getattr(plant, "loggable", {}).items() if n not in run}
         run = _rough(plant, run, recorded, more)
     group, there = Group(plant, [replace(entry, recording=run)]), baseline.model
@@ -113,7 +111,7 @@ def separation(
 def _differing(
     baseline: Linearisation, model: Model, group: Group, one: Trial, other: Trial
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What two explanations differ by, shape (n,), and the covariance of what is not known."""
+    """Difference of two explanations, shape (n,), and the covariance of what is uncertain."""
     known = model.space.uncertain
     vectors, derivatives = differenced(model, baseline.x, known, False)
     ends = model.vectors(group, np.array([one.point.x, other.point.x]), True)
@@ -129,7 +127,7 @@ def _distance(difference: np.ndarray, covariance: np.ndarray) -> float:
 
 
 def _doubt(baseline: Linearisation, model: Model, channels: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Covariance of a run by what is not known of it, the machine aside."""
+    """Covariance of a run by everything uncertain but the machine."""
     noise, (group,) = baseline.noise.run_noise, model.groups
     if baseline.noise.simulated_noise:  # repeats may be noisier than simulated ones
         more = np.repeat([noise.more.get(name, 1.0) for name in group.names], group.bins)
@@ -146,9 +144,9 @@ def _doubt(baseline: Linearisation, model: Model, channels: Mapping[str, np.ndar
 def _rough(
     plant: Plant, run: Recording, recorded: Sequence[Recording], more: Mapping[str, str]
 ) -> Recording:
-    """The run with more channels, and those that were recorded as noisy as they were.
+    """The run with further channels, and with recorded channels as noisy as they were.
 
-    By that, noise in it is simulated.
+    Noise is simulated in it accordingly.
     """
     rng, channels = np.random.default_rng(0), dict(run.channels)
     for name in plant.judged:

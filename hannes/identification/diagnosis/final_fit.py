@@ -1,9 +1,8 @@
-"""The fit of what was named gone on to its end: how large it is, and how surely.
+"""The final fit of the effects named: their sizes and how certain they are.
 
-To tell effects apart many fits are compared, in bins that quick simulations of any machine bear and
-about noise as it is without any effect. Once a name is found there is one machine left: what
-its firmware adds can be had with the effect in it, and finer bins bear more of what was recorded.
-It chooses between no rivals.
+Many fits are compared to find the effects, in bins that every machine can be simulated in, and
+with the noise of a machine without effects. Afterwards one machine is left. Its discretisation
+error is simulated with the effects in it, and the bins are finer. It decides between no rivals.
 """
 
 from collections.abc import Sequence
@@ -22,7 +21,7 @@ from hannes.identification.diagnosis.tuning import FIT
 
 @dataclass(frozen=True)
 class FinalFit:
-    """A fit, and the standard deviation of each direction that was fitted, by place, in steps."""
+    """A fit, and the standard deviation of each fitted parameter, by index, in steps."""
 
     point: Linearisation
     deviations: dict[int, float]
@@ -35,9 +34,9 @@ def final_fit(
     seed: int,
     variance_factor: float = 1.0,
 ) -> FinalFit:
-    """The fit in finer bins, at the floor of its valley; as it is where these cannot be had.
+    """The fit in finer bins, at the minimum of its profiles; unchanged where these fail.
 
-    unit: by how much misfits are divided.
+    variance_factor: by which chi-squared is divided
     """
     fine = _finer(point, effects, accuracy, seed)
     if fine is not point:
@@ -58,13 +57,14 @@ def final_fit(
     values = [known[k].least if k in known else fine.x[k] for k in found]
     floor = held_at(start, places, np.array(values))
     if floor is None or floor.chi2 > fine.chi2 + FIT.local_minima * places.size or not _runs(floor):
-        return FinalFit(fine, spread)  # least along each, but not along all together
+        return FinalFit(fine, spread)  # least along each parameter, but not along all together
     return FinalFit(floor, spread | {k: each.deviation for k, each in known.items()})
 
 
 def _finer(
     point: Linearisation, effects: Sequence[str], accuracy: NoiseAccuracy, seed: int
 ) -> Linearisation:
+    """The fit converged in finer bins; unchanged where that cannot be simulated."""
     model = point.model
     held = model.held([Group(model.small, each.entries, FIT.finer_bins) for each in model.groups])
     try:
@@ -78,7 +78,7 @@ def _finer(
 
 
 def _runs(point: Linearisation) -> bool:
-    """Tell whether every command can be simulated there, firmware and all, as it will be shown."""
+    """Whether every command can be simulated there with the sampled controller."""
     model, rows = point.model, point.x[np.newaxis]
     runs = (model.simulated(group, rows, True, exact=True)[0] for group in model.groups)
     return all(run is not None for run in runs)

@@ -1,4 +1,4 @@
-"""Finds the least misfit over the active directions: Gauss and Newton, few simulations a step."""
+"""Minimises chi-squared over the active parameters: Gauss-Newton with few simulations a step."""
 
 from collections.abc import Sequence
 
@@ -9,10 +9,10 @@ from hannes.identification.diagnosis.tuning import FIT
 
 
 def fitted(point: Linearisation, steps: int, anew: int = 0) -> Linearisation:
-    """The point of the least misfit found in `steps` steps, and in as many after each `anew`.
+    """The fit after `steps` steps, and as many after each of `anew` new sets of derivatives.
 
-    Steps take slopes along effects anew, as few as there are, and mend the others by what the
-    step did; before each round of `anew` all are had anew.
+    A step differences the effects' parameters only, which are few, and updates the other
+    derivatives by Broyden's rule.
     """
     point = _walked(point, steps)
     for _ in range(anew):
@@ -23,9 +23,9 @@ def fitted(point: Linearisation, steps: int, anew: int = 0) -> Linearisation:
 def settled(
     point: Linearisation, little: float = FIT.converged, below: float = np.inf
 ) -> Linearisation:
-    """All slopes anew and some steps, until that gains less than `little`; a few times at most.
+    """The fit converged: new derivatives and some steps until the reduction is below `little`.
 
-    Gives up where a round gains less than the misfit still lies above `below`.
+    Gives up where a round reduces chi-squared by less than it still lies above `below`.
     """
     for _ in range(FIT.rounds):
         found = _walked(relinearised(point), FIT.steps_per_round)
@@ -36,7 +36,7 @@ def settled(
 
 
 def relinearised(point: Linearisation) -> Linearisation:
-    """The same point with all slopes had anew along which the recordings tell anything."""
+    """The same point with new derivatives by all parameters that the recordings inform about."""
     informed = np.sum(point.jacobian**2, axis=1) > FIT.least_information**2 * point.prior**2
     informed |= point.active >= point.space.uncertain.size
     return point.moved(point.x, point.active[informed]) or point
@@ -45,7 +45,7 @@ def relinearised(point: Linearisation) -> Linearisation:
 def _walked(point: Linearisation, steps: int) -> Linearisation:
     for _ in range(steps):
         found = _stepped(point)
-        if found is None or found.chi2 >= point.chi2:  # many places are had as changes, nearly
+        if found is None or found.chi2 >= point.chi2:  # points simulated as changes are approximate
             break
         gained, point = point.chi2 - found.chi2, found.corrected(point)
         if gained < FIT.converged:
@@ -54,9 +54,9 @@ def _walked(point: Linearisation, steps: int) -> Linearisation:
 
 
 def _stepped(point: Linearisation) -> Linearisation | None:
-    """A step that lowers the misfit: the whole one, or the best of many; None where there is none.
+    """A step that reduces chi-squared: the whole one or the best of several; None if none does.
 
-    The whole one where it does about what it promised.
+    The whole one counts where it achieves about what it predicts.
     """
     step = newton_step(point)
     place, chi2 = _best(point, [step])
@@ -71,7 +71,7 @@ def _stepped(point: Linearisation) -> Linearisation | None:
 
 
 def _best(point: Linearisation, steps: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
-    """Where the best of these steps leads, within bounds, and the misfit there."""
+    """Where the best of these steps leads, within bounds, and chi-squared there."""
     space = point.space
     places = np.repeat(point.x[np.newaxis], len(steps), axis=0)
     places[:, point.active] += steps
@@ -82,16 +82,16 @@ def _best(point: Linearisation, steps: Sequence[np.ndarray]) -> tuple[np.ndarray
 
 
 def _promised(point: Linearisation, step: np.ndarray) -> float:
-    """How much a step lowers the misfit where that is quadratic."""
+    """Predicted reduction of chi-squared by a step."""
     return float(2.0 * step @ point.gradient - step @ point.hessian @ step)
 
 
 def newton_step(point: Linearisation, damping: float = 0.0) -> np.ndarray:
-    """Step to the least misfit within bounds were it quadratic, (active,).
+    """Step to the least chi-squared within bounds, were it quadratic, (active,).
 
-    Cut off at bounds only afterwards, a step of two sizes that do nearly the same leads uphill.
-    damping: times what is known already, by which a step is held back (Levenberg 1944): where
-    fingers touch the misfit bends within a standard deviation.
+    Clipped only afterwards, a step of two sizes with nearly the same signature leads uphill.
+    damping: times the prior's weight that holds the step back (Levenberg 1944): with contacts
+    chi-squared bends within a standard deviation.
     """
     from scipy.optimize import lsq_linear
 
@@ -108,6 +108,6 @@ def newton_step(point: Linearisation, damping: float = 0.0) -> np.ndarray:
 
 
 def standard_deviations(point: Linearisation) -> np.ndarray:
-    """Standard deviations of the active directions were the misfit quadratic, (active,)."""
+    """Standard deviations of the active parameters, were chi-squared quadratic, (active,)."""
     hessian = point.hessian + FIT.jitter * np.eye(point.active.size)
     return np.sqrt(np.diag(np.linalg.inv(hessian)))

@@ -1,11 +1,11 @@
-"""Effects whose marks turn with their size, found from far off.
+"""Global (multi-start) initialisation of effects whose signature depends on their size.
 
-What an object does that stands elsewhere depends on which fingers then touch it first: its mark at
-a millimetre tells nothing of the mark at four, and no guess leads there. The refitted base is no
-place to begin either: it has bent to what is missing. So such an effect is put in at the machine as
-given, at many sizes, and the best of these are refitted. So is one whose work the machine's values
-can do nearly alone, as wires that give more. Where the base leaves far too much the likeliest of
-all effects are: slack of several millimetres lies beyond the reach of any slope.
+An object that stands elsewhere is touched by other fingers first. Its signature at one millimetre
+says nothing about the one at four, and no linear guess leads there. The baseline is no start
+either: it is biased by the missing effect. So such an effect is started in the nominal machine at
+many sizes, and the best of these are refitted. The same is done for effects that the machine's own
+parameters nearly absorb, such as wire compliance, and for the likeliest effects where the baseline
+leaves far too much: several millimetres of slack are beyond any linear guess.
 """
 
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ from hannes.identification.diagnosis.tuning import SEARCH
 def global_fits(
     nominal: Linearisation, baseline: Linearisation, effects: Sequence[str], progress: Progress
 ) -> Fits:
-    """The best fit with each effect that turns, or is likely, if any is below the base."""
+    """The best fit with each size-dependent or likely effect, of those below the baseline."""
     names = size_dependent(nominal, effects)
     if baseline.chi2 > SEARCH.lost_baseline * baseline.residual.size:
         names += [
@@ -41,10 +41,10 @@ def global_fits(
 def fits_from_nominal(
     nominal: Linearisation, baseline: Linearisation, effects: Sequence[str], progress: Progress
 ) -> Fits:
-    """The best fit with each effect put into the machine as given, of those below the base."""
+    """The best fit with each effect added to the nominal machine, of those below the baseline."""
     found = dict[str, Linearisation]()
     for name in effects:
-        progress(f"{name.replace('_', ' ')}, from afar")
+        progress(f"{name.replace('_', ' ')}, global starts")
         points = sorted(_begun(nominal, name), key=lambda each: each.chi2)[: SEARCH.starts_kept]
         points = [fitted(each, SEARCH.further_steps) for each in points]
         if points:
@@ -54,9 +54,9 @@ def fits_from_nominal(
 
 
 def absorbed_by_baseline(baseline: Linearisation, guess: Guess) -> bool:
-    """Tell whether the machine's values can do nearly all that a guess does.
+    """Whether the machine's own parameters can do nearly all that a guess does.
 
-    The refitted base has bent to it then, and far: there no slope tells the way back.
+    The baseline is then biased by the effect, and far: no derivative there leads back.
     """
     space = baseline.space
     names = amplitude_names(space.effects[guess.effect])
@@ -67,7 +67,7 @@ def absorbed_by_baseline(baseline: Linearisation, guess: Guess) -> bool:
 
 
 def deepest_minimum(nominal: Linearisation, point: Linearisation, name: str) -> Linearisation:
-    """The best fit about one with an effect that turns: the misfit has many hollows there."""
+    """The best fit around one with a size-dependent effect: there are many local minima."""
     if not size_dependent(nominal, [name]):
         return point
     own = nominal.space.of(name)
@@ -86,7 +86,7 @@ def deepest_minimum(nominal: Linearisation, point: Linearisation, name: str) -> 
 
 
 def _resized(point: Linearisation, name: str, share: float) -> np.ndarray:
-    """x with an effect so many times as large within its range, its shape as it is, (size,)."""
+    """x with an effect `share` times as large within its range, shape parameters kept, (size,)."""
     space, x = point.space, point.x.copy()
     places = [space.place(each) for each in amplitude_names(space.effects[name])]
     x[places] = np.clip(share * x[places], space.low[places], space.high[places])
@@ -94,7 +94,7 @@ def _resized(point: Linearisation, name: str, share: float) -> np.ndarray:
 
 
 def size_dependent(point: Linearisation, effects: Sequence[str]) -> list[str]:
-    """Of some effects those whose mark, by any amplitude, is another one where that is large."""
+    """The effects whose signature, by any amplitude, is another one where that is large."""
     small = _signatures(point, effects, 1.0)
     sides = [_signatures(point, list(small), side * SEARCH.large_size) for side in (-1.0, 1.0)]
     return [
@@ -105,6 +105,7 @@ def size_dependent(point: Linearisation, effects: Sequence[str]) -> list[str]:
 
 
 def _differ(small: np.ndarray, large: np.ndarray) -> bool:
+    """Whether two sets of signatures have a small cosine in any amplitude."""
     return any(
         abs(one @ other) < SEARCH.size_dependent_cosine * np.sqrt((one @ one) * (other @ other))
         for one, other in zip(small, large, strict=True)
@@ -112,7 +113,7 @@ def _differ(small: np.ndarray, large: np.ndarray) -> bool:
 
 
 def _signatures(point: Linearisation, effects: Sequence[str], size: float) -> dict[str, np.ndarray]:
-    """Whitened change by each amplitude at a size, per step, of effects whose range it is in."""
+    """Whitened change by each amplitude at a size, per step, of effects whose range contains it."""
     known = point.space.effects
     trials = [
         (name, shapes(known[name])[0], steps)
@@ -124,7 +125,7 @@ def _signatures(point: Linearisation, effects: Sequence[str], size: float) -> di
 
 
 def _likely(nominal: Linearisation, effects: Sequence[str]) -> list[str]:
-    """Effects in the order of what the best size of each would leave, were all else to follow."""
+    """Effects ordered by the chi-squared that their best size would leave, all else following."""
     least = {
         name: _left(nominal, name, _sizes(nominal, name)).min(initial=np.inf) for name in effects
     }
@@ -132,7 +133,7 @@ def _likely(nominal: Linearisation, effects: Sequence[str]) -> list[str]:
 
 
 def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
-    """Misfit of places with an effect, shape (m,), were all else to follow by its slopes."""
+    """Chi-squared at points with an effect, shape (m,), all else following linearly."""
     own = nominal.space.of(name)
     return nominal.with_active(np.union1d(nominal.active, own)).chi2_at(rows, following=True)
 
@@ -147,7 +148,7 @@ def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
 
 
 def _sizes(nominal: Linearisation, name: str) -> np.ndarray:
-    """Places with each amplitude of an effect at each size inside its range, (m, size)."""
+    """Points with each amplitude of an effect at each size inside its range, (m, size)."""
     space = nominal.space
     rows = []
     for place in (space.place(each) for each in amplitude_names(space.effects[name])):

@@ -1,4 +1,4 @@
-"""What an effect gains on runs that were not fitted: base and effect refitted without them."""
+"""Reduction on held-out runs: baseline and effect are refitted without them."""
 
 from collections.abc import Sequence
 
@@ -15,9 +15,9 @@ def heldout_reduction(
     fitted_runs: Sequence[int],
     heldout_runs: Sequence[int],
 ) -> float:
-    """Misfit of the base less that of the trial on the runs that were not fitted.
+    """Chi-squared of the baseline less that of the trial on runs that were not fitted.
 
-    `fitted_runs`, `heldout_runs`: bit masks of the runs of each group. Zero where either has none.
+    fitted_runs, heldout_runs: bit masks of the runs of each group. Zero where either has none.
     """
     if not (any(fitted_runs) and any(heldout_runs)):
         return 0.0
@@ -25,13 +25,14 @@ def heldout_reduction(
 
 
 def _left(point: Linearisation, fitted_runs: Sequence[int], heldout_runs: Sequence[int]) -> float:
+    """Chi-squared on held-out runs, after a fit of the others; infinite where it cannot be run."""
     found = fitted(_only(point, fitted_runs), VERDICT.heldout_steps)
     there = _only(point, heldout_runs).moved(found.x, np.zeros(0, int))
     return float("inf") if there is None else float(there.residual @ there.residual)
 
 
 def _only(point: Linearisation, masks: Sequence[int]) -> Linearisation:
-    """The point as some of the runs alone would have it: means of fewer runs are noisier."""
+    """The point with some of the runs alone: means of fewer runs are noisier."""
     noise, numbers = point.noise, [k for k, mask in enumerate(masks) if mask]
     whole = [noise.model.groups[k] for k in numbers]
     groups = [

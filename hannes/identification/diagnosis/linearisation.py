@@ -1,4 +1,4 @@
-"""The misfit made linear about one place of the space."""
+"""Chi-squared linearised about one point of the parameter space."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -29,12 +29,13 @@ class NoiseAccuracy:
 
 @dataclass(frozen=True)
 class NoiseCovariance:
-    """What all points of one diagnosis share.
+    """The covariance of all that is uncertain, which all fits of one diagnosis share.
 
-    noise: of a run of each group; grain: what firmware adds, shape (n,) each
-    covariances: of the mean of each group's runs, all that is not known of them in it, (n, n) each
-    restless: how each group's runs differ from each other, one standard deviation a row, (k, n)
-    told: how noisy runs are follows from the machine simulated, not from a few repeats alone
+    run_noise: of one run of each group
+    discretisation: mean effect of the sampled controller on each group, shape (n,) each
+    covariances: of the mean of each group's runs, everything uncertain in it, (n, n) each
+    run_to_run: how the runs of each group differ, one standard deviation a row, (k, n)
+    simulated_noise: whether the noise is simulated, not estimated from a few repeats alone
     """
 
     model: Model
@@ -50,7 +51,7 @@ class NoiseCovariance:
         return [np.linalg.cholesky(each) for each in self.covariances]
 
     def white(self, number: int, rows: np.ndarray) -> np.ndarray:
-        """Rows (..., n) of a group in standard deviations, what hangs together counted once."""
+        """Rows (..., n) of a group, whitened by its covariance."""
         from scipy.linalg import solve_triangular
 
         return solve_triangular(self.roots[number], rows.T, lower=True, check_finite=False).T
@@ -62,10 +63,11 @@ class NoiseCovariance:
 
 @dataclass(frozen=True)
 class Linearisation:
-    """A place x, shape (size,), of which the directions in `active` may move.
+    """A point x, shape (size,), of which the parameters in `active` may move.
 
-    vectors: simulated bin means of each group; slopes: their change by x, shape (active, n) each
-    miss: whitened measured minus simulated, (N,); columns: whitened slopes, (active, N)
+    vectors: simulated bin means of each group
+    derivatives: of these by x, shape (active, n) each
+    residual: whitened measured minus simulated, (N,);  jacobian: whitened derivatives, (active, N)
     """
 
     noise: NoiseCovariance
@@ -88,31 +90,31 @@ class Linearisation:
 
     @cached_property
     def chi2(self) -> float:
-        """Squared distance of the recordings and of what is uncertain, in standard deviations."""
+        """Squared distance of recordings and of parameters, in standard deviations."""
         return float(self.residual @ self.residual + np.sum((self.space.prior * self.x) ** 2))
 
     @property
     def prior(self) -> np.ndarray:
-        """Roots of the weights of the active directions."""
+        """Roots of the prior weights of the active parameters."""
         return self.space.prior[self.active]
 
     @cached_property
     def hessian(self) -> np.ndarray:
-        """Half the second derivative of the misfit by the active directions."""
+        """Gauss-Newton Hessian of half of chi-squared by the active parameters."""
         return self.jacobian @ self.jacobian.T + np.diag(self.prior**2)
 
     @cached_property
     def gradient(self) -> np.ndarray:
-        """Minus half the gradient of the misfit."""
+        """Gradient of the log-likelihood, which is minus half of chi-squared."""
         return self.jacobian @ self.residual - self.prior**2 * self.x[self.active]
 
     @property
     def predicted_reduction(self) -> float:
-        """By how much the misfit would fall in a whole step, were it quadratic."""
+        """By how much chi-squared would fall in a whole step, were it quadratic."""
         return float(self.gradient @ np.linalg.solve(self.hessian, self.gradient))
 
     def moved(self, x: np.ndarray, fresh: np.ndarray) -> "Linearisation | None":
-        """The point at another x, slopes along `fresh` anew and the others as they were.
+        """The point at another x, with new derivatives along `fresh` and the others kept.
 
         None where the machine cannot be simulated there.
         """
@@ -132,12 +134,11 @@ class Linearisation:
         )
 
     def chi2_at(self, places: np.ndarray, following: bool = False) -> np.ndarray:
-        """Misfit at each of the places x, shape (m, size); infinite where nothing can be run.
+        """Chi-squared at each of the points x, shape (m, size); infinite where a run fails.
 
-        Nor is anything run where the machine's values alone are further off than all is here, or
-        would be were the recordings explained: no step leads there, and a machine like that may
-        take minutes.
-        following: after all active directions have followed, as far as slopes from here tell
+        A point is not simulated where its prior alone exceeds chi-squared here, or what a perfect
+        fit would leave: no step leads there, and such a machine may take minutes.
+        following: after all active parameters have followed, as far as the linearisation predicts
         """
         found = np.full(len(places), np.inf)
         off = np.sum((self.space.prior * places) ** 2, axis=1)
@@ -153,7 +154,7 @@ class Linearisation:
         return found
 
     def _vectors_at(self, places: np.ndarray) -> list[np.ndarray]:
-        """Of each group at places, shape (m, n): of many by what they change from here, quicker."""
+        """Vectors of each group at points, shape (m, n); many of them as changes from here."""
         model, effects = self.model, self._has_effects
         if len(places) < FIT.points_as_changes:
             return [model.vectors(group, places, effects) for group in model.groups]
@@ -167,7 +168,7 @@ class Linearisation:
         return self.active.size > self.space.uncertain.size
 
     def corrected(self, before: "Linearisation") -> "Linearisation":
-        """The point with its slopes mended by what the step from `before` really did (Broyden)."""
+        """The point with its Jacobian updated by what the step from `before` did (Broyden)."""
         step = (self.x - before.x)[self.active]
         if (length := float(step @ step)) < 1e-8:
             return self
@@ -175,7 +176,7 @@ class Linearisation:
         return replace(self, jacobian=self.jacobian + np.outer(step, wrong) / length)
 
     def with_active(self, active: np.ndarray) -> "Linearisation":
-        """The same place with other directions active: slopes along new ones are zero until had."""
+        """The same point with other parameters active; new ones have zero derivatives at first."""
         noise, known = self.noise, np.isin(active, self.active)
         places = np.searchsorted(self.active, active[known])
         derivatives = [np.zeros((active.size, each.shape[1])) for each in self.derivatives]
@@ -199,7 +200,7 @@ def whitened_residual(noise: NoiseCovariance, vectors: Sequence[np.ndarray]) -> 
 def differenced(
     model: Model, x: np.ndarray, along: np.ndarray, effects: bool
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Vectors of all groups at x, and their change along some directions, (directions, n)."""
+    """Vectors of all groups at x, and their derivatives by some parameters, (parameters, n)."""
     vectors, derivatives = [], []
     for group in model.groups:
         acting = model.space.acting(group)[along]
@@ -218,7 +219,7 @@ def differenced(
 def _near(
     model: Model, group: Group, here: np.ndarray, x: np.ndarray, rows: np.ndarray, effects: bool
 ) -> np.ndarray:
-    """What rows near x change by; by runs of their own where none can follow that at x."""
+    """Changes at rows near x; simulated alone where a run cannot follow the one at x."""
     changes = model.changes(group, x, rows, effects, here)
     lost = ~np.isfinite(changes).all(axis=1)
     if lost.any():
@@ -227,7 +228,7 @@ def _near(
 
 
 def _steps(model: Model, x: np.ndarray, along: np.ndarray) -> np.ndarray:
-    """One row for each direction: towards its given value, and never out of bounds."""
+    """One row for each parameter: a step towards its nominal value, inside its bounds."""
     space, steps = model.space, np.zeros((along.size, x.size))
     for row, place in zip(steps, along, strict=True):
         size = FIT.effect_step if space.parameters[place].effect else FIT.machine_step
@@ -238,14 +239,14 @@ def _steps(model: Model, x: np.ndarray, along: np.ndarray) -> np.ndarray:
 
 
 def first(model: Model, accuracy: NoiseAccuracy, seed: int) -> Linearisation:
-    """The point where everything is as given and no effect is there."""
+    """The nominal point, without any effect."""
     return begun(model, np.zeros(model.space.size), model.space.uncertain, accuracy, seed)
 
 
 def begun(
     model: Model, x: np.ndarray, active: np.ndarray, accuracy: NoiseAccuracy, seed: int
 ) -> Linearisation:
-    """The point at x, and the ground as it is there; ComputationFailed where none can be run."""
+    """The point at x with noise estimated there; ComputationFailed where it cannot be simulated."""
     effects = active.size > model.space.uncertain.size
     vectors, derivatives = differenced(model, x, active, effects)
     if not all(np.isfinite(each).all() for each in vectors):
@@ -256,7 +257,7 @@ def begun(
 def estimated_noise(
     model: Model, x: np.ndarray, accuracy: NoiseAccuracy, seed: int
 ) -> NoiseCovariance:
-    """Noise, grain, and what runs differ in, as they are at x, of effects only those held."""
+    """Noise, discretisation error and run-to-run variability at x; effects only where held."""
     discretisations = model.discretisation_errors(x, accuracy.samples, seed)
     channels = [model.simulated(group, x[np.newaxis], False)[0] or {} for group in model.groups]
     nonlinearities = [
@@ -281,7 +282,7 @@ def estimated_noise(
     for covariance, group, discretisation in zip(
         covariances, model.groups, discretisations, strict=True
     ):
-        if discretisation.deviations.any():  # the mean of so many simulations is not sure either
+        if discretisation.deviations.any():  # the mean of these simulations is uncertain too
             covariance += run_noise.moved(group) / len(discretisation.deviations)
     return NoiseCovariance(
         model,
@@ -299,7 +300,7 @@ def with_noise(
     vectors: list[np.ndarray] | None = None,
     derivatives: list[np.ndarray] | None = None,
 ) -> Linearisation:
-    """The same place on another ground, with vectors and slopes of its groups where they differ."""
+    """The same point with another noise covariance, and other vectors where its groups differ."""
     vectors, derivatives = vectors or point.vectors, derivatives or point.derivatives
     return _assembled(noise, point.x, point.active, vectors, derivatives)
 
@@ -318,8 +319,8 @@ def _assembled(
 def run_to_run_rows(model: Model, x: np.ndarray, group: Group, channels: Channels) -> np.ndarray:
     """How a group's runs differ about x, one standard deviation a row, shape (k, n).
 
-    Where fingers touch, a change does not do one way what it does the other, reversed: what both
-    ways have in common is a row of its own.
+    With contacts a change is not the reverse of the opposite change. What both have in common is a
+    row of its own.
     """
     space, sizes = model.space, _run_sizes(model, group)
     names = {space.parameters[k].name: k for k in space.uncertain if space.acting(group)[k]}
@@ -337,7 +338,7 @@ def run_to_run_rows(model: Model, x: np.ndarray, group: Group, channels: Channel
 
 
 def _own_step(model: Model, group: Group, name: str, size: float) -> np.ndarray:
-    """What a parameter that is certain for the machine, but not from run to run, does."""
+    """Change by a parameter that is certain for the machine, but varies from run to run."""
     many, value = getattr(model.small, "many", None), group.nominal[name]
     if many is None or name not in model.small.parameters:
         return np.zeros(group.part.size)
@@ -348,7 +349,7 @@ def _own_step(model: Model, group: Group, name: str, size: float) -> np.ndarray:
 
 
 def _run_sizes(model: Model, group: Group) -> dict[str, float]:
-    """What changes from run to run in a group, one standard deviation [SI] by full name."""
+    """What varies from run to run in a group, one standard deviation [SI] by full name."""
     sizes = dict(run_to_run_spread(model.small))
     factor = model.space.settings.run_scatter / Settings.run_scatter
     others = {name for each in model.groups for name in each.own} - set(group.own)

@@ -1,4 +1,4 @@
-"""Fits with one effect more, begun where they may arrive: the best few from several ends."""
+"""Fits with one more effect, each from several starting points."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -23,13 +23,15 @@ def refitted(
     needed: float,
     progress: Progress,
 ) -> Fits:
-    """Best fit with each effect from every start, below the base; the best few from several ends.
+    """Best fit with each effect from every start, of those below the baseline.
 
-    known: fits from elsewhere; needed: gain that a name needs. What ended above the base did not
-    get there: the base is that effect at off.
+    The best few are refined.
+
+    known: fits from elsewhere;  needed: reduction that a name needs. A fit that ends above the
+    baseline failed: the baseline is that effect at off.
     """
     best = _better(_started(starts, progress), known)
-    # A guess at the machine as given promises what refitting the base has brought already.
+    # A guess at the nominal machine also predicts what the baseline fit has achieved already.
     predicted = dict.fromkeys(best, 0.0) | {
         g.effect: g.delta_chi2 for at, g in starts if at is baseline
     }
@@ -46,7 +48,7 @@ def refitted(
 
 
 def _started(starts: Sequence[Start], progress: Progress) -> Fits:
-    """Best fit with each effect from every start, slopes mended as it goes."""
+    """Best fit with each effect from every start, derivatives updated on the way."""
     best: Fits = {}
     for start, guess in starts:
         progress(guess.effect.replace("_", " "))
@@ -60,7 +62,7 @@ def _started(starts: Sequence[Start], progress: Progress) -> Fits:
 
 
 def _better(fits: Fits, others: Fits) -> Fits:
-    """Of every effect's fits the one that leaves less."""
+    """Of each effect's fits the one with the smaller chi-squared."""
     every = [*fits.items(), *others.items()]
     return dict(sorted(every, key=lambda each: -each[1].chi2))
 
@@ -68,10 +70,10 @@ def _better(fits: Fits, others: Fits) -> Fits:
 def _from_both(
     point: Linearisation, baseline: Linearisation, nominal: Linearisation, predicted: float
 ) -> Linearisation:
-    """A fit with an effect settled; where it was led astray, from the machine as given too.
+    """A converged fit with an effect; from the nominal machine too, where it may be local.
 
-    The base bends to hide an effect; where fingers touch a fit from there may stay bent. It does
-    where it gains less than what was `predicted` for, or where it had far to go.
+    The baseline is biased to hide an effect, and with contacts a fit from there may stay biased.
+    That is suspected where it reduces less than `predicted`, or where the last rounds reduced much.
     """
     found = settled(point, little(baseline.chi2 - point.chi2))
     delta_chi2 = baseline.chi2 - found.chi2
@@ -85,10 +87,10 @@ def _from_both(
 
 
 def _crossed(best: Fits, baseline: Linearisation, needed: float, progress: Progress) -> Fits:
-    """The same, rivals that gain nearly as much as the best effect fitted from its machine as well.
+    """The same fits, with close rivals refitted from the machine of the best effect too.
 
-    Where fingers touch, fits that went other ways may differ by more than their effects do. A
-    rival that is the best one then lends its machine in turn, once.
+    With contacts, fits that took other ways may differ by more than their effects do. A rival that
+    becomes the best one lends its machine in turn, once.
     """
     best, leaders = dict(best), list[str]()
     while best and len(leaders) < 2:
@@ -109,7 +111,7 @@ def _crossed(best: Fits, baseline: Linearisation, needed: float, progress: Progr
 def _from_machine(
     other: Linearisation, point: Linearisation, baseline: Linearisation, delta_chi2: float
 ) -> Linearisation:
-    """A fit begun anew at another one's machine, its own effect kept; the better of both."""
+    """A fit from another one's machine with its own effect; the better of both."""
     x = point.x.copy()
     x[baseline.active] = other.x[baseline.active]
     there = point.moved(x, np.setdiff1d(point.active, baseline.active))
@@ -122,7 +124,7 @@ def _from_machine(
 def fit_beside(
     baseline: Linearisation, guess: Guess, best: Linearisation | None
 ) -> Linearisation | None:
-    """The best fit of a guess from the base, and from another fit's machine; None below neither."""
+    """The best fit of a guess, from the baseline or another fit's machine; None if no better."""
     start = started_at_guess(baseline, guess)
     if start is None:
         return None
@@ -134,7 +136,7 @@ def fit_beside(
 
 
 def with_correction_at_size(point: Linearisation, name: str) -> Linearisation:
-    """Refitted with firmware's ticks as they are at the size at which an effect was found."""
+    """Refitted with the sampled-controller correction at the size that was found."""
     model, places = point.model, point.space.of(name)
     if not model.in_loop(name) or np.abs(point.x[places]).max() <= NOISE.correction_sizes[0]:
         return point
@@ -144,7 +146,7 @@ def with_correction_at_size(point: Linearisation, name: str) -> Linearisation:
 
 
 def started_at_guess(start: Linearisation, guess: Guess) -> Linearisation | None:
-    """The start with an effect at the best share of its guess; None where that breaks down."""
+    """The start with an effect at the best share of its guess; None where that fails."""
     space, rows = start.space, np.repeat(start.x[np.newaxis], len(SEARCH.guess_shares), axis=0)
     rows[:, guess.places] = guess.x
     amplitudes = [space.place(name) for name in amplitude_names(space.effects[guess.effect])]
@@ -155,9 +157,9 @@ def started_at_guess(start: Linearisation, guess: Guess) -> Linearisation | None
 
 
 def without(point: Linearisation, effects: Sequence[str]) -> np.ndarray:
-    """Places without these effects: as it is else, and where all else takes their work over.
+    """Points without these effects, with none, half and all of their work taken over linearly.
 
-    That by a linear guess, whole and by half; shape (3, size), within bounds.
+    Shape (3, size), within bounds.
     """
     space, rows = point.space, np.repeat(point.x[np.newaxis], len(SEARCH.takeover_shares), axis=0)
     rows[:, space.of(*effects)] = 0.0
@@ -172,10 +174,9 @@ def without(point: Linearisation, effects: Sequence[str]) -> np.ndarray:
 
 
 def faded(point: Linearisation, name: str) -> Linearisation | None:
-    """The fit with an effect let go little by little, all else following; None where it breaks.
+    """The fit with an effect removed gradually, all else following; None where that fails.
 
-    Taken away at once it would leave the hollow that it led to: where fingers touch others are
-    all about.
+    Removed at once it would leave its local minimum: with contacts there are many.
     """
     space = point.space
     places = space.of(name)
@@ -194,12 +195,12 @@ def faded(point: Linearisation, name: str) -> Linearisation | None:
 def started_at(
     start: Linearisation, places: np.ndarray, values: np.ndarray
 ) -> Linearisation | None:
-    """The start with an effect's directions active and at these values of x."""
+    """The start with an effect's parameters active and at these values of x."""
     x = start.x.copy()
     x[places] = values
     return start.with_active(np.union1d(start.active, places)).moved(x, np.sort(places))
 
 
 def little(delta_chi2: float) -> float:
-    """What a round may gain and be the last, where so much is gained in all."""
+    """Reduction below which a round is the last, where the whole reduction is this large."""
     return max(FIT.converged, SEARCH.last_round_share * delta_chi2)

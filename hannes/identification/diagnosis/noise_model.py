@@ -1,9 +1,9 @@
-"""How noisy the bin means of a run are: sensors, and what noisy sensors make the machine do.
+"""How noisy the bin means of a run are: sensors, and what sensor noise makes the machine do.
 
-A noisy sensor inside a control loop moves the machine, and friction holds on to where it came: what
-is left hangs together over time and from channel to channel, and is more where fingers touch.
-Counted as white, it would make every fit surer than it may be. Its shape comes from simulations
-of the firmware with noisy sensors, its size from them or from repeats, whichever is more.
+Sensor noise inside a control loop moves the machine, and friction keeps it where it came. The
+residual is correlated over time and between channels, and larger at contacts. Taken as white, it
+would make every fit look too certain. Its shape comes from simulations of the sampled controller
+with noisy sensors, its size from them or from repeats, whichever is larger.
 """
 
 from collections.abc import Sequence
@@ -21,12 +21,12 @@ Levels = dict[str, float]  # channel -> standard deviation of a bin mean
 
 
 class Noise:
-    """Covariance of the bin means of a run of each group, without what differs from run to run.
+    """Covariance of the bin means of a run of each group, without run-to-run variability.
 
-    strays: what runs of each group are off their mean, shape (runs, n) each: simulated ones, or
-            repeats (`of_repeats`)
-    roughs: roughness of each channel in these; white noise makes up for that of the recordings
-    jerk: how many times the stray inside a bin is noise there: what touches is known less well
+    deviations: of each group's runs from their mean, shape (runs, n) each: simulated ones, or
+                repeats (`of_repeats`)
+    roughnesses: of each channel in these; white noise makes up for that of the recordings
+    nonlinearity: how many times the within-bin nonlinearity is taken as noise
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class Noise:
         self.more = self._compared([nonlinearity * each for each in nonlinearities], run_to_run)
 
     def covariance(self, group: Group) -> np.ndarray:
-        """Shape (n, n), positive definite."""
+        """Covariance of a run, shape (n, n), positive definite."""
         levels = self._white.get(id(group)) or self._usual
         white = np.repeat([levels.get(name, 0.0) for name in group.names], group.bins)
         more = np.repeat([self.more.get(name, 1.0) for name in group.names], group.bins)
@@ -72,12 +72,12 @@ class Noise:
 
     @property
     def _usual(self) -> Levels:
-        """Of a run that was not simulated: the most that any has."""
+        """Levels of a run that was not simulated: the largest of all."""
         names = {name for levels in self._white.values() for name in levels}
         return {n: max(each.get(n, 0.0) for each in self._white.values()) for n in names}
 
     def moved(self, group: Group) -> np.ndarray:
-        """Covariance of what the sensors' noise makes the machine do, shape (n, n)."""
+        """Covariance of what sensor noise makes the machine do, shape (n, n)."""
         if not self._lagged:
             return np.zeros((group.part.size, group.part.size))
         deviations = self._strays.get(id(group))
@@ -102,7 +102,7 @@ class Noise:
         return (vectors * np.maximum(values, NOISE.least_eigenvalue * values.mean())) @ vectors.T
 
     def _profile(self, group: Group) -> np.ndarray:
-        """Standard deviation of each bin; of a run that was not simulated, those of another."""
+        """Standard deviation of each bin; of a run that was not simulated, that of the others."""
         known = self._profiles.get(id(group))
         if known is not None:
             return known
@@ -125,7 +125,7 @@ class Noise:
         return {width: _covariances(width, each) for width, each in runs.items()}
 
     def _compared(self, shaken: Sequence[np.ndarray], run_to_run: Sequence[np.ndarray]) -> Levels:
-        """How many times as far repeats are from each other, by channel; at least 1."""
+        """Ratio of the spread of repeats to the model's, by channel; at least 1."""
         squares: dict[str, list[float]] = {}
         for group, *each in zip(self.groups, shaken, run_to_run, strict=True):
             level = np.sqrt(np.diag(self.covariance(group)))
@@ -137,7 +137,7 @@ class Noise:
 
 
 def _profile(group: Group, deviations: np.ndarray) -> np.ndarray:
-    """Standard deviation of each bin among runs, from it and the bins about it, (n,)."""
+    """Standard deviation of each bin among runs, pooled with its neighbours, (n,)."""
     window = np.full(2 * NOISE.profile_window + 1, 1.0 / (2 * NOISE.profile_window + 1))
     variance = np.mean(np.square(deviations), axis=0).reshape(len(group.names), group.bins)
     padded = np.pad(variance, ((0, 0), (NOISE.profile_window, NOISE.profile_window)), "edge")
@@ -151,7 +151,7 @@ def of_repeats(
     run_to_run: Sequence[np.ndarray],
     nonlinearity: float,
 ) -> tuple[list[np.ndarray], list[Levels]]:
-    """`deviations` and `roughnesses` for Noise, of a plant that cannot simulate noisy sensors."""
+    """`deviations` and `roughnesses` for Noise, of a plant that cannot simulate sensor noise."""
     deviations, roughnesses = [], []
     for group, deviation, rows in zip(groups, nonlinearities, run_to_run, strict=True):
         levels = white_levels(group, {})
@@ -165,7 +165,7 @@ def of_repeats(
 def _rests(
     group: Group, level: np.ndarray, shake: np.ndarray, run_to_run: np.ndarray
 ) -> list[np.ndarray]:
-    """What each run differs in from the mean of its group, what runs do taken away."""
+    """Deviation of each run from its group's mean, less the run-to-run variability."""
     if group.count < 2:
         return []
     white = Whitening.of(np.hypot(level, shake), run_to_run)
@@ -200,9 +200,9 @@ def _toeplitz(pairs: dict[tuple, np.ndarray], a: str, b: str, size: int) -> np.n
 
 
 def white_levels(group: Group, known: Levels, least: float = NOISE.least_white_of_few) -> Levels:
-    """Noise of each channel's bin means beyond one of a known roughness, were it white.
+    """White noise of each channel's bin means beyond one of known roughness.
 
-    least: share of the roughness that is there however much is known.
+    least: share of the roughness that is white in any case
     """
     found = {}
     for name, level_recorded in recorded_roughness(group).items():

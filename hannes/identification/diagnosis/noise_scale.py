@@ -1,9 +1,8 @@
-"""What a fit gains, counted in the noise that is really there.
+"""The variance factor: the noise that is really there over the noise that is assumed.
 
-Noise is told too large where machines are noisier in simulation than on the bench: then the best
-model leaves less than one per bin. So much less noise counts. What runs are told to differ in is
-told by their number alone, and counts as it was told: were it less as well, twelve runs that all
-started late by chance would be a delay.
+Some machines are noisier in simulation than on the bench. Then the best model leaves less than one
+per bin, and noise counts less accordingly. Run-to-run variability keeps its assumed size: few runs
+inform about it. Were it reduced too, twelve runs that happened to start late would be a delay.
 """
 
 import numpy as np
@@ -13,9 +12,9 @@ from hannes.identification.diagnosis.tuning import NOISE
 
 
 def estimated_variance_factor(baseline: Linearisation, least: float) -> float:
-    """What a bin's square is by noise alone, of the least misfit of any model: 1 as it was told.
+    """Variance of noise per bin, of the least chi-squared of any model; 1 as assumed.
 
-    Never below QUIET; where only repeats tell it, never below 1.
+    Bounded below by the tuning constant, and by 1 where noise is known from repeats alone.
     """
     return max(
         NOISE.least_variance_factor if baseline.noise.simulated_noise else 1.0,
@@ -24,14 +23,14 @@ def estimated_variance_factor(baseline: Linearisation, least: float) -> float:
 
 
 def chi2_reduction(baseline: Linearisation, point: Linearisation, variance_factor: float) -> float:
-    """How far a point is below the base, where a bin's square by noise is `variance_factor`."""
+    """Chi-squared of the baseline less that of a point, with noise of this variance factor."""
     if variance_factor >= 1.0:
         return (baseline.chi2 - point.chi2) / variance_factor
     return _weighed(baseline, variance_factor) - _weighed(point, variance_factor)
 
 
 def _weighed(point: Linearisation, variance_factor: float) -> float:
-    """The misfit with less noise, what runs differ in as it was."""
+    """Chi-squared with less noise and unchanged run-to-run variability."""
     from scipy.linalg import solve_triangular
 
     noise, found = point.noise, float(np.sum((point.space.prior * point.x) ** 2))

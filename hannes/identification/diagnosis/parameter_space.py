@@ -1,4 +1,4 @@
-"""Everything a simulation may be moved along: what is uncertain, and how large each effect is."""
+"""The parameter space: all uncertain parameters, and the parameters of every candidate effect."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,10 +16,10 @@ from hannes.plants.protocol import Plant
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """One number x that a fit may move: parameter = centre + scale x, in SI, within bounds.
+    """One number x that a fit may move: value = centre + scale x, in SI, within bounds.
 
-    owner: what the parameter belongs to where it is not the machine's; effect: name of its effect
-    weight: of x^2 in the misfit; 1 where `scale` is the standard deviation of what is not known
+    owner: what the parameter belongs to where it is not the machine's;  effect: name of its effect
+    weight: of x^2 in chi-squared; 1 where `scale` is the prior's standard deviation
     """
 
     name: str
@@ -41,7 +41,7 @@ class FreeParameter:
 
 
 class ParameterSpace:
-    """All directions: the uncertain parameters first, then those of the effects on trial."""
+    """All free parameters: the uncertain ones first, then those of the candidate effects."""
 
     def __init__(
         self, plant: Plant, groups: Sequence[Group], settings: Settings, effects: Sequence[Effect]
@@ -58,11 +58,11 @@ class ParameterSpace:
 
     @property
     def size(self) -> int:
-        """Number of directions."""
+        """Number of parameters."""
         return len(self.parameters)
 
     def acting(self, group: Group) -> np.ndarray:
-        """Which directions make a difference to a group, shape (size,)."""
+        """Which parameters change a group, shape (size,)."""
         if group.owner not in self._acting:
             owners = [each.owner for each in self.parameters]
             self._acting[group.owner] = np.array([not o or o == group.owner for o in owners])
@@ -77,11 +77,11 @@ class ParameterSpace:
         return found
 
     def of(self, *effects: str) -> np.ndarray:
-        """Places of the directions of these effects."""
+        """Indices of the parameters of these effects."""
         return np.array([place for name in effects for place in self._places[name]], int)
 
     def place(self, name: str) -> int:
-        """Place of an effect's parameter, by full name."""
+        """Index of an effect's parameter, by full name."""
         return next(k for k, d in enumerate(self.parameters) if d.effect and d.name == name)
 
     def columns(self, group: Group, rows: np.ndarray, effects: bool) -> dict[str, np.ndarray]:
@@ -103,7 +103,7 @@ class ParameterSpace:
 
 
 def _uncertain(plant: Plant, groups: Sequence[Group], settings: Settings) -> list[FreeParameter]:
-    """One direction for each uncertain parameter of the machine, and of each thing it handles."""
+    """One parameter for each uncertain one of the machine, and of each object it handles."""
     sizes: Mapping[str, float] = getattr(plant, "uncertain", {})
     owners = {group.owner: group for group in groups}
     apart = {name for group in groups for name in group.own}
@@ -122,7 +122,7 @@ def _uncertain(plant: Plant, groups: Sequence[Group], settings: Settings) -> lis
 
 
 def _ratio(value: float, usual: float, size: float) -> float:
-    """Sizes that are shares of the given value follow it; others are sizes of their own."""
+    """Factor of a size that is a share of the nominal value; 1 for an absolute size."""
     return abs(value / usual) if usual and np.isclose(size, abs(usual)) else 1.0
 
 
@@ -136,7 +136,7 @@ def _of_effects(effects: Sequence[Effect]) -> list[FreeParameter]:
 
 
 def _of_effect(effect: Effect, parameter: Parameter) -> FreeParameter:
-    """Along a parameter; held as lightly however short its steps are."""
+    """Of an effect's parameter, with a prior that hardly holds it."""
     low, high = parameter.bounds
     span = _span(parameter)
     centre = parameter.value if parameter.off is None else parameter.off
@@ -153,9 +153,9 @@ def _of_effect(effect: Effect, parameter: Parameter) -> FreeParameter:
 
 
 def _span(parameter: Parameter) -> float:
-    """What an effect may be linear over, at a guess: its range, or from one value tried to another.
+    """Over what an effect may be linear: its range, or the distance of values tried.
 
-    The mark of a count turns within less than one.
+    The signature of a count changes within less than one.
     """
     tried = np.unique(parameter.tried)
     if tried.size > 1:

@@ -1,7 +1,7 @@
-"""How far a fit takes the machine from its given values, against how far they were told to be off.
+"""Mahalanobis distance of the fitted machine from its prior.
 
-A machine that is less well known than it is told to be bends to its recordings only where that is
-dear: an effect that it does not have then comes cheaper.
+A machine that is less well known than assumed follows its recordings only at a price. An effect
+that it does not have is then cheaper.
 """
 
 from dataclasses import dataclass
@@ -14,9 +14,10 @@ from hannes.identification.diagnosis.tuning import FIT
 
 @dataclass(frozen=True)
 class PriorDistance:
-    """times: how far values are off, over how far that is told; chance: of so much or more.
+    """Distance of a fitted machine from its nominal values.
 
-    excess: of their squares over what is expected
+    ratio: root mean square over the expected one;  p_value: of as much or more by chance
+    excess: of the squared distance over its expectation
     """
 
     ratio: float
@@ -25,10 +26,10 @@ class PriorDistance:
 
 
 def prior_distance(point: Linearisation) -> PriorDistance:
-    """Of all that the recordings tell of the machine's values.
+    """Distance in all parameters that the recordings inform about.
 
-    A value of which they tell the share h is off by a square of h, expected: so many numbers are
-    told as these shares add up to, about a chi square.
+    A parameter of which they know the share h is off by a square of h, in expectation. These
+    shares add up to the degrees of freedom of about a chi-squared.
     """
     from scipy.stats import chi2
 

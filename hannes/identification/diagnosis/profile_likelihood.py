@@ -1,9 +1,9 @@
-"""How the misfit grows along one parameter, all else following: where it is least, and how surely.
+"""The profile of chi-squared along one parameter, all else following: its minimum and its width.
 
-Where fingers touch the misfit has kinks within a standard deviation. Slopes at one place tell then
-neither where the floor of a valley is nor how wide it is, and a fit ends in any of its hollows. So
-it is walked along both ways until it has risen (Venzon & Moolgavkar 1988), and a parabola told by
-all of that.
+With contacts chi-squared has kinks within a standard deviation. Derivatives at one point then give
+neither the minimum of a valley nor its width, and a fit ends in any of its local minima. So the
+valley is followed both ways until chi-squared has risen (Venzon & Moolgavkar 1988), and a parabola
+is fitted to all of that.
 """
 
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ from hannes.identification.diagnosis.tuning import FIT
 
 @dataclass(frozen=True)
 class Profile:
-    """Where the misfit is least along a direction, and its standard deviation there, in steps.
+    """Where chi-squared is least along a parameter, and its standard deviation there, in steps.
 
     lowest: the best fit met on the way
     """
@@ -29,10 +29,10 @@ class Profile:
 
 
 def profile(point: Linearisation, place: int, deviation: float) -> Profile | None:
-    """Of one direction, from a fit and its standard deviation by slopes; None without a valley.
+    """The profile of one parameter, from a fit and its linear standard deviation.
 
-    One that is not seen from both sides, as at an end of a range, is none. The fit's model holds
-    its effects: a direction that is held is not active.
+    None where the minimum is not seen from both sides, as at an end of a range. The fit's model
+    holds its effects: a parameter that is held is not active.
     """
     sides = [list(_walk(point, place, side * FIT.profile_step * deviation)) for side in (-1.0, 1.0)]
     met = [point, *sides[0], *sides[1]]
@@ -53,7 +53,7 @@ def profile(point: Linearisation, place: int, deviation: float) -> Profile | Non
 
 
 def held_at(point: Linearisation, places: np.ndarray, values: np.ndarray) -> Linearisation | None:
-    """The fit with some directions held at values of x; None where that cannot be simulated."""
+    """The fit with some parameters held at values of x; None where that cannot be simulated."""
     x = point.x.copy()
     x[places] = values
     there = point.with_active(np.setdiff1d(point.active, places)).moved(x, np.array([], int))
@@ -61,7 +61,7 @@ def held_at(point: Linearisation, places: np.ndarray, values: np.ndarray) -> Lin
 
 
 def _walk(point: Linearisation, place: int, step: float) -> Iterator[Linearisation]:
-    """Fits with one direction held, further and further off; a first step too long is shortened."""
+    """Fits with one parameter held, ever further; a first step that is too long is shortened."""
     space, here, lowest = point.space, point, point.chi2
     for _ in range(FIT.profile_steps):
         value = float(np.clip(here.x[place] + step, space.low[place], space.high[place]))

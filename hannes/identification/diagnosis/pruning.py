@@ -1,9 +1,9 @@
-"""Which parameters of the effects named the recordings ask for: the others stay at off.
+"""Pruning: which parameters of the effects named the recordings need; the others stay at off.
 
-An effect with two sizes, as wires that give in the leader and in the followers, may share out
-between them what one of them did: each is then far off, and neither is known. What lowers the
-misfit by less than its price is not told (Occam), unless the other could go as well: then nothing
-says which of them it is, and both stay, with intervals as wide as that.
+An effect with two sizes, such as compliance of leader and follower wires, may divide between them
+what one of them did. Both are then far off. A size that reduces chi-squared by less than its price
+is removed (Occam), unless the other could go as well. Then nothing decides between them, and both
+stay with wide intervals.
 """
 
 from collections.abc import Sequence
@@ -17,14 +17,16 @@ from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 
 def pruned(point: Linearisation, effects: Sequence[str], variance_factor: float) -> Linearisation:
-    """The fit with sizes of these effects held at off that lower the misfit by too little.
+    """The fit with sizes of these effects held at off that reduce chi-squared too little.
 
-    unit: by how much misfits are divided. At least one size of each effect stays.
+    variance_factor: by which chi-squared is divided. At least one size of each effect stays.
     """
     space = point.space
     for name in effects:
         sizes = [space.place(each) for each in amplitude_names(space.effects[name])]
-        places = [each for each in sizes if each in point.active]  # of a class the first is fitted
+        places = [
+            each for each in sizes if each in point.active
+        ]  # only the first effect of a class is fitted
         while len(places) > 1 and (found := _without_one(point, places, variance_factor)):
             place, point = found
             places.remove(place)
@@ -34,7 +36,7 @@ def pruned(point: Linearisation, effects: Sequence[str], variance_factor: float)
 def _without_one(
     point: Linearisation, places: Sequence[int], variance_factor: float
 ) -> tuple[int, Linearisation] | None:
-    """The size that is missed least, and the fit without it; None where it is not to go."""
+    """The size that is missed least, and the fit without it; None where it stays."""
     fits = {place: held_at(point, np.array([place]), np.zeros(1)) for place in places}
     rises = {
         place: np.inf if fit is None else (fit.chi2 - point.chi2) / variance_factor

@@ -1,4 +1,4 @@
-"""Recordings under one command, which one simulation does for all, as vectors of bin means."""
+"""Groups of recordings under one command, which share a simulation, as vectors of bin means."""
 
 from collections.abc import Mapping, Sequence
 from copy import copy
@@ -14,11 +14,11 @@ Channels = Mapping[str, np.ndarray]
 
 
 class Group:
-    """Repeats of one run, in bins as wide as quick simulations bear, or so many times finer.
+    """Repeats of one run, in bins as wide as quick simulations allow, or so many times finer.
 
-    measured: their bin means, shape (runs, n); `part` and `names` tell an element's channel
-    nominal:  full name -> the value that every parameter is given for this run (SI)
-    owner, own: what is handled, and which parameters belong to that alone
+    measured: their bin means, shape (runs, n); `part` and `names` give an element's channel
+    nominal:  full name -> nominal value of every parameter in this run (SI)
+    owner, own: the object handled, and the parameters that belong to it alone
     numbers: how many runs of the campaign came before each, shape (runs,)
     """
 
@@ -36,7 +36,7 @@ class Group:
         self.nominal, (self.owner, self.own) = nominal_values(plant, self.recording)
 
     def only(self, runs: Sequence[int]) -> "Group":
-        """The same with some of the runs alone, simulated as before."""
+        """The same with some of the runs, simulated as before."""
         made = copy(self)
         made.entries = tuple(self.entries[k] for k in runs)
         made.numbers = self.numbers[list(runs)]
@@ -46,7 +46,7 @@ class Group:
 
     @property
     def count(self) -> int:
-        """How many runs there are."""
+        """Number of runs."""
         return len(self.views)
 
     @property
@@ -55,11 +55,11 @@ class Group:
         return self.measured.mean(axis=0)
 
     def vector(self, channels: Channels, start_offset: float = 0.0) -> np.ndarray:
-        """The same of a simulation that starts `start_offset` [s]."""
+        """Bin means, shape (n,), of a simulation that starts `start_offset` [s] late."""
         return self.views[0].of(channels, start_offset)
 
     def nonlinearity(self, channels: Channels) -> np.ndarray:
-        """How far samples stray from a straight line in each bin, see View.jerks."""
+        """Deviation of samples from a straight line in each bin, see View.nonlinearities."""
         return self.views[0].nonlinearities(channels)
 
     def of(self, name: str) -> slice:
@@ -71,7 +71,7 @@ class Group:
 def nominal_values(
     plant: Plant, recording: object
 ) -> tuple[dict[str, float], tuple[str, tuple[str, ...]]]:
-    """A run's parameters as given, and which belong to what it handles: a plant may tell."""
+    """A run's nominal parameters, and which of them belong to the object that it handles."""
     nominal, own = getattr(plant, "nominal", None), getattr(plant, "own", None)
     return (
         nominal(recording) if nominal else dict(plant.parameters),

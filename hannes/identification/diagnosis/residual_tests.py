@@ -1,14 +1,13 @@
-"""Whether what a model leaves hangs together, which noise does not.
+"""Tests for structure in the residual, which noise does not have.
 
-Summed over all bins a small effect drowns in noise. What is missing changes slowly, though, and
-shows in some channel of some run: so the slowest components of what is left there are compared
-with the quick ones, which only noise has, and weighed against chance (F test, Bonferroni over all
-that is looked at).
+Summed over all bins a small effect drowns in noise. A missing effect changes slowly, though, and
+appears in some channel of some run. So the slowest components of the residual there are compared
+with the quick ones, which only noise has (F test, Bonferroni over all tests).
 
-A fit also takes most of what is slow: little of a thing that is missing may be left, and still be
-more than a machine whose own values are free leaves of noise. That is asked of the refitted base
-(score test, Rao 1948): its slow components in one channel are let free, all else following as if it
-had no bounds, and what they would take of the misfit is weighed as chi-squared.
+A fit also absorbs most of what is slow. Little of a missing effect may be left, and still be more
+than a machine with free parameters leaves of noise. That is tested at the baseline (score test,
+Rao 1948): the slow components of one channel are freed, all else follows as if it had no bounds,
+and what they would take of chi-squared has a chi-squared distribution.
 """
 
 from collections.abc import Iterator
@@ -36,7 +35,7 @@ class StructuredResidual:
 
 
 def autocorrelated(point: Linearisation) -> StructuredResidual | None:
-    """The least likely of all that is left; None where chance explains it."""
+    """The least probable residual of all; None where chance explains it."""
     squares = [
         (name, each)
         for name, each in _squares(point)
@@ -57,11 +56,11 @@ def autocorrelated(point: Linearisation) -> StructuredResidual | None:
 
 
 def channel_excess(point: Linearisation) -> StructuredResidual | None:
-    """The least likely of what a refitted base leaves in one channel of one run; None for chance.
+    """The least probable residual of a baseline in one channel of one run; None for chance.
 
-    The noise is as it was told, or as the quick components of most channels have it, if that is
-    more: of what acts in a moment quick components have their part too. Where only a few repeats
-    tell of the noise, that is not known well enough, and nothing is said.
+    The noise is as assumed, or as the quick components of most channels have it, if that is more:
+    an impulsive effect contributes to quick components too. Where noise is known from a few repeats
+    alone, it is not known well enough, and nothing is concluded.
     """
     if not point.noise.simulated_noise:
         return None
@@ -78,7 +77,7 @@ def channel_excess(point: Linearisation) -> StructuredResidual | None:
 
 
 def _freed(point: Linearisation, level: float) -> Iterator[StructuredResidual]:
-    """What free slow components of each channel take of the misfit beyond their number."""
+    """What free slow components of each channel take of chi-squared beyond their number."""
     from scipy.fft import idct
     from scipy.stats import chi2
 
@@ -101,7 +100,7 @@ def _freed(point: Linearisation, level: float) -> Iterator[StructuredResidual]:
 
 
 def _least(name: str, squares: np.ndarray, usual: float) -> StructuredResidual:
-    """What is less likely of the sums of the slowest components of a channel."""
+    """The less probable sum of the slowest components of a channel."""
     from scipy.stats import f
 
     level, found = max(float(np.mean(squares[VERDICT.slow_components[-1] :])), usual), []
@@ -113,7 +112,7 @@ def _least(name: str, squares: np.ndarray, usual: float) -> StructuredResidual:
 
 
 def _squares(point: Linearisation) -> list[tuple[str, np.ndarray]]:
-    """Channel and run, and squared components of what is left there, slowest first."""
+    """Channel and run, and squared components of the residual there, slowest first."""
     from scipy.fft import dct
 
     return [
@@ -122,7 +121,7 @@ def _squares(point: Linearisation) -> list[tuple[str, np.ndarray]]:
 
 
 def _channels(point: Linearisation) -> Iterator[tuple[slice, str, int]]:
-    """Where each channel of each group lies, in words too, and its bins."""
+    """Slice of each channel of each group, its name in words, and its bins."""
     start = 0
     for group in point.model.groups:
         for name in group.names:

@@ -1,7 +1,7 @@
-"""How much more runs under one command differ than they were told to, as their repeats show.
+"""How much more runs under one command differ than the settings assume, as their repeats show.
 
-Told too little of it, means of a few runs seem surer than they are: six that by chance all started
-late are a delay then.
+Assumed too small, means of a few runs seem more certain than they are. Six runs that happened to
+start late would then be a delay.
 """
 
 from dataclasses import dataclass
@@ -14,14 +14,12 @@ from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.tuning import NOISE
 
-# As far as told: the machine's values, and the start.
-
 
 def settings_from_repeats(noise: NoiseCovariance, settings: Settings) -> Settings:
-    """The settings where repeats agree with them; else what these show, and twice the scatter.
+    """The settings where repeats agree with them; else what repeats show, and twice the scatter.
 
-    Nothing shows how far the machine's values are off. Who knows runs too well knows these no
-    better, so that a name has to hold where they are less well known.
+    Nothing shows how far the machine's parameters are off. Whoever assumes too little run-to-run
+    variability may assume too little scatter as well, so a name must hold with more of it.
     """
     machine, start = observed_ratios(noise)
     if (machine, start) == (1.0, 1.0):
@@ -34,21 +32,21 @@ def settings_from_repeats(noise: NoiseCovariance, settings: Settings) -> Setting
 
 
 def disagreement(assumed: Settings, observed: Settings) -> list[str]:
-    """What a reader must know where repeats did not agree with what was told."""
+    """What a reader must know where repeats disagree with the assumed settings."""
     if assumed == observed:
         return []
     return [
-        f"repeats differ further than [diagnose] tells: run_scatter {observed.run_scatter:.2g} and "
-        f"start_time {observed.start_time:.2g} s were taken, as they show, and scatter "
+        f"repeats differ further than [diagnose] assumes: run_scatter {observed.run_scatter:.2g} "
+        f"and start_time {observed.start_time:.2g} s were taken from them, and scatter "
         f"{observed.scatter:.2g} to be safe"
     ]
 
 
 def observed_ratios(noise: NoiseCovariance) -> tuple[float, float]:
-    """How many times as far as told runs differ, in the machine's values and in their start.
+    """Ratios of observed to assumed run-to-run variability, of parameters and of start times.
 
-    The likeliest pair of all; 1 where repeats do not surely show more, and where nothing but they
-    tells how noisy runs are.
+    The most likely pair; 1 where repeats do not surely show more, and where noise is known from
+    them alone.
     """
     repeats = [
         _Repeats.of(group, covariance * group.count - rows.T @ rows, rows)
@@ -66,10 +64,10 @@ def observed_ratios(noise: NoiseCovariance) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class _Repeats:
-    """What runs of one group are off their mean, along what they may differ in.
+    """Deviations of a group's runs from their mean, along the run-to-run variability.
 
-    along: of each of `freedom` independent differences, (freedom, k); stiff: of rows with each
-    other, (k, k); both in the noise of a run that is steady
+    along: of each of `freedom` independent differences, (freedom, k)
+    stiff: products of the rows, (k, k); both whitened by the noise of a steady run
     """
 
     along: np.ndarray
@@ -77,7 +75,7 @@ class _Repeats:
 
     @classmethod
     def of(cls, group: Group, steady: np.ndarray, rows: np.ndarray) -> "_Repeats":
-        """steady: covariance of a run without what runs differ in, rows: that, the start last."""
+        """steady: covariance of a run that does not vary; rows: variability, start time last."""
         from scipy.linalg import helmert, solve_triangular
 
         root = np.linalg.cholesky(steady)
@@ -86,7 +84,7 @@ class _Repeats:
         return cls(runs @ rows.T, rows @ rows.T)
 
     def log_likelihood(self, machine: float, start: float) -> float:
-        """Of differences so many times as far, beyond a constant."""
+        """Log-likelihood of variability larger by these ratios, up to a constant."""
         sizes = _sizes(self.stiff, machine, start)
         along = self.along * sizes
         whole = np.eye(sizes.size) + self.stiff * np.outer(sizes, sizes)

@@ -1,6 +1,6 @@
-"""Which effects may explain what is left at a point, by the misfit each would take away.
+"""Screening: which effects may explain the residual at a point, by the reduction each promises.
 
-Linear in an effect's amplitudes, which are tried small: a guess that makes the short list.
+Linear in an effect's amplitudes, which are tried at small sizes: guesses for the shortlist.
 """
 
 from collections.abc import Sequence
@@ -20,9 +20,10 @@ SMALL = (1.0,)  # steps of an amplitude
 
 @dataclass(frozen=True)
 class Guess:
-    """What an effect would take away of the misfit, and where it would lie.
+    """Linear prediction for an effect: its reduction of chi-squared, and where it would lie.
 
-    x: values of the effect's directions at `places`; columns: whitened slopes by its amplitudes
+    x: values of the effect's parameters at `places`
+    signature: whitened derivatives by its amplitudes, (amplitudes, N)
     """
 
     effect: str
@@ -35,7 +36,7 @@ class Guess:
 def screened(
     point: Linearisation, effects: Sequence[str], sizes: Sequence[float] = SMALL
 ) -> list[Guess]:
-    """The best guess for each effect, the largest gain first."""
+    """The best guess for each effect, the largest reduction first."""
     trials = [
         (name, shape, steps)
         for name in effects
@@ -54,9 +55,9 @@ def screened(
 
 
 def stepped(point: Linearisation, name: str, sizes: Sequence[float]) -> list[np.ndarray]:
-    """Steps of an effect's amplitudes at each size that their ranges hold, each (amplitudes,).
+    """Steps of an effect's amplitudes at each size that their ranges contain, (amplitudes,) each.
 
-    An amplitude whose range does not hold the first size is tried with the sign turned.
+    An amplitude whose range lacks the first size is tried with the opposite sign.
     """
     space = point.space
     places = [space.place(each) for each in amplitude_names(space.effects[name])]
@@ -68,7 +69,7 @@ def stepped(point: Linearisation, name: str, sizes: Sequence[float]) -> list[np.
 
 
 def shapes(effect: Effect) -> list[dict[str, float]]:
-    """What parameters that have no `off` are tried at, by full name [SI]."""
+    """Values at which parameters without `off` are tried, by full name [SI]."""
     free = [each for each in effect.parameters if each.off is None]
     count = SEARCH.shapes if len(free) == 1 else 3
     tried = [
@@ -79,7 +80,7 @@ def shapes(effect: Effect) -> list[dict[str, float]]:
 
 
 def _twins(effect: Effect, shape: dict[str, float]) -> list[tuple[dict[str, float], float]]:
-    """A shape, and those whose marks are its mark with the sign turned; with the sign of each."""
+    """A shape, and those whose signature is its negative; with the sign of each."""
     found = [(shape, 1.0)]
     for each in effect.parameters:
         name = effect.full_name(each.name)
@@ -89,7 +90,7 @@ def _twins(effect: Effect, shape: dict[str, float]) -> list[tuple[dict[str, floa
 
 
 def _spread(low: float, high: float, count: int) -> np.ndarray:
-    """Values inside bounds, evenly in their logarithm where that can be had."""
+    """Values inside bounds, evenly in their logarithm where that exists."""
     inner = np.linspace(0.0, 1.0, count + 2)[1:-1]
     return low * (high / low) ** inner if low > 0.0 else low + (high - low) * inner
 
@@ -118,7 +119,7 @@ def secants(
 def _changes(
     model: Model, group: Group, x: np.ndarray, rows: np.ndarray, most: float
 ) -> np.ndarray:
-    """What rows change by; those that lie far off are runs of their own."""
+    """Changes at rows; distant ones are simulated as runs of their own."""
     if most <= max(SMALL):
         return model.changes(group, x, rows, True)
     made = model.vectors(group, np.vstack([x, rows]), True)
@@ -126,7 +127,7 @@ def _changes(
 
 
 def amplitude_names(effect: Effect) -> list[str]:
-    """Full names of the parameters that carry `off`."""
+    """Full names of the parameters that have an `off`."""
     return [effect.full_name(each.name) for each in effect.amplitudes]
 
 
@@ -162,7 +163,7 @@ def _guess(
     delta_chi2 = float(2.0 * gradient @ found - found @ hessian @ found)
     ratio = float(np.abs(found).max() / size)
     if ratio > SEARCH.secant_range or (ratio < 1.0 / SEARCH.secant_range and size > SMALL[0]):
-        delta_chi2 *= 0.5  # a guess by a secant of another size
+        delta_chi2 *= 0.5  # predicted by a secant of another size
     own = model.space.of(name)
     x = _shaped(model, np.zeros(model.space.size), shape)
     x[places] = found
@@ -170,7 +171,7 @@ def _guess(
 
 
 def projected(point: Linearisation, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pull and curvature of the misfit along further columns, all active directions free."""
+    """Gradient and Hessian along further columns, all active parameters free."""
     moved = np.linalg.solve(point.hessian, point.jacobian @ rows.T)
     gradient = rows @ point.residual - moved.T @ point.gradient
     hessian = rows @ rows.T - (rows @ point.jacobian.T) @ moved
@@ -178,7 +179,7 @@ def projected(point: Linearisation, rows: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def cosine_similarity(point: Linearisation, one: np.ndarray, other: np.ndarray) -> float:
-    """Largest cosine between what two effects do beyond what the machine's parameters can."""
+    """Largest cosine between two effects' signatures, beyond what other parameters can do."""
     size = len(one)
     _, whole = projected(point, np.vstack([one, other]))
     roots = []

@@ -10,11 +10,11 @@ KEYS = ("scatter", "run_scatter", "start_time")
 
 @dataclass(frozen=True)
 class Settings:
-    """Standard deviations of what is not known.
+    """Standard deviations of what is uncertain.
 
-    scatter:     share by which any given value of the machine may be off
-    run_scatter: share by which friction changes from run to run; what a plant says of its runs
-                 (`restless`) holds for 1 %, and is more or less in proportion
+    scatter:     share by which any nominal value of the machine may be off
+    run_scatter: share by which friction varies from run to run; a plant's own run-to-run
+                 variability (`run_to_run`) is for 1 %, and scales in proportion
     start_time:  s, of the moment at which a run starts
     """
 
@@ -24,7 +24,7 @@ class Settings:
 
 
 def read_settings(table: Table, plant: Plant) -> Settings:
-    """Return what a campaign says; BadInput for an unknown key, a wrong unit, a senseless size."""
+    """The settings of a campaign; BadInput for an unknown key, a wrong unit, an impossible size."""
     table = Table(table.content, table.where, KEYS, table.prefix)
     if table.content and not getattr(plant, "uncertain", {}):
         why = f"cannot be used: the plant {plant.name} does not say what is uncertain in it"

@@ -1,4 +1,4 @@
-"""Simulations of every group at many places of the space at once, as vectors."""
+"""Simulations of every group at many points of the parameter space at once, as vectors."""
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
@@ -14,18 +14,21 @@ from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.tuning import NOISE
 from hannes.plants.protocol import Plant
 
-NOWHERE = "the base cannot be simulated under a recording's reference; try a base nearer to it"
+NOWHERE = (
+    "the baseline cannot be simulated under a recording's reference; set `base` to a nearer machine"
+)
 NOTHING: Mapping[str, np.ndarray] = {}
 Unrounded = Callable[[int], Mapping[str, np.ndarray]]  # of a Plant, see there
 
 
 @dataclass(frozen=True)
 class DiscretisationError:
-    """What firmware adds to a group's run.
+    """What the sampled controller adds to a group's run.
 
-    mean: shape (n,), the part that a model can know; strays: shape (samples, n), what each run was
-    off that mean, as any run may be: friction holds on to it for as long as the machine turns one
-    way; rough: of each channel's samples, see `roughness`
+    mean: shape (n,), the systematic part
+    deviations: shape (samples, n), of each run from that mean, as any run may deviate: friction
+                keeps them as long as the machine moves one way
+    roughness: of each channel's samples
     """
 
     mean: np.ndarray
@@ -35,16 +38,16 @@ class DiscretisationError:
 
 @dataclass(frozen=True)
 class SamplingCorrection:
-    """What firmware's ticks do to a group's run, at sizes of one effect.
+    """What the controller's sampling does to a group's run, at sizes of one effect.
 
-    sizes: of its amplitude, shape (k,), in its steps; rows: shape (k, n)
+    sizes: of its amplitude, shape (k,), in its steps;  rows: shape (k, n)
     """
 
     sizes: np.ndarray
     rows: np.ndarray
 
     def at(self, sizes: np.ndarray) -> np.ndarray:
-        """In between, and beyond the last as there, shape (m, n) for sizes of shape (m,)."""
+        """Interpolated at sizes of shape (m,), constant beyond the last, shape (m, n)."""
         at = np.interp(sizes, self.sizes, np.arange(self.sizes.size))
         low = np.floor(at).astype(int)
         high = np.minimum(low + 1, self.sizes.size - 1)
@@ -55,8 +58,8 @@ class SamplingCorrection:
     def of(
         place: int, tried: Sequence[tuple[int, float]], rows: np.ndarray
     ) -> "SamplingCorrection":
-        """Of the effect at a place; rows: none, and one for each place and size tried."""
-        known = [(0.0, np.nan_to_num(rows[0]))]  # where none breaks down, all are unknown
+        """Of the effect at a place; rows: of none, and of each place and size tried."""
+        known = [(0.0, np.nan_to_num(rows[0]))]  # all are unknown where the run without it fails
         for (at, size), row in zip(tried, rows[1:], strict=True):
             if at == place and np.isfinite(row).all():
                 known.append((size, row))
@@ -84,16 +87,16 @@ class Model:
         self.groups, self.space = list(groups), space
         self.small, self.whole = plant, plant.with_effects(*effects)
         self._corrections: dict[int, dict[int, SamplingCorrection]] = {}  # group, place
-        self._held = False  # effects are part of the machine, wherever it is looked at
+        self._held = False  # whether effects are a fixed part of the machine
 
     def with_sampling_correction(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
-        """The same, quick simulations mended by what firmware's ticks do to effects near x.
+        """The same, quick simulations corrected for the controller's sampling near x.
 
-        A lag of half a tick does in a loop that is closed once a tick what it does not in a
-        continuous one; one of many ticks does the same in both. So what ticks do is had at a few
-        small sizes, and about the size at x. Only effects on what firmware reads or puts out are
-        mended: on others ticks do less than these differences can tell. Where an effect has a shape
-        its mark turns with it, and nothing is known.
+        A lag of half a sampling interval acts differently in a sampled and in a continuous loop;
+        one of many intervals acts the same. So the difference is simulated at a few small sizes,
+        and about the size at x. Only effects on what the firmware reads or writes are corrected:
+        on others sampling does less than these differences resolve. The signature of an effect
+        with a shape changes with it, so such effects are not corrected.
         """
         made = copy(self)
         made._corrections = {key: dict(each) for key, each in self._corrections.items()}
@@ -119,13 +122,13 @@ class Model:
         return made
 
     def held(self, groups: Sequence[Group]) -> "Model":
-        """The same for its runs in other bins, effects being a part of the machine everywhere."""
+        """The same for its runs in other bins, with the effects as a fixed part of the machine."""
         made = copy(self)
         made.groups, made.small, made._corrections, made._held = list(groups), self.whole, {}, True
         return made
 
     def in_loop(self, name: str) -> bool:
-        """Tell whether an effect acts on what firmware reads or puts out, and has no shape."""
+        """Whether an effect acts on what the firmware reads or writes, and has no shape."""
         effect, firmware = self.space.effects[name], getattr(self.small, "firmware", ())
         written = {channel for term in effect.terms for channel in term.writes}
         return bool(written & set(firmware)) and len(effect.amplitudes) == len(effect.parameters)
@@ -133,7 +136,7 @@ class Model:
     def _sampling_corrections(
         self, group: Group, x: np.ndarray, places: np.ndarray, unrounded: Unrounded
     ) -> dict[int, SamplingCorrection]:
-        """Change by ticks of a group's bin means, by place, at some sizes of each effect."""
+        """Change by sampling of a group's bin means, by place, at some sizes of each effect."""
         tried = [(int(place), size) for place in places for size in self._sizes(x, place)]
         rows = np.repeat(x[np.newaxis], 1 + len(tried), axis=0)
         rows[:, places] = 0.0
@@ -147,7 +150,7 @@ class Model:
         }
 
     def _sizes(self, x: np.ndarray, place: int) -> np.ndarray:
-        """Sizes of an effect, other than none, at which ticks are looked at."""
+        """Sizes of an effect, other than none, at which sampling is simulated."""
         low, high = self.space.low[place], self.space.high[place]
         there = (float(x[place]) * share for share in NOISE.correction_shares)
         sizes = np.unique(
@@ -163,9 +166,9 @@ class Model:
         exact: bool = False,
         further: Mapping[str, np.ndarray] = NOTHING,
     ) -> list[Channels | None]:
-        """Channels of a group for rows of x, shape (m, size); None where a run breaks down.
+        """Channels of a group for rows of x, shape (m, size); None where a run fails.
 
-        further: columns by full name [SI], shape (m,) each, beside those that x tells
+        further: columns by full name [SI], shape (m,) each, beside those of x
         """
         effects = effects or self._held
         plant = self.whole if effects else self.small
@@ -181,7 +184,7 @@ class Model:
     def vectors(
         self, group: Group, rows: np.ndarray, effects: bool, exact: bool = False
     ) -> np.ndarray:
-        """Bin means for rows of x, shape (m, n); nan where a run breaks down."""
+        """Bin means for rows of x, shape (m, n); nan where a run fails."""
         effects = effects or self._held
         found = self._vectors(group, self.simulated(group, rows, effects, exact))
         return self._corrected(group, found, rows) if effects and not exact else found
@@ -194,11 +197,10 @@ class Model:
         effects: bool,
         here: np.ndarray | None = None,
     ) -> np.ndarray:
-        """What bin means change by from x to rows, shape (m, n); nan where one breaks down.
+        """Changes of bin means from x to rows, shape (m, n); nan where one fails.
 
-        By runs that take the same steps where the plant has them (`alike`): the solver's errors,
-        which are other ones for each run, are then no part of the change. Other plants need not run
-        x once more where its vector is known (`here`, shape (n,)).
+        By runs that take the same solver steps, where the plant has them: the solver's errors then
+        cancel. Other plants need not simulate x again where its vector is known (`here`, (n,)).
         """
         effects = effects or self._held
         plant, stacked = self.whole if effects else self.small, np.vstack([x, rows])
@@ -214,7 +216,7 @@ class Model:
         return made[1:] - made[0]
 
     def _corrected(self, group: Group, vectors: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """Vectors of quick simulations with what firmware's ticks do to effects added to them."""
+        """Vectors of quick simulations with the sampling corrections added."""
         for place, correction in self._corrections.get(id(group), {}).items():
             vectors = vectors + correction.at(rows[:, place])
         return vectors
@@ -229,10 +231,10 @@ class Model:
     def discretisation_errors(
         self, x: np.ndarray, samples: int, seed: int
     ) -> "list[DiscretisationError]":
-        """What the firmware's grain adds to each group near x, and how it differs from run to run.
+        """What the sampled controller adds to each group near x, and its variation between runs.
 
-        Its rounding makes a pattern that the least change moves, and its sensors' noise, where the
-        plant knows of it (`noisy`), moves the machine.
+        Its rounding makes a pattern that the least change moves. Its sensor noise, where the plant
+        simulates it (`noisy`), moves the machine.
         """
         rows = x + np.zeros((samples, x.size))
         known = self.space.uncertain

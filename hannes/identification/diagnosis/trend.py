@@ -1,8 +1,9 @@
-"""Whether something changes from run to run in one direction, which no effect of a catalogue does.
+"""Whether something changes from run to run in one direction, as no effect of the catalogue does.
 
-A wire that creeps makes each run differ from the one before. Its mean over runs looks like some
-effect or other; in the order of the runs it grows. So each effect's mark is tried a second time as
-one that grows by as much with every run, where means of groups and the runs in each speak together.
+A wire that creeps makes each run differ from the one before. Averaged over runs it resembles some
+effect or other; in the order of the runs it grows. So each effect's signature is tested a second
+time, growing by the same amount with every run. Group means and the order within groups both
+count.
 """
 
 from collections.abc import Sequence
@@ -18,14 +19,14 @@ from hannes.identification.diagnosis.tuning import VERDICT
 
 @dataclass(frozen=True)
 class Trend:
-    """An effect that would grow from run to run, and by how much that lowers the misfit."""
+    """An effect that would grow from run to run, and its chi-squared reduction."""
 
     effect: str
     delta_chi2: float
 
 
 def strongest_trend(point: Linearisation, guesses: Sequence[Guess]) -> Trend | None:
-    """The best of all; None where no command was repeated often enough to see, in a known order."""
+    """The trend with the largest reduction; None where no repeats in a known order show any."""
     groups = point.model.groups
     if not any(_ordered(group) for group in groups):
         return None
@@ -34,11 +35,12 @@ def strongest_trend(point: Linearisation, guesses: Sequence[Guess]) -> Trend | N
 
 
 def _ordered(group: Group) -> bool:
+    """Whether a group has repeats enough, in a known order."""
     return group.count >= VERDICT.fewest_repeats and float(np.ptp(group.numbers)) > 0.0
 
 
 def _gain(point: Linearisation, signature: np.ndarray) -> float:
-    """Of a mark, whitened, (N,), that is as often there as runs came before."""
+    """Reduction of a signature, whitened, (N,), times the number of runs before each."""
     groups = point.model.groups
     signatures = np.split(signature, np.cumsum([group.part.size for group in groups])[:-1])
     mean = np.concatenate([m * g.numbers.mean() for m, g in zip(signatures, groups, strict=True)])
@@ -50,7 +52,7 @@ def _gain(point: Linearisation, signature: np.ndarray) -> float:
 
 
 def _inside(point: Linearisation, signatures: Sequence[np.ndarray]) -> tuple[float, float]:
-    """Pull and curvature that runs under one command add, by their order."""
+    """Gradient and Hessian that the order of runs under one command adds."""
     groups, gradient, hessian = point.model.groups, 0.0, 0.0
     runs = [_of_runs(point, k, each) for k, each in enumerate(signatures)]
     for group, along, signature in zip(groups, runs, signatures, strict=True):
@@ -62,7 +64,7 @@ def _inside(point: Linearisation, signatures: Sequence[np.ndarray]) -> tuple[flo
 
 
 def _of_runs(point: Linearisation, number: int, signature: np.ndarray) -> np.ndarray:
-    """What runs of a group are off their mean, along a mark, (runs,)."""
+    """Deviations of a group's runs from their mean, along a signature, (runs,)."""
     group = point.model.groups[number]
     return point.noise.white(number, group.measured - group.mean) @ signature
 
@@ -70,7 +72,7 @@ def _of_runs(point: Linearisation, number: int, signature: np.ndarray) -> np.nda
 def _spread(
     groups: Sequence[Group], runs: Sequence[np.ndarray], signatures: Sequence[np.ndarray]
 ) -> float:
-    """Variance of runs along a mark without their trend, over what is told; at least 1."""
+    """Variance of runs along a signature without their trend, over what is assumed; at least 1."""
     squares, freedom = VERDICT.assumed_weight, VERDICT.assumed_weight
     for group, along, signature in zip(groups, runs, signatures, strict=True):
         if _ordered(group) and (size := float(signature @ signature)) > 0.0:
