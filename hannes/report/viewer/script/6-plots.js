@@ -1,0 +1,69 @@
+// Channels over time by uPlot, one cursor for all; what was recorded is solid, simulations are dashed.
+
+const TITLES = { leader_tension: "leader tension" };
+const ORDER = ["position", "current", "duty", "force", "sensor", "leader_tension", "supply"];
+const LOOKS = {
+  recorded: [{ stroke: INK, width: 1.6 }, { stroke: "#777", width: 1.3 }, { stroke: "#777", width: 1.3 }],
+  simulated: [{ stroke: "#0072b2", width: 1.6, dash: [7, 4] }, { stroke: "#d55e00", width: 1.6, dash: [3, 3] }, { stroke: "#d55e00", width: 1.6, dash: [3, 3] }],
+};
+
+// Rows of the table and lines of the charts: one for each channel, scene, and recorded or simulated.
+function seriesOf(scenes, name) {
+  return scenes.flatMap((scene, k) => ["recorded", "simulated"]
+    .filter((kind) => scene[kind][name])
+    .map((kind) => ({ scene: k, kind, values: scene[kind][name], look: LOOKS[kind][k] })));
+}
+
+const moves = (values) => values.some((x) => Math.abs(x - values[0]) > 1e-9);
+
+function channels(scenes) {
+  const unit = (name) => scenes.map((each) => each.units[name]).find((each) => each) || "1";
+  return ORDER.map((name) => ({ name, unit: unit(name), series: seriesOf(scenes, name) }))
+    .filter(({ series }) => series.some(({ values }) => moves(values)));
+}
+
+const told = ({ name, unit }) => (TITLES[name] || name) + (unit === "1" ? "" : ` [${unit}]`);
+
+function makePlots(element, scenes, onSeek) {
+  const shown = channels(scenes), charts = [];
+  for (const channel of shown) {
+    const box = element.appendChild(document.createElement("div"));
+    box.className = "chart";
+    box.appendChild(document.createElement("b")).textContent = told(channel);
+    const tables = channel.series.map(({ scene, values }) => [scenes[scene].time, values]);
+    const joined = tables.length > 1 ? uPlot.join(tables) : tables[0];
+    const lines = channel.series.map(({ look, kind, scene }) => ({ ...look, spanGaps: true, points: { show: false }, label: `${kind} ${scene}` }));
+    const last = channel === shown[shown.length - 1];
+    charts.push(new uPlot(options(lines, last, onSeek), joined, box));
+  }
+  const size = () => {
+    const room = element.parentElement.clientHeight - document.getElementById("readout").offsetHeight - 8;
+    const high = window.innerWidth > 900 ? Math.max(70, Math.floor(room / charts.length)) : 120;
+    charts.forEach((each) => each.setSize({ width: element.clientWidth, height: high }));
+  };
+  const cursor = (time) => charts.forEach((each) => each.setCursor({ left: each.valToPos(time, "x"), top: -10 }, false));
+  const show = (visible) => charts.forEach((each, n) => shown[n].series.forEach(({ scene }, k) =>
+    each.series[k + 1].show !== visible[scene] && each.setSeries(k + 1, { show: visible[scene] })));
+  return { size, cursor, show, shown, charts };
+}
+
+function options(lines, last, onSeek) {
+  const axis = { stroke: "#444", grid: { stroke: "#e2e2e2" }, ticks: { stroke: "#bbb" }, font: "11px system-ui, sans-serif" };
+  return {
+    width: 400, height: 100, padding: [6, 8, 0, 0], legend: { show: false },
+    cursor: { x: true, y: false, drag: { x: false, y: false }, points: { show: false }, bind: scrubbing(onSeek) },
+    scales: { x: { time: false } },
+    axes: [{ ...axis, show: true, size: last ? 26 : 8, values: last ? undefined : () => [] }, { ...axis, size: 52 }],
+    series: [{}, ...lines],
+  };
+}
+
+// uPlot's own cursor stays where the page puts it; pressing and dragging moves the page's time.
+function scrubbing(onSeek) {
+  const seek = (u) => (event) => {
+    if (event.type === "mousedown" || event.buttons & 1)
+      onSeek(u.posToVal(event.clientX - u.over.getBoundingClientRect().left, "x"));
+  };
+  const still = () => () => null;
+  return { mousedown: seek, mousemove: seek, mouseup: still, mouseenter: still, mouseleave: still, dblclick: still, click: still };
+}

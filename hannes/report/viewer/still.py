@@ -1,0 +1,151 @@
+"""One moment of a hand as a figure: all fingers together, and each in its own plane."""
+
+import io
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hannes.report import style
+from hannes.report.viewer.scene import Scene
+from hannes.simulation.hand.anatomy import FINGERS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+TURN = (-0.35, 0.55)  # rad about x, then about y, as the page shows the hand at first
+MM = 1000.0
+SOLID: dict[str, Any] = {"facecolor": "#cfd8e3", "edgecolor": style.BLACK, "linewidth": 0.9}
+GHOST: dict[str, Any] = {
+    "facecolor": "none", "edgecolor": style.VERMILLION, "linewidth": 0.9, "linestyle": "--",
+}  # fmt: skip
+ARROW = 0.4  # mm of arrow per N
+
+
+def still(scenes: Sequence[Scene], time: float) -> "Figure":
+    """The hand at the sample nearest to `time` [s], a second scene as dashed outlines over it."""
+    from matplotlib.figure import Figure
+
+    rows = [each.nearest(time) for each in scenes]
+    figure = Figure(figsize=(7.0, 5.6), layout="constrained")
+    grid = figure.add_gridspec(2, 5, height_ratios=(2.1, 1.0))
+    space = figure.add_subplot(grid[0, :])
+    for scene, row, look in reversed(list(zip(scenes, rows, (SOLID, GHOST), strict=False))):
+        _space(space, scene, row, look)
+    planes = [figure.add_subplot(grid[1, f]) for f in range(5)]
+    for f, axes in enumerate(planes):
+        for scene, row, look in zip(scenes, rows, (SOLID, GHOST), strict=False):
+            _plane(axes, scene, row, f, look)
+        axes.set_title(_caption(scenes[0], rows[0], f), fontsize=8.5, loc="center")
+    for axes in (space, *planes):
+        axes.set_aspect("equal")
+        axes.autoscale_view()
+        axes.axis("off")
+    figure.suptitle(_title(scenes, rows), x=0.02, ha="left", fontsize=9.5)
+    return figure
+
+
+def still_files(scenes: Sequence[Scene], time: float) -> dict[str, bytes]:
+    """The same as files by suffix: `.svg` and `.png`."""
+    with style.styled():
+        figure, png = still(scenes, time), io.BytesIO()
+        figure.savefig(png, format="png", dpi=200, metadata={"Software": None})
+        return {".svg": style.svg(figure, "still").encode(), ".png": png.getvalue()}
+
+
+def _title(scenes: Sequence[Scene], rows: Sequence[int]) -> str:
+    first, row = scenes[0], rows[0]
+    tension, stretch = first.tension[row, 0], first.stretch[row, 0]
+    wire = f"{tension:.1f} N" if stretch > 0.0 else f"slack by {-MM * stretch:.2f} mm"
+    ghost = f"; dashed: {scenes[1].name}" if len(scenes) > 1 else ""
+    return f"{first.name} at {first.time[row]:.4f} s; leader {wire}{ghost}"
+
+
+def _caption(scene: Scene, row: int, f: int) -> str:
+    force = scene.forces[row, 2 * f : 2 * f + 2].sum()
+    return f"{FINGERS[f]} {force:.1f} N" if force > 0.05 else FINGERS[f]
+
+
+def _ends(scene: Scene, row: int, f: int) -> np.ndarray:
+    """Ends of the three phalanges in the finger's plane [mm], shape (4, 2)."""
+    first = scene.hand.parameters[f"{FINGERS[f]}.first_length"]
+    points = scene.points[row, f]
+    return MM * np.array([(-first, 0.0), (0.0, 0.0), points[:2], points[2:]])
+
+
+def capsule(start: np.ndarray, end: np.ndarray, radius: float) -> np.ndarray:
+    """Outline of all places within `radius` of a line, shape (n, 2)."""
+    angle = math.atan2(end[1] - start[1], end[0] - start[0])
+    half = np.linspace(0.5 * math.pi, 1.5 * math.pi, 15) + angle
+    turn = radius * np.stack([np.cos(half), np.sin(half)], axis=1)
+    return np.concatenate([start + turn, end - turn])
+
+
+def _plane(axes: "Axes", scene: Scene, row: int, f: int, look: dict[str, Any]) -> None:
+    """One finger in its plane [mm]."""
+    from matplotlib.patches import Polygon
+
+    finger = FINGERS[f]
+    values = scene.hand.parameters
+    if scene.sections is not None:
+        outline = _moved(scene, row, scene.sections.points[f])
+        outline -= (values[f"{finger}.mount_x"], values[f"{finger}.mount_y"])
+        outline *= (1.0, values[f"{finger}.facing"])
+        rim = {**look, "edgecolor": style.GREEN if look is SOLID else style.VERMILLION}
+        axes.add_patch(Polygon(MM * outline, **{**rim, "facecolor": "none"}))
+    ends, radius = _ends(scene, row, f), MM * values[f"{finger}.radius"]
+    for a, b in zip(ends[:-1], ends[1:], strict=True):
+        axes.add_patch(Polygon(capsule(a, b, radius), **look))
+    for phalanx in (2 * f, 2 * f + 1):
+        force = scene.forces[row, phalanx]
+        if force > 0.05 and look is SOLID:
+            place, normal = MM * scene.contacts[row, phalanx, :2], scene.contacts[row, phalanx, 2:]
+            tip = place - (4.0 + ARROW * force) * normal
+            axes.annotate("", tip, place, arrowprops={"arrowstyle": "->", "color": "#7a4a00"})
+
+
+def _moved(scene: Scene, row: int, points: np.ndarray) -> np.ndarray:
+    """An outline of the object [m] where it is at a sample, in the hand frame."""
+    x, y, turn = scene.pose[row]
+    cosine, sine = math.cos(turn), math.sin(turn)
+    return points @ np.array([[cosine, sine], [-sine, cosine]]) + (x, y)
+
+
+def _space(axes: "Axes", scene: Scene, row: int, look: dict[str, Any]) -> None:
+    """All fingers, seen as the page shows them, the farthest first."""
+    from matplotlib.patches import Polygon
+
+    values, drawn = scene.hand.parameters, []
+    for f, finger in enumerate(FINGERS):
+        ends = _ends(scene, row, f) * (1.0, values[f"{finger}.facing"])
+        ends += MM * np.array([values[f"{finger}.mount_x"], values[f"{finger}.mount_y"]])
+        seen = _seen(np.column_stack([ends, np.full(4, MM * values[f"{finger}.mount_z"])]))
+        radius = MM * values[f"{finger}.radius"]
+        for a, b in zip(seen[:-1], seen[1:], strict=True):
+            drawn.append((a[2] + b[2], capsule(a[:2], b[:2], radius)))
+    if scene.slices is not None:
+        for z, points in zip(scene.slices.planes, scene.slices.points, strict=True):
+            flat = MM * _moved(scene, row, points)
+            seen = _seen(np.column_stack([flat, np.full(len(flat), MM * z)]))
+            drawn.append((2.0 * seen[:, 2].mean(), seen[:, :2]))
+    for _, outline in sorted(drawn, key=lambda item: item[0]):
+        ring = len(outline) != 30
+        shade = {"facecolor": "none", "edgecolor": style.GREEN} if ring and look is SOLID else {}
+        axes.add_patch(Polygon(outline, **{**look, **shade}))
+
+
+def _seen(points: np.ndarray) -> np.ndarray:
+    """Points of the hand frame [mm] turned to the viewer, shape (n, 3): right, up, nearer."""
+    about_x, about_y = TURN
+    x, y, z = points[:, 0], -points[:, 1], points[:, 2]
+    x, z = (
+        x * math.cos(about_y) - z * math.sin(about_y),
+        z * math.cos(about_y) + x * math.sin(about_y),
+    )
+    y, z = (
+        y * math.cos(about_x) - z * math.sin(about_x),
+        z * math.cos(about_x) + y * math.sin(about_x),
+    )
+    return np.column_stack([x, -y, z])
