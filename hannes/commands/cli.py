@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NoReturn
 
-from hannes.commands import cli_bench, cli_learning, cli_recordings
+from hannes.commands import cli_bench, cli_learning, cli_recordings, cli_views
 from hannes.commands.cli_examples import EXAMPLES
 from hannes.commands.cli_output import add_json, print_json
 from hannes.core.errors import BadInput, HannesError, Interrupted, nearest
@@ -119,6 +119,7 @@ def _parser() -> _Parser:
     cli_recordings.add(partial(_command, commands))
     cli_learning.add(partial(_command, commands))
     cli_bench.add(partial(_command, commands))
+    cli_views.add(partial(_command, commands))
     return parser
 
 

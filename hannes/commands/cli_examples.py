@@ -1,6 +1,6 @@
 """Examples that `hannes COMMAND --help` shows, by command."""
 
-from hannes.commands import cli_bench, cli_learning, cli_recordings
+from hannes.commands import cli_bench, cli_learning, cli_recordings, cli_views
 
 EXAMPLES = {
     "": """\
@@ -68,4 +68,5 @@ campaign.toml (docs/campaign.md has all of it):
     **cli_recordings.EXAMPLES,
     **cli_learning.EXAMPLES,
     **cli_bench.EXAMPLES,
+    **cli_views.EXAMPLES,
 }

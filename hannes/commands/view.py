@@ -12,6 +12,7 @@ from hannes.report.viewer.page import page
 from hannes.report.viewer.replay import Replay, replay, without_effects
 from hannes.report.viewer.scene import Scene, scene
 from hannes.report.viewer.still import still_files
+from hannes.simulation.hand.hand import Hand
 from hannes.simulation.hand.hand_file import load_hand
 
 SHOWN = ("position", "current", "duty", "force")
@@ -38,7 +39,8 @@ def view(
         raise BadInput(
             f"{len(chosen)} hands for {len(recordings)} recordings: give one, or as many"
         )
-    own = [*chosen, *chosen][: len(recordings)] or [None] * len(recordings)
+    own: list[Hand | None] = [*chosen, *chosen][: len(recordings)]
+    own = own or [None] * len(recordings)
     replays = [replay(each, hand) for each, hand in zip(recordings, own, strict=True)]
     names = _names([Path(each) for each in files])
     scenes = [_scene(each, name) for each, name in zip(replays, names, strict=True)]

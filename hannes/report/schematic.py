@@ -40,15 +40,15 @@ def schematic(hand: Hand | None = None, marked: Sequence[str] = ()) -> str:
     body += _wires(hand, ringed)
     body += [line for finger in FINGERS for line in _finger(hand, finger, ringed)]
     body += _object(hand, ringed)
-    told = (
+    label = (
         "The hand: motor and gear wind the leader wire, which pulls two carts and the thumb; "
         "each cart pulls two fingers by a follower wire"
     )
     if ringed:
-        told += f". Marked: {', '.join(sorted(ringed))}"
+        label += f". Marked: {', '.join(sorted(ringed))}"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {at.WIDTH} {at.HEIGHT}" '
-        f'role="img" aria-label="{told}">\n<style>{STYLE}</style>\n'
+        f'role="img" aria-label="{label}">\n<style>{STYLE}</style>\n'
         + "\n".join(body)
         + "\n</svg>\n"
     )
@@ -57,7 +57,7 @@ def schematic(hand: Hand | None = None, marked: Sequence[str] = ()) -> str:
 def _group(hand: Hand, part: str, ringed: Collection[str], inside: Iterable[str]) -> list[str]:
     """One part that can be pointed at: its title tells its values and effects."""
     kinds = f"{part} marked" if _rung(part, ringed) else part
-    title = escape(told(hand, part))
+    title = escape(described(hand, part))
     return [f'<g class="{kinds}" data-part="{part}" tabindex="0"><title>{title}</title>', *inside,
             "</g>"]  # fmt: skip
 
@@ -66,7 +66,7 @@ def _rung(part: str, ringed: Collection[str]) -> bool:
     return part in ringed or (part in ("mcp", "pip") and "joint" in ringed)
 
 
-def told(hand: Hand, part: str) -> str:
+def described(hand: Hand, part: str) -> str:
     """Values of a part with their units, and the effects that join there."""
     lines = [part]
     for name, each in hand.parameters.declared.items():

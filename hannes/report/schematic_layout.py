@@ -40,7 +40,7 @@ PARAMETERS = {
 
 def parts_of(effect: Effect) -> tuple[str, ...]:
     """Parts of the drawing at which an effect sits, from the channels that it adds to."""
-    found = {}
+    found: dict[str, None] = {}
     for term in effect.terms:
         for channel in term.writes:
             part = CHANNELS.get(channel) or STAGES.get(EQUATIONS.stage_of(channel), "")

@@ -84,16 +84,15 @@ def outlines_at(hand: Hand, shape: str, planes: np.ndarray) -> Outlines:
     """Outlines of an object in the planes z [m] of the hand frame, before it turns."""
     values = hand.parameters
     offsets = planes - values["object.z"]
-    size = [values[f"object.{name}"] for name in ("radius", "half_x", "half_y")]
+    radius, half_x, half_y = (values[f"object.{name}"] for name in ("radius", "half_x", "half_y"))
     pose = [values[f"object.{name}"] for name in ("turn", "tilt_x", "tilt_y")]
     pose = [0.0, 0.0, 0.0] if shape == "sphere" else pose
     xx, xy, yx, yy = frame(*pose)
     aside = np.outer(offsets, np.tan(pose[1:]))
+    cuts = sections(shape, radius, half_x, half_y, offsets.tolist())
     made = []
-    for (half_x, half_y, radius), shift in zip(
-        sections(shape, *size, offsets.tolist()), aside, strict=True
-    ):
-        own = _rounded(half_x, half_y, radius)
+    for cut, shift in zip(cuts, aside, strict=True):
+        own = _rounded(*cut)
         made.append(own @ np.array([[xx, yx], [xy, yy]]) + shift)
     return Outlines(planes, np.array(made))
 

@@ -3,6 +3,7 @@
 import io
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -96,14 +97,16 @@ def _plane(axes: "Axes", scene: Scene, row: int, f: int, look: dict[str, Any]) -
         rim = {**look, "edgecolor": style.GREEN if look is SOLID else style.VERMILLION}
         axes.add_patch(Polygon(MM * outline, **{**rim, "facecolor": "none"}))
     ends, radius = _ends(scene, row, f), MM * values[f"{finger}.radius"]
-    for a, b in zip(ends[:-1], ends[1:], strict=True):
+    for a, b in pairwise(ends):
         axes.add_patch(Polygon(capsule(a, b, radius), **look))
     for phalanx in (2 * f, 2 * f + 1):
         force = scene.forces[row, phalanx]
         if force > 0.05 and look is SOLID:
             place, normal = MM * scene.contacts[row, phalanx, :2], scene.contacts[row, phalanx, 2:]
             tip = place - (4.0 + ARROW * force) * normal
-            axes.annotate("", tip, place, arrowprops={"arrowstyle": "->", "color": "#7a4a00"})
+            axes.annotate(
+                "", tuple(tip), tuple(place), arrowprops={"arrowstyle": "->", "color": "#7a4a00"}
+            )
 
 
 def _moved(scene: Scene, row: int, points: np.ndarray) -> np.ndarray:
@@ -123,7 +126,7 @@ def _space(axes: "Axes", scene: Scene, row: int, look: dict[str, Any]) -> None:
         ends += MM * np.array([values[f"{finger}.mount_x"], values[f"{finger}.mount_y"]])
         seen = _seen(np.column_stack([ends, np.full(4, MM * values[f"{finger}.mount_z"])]))
         radius = MM * values[f"{finger}.radius"]
-        for a, b in zip(seen[:-1], seen[1:], strict=True):
+        for a, b in pairwise(seen):
             drawn.append((a[2] + b[2], capsule(a[:2], b[:2], radius)))
     if scene.slices is not None:
         for z, points in zip(scene.slices.planes, scene.slices.points, strict=True):

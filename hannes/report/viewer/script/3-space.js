@@ -5,7 +5,9 @@ const START = { x: -0.35, y: 0.55, z: 0 };
 function makeSpace(element, scenes, most) {
   const illo = new Zdog.Illustration({ element, dragRotate: true, rotate: { ...START } });
   const middle = new Zdog.Anchor({ addTo: illo, translate: { x: -22, y: -46, z: 0 } });
-  const hands = scenes.map((scene, k) => makeHand(middle, scene, k ? GHOST : BODY, most));
+  // The ghost is made first: of two parts equally far away the later one covers the earlier.
+  const hands = scenes.map((scene, k) => ({ scene, look: k ? GHOST : BODY })).reverse()
+    .map(({ scene, look }) => makeHand(middle, scene, look, most)).reverse();
   const draw = (shown) => {
     hands.forEach((hand, k) => hand.place(shown[k]));
     const width = element.clientWidth, height = element.clientHeight;

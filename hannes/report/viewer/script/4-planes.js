@@ -2,16 +2,17 @@
 
 function drawPlanes(canvas, states, names, most) {
   const { pen, width, height } = fitted(canvas), cell = width / 5;
-  const scale = Math.min(cell / 158, (height - 34) / 108);
+  const scale = Math.min(cell / 152, (height - 38) / 96);
   for (let f = 0; f < 5; f++) {
     pen.save();
     pen.beginPath();
     pen.rect(f * cell, 0, cell, height);
     pen.clip();
     caption(pen, states[0], f, names[f], f * cell + 6, height - 6);
-    pen.translate(f * cell + cell / 2 - 29 * scale, 18 + 14 * scale);
+    pen.translate(f * cell + cell / 2 - 26 * scale, 18 + (height - 38 - 96 * scale) / 2 + 10 * scale);
     pen.scale(scale, -scale);
-    states.forEach((state, k) => state && drawFinger(pen, state, f, k ? GHOST : BODY, scale, most));
+    if (states[1]) drawFinger(pen, states[1], f, GHOST, scale, most);
+    drawFinger(pen, states[0], f, BODY, scale, most);
     pen.restore();
     if (f) line(pen, f * cell, height);
   }

@@ -4,11 +4,12 @@ const WIRES = ["leader", "follower_a", "follower_b"];
 
 function drawWires(canvas, states, layout, names, most) {
   const { pen, width, height } = fitted(canvas);
-  const scale = Math.min(width / 800, (height - 16) / (layout.height - 20));
-  pen.translate((width - 800 * scale) / 2 + 10 * scale, 16);
+  const scale = Math.min(width / 640, (height - 20) / 445), wide = Math.max(640, width / scale);
+  pen.translate(((wide - 640) * scale) / 2, 8 - 20 * scale);
   pen.scale(scale, scale);
   const size = Math.max(12, 11.5 / scale);
-  states.forEach((state, k) => state && drawDrive(pen, state, layout, k ? GHOST : BODY, most));
+  if (states[1]) drawDrive(pen, states[1], layout, GHOST, most);
+  drawDrive(pen, states[0], layout, BODY, most);
   labels(pen, states[0], layout, names, size);
 }
 
@@ -16,7 +17,7 @@ function drawDrive(pen, { scene, row }, layout, look, most) {
   const gone = [0, 1].map((k) => layout.travel * scene.carts.at(row, k)), solid = look === BODY;
   Object.values(layout.carts).forEach(([x, y], k) => {
     traced(pen, [[x - 56 - gone[k], y - 30], [x + 56 - gone[k], y - 30], [x + 56 - gone[k], y + 34], [x - 56 - gone[k], y + 34]], true);
-    outline(pen, solid ? "#eef1f5" : "transparent", look.edge, look.dash, 1);
+    outline(pen, solid ? "rgba(225,231,238,.75)" : "transparent", look.edge, look.dash, 1);
     for (const side of [-32, 32]) wheel(pen, x + side - gone[k], y, layout.wheel - 2, look);
     if (solid) rail(pen, x, y + 40);
   });
@@ -40,7 +41,7 @@ function drawDrive(pen, { scene, row }, layout, look, most) {
 function wheel(pen, x, y, radius, look) {
   pen.beginPath();
   pen.arc(x, y, radius, 0, 2 * Math.PI);
-  outline(pen, look === BODY ? "#fff" : "transparent", look.edge, look.dash, 1);
+  outline(pen, look === BODY ? "rgba(255,255,255,.8)" : "transparent", look.edge, look.dash, 1);
 }
 
 function rail(pen, x, y) {
@@ -57,11 +58,11 @@ function labels(pen, { scene, row }, layout, names, size) {
     const slack = -MM * scene.stretch.at(row, k);
     return slack > 0 ? `${name} slack ${slack.toFixed(2)} mm` : `${name} ${scene.tension.at(row, k).toFixed(1)} N`;
   };
-  pen.fillText("motor", layout.motor[0] - 45, layout.motor[1] - 26);
-  pen.fillText(wire(0, "leader"), 150, layout.carts.a[1] + 90);
+  pen.fillText("motor", layout.motor[0] - 20, layout.motor[1] + 45);
+  pen.fillText(wire(0, "leader"), 150, layout.carts.a[1] + 92);
   Object.entries(layout.carts).forEach(([name, [x, y]], k) => {
-    pen.fillText(`cart ${name.toUpperCase()} ${(MM * scene.carts.at(row, k)).toFixed(2)} mm`, x - 60, y + 40 + 1.1 * size);
-    pen.fillText(wire(1 + k, "follower"), x + 70, y + 6);
+    pen.fillText(`cart ${name.toUpperCase()} ${(MM * scene.carts.at(row, k)).toFixed(2)} mm`, x - 10, y + 42 + size);
+    pen.fillText(wire(1 + k, "follower"), x + 74, y + 6);
   });
   names.forEach((name) => pen.fillText(name, layout.fingers[name][0] + 10, layout.fingers[name][1] + 24));
 }

@@ -22,14 +22,14 @@ function channels(scenes) {
     .filter(({ series }) => series.some(({ values }) => moves(values)));
 }
 
-const told = ({ name, unit }) => (TITLES[name] || name) + (unit === "1" ? "" : ` [${unit}]`);
+const labelled = ({ name, unit }) => (TITLES[name] || name) + (unit === "1" ? "" : ` [${unit}]`);
 
 function makePlots(element, scenes, onSeek) {
   const shown = channels(scenes), charts = [];
   for (const channel of shown) {
     const box = element.appendChild(document.createElement("div"));
     box.className = "chart";
-    box.appendChild(document.createElement("b")).textContent = told(channel);
+    box.appendChild(document.createElement("b")).textContent = labelled(channel);
     const tables = channel.series.map(({ scene, values }) => [scenes[scene].time, values]);
     const joined = tables.length > 1 ? uPlot.join(tables) : tables[0];
     const lines = channel.series.map(({ look, kind, scene }) => ({ ...look, spanGaps: true, points: { show: false }, label: `${kind} ${scene}` }));
