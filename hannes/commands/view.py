@@ -34,14 +34,13 @@ def view(
     simulation does not end.
     """
     recordings = [Recording.read(each) for each in _few(files)]
-    chosen = [load_hand(each) for each in hands]
+    chosen: list[Hand | None] = [load_hand(each) for each in hands]
     if len(chosen) not in (0, 1, len(recordings)):
         raise BadInput(
             f"{len(chosen)} hands for {len(recordings)} recordings: give one, or as many"
         )
-    own: list[Hand | None] = [*chosen, *chosen][: len(recordings)]
-    own = own or [None] * len(recordings)
-    replays = [replay(each, hand) for each, hand in zip(recordings, own, strict=True)]
+    own = [*chosen, *chosen][: len(recordings)] or [None, None]
+    replays = [replay(each, hand) for each, hand in zip(recordings, own, strict=False)]
     names = _names([Path(each) for each in files])
     scenes = [_scene(each, name) for each, name in zip(replays, names, strict=True)]
     bare = without_effects(replays[-1])

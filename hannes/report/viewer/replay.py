@@ -7,7 +7,8 @@ import numpy as np
 from hannes.core.errors import BadInput
 from hannes.core.io.toml_table import Table
 from hannes.core.recording.recording import Recording
-from hannes.plants.hand.plant import TOLERANCE, HandPlant, posed
+from hannes.plants.hand.plant import TOLERANCE, HandPlant
+from hannes.plants.hand.recorded_experiment import experiment_of
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.experiment.reader import parse_experiment
 from hannes.simulation.hand.hand import Hand
@@ -112,4 +113,4 @@ def _experiment(recording: Recording, hand: Hand) -> tuple[Experiment, float]:
         return replace(parse_experiment(recording.experiment), noise={}), 0.0
     HandPlant(hand).check(recording)
     start = float(recording.time[0]) if "reference" in recording else 0.0
-    return posed(recording), start
+    return experiment_of(recording), start
