@@ -1,6 +1,6 @@
 # Needs only make and a Python >= 3.11 with venv; everything else goes into .venv.
 .DEFAULT_GOAL := help
-.PHONY: help env env-test run test test-all lint format docs bench structure size audit lock
+.PHONY: help env env-test run test test-all lint format docs bench structure size audit lock release-check
 
 bin := .venv/bin
 
@@ -68,6 +68,9 @@ audit: env-test  ## licences of all that is installed, known faults of the locke
 	.venv/audit/bin/pip install --quiet pip-audit
 	.venv/audit/bin/pip-audit --strict --requirement requirements.lock --require-hashes --disable-pip
 	.venv/audit/bin/pip-audit --strict --requirement requirements-test.lock --require-hashes --disable-pip
+
+release-check: env-test  ## builds, installs and runs the README's lines from an empty folder, then a fresh clone
+	$(bin)/python -m tools.release_check
 
 # The second lock holds the first at the same versions: `make test` adds to what `make run` installed.
 compiled := .venv/lock/bin/uv pip compile pyproject.toml --universal --python-version 3.11 \
