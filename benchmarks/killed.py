@@ -84,7 +84,7 @@ def distributed(folder: Path, expected: str) -> bool:
     run = subprocess.Popen(
         [*COMMAND, "--backend", "dask", "--scheduler", address], cwd=folder, **QUIET
     )
-    while not list(folder.glob(".parts*/*.part")) and run.poll() is None:
+    while not list(folder.glob(".shards*/*.shard")) and run.poll() is None:
         time.sleep(0.02)
     workers[0].kill()
     run.wait()

@@ -92,7 +92,7 @@ def spread(model: Any, chosen: Sequence[Subject]) -> dict[str, dict[str, float]]
             for s in chosen for r in s.recordings]  # fmt: skip
     sizes = [len(s.recordings) for s in chosen]
     starts = np.cumsum([0, *sizes[:-1]])
-    right = np.array([row["told"][row["class"]] for row in told])
+    right = np.array([row["answers"][row["class"]] for row in told])
     windows = np.array([row["windows"] for row in told], float)
     late = np.array([row["stable_in_time"] for row in told])
     whole = np.array([row["f1_grasps"] for row in told])
@@ -225,7 +225,7 @@ def bounds(told: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) ->
         must_show("peak force, median error, %", error, 5, error <= 5) | errors(force),
         between("its 95 % interval holds", [force]),
         between("its 95 % interval holds, objects drawn", [drawn]),
-        *(between(f"its 95 % interval holds{which}, where it is told", found, "told")
+        *(between(f"its 95 % interval holds{which}, where it is told", found, "answered")
           for which, found in ((", objects drawn", [drawn]), (", both", [force, drawn]))),
         must_show("10,000 grasps, processor seconds over two cores", cost["processor_s"] / 2,
                   SECONDS, cost["processor_s"] / 2 <= SECONDS),

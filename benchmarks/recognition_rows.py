@@ -62,12 +62,13 @@ def averages(shares: Mapping[str, float]) -> Row:
 
 def estimates(what: str, found: Told) -> Row:
     """How far off estimates are, how often intervals hold, and their upper end over their lower."""
-    if not found["told"]:
-        return {"what": what, "grasps": found["grasps"], "told": 0}
-    return {"what": what, "grasps": found["grasps"], "told": found["told"],
+    if not found["answered"]:
+        return {"what": what, "grasps": found["grasps"], "answered": 0}
+    return {"what": what, "grasps": found["grasps"], "answered": found["answered"],
             "off_%": found["median_error_percent"], **errors(found),
             "interval_holds_%": 100 * found["interval_holds"],
-            "holds_where_told_%": 100 * found["interval_holds"] * found["grasps"] / found["told"],
+            "holds_where_answered_%":
+                100 * found["interval_holds"] * found["grasps"] / found["answered"],
             "interval_width": found["interval_width"]}  # fmt: skip
 
 
@@ -84,13 +85,13 @@ def held_back(name: str, scores: Told) -> Row:
 
 def decision_time(name: str, model: Model, recording: Recording) -> Row:
     """Processor time of one decision: the features of a window and its class."""
-    samples = model.cut.samples(recording)[np.newaxis]
-    windows = model.cut.ends(samples.shape[1]).size
-    model.windows(model.cut.features(samples)[0])  # compiled now
+    samples = model.windowing.samples(recording)[np.newaxis]
+    windows = model.windowing.ends(samples.shape[1]).size
+    model.windows(model.windowing.features(samples)[0])  # compiled now
 
     def spent() -> float:
         start = time.process_time()
-        whole = model.cut.features(samples)[0]
+        whole = model.windowing.features(samples)[0]
         for row in whole:
             model.windows(row[np.newaxis])
         return time.process_time() - start

@@ -63,7 +63,7 @@ def right(model: Any, chosen: Sequence[Subject]) -> np.ndarray:
     return np.array(
         [
             [
-                row["told"][row["class"]]
+                row["answers"][row["class"]]
                 for recording in each.recordings
                 for row in evaluate(model, [Subject(each.name, each.label, (recording,))])[
                     "objects"

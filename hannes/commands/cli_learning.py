@@ -50,7 +50,7 @@ hannes evaluate model.h5 grasp.h5                  rigid or soft, how stiff, how
 hannes evaluate model.h5 evaluation.toml --out results/evaluation --json
 hannes evaluate model.h5 evaluation.toml --learning-curve results/large.h5
 
-evaluation.toml, whose recordings have the force that tells contact from release:
+evaluation.toml, whose recordings have the force, by which contact and release are found:
   title = "My objects"
   [[object]]
   name = "Ball"
@@ -73,23 +73,23 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     )
     add_json(dataset)
 
-    train = command("train", _train, "learn rigid from soft, stiffness and force from a data set")
+    train = command("train", _train, "train rigid or soft, stiffness and force on a data set")
     train.add_argument("dataset", help="a data set made by `hannes dataset`")
     train.add_argument("--out", metavar="MODEL.h5", help="the model (<dataset>-model.h5)")
-    train.add_argument("--trees", type=int, help="bagged trees that tell the class (default 320)")
+    train.add_argument("--trees", type=int, help="bagged trees for the class (default 320)")
     train.add_argument("--seed", type=int, default=0, help="of what is drawn (default 0)")
     train.add_argument("--window", default="50 ms", help="length of a window (default 50 ms)")
     train.add_argument("--hop", default="10 ms", help="from window to window (default 10 ms)")
     add_json(train)
 
-    evaluate = command("evaluate", _evaluate, "score a model on recordings, or ask it about one")
+    evaluate = command("evaluate", _evaluate, "score a model on recordings, or apply it to one")
     evaluate.add_argument("model", help="a model made by `hannes train`")
     evaluate.add_argument("recordings", help="an evaluation.toml, or one recording")
     evaluate.add_argument("--out", metavar="FOLDER", help="folder of evaluation.json")
     evaluate.add_argument(
         "--learning-curve",
         metavar="DATASET.h5",
-        help="score models too that learn from ever more of these grasps (a minute or so)",
+        help="also score models trained on more and more of these grasps (about a minute)",
     )
     add_json(evaluate)
 
@@ -117,10 +117,10 @@ def _dataset(chosen: argparse.Namespace) -> None:
     elif chosen.grasp is not None:
         print(f"wrote {result['out']}")
     else:
-        kept = result["parts"] - result["parts_simulated"]
+        kept = result["shards"] - result["shards_simulated"]
         print(
             f"{result['grasps']} grasps, {result['failed']} of them without an end; "
-            f"{kept} of {result['parts']} parts were there already"
+            f"{kept} of {result['shards']} shards were there already"
         )
         print(f"wrote {result['out']}")
 
@@ -132,27 +132,29 @@ def _train(chosen: argparse.Namespace) -> None:
     from hannes.core.io.units import quantity
     from hannes.recognition import model_file
     from hannes.recognition.train import TREES, train
-    from hannes.recognition.windowing import Cut
+    from hannes.recognition.windowing import Windowing
 
     trees = TREES if chosen.trees is None else chosen.trees
     if not 1 <= trees <= 2000:
         raise BadInput(f"--trees {trees}: expected 1 to 2000")
-    cut = Cut(quantity(chosen.window, "s", "--window"), quantity(chosen.hop, "s", "--hop"))
-    model, result = train(chosen.dataset, trees=trees, seed=chosen.seed, cut=cut)
+    windowing = Windowing(
+        quantity(chosen.window, "s", "--window"), quantity(chosen.hop, "s", "--hop")
+    )
+    model, result = train(chosen.dataset, trees=trees, seed=chosen.seed, windowing=windowing)
     out = chosen.out or str(Path(chosen.dataset).with_suffix("")) + "-model.h5"
     model_file.write(out, model)
     if chosen.json:
         print_json({"out": out, **result})
         return
-    print(f"learnt from {result['grasps']} grasps of {result['title']}")
+    print(f"trained on {result['grasps']} grasps of {result['title']}")
     for key, words in (
-        ("unseen_scores", "grasps, each told by what had not seen it"),
+        ("unseen_scores", "grasps, each by trees that had not seen it"),
         ("test_scores", "held-back grasps"),
     ):
         if found := result.get(key):
             print(
                 f"  {found['grasps']} {words}: {100 * found['windows_right']:.1f} % of windows and "
-                f"{100 * found['grasps_right']:.1f} % of grasps told right"
+                f"{100 * found['grasps_right']:.1f} % of grasps right"
             )
     print(f"wrote {out}")
 
@@ -161,7 +163,13 @@ def _evaluate(chosen: argparse.Namespace) -> None:
     from hannes.core.errors import BadInput
     from hannes.core.recording.recording import Recording
     from hannes.recognition import model_file
-    from hannes.recognition.evaluate import evaluate, learning_curve, read_subjects, told_of, write
+    from hannes.recognition.evaluate import (
+        evaluate,
+        learning_curve,
+        prediction_of,
+        read_subjects,
+        write,
+    )
     from hannes.recognition.train import curve
 
     model = model_file.read(chosen.model)
@@ -170,13 +178,13 @@ def _evaluate(chosen: argparse.Namespace) -> None:
             raise BadInput(
                 f"{chosen.recordings}: --out and --learning-curve are for an evaluation.toml"
             )
-        result = told_of(model, Recording.read(chosen.recordings))
+        result = prediction_of(model, Recording.read(chosen.recordings))
         print_json(result) if chosen.json else print(_grasp(result))
         return
     title, subjects = read_subjects(chosen.recordings)
     result = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
     if chosen.learning_curve:
-        models = curve(chosen.learning_curve, cut=model.cut)
+        models = curve(chosen.learning_curve, windowing=model.windowing)
         result["learning_curve"] = learning_curve(models, subjects)
     if chosen.out:
         write(chosen.out, result)
@@ -190,7 +198,9 @@ def _grasp(result: dict[str, Any]) -> str:
             ends = f"{each['low']:.3g} to {each['high']:.3g}"
             lines.append(f"  {words} {each['value']:.3g} {each['unit']} (95 %: {ends})")
     if result["peak_force"] is None:
-        lines.append("  the motor felt nothing, so neither stiffness nor grip force is told")
+        lines.append(
+            "  no contact in the current, so neither stiffness nor grip force is estimated"
+        )
     return "\n".join(lines)
 
 
@@ -206,12 +216,12 @@ def _scores(result: dict[str, Any]) -> str:
         f"{100 * result['f1_grasps']:8.1f} % {100 * result['stable_in_time']:12.0f} %"
     )
     lines += [
-        f"  {row['grasps']:>8} grasps learnt    {100 * row['f1_windows']:10.1f} % "
+        f"  {row['grasps']:>8} grasps trained   {100 * row['f1_windows']:10.1f} % "
         f"{100 * row['f1_grasps']:8.1f} % {100 * row['stable_in_time']:12.0f} %"
         for row in result.get("learning_curve", ())
     ]
     named = (("force", "peak force"), ("stiffness", "stiffness"))
-    lines += [_estimates(words, result[key]) for key, words in named if result[key]["told"]]
+    lines += [_estimates(words, result[key]) for key, words in named if result[key]["answered"]]
     error = 100 * result["reliability"]["calibration_error"]
     lines.append(f"  probabilities are off by {error:.1f} points on average")
     return "\n".join(lines)
@@ -219,8 +229,9 @@ def _scores(result: dict[str, Any]) -> str:
 
 def _estimates(words: str, result: dict[str, Any]) -> str:
     middle = result["median_error_percent"]
-    off = "by more than can be told" if middle is None else f"by {middle:.1f} %"
+    off = "beyond measure" if middle is None else f"by {middle:.1f} %"
     return (
-        f"  {words}: off {off} (median); told of {result['told']} of {result['grasps']} grasps, "
+        f"  {words}: off {off} (median); "
+        f"estimated for {result['answered']} of {result['grasps']} grasps, "
         f"95 % intervals hold {100 * result['interval_holds']:.1f} % of all"
     )

@@ -1,1 +1,1 @@
-"""Many grasps from one specification: what is drawn, who simulates it, the file they end in."""
+"""Many grasps from one specification: sampled, simulated on many cores, written to one file."""

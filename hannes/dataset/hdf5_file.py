@@ -1,9 +1,9 @@
-"""The file of a data set: parts into HDF5 and back, the same bytes for the same parts.
+"""The file of a data set: shards into HDF5 and back, the same bytes for the same shards.
 
     /channels/NAME   float32, a row a grasp, a column a sample; attribute unit
     /channels/time   float64 [s], the dimension scale of the columns
-    /grasps          a row a grasp: what was drawn and what came of it; attribute units, by field
-    /digests         SHA-256 of each part of rows and chunks, by which damage is found
+    /grasps          a row a grasp: its sampled values and its results; attribute units, by field
+    /digests         SHA-256 of each shard's rows and chunks, by which damage is found
 
 Attributes `meanings` of the root and of the table say in JSON what is what (ROOT, MEANINGS).
 """
@@ -24,7 +24,7 @@ from hannes.core.io.atomic_files import BODY_FAULTS
 from hannes.core.io.provenance import versions
 from hannes.core.recording.hdf5 import set_attribute
 from hannes.dataset import distributions, sampling, shard
-from hannes.dataset.shard import SIZE, STORED, Part, chunk, count, table_type, units
+from hannes.dataset.shard import SIZE, STORED, Shard, chunk, count, table_type, units
 from hannes.dataset.spec import ROLES, Spec
 from hannes.simulation.experiment import clearance, experiment
 from hannes.simulation.hand import anatomy, hand
@@ -32,8 +32,8 @@ from hannes.simulation.hand import variables as channels
 from hannes.simulation.sensors import UNITS, noisy
 
 SCHEMA = "hannes-dataset-1"
-DRAWING = ("matplotlib",)  # packages on which no byte hangs
-HUNG_ON = (  # what draws, poses and packs, by its source; kernels and values are told by themselves
+PLOTTING = ("matplotlib",)  # packages on which no byte depends
+DEPENDS_ON = (  # sources that sample, pose and pack; kernels and values enter by themselves
     *(distributions, sampling, shard, clearance, noisy),
     *(anatomy, channels, experiment, hand, shapes),
 )
@@ -62,20 +62,20 @@ MEANINGS = {
 
 
 def fingerprint(spec: Spec) -> str:
-    """Digest of all that the bytes hang on: specification, model, drawing, packing, versions."""
+    """Digest of all that the bytes depend on: specification, model, sampling, packing, versions."""
     model = Path(str(spec.hand.compiled(spec.hand.effects).fast.__file__)).stem
-    sources = [inspect.getsource(each) for each in HUNG_ON]
-    hung = {name: each for name, each in versions().items() if name not in DRAWING}
+    sources = [inspect.getsource(each) for each in DEPENDS_ON]
+    libraries = {name: each for name, each in versions().items() if name not in PLOTTING}
     values = dict(spec.hand.parameters)
-    known = json.dumps([SCHEMA, spec.text, values, model, sources, hung], sort_keys=True)
+    known = json.dumps([SCHEMA, spec.text, values, model, sources, libraries], sort_keys=True)
     return hashlib.sha256(known.encode()).hexdigest()
 
 
-def write(path: Path, spec: Spec, parts: Iterable[Part]) -> None:
-    """Write all parts, in order, to `path`; BadInput where the disk is full."""
+def write(path: Path, spec: Spec, shards: Iterable[Shard]) -> None:
+    """Write all shards, in order, to `path`; BadInput where the disk is full."""
     import h5py
 
-    with _told(path), h5py.File(path, "w", libver=("v108", "v110")) as file:
+    with _explained_if_full(path), h5py.File(path, "w", libver=("v108", "v110")) as file:
         _head(file, spec)
         datasets = _empty(file, spec)
         table = file.create_dataset(
@@ -84,7 +84,7 @@ def write(path: Path, spec: Spec, parts: Iterable[Part]) -> None:
         table.attrs["units"] = np.array([x.encode() for x in units(spec)])
         set_attribute(table, "meanings", json.dumps(MEANINGS))
         digests = file.create_dataset("digests", (count(spec), 32), np.uint8, track_times=False)
-        for k, each in enumerate(parts):
+        for k, each in enumerate(shards):
             table[k * SIZE : k * SIZE + each.rows.size] = each.rows
             for name, data in each.chunks.items():
                 datasets[name].id.write_direct_chunk((k * SIZE, 0), data)
@@ -126,8 +126,8 @@ def _empty(file: Any, spec: Spec) -> dict[str, Any]:
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
-    """Turn a full disk into one line; HDF5 hides the error's number in its words."""
+def _explained_if_full(path: Path) -> Iterator[None]:
+    """Turn a full disk into one line; HDF5 hides the error's number in its message."""
     try:
         yield
     except (OSError, RuntimeError) as error:
@@ -141,19 +141,19 @@ def _told(path: Path) -> Iterator[None]:
 
 
 def well_headed(path: Path, spec: Spec) -> bool:
-    """Tell whether what says what is what is as `write` leaves it: times, attributes, units.
+    """Return whether times, attributes and units are as `write` leaves them.
 
-    How HDF5 keeps its own books is not looked at.
+    HDF5's own bookkeeping is not checked.
     """
     import h5py
 
     try:
         with h5py.File(path, "r") as file:
-            told = {key: file.attrs[key] for key in (*_texts(spec), "seed", "border")}
+            stored = {key: file.attrs[key] for key in (*_texts(spec), "seed", "border")}
             wanted = {key: text.encode() for key, text in _texts(spec).items()}
             channels = file["channels"]
             return (
-                told == {**wanted, "seed": spec.seed, "border": spec.border}
+                stored == {**wanted, "seed": spec.seed, "border": spec.border}
                 and np.array_equal(channels["time"][:], spec.base.times)
                 and channels["time"].attrs["unit"] == b"s"
                 and all(channels["time"] in channels[n].dims[1].values() for n in spec.channels)
@@ -165,8 +165,8 @@ def well_headed(path: Path, spec: Spec) -> bool:
         return False
 
 
-def salvaged(path: Path, spec: Spec) -> Iterator[tuple[int, Part]]:
-    """Sound parts of a finished file of the same specification; nothing where it is another."""
+def salvaged(path: Path, spec: Spec) -> Iterator[tuple[int, Shard]]:
+    """Intact shards of a finished file of the same specification; none where it is another."""
     import h5py
 
     try:
@@ -174,18 +174,18 @@ def salvaged(path: Path, spec: Spec) -> Iterator[tuple[int, Part]]:
             if file.attrs.get("fingerprint", b"") != fingerprint(spec).encode():
                 return
             for k in range(count(spec)):
-                if found := _sound(file, spec, k):
+                if found := _intact(file, spec, k):
                     yield k, found
     except (OSError, RuntimeError, KeyError, ValueError):
-        return  # damaged beyond that: what was found is found
+        return  # damaged beyond that: earlier shards stand
 
 
-def _sound(file: Any, spec: Spec, k: int) -> Part | None:
+def _intact(file: Any, spec: Spec, k: int) -> Shard | None:
     try:
         rows = file["grasps"][k * SIZE : min((k + 1) * SIZE, spec.count)]
         read = {n: file["channels"][n].id.read_direct_chunk((k * SIZE, 0)) for n in spec.channels}
         digest = file["digests"][k].tobytes()
     except (OSError, RuntimeError, KeyError, ValueError):
         return None
-    found = Part(rows, {name: bytes(data) for name, (_, data) in read.items()})
+    found = Shard(rows, {name: bytes(data) for name, (_, data) in read.items()})
     return found if found.digest == digest else None

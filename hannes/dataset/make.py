@@ -1,7 +1,7 @@
 """`hannes dataset`: simulate a specification's grasps on all cores or a cluster, losing nothing.
 
-Each part goes to a file of its own as soon as it is done, so that a run that was ended in any way
-goes on where it was; the data set itself appears under its name only when it is whole.
+Each shard goes to a file of its own as soon as it is done, so that a run that was ended in any way
+resumes where it was. The data set itself appears under its name only when it is whole.
 """
 
 import functools
@@ -16,12 +16,12 @@ from hannes.core.errors import BadInput, ComputationFailed, Interrupted
 from hannes.core.io.atomic_files import write_bytes
 from hannes.core.recording.hdf5 import text_attribute
 from hannes.dataset import hdf5_file
-from hannes.dataset.sampling import draw
-from hannes.dataset.shard import SIZE, Part, count, simulated
+from hannes.dataset.sampling import sample_grasp
+from hannes.dataset.shard import SIZE, Shard, count, simulated
 from hannes.dataset.spec import Spec, read_spec
 
 BACKENDS = ("local", "dask")
-ANSWER = 5  # s in which a scheduler must answer
+ANSWER = 5  # s, timeout of a scheduler
 TRIES = 3  # times that workers may die before a run gives up
 
 
@@ -34,24 +34,25 @@ def make(
     workers: int | None = None,
     progress: bool | None = None,
 ) -> dict[str, Any]:
-    """Write the data set to `out`; returns counts: grasps, parts, simulated now, failed grasps.
+    """Write the data set to `out`; return counts: grasps, shards, shards simulated now, failures.
 
     `workers` are local processes (default: all cores); backend "dask" uses the cluster of the
-    scheduler at that address. The bytes are the same for any of them. Raises BadInput for what
-    cannot be made or written, ComputationFailed where workers keep dying.
+    scheduler at that address. The bytes are the same for any of them. `progress` shows a bar on
+    standard error, by default on a terminal. Raises BadInput for what cannot be made or written,
+    ComputationFailed where workers keep dying.
     """
     target = _target(Path(out))
     _check_cells(spec)
-    parts = Parts(target, spec)
-    if missing := parts.missing():
-        _simulate(spec, parts, missing, _how(backend, scheduler, workers), progress)
-    parts.finish()
+    shards = Shards(target, spec)
+    if missing := shards.missing():
+        _simulate(spec, shards, missing, _how(backend, scheduler, workers), progress)
+    shards.finish()
     return {
         "out": str(out),
         "grasps": spec.count,
-        "parts": count(spec),
-        "parts_simulated": len(missing),
-        "failed": parts.failed,
+        "shards": count(spec),
+        "shards_simulated": len(missing),
+        "failed": shards.failed,
     }
 
 
@@ -81,57 +82,57 @@ def _may_be_ours(path: Path) -> bool:
 
 
 def _check_cells(spec: Spec) -> None:
-    """Draw the first grasp of every cell of the design, so that a bad one is told at once."""
+    """Sample the first grasp of every cell of the design, so that a bad one is reported at once."""
     first = 0
     for group in spec.groups:
         for cell in range(min(group.cells, 1000)):
-            draw(spec, first + cell * group.draws)
+            sample_grasp(spec, first + cell * group.draws)
         first += group.count
 
 
-class Parts:
-    """Parts that are done, each in a file of a folder beside the data set."""
+class Shards:
+    """Shards that are done, each in a file of a folder beside the data set."""
 
     def __init__(self, target: Path, spec: Spec) -> None:
         self.target, self.spec = target, spec
-        self.folder = target.parent / f".parts-{hdf5_file.fingerprint(spec)[:16]}.{target.name}"
+        self.folder = target.parent / f".shards-{hdf5_file.fingerprint(spec)[:16]}.{target.name}"
         self.whole, self.failed = False, 0
 
     def path(self, k: int) -> Path:
-        """File of part `k`."""
-        return self.folder / f"{k:06d}.part"
+        """File of shard `k`."""
+        return self.folder / f"{k:06d}.shard"
 
-    def read(self, k: int) -> Part | None:
-        """A part, None where it is missing or damaged."""
+    def read(self, k: int) -> Shard | None:
+        """A shard, None where it is missing or damaged."""
         try:
-            return Part.unpacked(self.path(k).read_bytes())
+            return Shard.unpacked(self.path(k).read_bytes())
         except OSError:
             return None
 
     def missing(self) -> list[int]:
-        """Numbers of the parts still to be simulated; those of a damaged file are taken over."""
+        """Numbers of the shards still to be simulated; intact ones of a damaged file are kept."""
         kept = {k for k in range(count(self.spec)) if self.read(k)}
         if self.target.exists():
-            sound = [part.failed for _, part in hdf5_file.salvaged(self.target, self.spec)]
+            sound = [shard.failed for _, shard in hdf5_file.salvaged(self.target, self.spec)]
             self.whole, self.failed = len(sound) == count(self.spec), sum(sound)
             self.whole = self.whole and hdf5_file.well_headed(self.target, self.spec)
             if self.whole:
                 return []
-            for k, part in hdf5_file.salvaged(self.target, self.spec):
+            for k, shard in hdf5_file.salvaged(self.target, self.spec):
                 if k not in kept:
-                    self.write(k, part.packed())
+                    self.write(k, shard.packed())
                     kept.add(k)
         return [k for k in range(count(self.spec)) if k not in kept]
 
     def write(self, k: int, data: bytes) -> None:
-        """Keep a part; BadInput where the disk is full."""
+        """Keep a shard; BadInput where the disk is full."""
         try:
             write_bytes(self.path(k), data)
         except BadInput as error:
             raise BadInput(f"{error}; then run the same again: what is done is kept") from None
 
     def finish(self) -> None:
-        """Put the parts together under the data set's name, and remove them."""
+        """Join the shards under the data set's name, and remove them."""
         if not self.whole:
             self.failed = 0
             temporary = self.folder / "whole.h5"
@@ -140,13 +141,15 @@ class Parts:
             os.replace(temporary, self.target)
         shutil.rmtree(self.folder, ignore_errors=True)
 
-    def _all(self) -> Iterator[Part]:
+    def _all(self) -> Iterator[Shard]:
         for k in range(count(self.spec)):
-            part = self.read(k)
-            if part is None:
-                raise ComputationFailed(f"part {k} of {self.target.name} was damaged; run it again")
-            self.failed += part.failed
-            yield part
+            shard = self.read(k)
+            if shard is None:
+                raise ComputationFailed(
+                    f"shard {k} of {self.target.name} was damaged; run it again"
+                )
+            self.failed += shard.failed
+            yield shard
 
 
 def _flush(path: Path) -> None:
@@ -155,9 +158,9 @@ def _flush(path: Path) -> None:
 
 
 def _simulate(
-    spec: Spec, parts: Parts, missing: list[int], how: Any, progress: bool | None
+    spec: Spec, shards: Shards, missing: list[int], how: Any, progress: bool | None
 ) -> None:
-    """Simulate parts in any order; where workers die, what they had is given to others."""
+    """Simulate shards in any order; those of workers that died go to others."""
     from tqdm import tqdm
 
     _make_ready(spec)
@@ -167,7 +170,7 @@ def _simulate(
         for turn in range(TRIES):
             try:
                 for k, data in parallel(_tasks(spec, list(left))):
-                    parts.write(k, data)
+                    shards.write(k, data)
                     del left[k]
                     bar.update(SIZE)
             except KeyboardInterrupt:
@@ -192,7 +195,7 @@ def _tasks(spec: Spec, numbers: list[int]) -> Iterator[Any]:
 
 
 def numbered(text: str, number: int, mark: str) -> tuple[int, bytes]:
-    """A part with its number; BadInput where this process is of another version than `mark`."""
+    """A shard with its number; BadInput where this process is of another version than `mark`."""
     if _mark(text) != mark:
         raise BadInput(
             "a worker has another version of hannes, Python or a package than this machine: "
@@ -222,7 +225,7 @@ def _explained(error: Exception, left: int) -> Exception:
     if not _died(error):
         return error
     return ComputationFailed(
-        f"workers died {TRIES} times ({left} parts left), out of memory?; run the same again with "
+        f"workers died {TRIES} times ({left} shards left), out of memory?; run the same again with "
         "fewer --workers: what is done is kept"
     )
 

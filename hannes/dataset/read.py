@@ -1,4 +1,4 @@
-"""A finished data set, read with suspicion: shapes and types are judged before numbers are read."""
+"""Reads a finished data set; shapes and types are checked before numbers are read."""
 
 import json
 from collections.abc import Iterator
@@ -15,9 +15,9 @@ from hannes.dataset.hdf5_file import SCHEMA
 from hannes.dataset.shard import STORED
 
 MOST_FIELDS = 2000
-DENSEST = 1100  # times that deflate can shrink anything
+DENSEST = 1100  # highest compression ratio of deflate
 LARGEST = 1e12  # N/m or N: any real one is far below
-BLOCK = 500  # grasps in memory at a time
+BLOCK = 500  # grasps in memory at once
 NEEDED = ("role", "completed", "contact", "release", "peak_force", "object.stiffness")
 
 
@@ -35,7 +35,7 @@ class DataSet:
 
     @property
     def rigid(self) -> np.ndarray:
-        """Which objects are rigid, shape (grasps,)."""
+        """Which objects count as rigid, shape (grasps,)."""
         return self.table["object.stiffness"] >= self.border
 
     @property
@@ -73,23 +73,23 @@ def read(path: str | Path) -> DataSet:
             raise BadInput(f"{path}: channels/time: expected 2 or more float64 times")
         border, roles = float(file.attrs["border"]), json.loads(text_attribute(file, "roles"))
         title, digest = text_attribute(file, "title"), text_attribute(file, "fingerprint")
-        told = DataSet(Path(path), title, table, time[()], border, tuple(roles), digest)
-    _check(told)
-    return told
+        found = DataSet(Path(path), title, table, time[()], border, tuple(roles), digest)
+    _check(found)
+    return found
 
 
-def _check(told: DataSet) -> None:
-    if not (np.isfinite(told.border) and told.border > 0.0):
-        raise BadInput(f"{told.path}: its border of stiffness is {told.border} N/m")
-    if "train" not in told.roles or "test" not in told.roles:
-        raise BadInput(f"{told.path}: expected the roles train and test, got {told.roles!r:.60}")
-    if not (np.isfinite(told.time).all() and (np.diff(told.time) > 0.0).all()):
-        raise BadInput(f"{told.path}: channels/time does not increase")
-    stiffness, peak = told.table["object.stiffness"], told.table["peak_force"][told.usable]
+def _check(found: DataSet) -> None:
+    if not (np.isfinite(found.border) and found.border > 0.0):
+        raise BadInput(f"{found.path}: its border of stiffness is {found.border} N/m")
+    if "train" not in found.roles or "test" not in found.roles:
+        raise BadInput(f"{found.path}: expected the roles train and test, got {found.roles!r:.60}")
+    if not (np.isfinite(found.time).all() and (np.diff(found.time) > 0.0).all()):
+        raise BadInput(f"{found.path}: channels/time does not increase")
+    stiffness, peak = found.table["object.stiffness"], found.table["peak_force"][found.usable]
     if not ((stiffness > 0.0) & (stiffness <= LARGEST)).all():
-        raise BadInput(f"{told.path}: an object's stiffness is no number above 0")
+        raise BadInput(f"{found.path}: an object's stiffness is no number above 0")
     if not (np.abs(peak) <= LARGEST).all():
-        raise BadInput(f"{told.path}: a peak force is no number")
+        raise BadInput(f"{found.path}: a peak force is no number")
 
 
 @contextmanager
@@ -102,8 +102,8 @@ def _opened(path: Path) -> Iterator[Any]:
         with h5py.File(path, "r") as file:
             yield file
     except BadInput as error:
-        told = str(error)
-        raise BadInput(told if told.startswith(str(path)) else f"{path}: {told}") from None
+        message = str(error)
+        raise BadInput(message if message.startswith(str(path)) else f"{path}: {message}") from None
     except Exception as error:  # a damaged file raises nearly anything from inside the library
         reason = " ".join(str(error).split())[:100]
         raise BadInput(
@@ -137,7 +137,7 @@ def _channel(file: Any, name: str, grasps: int, samples: int) -> Any:
 
 
 def _plain(dataset: Any) -> None:
-    """Refuse storage that leads out of the file or asks for a plugin."""
+    """Refuse storage outside the file, and filters that need a plugin."""
     made = dataset.id.get_create_plist()
     filters = {made.get_filter(k)[0] for k in range(made.get_nfilters())}
     if dataset.is_virtual or dataset.external or not filters <= OWN_FILTERS:

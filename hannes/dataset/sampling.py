@@ -1,4 +1,4 @@
-"""One grasp of a data set from its number: what it is made of hangs on seed and number alone."""
+"""One grasp of a data set from its number: it depends on seed and number alone."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -11,12 +11,12 @@ from hannes.simulation.experiment.clearance import DEEPEST, overlaps
 from hannes.simulation.experiment.experiment import Experiment, Reference, Target
 from hannes.simulation.hand.hand import Hand
 
-MOST_TRIES = 2000  # draws of a grasp until its object stands clear of the open hand
-DRAWN, NOISED = 0, 1  # streams of random numbers
+MOST_TRIES = 2000  # samples of a grasp until its object stands clear of the open hand
+SAMPLING, NOISE = 0, 1  # streams of random numbers
 
 
 @dataclass(frozen=True)
-class Drawn:
+class SampledGrasp:
     """A grasp to be simulated; `values` (SI) has every column of the data set."""
 
     number: int
@@ -31,16 +31,16 @@ class Drawn:
         return self.experiment.seed
 
 
-def draw(spec: Spec, number: int) -> Drawn:
-    """Return a grasp; draws whose object intersects the open hand are drawn again.
+def sample_grasp(spec: Spec, number: int) -> SampledGrasp:
+    """Return grasp `number`; it is sampled again where its object intersects the open hand.
 
-    Raises BadInput for a number that is not there and where no draw stands clear.
+    Raises BadInput for a number that does not exist, and where no sample stands clear.
     """
     k, inside = spec.place(number)
     group = spec.groups[k]
     levels = group.levels(inside // group.draws)
-    rng = np.random.default_rng(np.random.SeedSequence(spec.seed, spawn_key=(number, DRAWN)))
-    for _ in range(MOST_TRIES if any(law.kind for law in group.laws.values()) else 1):
+    rng = np.random.default_rng(np.random.SeedSequence(spec.seed, spawn_key=(number, SAMPLING)))
+    for _ in range(MOST_TRIES if any(each.kind for each in group.distributions.values()) else 1):
         made = _made(spec, number, group, _values(spec, group, levels, rng))
         depths = overlaps(made.hand, made.experiment)
         worst = max(depths, key=depths.__getitem__, default="")
@@ -55,16 +55,16 @@ def draw(spec: Spec, number: int) -> Drawn:
 def _values(
     spec: Spec, group: Group, levels: Mapping[str, int], rng: np.random.Generator
 ) -> dict[str, float]:
-    drawn = {}
+    sampled = {}
     for name in spec.columns:
         nominal = OWN[name][3] if name in OWN else spec.hand.parameters[name]
-        law = group.laws.get(name)
-        drawn[name] = law.value(levels[name], nominal, rng) if law else nominal
-    return drawn
+        distribution = group.distributions.get(name)
+        sampled[name] = distribution.value(levels[name], nominal, rng) if distribution else nominal
+    return sampled
 
 
-def _made(spec: Spec, number: int, group: Group, values: dict[str, float]) -> Drawn:
-    """Hand and experiment with these values; what a spread takes out of bounds is put on them."""
+def _made(spec: Spec, number: int, group: Group, values: dict[str, float]) -> SampledGrasp:
+    """Hand and experiment with these values, each clipped to its bounds."""
     known = spec.hand.parameters.declared
     for name in values.keys() & known.keys():
         low, high = known[name].bounds
@@ -80,11 +80,11 @@ def _made(spec: Spec, number: int, group: Group, values: dict[str, float]) -> Dr
         noise={name: x for name, x in noise.items() if x > 0.0},
         seed=_seed(spec.seed, number),
     )
-    return Drawn(number, group, values, spec.hand.with_values(own), experiment)
+    return SampledGrasp(number, group, values, spec.hand.with_values(own), experiment)
 
 
 def _seed(seed: int, number: int) -> int:
-    sequence = np.random.SeedSequence(seed, spawn_key=(number, NOISED))
+    sequence = np.random.SeedSequence(seed, spawn_key=(number, NOISE))
     return int(sequence.generate_state(1)[0])
 
 

@@ -1,4 +1,4 @@
-"""A part of a data set: some grasps simulated, packed as the file will hold them."""
+"""A shard of a data set: some grasps simulated, packed as the file will hold them."""
 
 import functools
 import hashlib
@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from hannes.core.recording.recording import Recording
-from hannes.dataset.sampling import Drawn, draw, rounded
+from hannes.dataset.sampling import SampledGrasp, rounded, sample_grasp
 from hannes.dataset.spec import ROLES, Spec, read_spec
 from hannes.simulation.batch.simulate_many import simulate_many
 from hannes.simulation.sensors import CHANNELS, logged, noisy
 from hannes.simulation.trajectory import Grasp, Outcome
 
-SIZE = 100  # grasps of a part, and rows of a chunk of the file
-TOUCH, SHARE = 1.0, 0.05  # N of total force, and share of its peak, that count as contact
+SIZE = 100  # grasps of a shard, and rows of a chunk of the file
+TOUCH, SHARE = 1.0, 0.05  # thresholds of contact: total force [N], and share of its peak
 LEVEL = 4  # of deflate
 STORED = "<f4"  # seven digits, far below any sensor's noise
 OWN = (
@@ -34,7 +34,7 @@ OWN = (
 
 
 @dataclass(frozen=True)
-class Part:
+class Shard:
     """Rows of the table of grasps, and a deflated chunk of each channel."""
 
     rows: np.ndarray
@@ -54,7 +54,7 @@ class Part:
         return int((self.rows["completed"] == 0).sum())
 
     def packed(self) -> bytes:
-        """Bytes of the part, its digest among them."""
+        """Bytes of the shard, its digest among them."""
         memory = io.BytesIO()
         arrays = {"rows": self.rows, "digest": np.frombuffer(self.digest, np.uint8)}
         arrays |= {f"chunk {name}": np.frombuffer(x, np.uint8) for name, x in self.chunks.items()}
@@ -62,20 +62,20 @@ class Part:
         return memory.getvalue()
 
     @staticmethod
-    def unpacked(data: bytes) -> "Part | None":
-        """The part from its bytes, None where they are damaged."""
+    def unpacked(data: bytes) -> "Shard | None":
+        """The shard from its bytes, None where they are damaged."""
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as found:
                 names = [name for name in found.files if name.startswith("chunk ")]
                 chunks = {name.removeprefix("chunk "): found[name].tobytes() for name in names}
-                part, digest = Part(found["rows"], chunks), found["digest"].tobytes()
+                shard, digest = Shard(found["rows"], chunks), found["digest"].tobytes()
         except Exception:  # a damaged archive raises nearly anything
             return None
-        return part if part.digest == digest else None
+        return shard if shard.digest == digest else None
 
 
 def table_type(spec: Spec) -> np.dtype:
-    """Fields of the table of grasps: what every data set has, then a column for all that varies."""
+    """Fields of the table of grasps: those of every data set, then a column for each quantity."""
     return np.dtype(
         [*((name, kind) for name, kind, _ in OWN), *((name, "<f8") for name in spec.columns)]
     )
@@ -87,7 +87,7 @@ def units(spec: Spec) -> list[str]:
 
 
 def count(spec: Spec) -> int:
-    """Number of parts."""
+    """Number of shards."""
     return -(-spec.count // SIZE)
 
 
@@ -102,54 +102,54 @@ def _read(text: str) -> Spec:
 
 
 def simulated(text: str, number: int) -> bytes:
-    """Simulate a part of the data set of a resolved specification; runs in any process."""
+    """Simulate shard `number` of a resolved specification; runs in any process."""
     return made(_read(text), number).packed()
 
 
-def made(spec: Spec, number: int) -> Part:
-    """Simulate part `number`."""
+def made(spec: Spec, number: int) -> Shard:
+    """Simulate shard `number`."""
     first = number * SIZE
-    drawn = [draw(spec, k) for k in range(first, min(first + SIZE, spec.count))]
-    ran = grasps(spec, drawn, tuple(dict.fromkeys((*spec.channels, "force"))))
-    rows = np.zeros(len(drawn), table_type(spec))
+    sampled = [sample_grasp(spec, k) for k in range(first, min(first + SIZE, spec.count))]
+    ran = grasps(spec, sampled, tuple(dict.fromkeys((*spec.channels, "force"))))
+    rows = np.zeros(len(sampled), table_type(spec))
     samples = np.zeros((len(spec.channels), *chunk(spec)), STORED)
-    for k, (each, grasp) in enumerate(zip(drawn, ran, strict=True)):
+    for k, (each, grasp) in enumerate(zip(sampled, ran, strict=True)):
         rows[k] = _row(spec, each, grasp)
         for c, name in enumerate(spec.channels):
             samples[c, k, : grasp.time.size] = sensed(each, grasp, name)
             samples[c, k, grasp.time.size :] = np.nan  # it failed there
     chunks = {name: _deflated(samples[c]) for c, name in enumerate(spec.channels)}
-    return Part(rows, chunks)
+    return Shard(rows, chunks)
 
 
-def grasps(spec: Spec, drawn: list[Drawn], channels: tuple[str, ...]) -> list[Grasp]:
-    """Simulate what was drawn, on one core, keeping these channels."""
-    pairs = [(each.hand, each.experiment) for each in drawn]
+def grasps(spec: Spec, sampled: list[SampledGrasp], channels: tuple[str, ...]) -> list[Grasp]:
+    """Simulate sampled grasps on one core, keeping these channels."""
+    pairs = [(each.hand, each.experiment) for each in sampled]
     how: dict[str, Any] = {"rtol": spec.rtol, "effects": spec.hand.effects, "workers": 1}
-    how["progress"] = False  # that of the whole data set is told
+    how["progress"] = False  # that of the whole data set is shown
     return list(simulate_many(pairs, channels=channels, **how))
 
 
-def sensed(drawn: Drawn, grasp: Grasp, name: str) -> np.ndarray:
-    """What the sensor of a channel tells: noise, then resolution."""
-    told = noisy(drawn.experiment, name, grasp[name])
-    return rounded(told, drawn.values.get(f"resolution.{name}", 0.0))
+def sensed(sampled: SampledGrasp, grasp: Grasp, name: str) -> np.ndarray:
+    """Values that the sensor of a channel logs: with noise, then with its resolution."""
+    values = noisy(sampled.experiment, name, grasp[name])
+    return rounded(values, sampled.values.get(f"resolution.{name}", 0.0))
 
 
-def _row(spec: Spec, drawn: Drawn, grasp: Grasp) -> tuple[Any, ...]:
+def _row(spec: Spec, sampled: SampledGrasp, grasp: Grasp) -> tuple[Any, ...]:
     ends = touching(grasp.time, grasp["force"])
-    group = spec.groups.index(drawn.group)
-    own = (drawn.number, drawn.seed, group, ROLES.index(drawn.group.role))
+    group = spec.groups.index(sampled.group)
+    own = (sampled.number, sampled.seed, group, ROLES.index(sampled.group.role))
     complete = grasp.outcome is Outcome.COMPLETED
     peak = grasp["force"].max(initial=0.0)
-    return (*own, complete, *ends, peak, *(drawn.values[name] for name in spec.columns))
+    return (*own, complete, *ends, peak, *(sampled.values[name] for name in spec.columns))
 
 
 def touching(time: np.ndarray, force: np.ndarray, share: float = SHARE) -> tuple[float, float]:
-    """Contact and release [s]: first and last sample above 1 N and a share of the peak force.
+    """Contact and release [s]: first and last sample above 1 N and `share` of the peak force.
 
-    Below 5 % of it, fingers that touched wait for the others to close. NaN where nothing is
-    touched.
+    `time` [s] and total `force` [N] have shape (n,). Below 5 % of the peak, fingers in contact
+    wait for the others to close. NaN where nothing is touched.
     """
     found = np.flatnonzero(force > max(TOUCH, share * force.max(initial=0.0)))
     return (float(time[found[0]]), float(time[found[-1]])) if found.size else (np.nan, np.nan)
@@ -162,11 +162,11 @@ def _deflated(values: np.ndarray) -> bytes:
 
 
 def recorded(spec: Spec, number: int) -> Recording:
-    """Simulate one grasp alone and return what its sensors told, as the data set has it."""
-    drawn = draw(spec, number)
-    (grasp,) = grasps(spec, [drawn], CHANNELS)
-    told = logged(drawn.hand, drawn.experiment, grasp.require())
-    steps = {name: drawn.values.get(f"resolution.{name}", 0.0) for name in told.names}
-    return told.with_channels(
-        {name: rounded(told[name], step) for name, step in steps.items() if step}, {}
+    """Simulate one grasp alone and return its recording, as the data set has it."""
+    sampled = sample_grasp(spec, number)
+    (grasp,) = grasps(spec, [sampled], CHANNELS)
+    values = logged(sampled.hand, sampled.experiment, grasp.require())
+    steps = {name: sampled.values.get(f"resolution.{name}", 0.0) for name in values.names}
+    return values.with_channels(
+        {name: rounded(values[name], step) for name, step in steps.items() if step}, {}
     )

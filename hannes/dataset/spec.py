@@ -1,4 +1,4 @@
-"""A data set's specification: TOML into groups of grasps whose quantities vary by law."""
+"""A data set's specification: TOML into groups of grasps whose quantities vary."""
 
 import fnmatch
 import math
@@ -12,7 +12,7 @@ from hannes.contact.shapes import SHAPES
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.io.units import quantity
-from hannes.dataset.distributions import Law, read_law
+from hannes.dataset.distributions import Distribution, read_distribution
 from hannes.simulation.experiment import shipped
 from hannes.simulation.experiment.experiment import CONTROLLERS, Experiment, Reference
 from hannes.simulation.experiment.reader import MOST_SAMPLES, NOISE, read_reference
@@ -35,7 +35,7 @@ ROLES = ("train", "test")
 CHANNELS = ("reference", "position", "current", "force")
 MOST_GRASPS = 10_000_000
 BORDER = "5.5 kN/m"  # about the geometric mean of the shipped dynamometer and of the soft ball
-# What a grasp varies besides parameters of hand and object: unit, bounds, value where not given.
+# Quantities of a grasp besides parameters of hand and object: unit, bounds, default value.
 OWN: dict[str, tuple[str, float, float, float]] = {
     "command.speed": ("1", 0.05, 5.0, 1.0),
     "command.amplitude": ("1", 0.05, 2.0, 1.0),
@@ -48,19 +48,19 @@ OWN: dict[str, tuple[str, float, float, float]] = {
 class Group:
     """Grasps of one shape (None: empty hand): every cell of its levels, `draws` times.
 
-    `laws` are in alphabetical order, which the random numbers and the order of cells follow.
+    `distributions` are in alphabetical order, which random numbers and the order of cells follow.
     """
 
     name: str
     shape: str | None
     role: str
     draws: int
-    laws: Mapping[str, Law]
+    distributions: Mapping[str, Distribution]
 
     @property
     def cells(self) -> int:
         """Number of combinations of levels."""
-        return math.prod(len(law.levels) for law in self.laws.values())
+        return math.prod(len(each.levels) for each in self.distributions.values())
 
     @property
     def count(self) -> int:
@@ -70,8 +70,8 @@ class Group:
     def levels(self, cell: int) -> dict[str, int]:
         """Which level each quantity has in a cell; the last varies fastest."""
         found = {}
-        for name, law in reversed(list(self.laws.items())):
-            cell, found[name] = divmod(cell, len(law.levels))
+        for name, distribution in reversed(list(self.distributions.items())):
+            cell, found[name] = divmod(cell, len(distribution.levels))
         return found
 
 
@@ -96,8 +96,8 @@ class Spec:
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
-        """Full names of all that varies anywhere, and the object's stiffness."""
-        names = {name: None for group in self.groups for name in group.laws}
+        """Full names of all quantities that vary, and the object's stiffness."""
+        names = {name: None for group in self.groups for name in group.distributions}
         return tuple(sorted(names | {"object.stiffness": None}))
 
     def unit(self, column: str) -> str:
@@ -135,11 +135,14 @@ def find(name: str | Path) -> Path:
 
 
 def read_spec(text: str, where: str = "data set", folder: Path | None = None) -> Spec:
-    """Return what a TOML text asks for; relative paths start at `folder`."""
+    """Return the specification in a TOML text; relative paths start at `folder`.
+
+    `where` names the text in messages. Raises BadInput naming file and key.
+    """
     root = Table.parse(text, where, KEYS)
     hand = changed(load_hand(root.text("hand", "hannes"), folder), root, folder)
     base = _base(root, folder)
-    common = _laws(root.table("values"), hand)
+    common = _distributions(root.table("values"), hand)
     groups = tuple(_group(root, k, hand, common) for k in range(len(_tables(root))))
     if not 1 <= sum(group.count for group in groups) <= MOST_GRASPS:
         root.refuse("grasps", f"expected from 1 to {MOST_GRASPS} grasps in all")
@@ -190,7 +193,7 @@ def _tables(root: Table) -> list[Any]:
     return root.items("grasps")
 
 
-def _group(root: Table, k: int, hand: Hand, common: Mapping[str, Law]) -> Group:
+def _group(root: Table, k: int, hand: Hand, common: Mapping[str, Distribution]) -> Group:
     given = _tables(root)[k]
     if not isinstance(given, dict):
         root.refuse("grasps", "must be tables: lines [[grasps]], keys below each")
@@ -201,33 +204,33 @@ def _group(root: Table, k: int, hand: Hand, common: Mapping[str, Law]) -> Group:
         None if shape == "none" else shape,
         table.choice("role", ROLES, "train"),
         table.whole("draws", 1, MOST_GRASPS, 1),
-        dict(sorted({**common, **_laws(table.table("values"), hand)}.items())),
+        dict(sorted({**common, **_distributions(table.table("values"), hand)}.items())),
     )
 
 
-def _laws(table: Table, hand: Hand) -> dict[str, Law]:
-    """Laws by full name; a name with * stands for all parameters like it that are not zero.
+def _distributions(table: Table, hand: Hand) -> dict[str, Distribution]:
+    """Distributions by full name; a name with * matches all parameters that are not zero.
 
-    A full name goes before a longer pattern, that before a shorter one.
+    A full name overrides a pattern, a longer pattern a shorter one.
     """
-    laws: dict[str, Law] = {}
+    distributions: dict[str, Distribution] = {}
     for key in sorted(table.content, key=lambda key: ("*" not in key, len(key), key)):
         if "*" not in key:
-            laws[key] = _law(table, key, key, hand)
+            distributions[key] = _distribution(table, key, key, hand)
             continue
         names = [name for name, x in hand.parameters.items() if x and fnmatch.fnmatch(name, key)]
         if not names:
             table.refuse(key, "stands for no parameter that is not zero")
-        laws |= {name: _law(table, key, name, hand) for name in names}
-    return laws
+        distributions |= {name: _distribution(table, key, name, hand) for name in names}
+    return distributions
 
 
-def _law(table: Table, key: str, name: str, hand: Hand) -> Law:
+def _distribution(table: Table, key: str, name: str, hand: Hand) -> Distribution:
     if name not in OWN and name.partition(".")[0] in ("command", "noise", "resolution"):
         table.refuse(key, f"is unknown{nearest(name, OWN)} (there are {', '.join(OWN)})")
     if name not in OWN:
         parameter = declared(name, hand, table)
-        return read_law(table, key, parameter.unit, parameter.check)
+        return read_distribution(table, key, parameter.unit, parameter.check)
     unit, low, high, _ = OWN[name]
 
     def check(value: float) -> float:
@@ -235,7 +238,7 @@ def _law(table: Table, key: str, name: str, hand: Hand) -> Law:
             table.refuse(key, f"= {value:g}: expected from {low:g} to {high:g} [{unit}]")
         return value
 
-    return read_law(table, key, unit, check)
+    return read_distribution(table, key, unit, check)
 
 
 def _resolved(root: Table, hand: Hand, base: Experiment) -> str:

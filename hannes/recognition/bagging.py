@@ -1,8 +1,8 @@
 """Bagged trees whose bags are of whole grasps.
 
-Windows of one grasp resemble each other, so a bag of windows leaves nothing unseen. Of a bag of
-grasps the others are unseen: what trees tell of grasps that are not in their bags is what the model
-is worth, with nothing kept from learning (out-of-bag estimates, Breiman 1996).
+Windows of one grasp resemble each other, so a bag of windows leaves nothing unseen. A bag of
+grasps leaves the others unseen. Predictions of trees for grasps outside their bags measure the
+model, with nothing withheld from training (out-of-bag estimates, Breiman 1996).
 """
 
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ SHARE = 0.632  # of the grasps that a tree learns from: what a bootstrap would d
 
 @dataclass(frozen=True)
 class Rows:
-    """Windows to learn from: features (m, features), target and weight (m,), grasp of each (m,)."""
+    """Training windows: features (m, features), target and weight (m,), grasp of each (m,)."""
 
     features: np.ndarray
     target: np.ndarray
@@ -28,7 +28,7 @@ class Rows:
 
 @dataclass(frozen=True)
 class Bagged:
-    """Fitted regression trees of scikit-learn, and which grasps each has seen, (trees, grasps)."""
+    """Fitted regression trees of scikit-learn; `seen`: grasps in each bag, (trees, grasps)."""
 
     trees: list[Any]
     seen: np.ndarray
@@ -40,8 +40,8 @@ class Bagged:
     def mean_unseen(self, rows: np.ndarray, owner: np.ndarray) -> np.ndarray:
         """Mean over trees that have not seen the grasp of a row (m, features), shape (m,)."""
         total, count = np.zeros(len(rows)), np.zeros(len(rows))
-        for apart, told in self._unseen(rows, owner):
-            total[apart] += told
+        for apart, predicted in self._unseen(rows, owner):
+            total[apart] += predicted
             count[apart] += 1.0
         return total / np.where(count > 0.0, count, np.nan)
 
@@ -50,8 +50,8 @@ class Bagged:
         from warnings import catch_warnings, simplefilter
 
         every = np.full((len(self.trees), len(rows)), np.nan)
-        for tree, (apart, told) in zip(every, self._unseen(rows, owner), strict=True):
-            tree[apart] = told
+        for tree, (apart, predicted) in zip(every, self._unseen(rows, owner), strict=True):
+            tree[apart] = predicted
         with catch_warnings():
             simplefilter("ignore", RuntimeWarning)  # a grasp in every bag: NaN
             return np.nanquantile(every, QUANTILES, axis=0).T

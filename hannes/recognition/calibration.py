@@ -1,4 +1,4 @@
-"""What a model's answers proved to be worth on grasps that it had not learnt from."""
+"""Calibrates a model's probabilities and intervals on grasps that it was not trained on."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,16 +10,16 @@ from hannes.recognition.training_set import Grasps, last_held
 
 BINS = 6  # of an interval's width
 FOLDS = 5
-Told = Callable[[np.ndarray, np.ndarray], np.ndarray]  # rows, grasp of each -> of each row
+Predictor = Callable[[np.ndarray, np.ndarray], np.ndarray]  # rows, grasp of each -> of each row
 GRID, WIDTH = np.round(np.arange(0.5, 0.71, 0.01), 2), 0.02  # of confidence
 
 
 @dataclass(frozen=True)
-class Answers:
-    """What is told of n grasps by what has not learnt from them.
+class HeldOutPredictions:
+    """Predictions for n grasps by models that were not trained on them.
 
     rigid: of the forest, by window, NaN where there is none, shape (n, windows); stiffness [N/m]
-    and peak force [N], each with how far trees lie apart in its logarithm, shape (n, 2), NaN where
+    and peak force [N], each with the spread of the trees in its logarithm, shape (n, 2), NaN where
     nothing was held.
     """
 
@@ -28,10 +28,10 @@ class Answers:
     peak: np.ndarray
 
 
-def answers(model: Model, known: Grasps) -> Answers:
-    """What `model` tells of grasps that it has not learnt from."""
+def held_out_predictions(model: Model, known: Grasps) -> HeldOutPredictions:
+    """Predictions of `model` for grasps that it was not trained on."""
     peak = model.peak
-    return answered(
+    return predictions_by(
         known,
         lambda rows, owner: model.rigid(rows),
         lambda rows, owner: model.stiffness.quantiles(rows),
@@ -40,12 +40,17 @@ def answers(model: Model, known: Grasps) -> Answers:
     )
 
 
-def answered(
-    known: Grasps, rigid: Told, log_stiffness: Told, log_force: Told, log_peak: Told
-) -> Answers:
-    """Answers from what is told of rows of features, and of which grasp each is.
+def predictions_by(
+    known: Grasps,
+    rigid: Predictor,
+    log_stiffness: Predictor,
+    log_force: Predictor,
+    log_peak: Predictor,
+) -> HeldOutPredictions:
+    """Predictions for grasps, from predictors of rows of features.
 
-    log_peak tells of rows of whole grasps; where that is NaN, or a grasp still held, log_force.
+    Each predictor takes rows (m, features) and the grasp of each row (m,). log_peak takes rows of
+    whole grasps; where it gives NaN, or a grasp is still held, log_force is used.
     """
     there, some = ~np.isnan(known.features[..., 0]), held(known.features)
     windows, logs = np.full(there.shape, np.nan), np.full((*some.shape, 3), np.nan)
@@ -57,16 +62,16 @@ def answered(
     peak[found] = [
         grasp_peak(each) for each in log_force(known.features[found, last[found]], found)
     ]
-    free = known.let_go()
+    free = known.released()
     finer = np.exp(log_peak(known.whole[free], free))
     peak[free, 0] = np.where(np.isnan(finer), peak[free, 0], finer)
-    return Answers(windows, stiffness, peak)
+    return HeldOutPredictions(windows, stiffness, peak)
 
 
-def calibrated(model: Model, known: Grasps, told: Answers) -> Model:
-    """The model with its probabilities and intervals as they proved on grasps not learnt from."""
-    used = known.scored & np.isfinite(told.rigid)
-    raw = told.rigid[used]
+def calibrated(model: Model, known: Grasps, predicted: HeldOutPredictions) -> Model:
+    """The model, calibrated on predictions for grasps that it was not trained on."""
+    used = known.scored & np.isfinite(predicted.rigid)
+    raw = predicted.rigid[used]
     classes = np.repeat(known.rigid, used.sum(axis=1)).astype(float)
     if np.unique(classes).size == 2:
         points = _isotonic(raw, classes)
@@ -74,8 +79,8 @@ def calibrated(model: Model, known: Grasps, told: Answers) -> Model:
         model = replace(model, calibration=points, sure=least_sure(raw, classes, owner))
     return replace(
         model,
-        stiffness_band=_widened(_band(told.stiffness, known.stiffness), known.stiffness),
-        force_band=_band(told.peak, known.peak),
+        stiffness_band=_widened(_band(predicted.stiffness, known.stiffness), known.stiffness),
+        force_band=_band(predicted.peak, known.peak),
     )
 
 
@@ -87,17 +92,18 @@ def _isotonic(raw: np.ndarray, classes: np.ndarray) -> Calibration:
 
 
 def least_sure(raw: np.ndarray, classes: np.ndarray, owner: np.ndarray) -> float:
-    """Probability from which a decision beats a coin, by cross-validation over grasps.
+    """Probability from which a decision beats chance, by cross-validation over grasps.
 
-    raw: what the forest told of windows; owner: the grasp of each. It is the least confidence on
-    a grid at which the windows told about so are right more often than half, at 95 % confidence.
+    raw: the forest's probability by window, shape (m,); classes: 0 or 1; owner: the grasp of each
+    window. It is the least value on a grid at which windows of about that confidence are right more
+    often than half, at 95 % confidence.
     """
-    told = np.full(raw.size, 0.5)
+    predicted = np.full(raw.size, 0.5)
     for fold in range(FOLDS):
         out = owner % FOLDS == fold
         if np.unique(classes[~out]).size == 2 and out.any():
-            told[out] = _isotonic(raw[~out], classes[~out])(raw[out])
-    confidence, right = np.maximum(told, 1.0 - told), (told >= 0.5) == classes
+            predicted[out] = _isotonic(raw[~out], classes[~out])(raw[out])
+    confidence, right = np.maximum(predicted, 1.0 - predicted), (predicted >= 0.5) == classes
     for sure in GRID:
         about = (confidence >= sure) & (confidence < sure + WIDTH)
         if about.any() and _least_share(right[about], owner[about]) > 0.5:
@@ -113,16 +119,16 @@ def _least_share(right: np.ndarray, owner: np.ndarray) -> float:
 
 
 def _widened(band: Band, values: np.ndarray) -> Band:
-    """The band, wider by half the mean distance of the values learnt: few tell nothing between."""
+    """The band, wider by half the mean distance of the training values: few leave wide gaps."""
     levels = np.unique(np.log(values))
     between = 0.5 * float(np.ptp(levels)) / max(levels.size - 1, 1)
     return Band(band.x, band.low - between, band.high + between)
 
 
-def _band(told: np.ndarray, true: np.ndarray) -> Band:
-    """Where the truth lies about what is told, shape (n, 2), from 2.5 to 97.5 %."""
-    found = np.isfinite(told).all(axis=1)
-    estimate, at = told[found].T
+def _band(predicted: np.ndarray, true: np.ndarray) -> Band:
+    """Offsets of the truth from the predictions, shape (n, 2): 2.5 and 97.5 % quantiles."""
+    found = np.isfinite(predicted).all(axis=1)
+    estimate, at = predicted[found].T
     off = np.log(true[found] / estimate)
     bins = min(BINS, max(1, at.size // 40))
     order = np.argsort(at)

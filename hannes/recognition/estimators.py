@@ -1,4 +1,4 @@
-"""Recognition as scikit-learn knows it: a sample is a grasp, of which features make many windows.
+"""Recognition as scikit-learn estimators: a sample is a grasp, of which features make many windows.
 
     pipeline = Pipeline([("features", WindowFeatures()), ("trees", BaggedTrees())])
     GridSearchCV(pipeline, {"features__window": [0.03, 0.05], "trees__leaf": [5, 20]}).fit(X, y)
@@ -16,7 +16,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin, TransformerMixin
 from hannes.core.errors import BadInput
 from hannes.recognition.bagging import Rows, bagged
 from hannes.recognition.features import NAMES
-from hannes.recognition.windowing import Cut, Samples
+from hannes.recognition.windowing import Samples, Windowing
 
 SINCE = NAMES.index("since")
 
@@ -33,13 +33,13 @@ class WindowFeatures(TransformerMixin, BaseEstimator):
         self.window, self.hop, self.sampling = window, hop, sampling
 
     def fit(self, X: Samples, y: Any = None) -> Self:
-        """Nothing is learnt; BadInput for parameters that cannot be used."""
-        self.cut_ = Cut(self.window, self.hop, self.sampling)
+        """Nothing is trained; BadInput for parameters that cannot be used."""
+        self.windowing_ = Windowing(self.window, self.hop, self.sampling)
         return self
 
     def transform(self, X: Samples) -> np.ndarray:
         """Features of each window of each grasp."""
-        return Cut(self.window, self.hop, self.sampling).features(X)
+        return Windowing(self.window, self.hop, self.sampling).features(X)
 
     def get_feature_names_out(self, input_features: Any = None) -> np.ndarray:
         """Names of the last axis."""
@@ -92,10 +92,10 @@ class BaggedTrees(ClassifierMixin, BaseEstimator):
     def window_proba(self, X: np.ndarray) -> np.ndarray:
         """Probability of rigid in each window, shape (grasps, windows); NaN where there is none."""
         known = ~np.isnan(X[..., 0])
-        told = np.full(X.shape[:2], np.nan)
+        predicted = np.full(X.shape[:2], np.nan)
         if known.any():
-            told[known] = self.forest_(X[known])
-        return told
+            predicted[known] = self.forest_(X[known])
+        return predicted
 
     def predict_proba(self, X: np.ndarray) -> np.ndarray:
         """Probability of soft and of rigid for each grasp, shape (grasps, 2)."""

@@ -1,13 +1,13 @@
 """`hannes evaluate`: a model on recordings of known objects, scored as the paper's Table III is.
 
 The paper's formula (its names of precision and recall are swapped): PR = nP / (nP + nFN),
-RE = nP / (nP + nFP), F1 = 2 PR RE / (PR + RE). It leaves open what is counted; here it is the
-windows between contact and release (5 % of the peak force) of all grasps of an object, positive
-where they are of the object's class. Features look back over two lengths of a window, so that the
-first to be scored ends that long after contact; `from_contact` scores those before it too. An
-object has one class, so that nFP = 0, RE = 1, and with R the share of windows that were told right
-F1 = 2 R / (R + 1). "Don't know" is wrong. Windows are told one by one; what a grasp is told, and
-from when, is the running decision, as a hand would have it that does not know when it touched.
+RE = nP / (nP + nFP), F1 = 2 PR RE / (PR + RE). It leaves open what is counted. Here windows are
+counted, those between contact and release (5 % of the peak force) of all grasps of an object. They
+are positive where they are of the object's class. Features look back over two lengths of a window,
+so the first scored window ends that long after contact; `from_contact` scores those before it too.
+An object has one class, so nFP = 0 and RE = 1. With R the share of windows classified right,
+F1 = 2 R / (R + 1). "Don't know" is wrong. Windows are classified one by one. The class of a grasp,
+and the time of it, come from the running decision, which does not know the time of contact.
 """
 
 import json
@@ -44,7 +44,7 @@ class Subject:
 
 
 def f1(right: float) -> float:
-    """The paper's F1 of an object of one class, from the share that was told right."""
+    """The paper's F1 of an object of one class, from the share `right` classified right."""
     return 2.0 * right / (right + 1.0)
 
 
@@ -124,38 +124,38 @@ def evaluate(model: Model, subjects: Sequence[Subject]) -> dict[str, Any]:
 def learning_curve(
     models: Iterable[tuple[int, Model]], subjects: Sequence[Subject]
 ) -> list[dict[str, Any]]:
-    """Scores of models, each with the number of grasps that it learnt from."""
+    """Scores of models, each with the number of grasps that it was trained on."""
     keys = ("f1_windows", "f1_grasps", "f1_worst", "stable_in_time")
     rows = []
     for count, model in models:
-        told = evaluate(model, subjects)
-        rows.append({"grasps": count, **{key: told[key] for key in keys}})
+        predicted = evaluate(model, subjects)
+        rows.append({"grasps": count, **{key: predicted[key] for key in keys}})
     return rows
 
 
 def _grasp(model: Model, subject: Subject, recording: Recording) -> dict[str, Any]:
-    """One grasp: what each scored window was told, when the decision stood, the peak force."""
-    told, force = model.tell(recording), recording["force"]
+    """One grasp: class of each scored window, delay of the decision, the peak force."""
+    predicted, force = model.predict(recording), recording["force"]
     contact, release = touching(recording.time, force)
     if np.isnan(contact):
         raise BadInput(f"{subject.name}: a recording in which nothing is touched")
-    inside = scored(told.time, model.cut, np.array([contact]), np.array([release]))[0]
+    inside = scored(predicted.time, model.windowing, np.array([contact]), np.array([release]))[0]
     if not inside.any():
         raise BadInput(f"{subject.name}: an object was held for less than one window")
-    during = (told.time >= contact) & (told.time <= release)
-    right = decided(told.running, model.sure) == subject.label
+    during = (predicted.time >= contact) & (predicted.time <= release)
+    right = decided(predicted.running, model.sure) == subject.label
     first, _ = touching(recording.time, force, share=0.0)
-    right &= told.decision != WORDS[UNKNOWN]  # what is held and never felt is only guessed
+    right &= predicted.decision != WORDS[UNKNOWN]  # without a detected contact it is a guess
     return {
-        "windows": decided(told.rigid, model.sure)[inside],
-        "from_contact": decided(told.rigid, model.sure)[during],
-        "rigid": told.rigid[inside],
-        "grasp": WORDS.index(told.decision),
-        "delay": delay(told.time, right, contact, release),
-        "since_newton": delay(told.time, right, first, release),
+        "windows": decided(predicted.rigid, model.sure)[inside],
+        "from_contact": decided(predicted.rigid, model.sure)[during],
+        "rigid": predicted.rigid[inside],
+        "grasp": WORDS.index(predicted.decision),
+        "delay": delay(predicted.time, right, contact, release),
+        "since_newton": delay(predicted.time, right, first, release),
         "force": float(force.max()),
-        "peak": told.peak_force,
-        "stiffness": told.stiffness,
+        "peak": predicted.peak_force,
+        "stiffness": predicted.stiffness,
     }
 
 
@@ -181,7 +181,7 @@ def _row(subject: Subject, grasps: list[dict[str, Any]]) -> dict[str, Any]:
         "class": CLASSES[subject.label],
         "grasps": len(grasps),
         "windows": int(windows.size),
-        "told": shares,
+        "answers": shares,
         "f1_windows": f1(float(np.mean(windows == subject.label))),
         "f1_from_contact": f1(float(np.mean(begun == subject.label))),
         "f1_grasps": f1(float(np.mean(whole == subject.label))),
@@ -192,54 +192,56 @@ def _row(subject: Subject, grasps: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _after(delays: Sequence[float]) -> float | None:
-    """Median time to a decision that stands [s]; None where half have none."""
+    """Median time to a stable decision [s]; None where half have none."""
     middle = float(np.median(delays)) if len(delays) else np.inf
     return middle if np.isfinite(middle) else None
 
 
 def _confusion(grasps: Sequence[tuple[Subject, dict[str, Any]]]) -> dict[str, dict[str, int]]:
-    """Windows by class, then by what was told."""
+    """Windows by class, then by predicted class."""
     found = {}
     for label, word in enumerate(CLASSES):
-        mine = [told["windows"] for subject, told in grasps if subject.label == label]
+        mine = [predicted["windows"] for subject, predicted in grasps if subject.label == label]
         windows = np.concatenate(mine) if mine else np.array([], int)
-        found[word] = {told: int((windows == k).sum()) for k, told in enumerate(WORDS)}
+        found[word] = {predicted: int((windows == k).sum()) for k, predicted in enumerate(WORDS)}
     return found
 
 
 def _reliability(grasps: Sequence[tuple[Subject, dict[str, Any]]]) -> dict[str, Any]:
-    """Told probability of rigid against its frequency, in tenths; expected calibration error."""
-    told = np.concatenate([each["rigid"] for _, each in grasps])
+    """Predicted probability of rigid against its frequency, in tenths; calibration error."""
+    predicted = np.concatenate([each["rigid"] for _, each in grasps])
     true = np.concatenate(
         [np.full(each["rigid"].size, s.label == RIGID, float) for s, each in grasps]
     )
-    tenth = np.minimum((10.0 * told).astype(int), 9)
+    tenth = np.minimum((10.0 * predicted).astype(int), 9)
     rows = [
         {
-            "told": float(told[tenth == k].mean()),
+            "predicted": float(predicted[tenth == k].mean()),
             "rigid": float(true[tenth == k].mean()),
             "windows": int((tenth == k).sum()),
         }
         for k in np.unique(tenth)
     ]
-    error = sum(row["windows"] * abs(row["told"] - row["rigid"]) for row in rows) / told.size
-    brier = float(np.mean((told - true) ** 2))
+    error = (
+        sum(row["windows"] * abs(row["predicted"] - row["rigid"]) for row in rows) / predicted.size
+    )
+    brier = float(np.mean((predicted - true) ** 2))
     return {"rows": rows, "calibration_error": float(error), "brier": brier}
 
 
-def told_of(model: Model, recording: Recording) -> dict[str, Any]:
-    """What a model tells of one recording, as JSON has it."""
-    told = model.tell(recording)
+def prediction_of(model: Model, recording: Recording) -> dict[str, Any]:
+    """A model's prediction for one recording, as plain data for JSON."""
+    predicted = model.predict(recording)
     return {
-        "decision": told.decision,
-        "rigid": told.probability,
-        "stiffness": plain(told.stiffness, "N/m"),
-        "peak_force": plain(told.peak_force, "N"),
+        "decision": predicted.decision,
+        "rigid": predicted.probability,
+        "stiffness": plain(predicted.stiffness, "N/m"),
+        "peak_force": plain(predicted.peak_force, "N"),
     }
 
 
-def write(out: str | Path, told: dict[str, Any]) -> None:
+def write(out: str | Path, predicted: dict[str, Any]) -> None:
     """Write evaluation.json to a folder, whole or not at all."""
     with atomic_folder(out) as folder:
-        text = json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(predicted, indent=1, ensure_ascii=False, allow_nan=False)
         (folder / "evaluation.json").write_text(text + "\n", encoding="utf-8")

@@ -1,8 +1,8 @@
-"""What motor current, position and reference tell up to a moment: causal features of a grasp.
+"""Causal features of a grasp from motor current, position and reference.
 
-All of it goes through the samples once, in order, so that a feature cannot know what comes after.
-A touch is found where the current has risen above the least of the last moments; the position is
-then counted from where the rise began.
+The samples are read once, in order, so a feature cannot depend on later samples. A contact is
+detected where the current rises above its recent minimum. The travel is then counted from where the
+rise began.
 """
 
 import math
@@ -37,14 +37,14 @@ NAMES = (
     "fall",  # A below the peak
     "touch_position",  # rad, at the output shaft; before a touch where it is now
     "steepest",  # A/rad, most tangent so far while closing
-    "rise_at_1",  # A, when the travel passed each of LEVELS; before, what the secant promises
+    "rise_at_1",  # A, when the travel passed each of LEVELS; before, predicted by the secant
     "rise_at_2",
     "rise_at_3",
     "rise_at_4",
 )
 MEMORY = 0.15  # s in which the least current counts as free
 SMOOTH = 0.01  # s, of the current that finds the touch
-STEP = 0.06  # A of rise that tell a touch
+STEP = 0.06  # A of rise that detect a touch
 BACK = 0.02  # A of rise from which the travel counts
 STARTING = 0.06  # s after the first motion in which the current only accelerates the hand
 MOVED = 0.05  # rad

@@ -33,7 +33,7 @@ def leaf(tree, starts, left, right, feature, threshold, value, row):
 
 @entry
 def mean(starts, left, right, feature, threshold, value, rows, out):
-    """Fill `out` (m,) with the mean over trees of what they tell of rows (m, features)."""
+    """Fill `out` (m,) with the mean of the trees' predictions for rows (m, features)."""
     trees = starts.size - 1
     for row in range(rows.shape[0]):
         total = 0.0
@@ -44,17 +44,17 @@ def mean(starts, left, right, feature, threshold, value, rows, out):
 
 @entry
 def quantiles(starts, left, right, feature, threshold, value, rows, out):
-    """Fill `out` (m, 3) with QUANTILES over trees of what they tell of rows (m, features)."""
-    told = np.empty(starts.size - 1)
+    """Fill `out` (m, 3) with QUANTILES of the trees' predictions for rows (m, features)."""
+    predicted = np.empty(starts.size - 1)
     for row in range(rows.shape[0]):
-        for tree in range(told.size):
-            told[tree] = leaf(tree, starts, left, right, feature, threshold, value, rows[row])
-        told.sort()
+        for tree in range(predicted.size):
+            predicted[tree] = leaf(tree, starts, left, right, feature, threshold, value, rows[row])
+        predicted.sort()
         for k in range(3):
-            place = QUANTILES[k] * (told.size - 1)
+            place = QUANTILES[k] * (predicted.size - 1)
             low = int(place)
-            high = min(low + 1, told.size - 1)
-            out[row, k] = told[low] + (place - low) * (told[high] - told[low])
+            high = min(low + 1, predicted.size - 1)
+            out[row, k] = predicted[low] + (place - low) * (predicted[high] - predicted[low])
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,8 @@ class Forest:
     def quantiles(self, rows: np.ndarray) -> np.ndarray:
         """QUANTILES over trees for rows (m, features), shape (m, 3).
 
-        Trees grown to a few samples spread as widely as what was learnt of such rows does, and a
-        few that saw another kind do not pull their median (Meinshausen 2006).
+        Trees grown to a few samples spread as widely as the training targets of such rows, and a
+        few that saw another kind do not shift their median (Meinshausen 2006).
         """
         return self._over(quantiles, rows, (len(rows), 3))
 

@@ -1,7 +1,7 @@
-"""Gaussian processes that learnt the peak force: their mean, as plain arrays.
+"""Gaussian processes for the peak force: their mean, as plain arrays.
 
-Trees tell of a grasp what a few of those that were learnt had. A force that rises smoothly with a
-current is told more finely by all of them together, each the more the more alike it is.
+Trees predict from a few similar training grasps. A force that rises smoothly with current is
+predicted more finely from all of them, weighted by similarity.
 """
 
 from dataclasses import dataclass, fields
@@ -10,10 +10,10 @@ import numpy as np
 
 from hannes.core.errors import BadInput
 
-CLIP = 3.0  # scales from the centre: what lies further out is taken to lie there
-CONSTANT = 1e-5  # of a feature's size: what varies by less is rounding, and tells nothing
-NOISE = 0.02  # of the variance of what is learnt, and not told by the features
-FEWEST, MOST = 50, 9000  # grasps to learn from; the most take 2 GB of memory and half a minute
+CLIP = 3.0  # scales from the centre: points further out are clipped
+CONSTANT = 1e-5  # of a feature's size: less variation is rounding, without information
+NOISE = 0.02  # of the variance of the target, not explained by the features
+FEWEST, MOST = 50, 9000  # training grasps; the most take 2 GB of memory and half a minute
 FOLDS = 3
 MOST_POINTS = 100_000
 SMALLEST, LARGEST = 1e-9, 1e9  # of values in a model, which any real one stays far within
@@ -21,12 +21,12 @@ SMALLEST, LARGEST = 1e-9, 1e9  # of values in a model, which any real one stays 
 
 @dataclass(frozen=True)
 class ProcessMean:
-    """Mean over FOLDS Gaussian processes of one covariance, each learnt from the others' rows.
+    """Mean over FOLDS Gaussian processes of one covariance, each trained on the others' rows.
 
     `points` (n, features) are features less `centre`, over `scale`; two of them d apart have
     covariance 1 / (1 + d^2 / (2 length^2)), rational quadratic (Rasmussen and Williams 2006,
-    equation 4.19, exponent 1), times the `weight` (n,) of one. `mean` is of what was learnt, and
-    nothing is told beyond `ends`, the least and the most of it.
+    equation 4.19, exponent 1), times the `weight` (n,) of one. `mean` is that of the target, and
+    predictions are clipped to `ends`, its least and its most.
     """
 
     centre: np.ndarray
@@ -38,9 +38,9 @@ class ProcessMean:
     ends: np.ndarray
 
     def __call__(self, rows: np.ndarray) -> np.ndarray:
-        """What is told of rows of features (m, features), shape (m,)."""
-        told = [self._of(point) for point in standard(rows, self.centre, self.scale)]
-        return np.clip(np.array(told), *self.ends)
+        """Predictions for rows of features (m, features), shape (m,)."""
+        predicted = [self._of(point) for point in standard(rows, self.centre, self.scale)]
+        return np.clip(np.array(predicted), *self.ends)
 
     def _of(self, point: np.ndarray) -> float:
         away = np.square(self.points - point).sum(axis=1, dtype=float)
@@ -48,7 +48,7 @@ class ProcessMean:
         return float(self.mean[0] + self.weight @ covariance)
 
     def check(self, features: int) -> "ProcessMean":
-        """Return itself where shapes fit and values can be reckoned with; BadInput otherwise."""
+        """Return itself where shapes and values are valid; BadInput otherwise."""
         for name, shape in self._shapes(features).items():
             values = getattr(self, name)
             if values.shape != shape:
@@ -75,12 +75,14 @@ def standard(rows: np.ndarray, centre: np.ndarray, scale: np.ndarray) -> np.ndar
     return np.clip((rows - centre) / scale, -CLIP, CLIP).astype(np.float32)
 
 
-def learnt(rows: np.ndarray, target: np.ndarray, seed: int) -> tuple[ProcessMean, np.ndarray]:
-    """The mean of processes that learnt targets (n,) of rows (n, features).
+def train_process(
+    rows: np.ndarray, target: np.ndarray, seed: int
+) -> tuple[ProcessMean, np.ndarray]:
+    """Train on targets (n,) of rows (n, features); return the mean, and held-out predictions.
 
-    Beside it what is told of each row by the process that has not learnt from it, shape (n,). Of
-    more than MOST rows, those beyond are told of by all and learnt from by none. The same rows give
-    the same values for any number of threads.
+    The prediction for each row, shape (n,), is by the process that was not trained on it. Of more
+    than MOST rows, those beyond are predicted by all and train none. `seed` chooses the rows. The
+    same rows give the same values for any number of threads.
     """
     from threadpoolctl import threadpool_limits
 
@@ -102,7 +104,7 @@ def learnt(rows: np.ndarray, target: np.ndarray, seed: int) -> tuple[ProcessMean
 def _crossed(
     points: np.ndarray, target: np.ndarray, length: float
 ) -> tuple[np.ndarray, float, np.ndarray]:
-    """Mean weights and mean of the folds' processes, and what each tells of its own fold."""
+    """Mean weights and mean of the folds' processes, and the prediction of each for its fold."""
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RationalQuadratic
     from sklearn.model_selection import KFold

@@ -1,18 +1,18 @@
-"""What the current was as the shaft passed the same angles closing and opening: of a whole grasp.
+"""Hysteresis features of a whole grasp: current at the same shaft angles, closing and opening.
 
-Friction, and a gear that loses a share of its load, add to the current while the hand closes and
-take from it while it opens; the elastic part of what is held pulls the same both ways. So the two
-together tell more of the force than how the hand let go does. They are known once the hand has
-come back and holds nothing any more.
+Friction and load-dependent gear losses add to the current while the hand closes and reduce it
+while it opens. The elastic force of the object acts the same both ways. The two currents together
+therefore say more about the force than the opening alone. They are known once the hand has opened
+again.
 """
 
 import numpy as np
 
 from hannes.recognition.features import NAMES as OF_WINDOW
 from hannes.recognition.features import SMOOTH
-from hannes.recognition.windowing import Cut
+from hannes.recognition.windowing import Windowing
 
-SHORT = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5)  # rad short of the farthest, at the output shaft
+SHORT = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5)  # rad before the farthest, at the output shaft
 NAMES = (
     "farthest",  # rad, at the output shaft
     "farthest_since",  # s from the touch
@@ -25,21 +25,25 @@ WHOLE = (*OF_WINDOW, *NAMES)  # features of a grasp
 FREE, TOUCH, SINCE = (OF_WINDOW.index(n) for n in ("free_current", "touch_position", "since"))
 
 
-def of_grasp(samples: np.ndarray, windows: np.ndarray, last: int, cut: Cut) -> np.ndarray:
-    """WHOLE of a grasp: features of its last window with something held, then NAMES.
+def grasp_features(
+    samples: np.ndarray, windows: np.ndarray, last: int, windowing: Windowing
+) -> np.ndarray:
+    """Features WHOLE of a grasp: those of its last window with an object held, then NAMES.
 
-    samples: current, position and reference, shape (n, 3); windows: their features by `cut`, the
-    `last` of which is that one. All are NaN where something is held to the end, or never (-1), or
-    the hand has not passed the last of SHORT both ways.
+    samples: current [A], position and reference [rad], shape (n, 3); windows: their features by
+    `windowing`, of which `last` is that window. All are NaN where an object is held to the end, or
+    never (-1), or where the shaft has not passed the last of SHORT both ways.
     """
     nothing = np.full(len(WHOLE), np.nan)
     if not 0 <= last < len(windows) - 1:
         return nothing
-    found = _of_turn(samples, windows[last], int(cut.ends(len(samples))[last]), cut.sampling)
+    found = _turn_features(
+        samples, windows[last], int(windowing.ends(len(samples))[last]), windowing.sampling
+    )
     return nothing if found is None else np.concatenate([windows[last], found])
 
 
-def _of_turn(
+def _turn_features(
     samples: np.ndarray, window: np.ndarray, end: int, sampling: float
 ) -> np.ndarray | None:
     from scipy.ndimage import uniform_filter1d

@@ -1,6 +1,6 @@
-"""How far estimates are off, and how often their intervals hold, over all grasps of an evaluation.
+"""Errors of estimates and coverage of their intervals, over all grasps of an evaluation.
 
-A grasp of which nothing is told counts: it is off by more than any other, and no interval holds it.
+A grasp without an estimate counts: its error is larger than any other, and no interval covers it.
 """
 
 from collections.abc import Sequence
@@ -14,23 +14,24 @@ from hannes.recognition.model import Estimate
 def judged(pairs: Sequence[tuple[float, Estimate | None]]) -> dict[str, Any]:
     """Counts, median error and bias [%], errors [%], share of intervals that hold, their width.
 
-    pairs: the truth, and what was told of it. An error is None where nothing was told, the median
-    where that is so of half of all. width: median of upper end over lower.
+    pairs: the true value and its estimate. An error is None without an estimate; so is the median
+    where half of all have none. width: median of upper end over lower.
     """
-    told = [(true, each) for true, each in pairs if each is not None]
-    if not told:
-        return {"grasps": len(pairs), "told": 0}
-    off = np.array([each.value / true - 1.0 for true, each in told])
-    every = np.concatenate([np.abs(off), np.full(len(pairs) - len(told), np.inf)])
+    answered = [(true, each) for true, each in pairs if each is not None]
+    if not answered:
+        return {"grasps": len(pairs), "answered": 0}
+    off = np.array([each.value / true - 1.0 for true, each in answered])
+    every = np.concatenate([np.abs(off), np.full(len(pairs) - len(answered), np.inf)])
     middle = float(np.median(every))
     return {
         "grasps": len(pairs),
-        "told": len(told),
+        "answered": len(answered),
         "median_error_percent": 100.0 * middle if np.isfinite(middle) else None,
         "bias_percent": float(100.0 * np.median(off)),
         "errors_percent": [
             round(float(100.0 * each), 2) if np.isfinite(each) else None for each in every
         ],
-        "interval_holds": sum(each.low <= true <= each.high for true, each in told) / len(pairs),
-        "interval_width": float(np.median([each.high / each.low for _, each in told])),
+        "interval_holds": sum(each.low <= true <= each.high for true, each in answered)
+        / len(pairs),
+        "interval_width": float(np.median([each.high / each.low for _, each in answered])),
     }

@@ -1,4 +1,4 @@
-"""What was learnt from simulated grasps, of a recording: rigid or soft, how stiff, how hard."""
+"""The trained model, and its prediction for a recording: rigid or soft, stiffness, peak force."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,40 +9,40 @@ from hannes.core.recording.recording import Recording
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import Forest
 from hannes.recognition.gaussian_process import ProcessMean
-from hannes.recognition.hysteresis_features import of_grasp
-from hannes.recognition.windowing import Cut
+from hannes.recognition.hysteresis_features import grasp_features
+from hannes.recognition.windowing import Windowing
 
 SINCE, RISE = NAMES.index("since"), NAMES.index("rise")
 HELD = 0.06  # A above the free current, while an object is held
 FADE = 0.03  # s, memory of the running decision
-EXTREME = 4.0  # log odds of one window count for no more
-UNFELT = -2.0  # log odds of a window in which the motor has not felt a touch: held, so soft
+EXTREME = 4.0  # limit of the log odds of one window
+NO_CONTACT = -2.0  # log odds of a window before the contact is detected: held, so soft
 SOFT, RIGID, UNKNOWN = 0, 1, 2
 WORDS = ("soft", "rigid", "don't know")
 
 
 def held(features: np.ndarray) -> np.ndarray:
-    """Windows in which an object is held, as far as the features (..., windows, n) tell."""
+    """Windows in which an object is held, by the features (..., windows, n)."""
     return (np.nan_to_num(features[..., SINCE]) > 0.0) & (features[..., RISE] > HELD)
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """What a forest says against what it was worth on grasps it had not seen: x rising, y."""
+    """Calibration curve: a forest's probability x (rising) to its frequency y on unseen grasps."""
 
     x: np.ndarray
     y: np.ndarray
 
-    def __call__(self, told: np.ndarray) -> np.ndarray:
-        """Interpolate between the points; beyond them stay at the last."""
-        return np.interp(told, self.x, self.y)
+    def __call__(self, predicted: np.ndarray) -> np.ndarray:
+        """Interpolate between the points, constant beyond them."""
+        return np.interp(predicted, self.x, self.y)
 
 
 @dataclass(frozen=True)
 class Band:
     """95 % interval about an estimate: log offsets below and above it, along `x`.
 
-    x rises: how far a forest's outer quantiles lie apart, in the estimate's logarithm.
+    x rises: distance of a forest's outer quantiles, in the estimate's logarithm.
     """
 
     x: np.ndarray
@@ -65,13 +65,13 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Told:
-    """What a recording tells: at the end of each window, and of the grasp as a whole.
+class Prediction:
+    """A model's prediction: at the end of each window, and for the grasp as a whole.
 
-    `time` [s] as in the recording; `rigid`: probability in each window; `running`: the same for
-    what was just seen, see `running`; `force`: the most so far [N], 0 in windows in which nothing
-    is held; `touched`: which windows come after a touch, `held`: while the object is held; `sure`:
-    the probability from which a class is told.
+    `time` [s] as in the recording; `rigid`: probability in each window; `running`: its fading mean,
+    see `running`; `force`: the most so far [N], 0 in windows in which nothing is held; `touched`:
+    which windows come after the contact, `held`: while the object is held; `probability`: of rigid,
+    for the grasp; `sure`: the probability from which a class is named.
     """
 
     time: np.ndarray
@@ -87,7 +87,7 @@ class Told:
 
     @property
     def decision(self) -> str:
-        """Of the grasp as a whole: soft, rigid or don't know; that too where nothing was felt."""
+        """Of the grasp as a whole: soft, rigid or don't know; the last too without a contact."""
         if not self.held.any():
             return WORDS[UNKNOWN]
         return WORDS[int(decided(np.array([self.probability]), self.sure)[0])]
@@ -95,18 +95,18 @@ class Told:
 
 @dataclass(frozen=True)
 class Model:
-    """Forests for rigid (probability), stiffness (log N/m), most force so far (log N); their worth.
+    """Forests for rigid (probability), stiffness (log N/m), most force so far (log N); calibration.
 
-    Force is the median over its trees: shape and place of what is held are unknown, and the few
-    trees that saw a prism, which gives another force at the same current, do not pull a median.
-    So is stiffness. The peak force (log N) is told by `peak` once a grasp is let go, from how it
-    was closed and opened; where there are too few grasps to learn that from (None), or the grasp is
-    still held, by the forest. Intervals go by how far the trees lie apart; that of a grasp still
-    held is as wide as if it had been let go, which nothing calibrates.
-    `sure`: probability from which a class is told; below it the answer is "don't know".
+    Force and stiffness are medians over trees: shape and place of the object are unknown, and the
+    few trees that saw a prism, with another force at the same current, do not shift a median. Once
+    a grasp is released, `peak` predicts the peak force (log N) from its closing and opening. Before
+    that, or where too few grasps trained it (None), the forest does. Intervals follow the spread of
+    the trees. That of a grasp still held is as wide as after release, which nothing calibrates.
+    `border`: stiffness [N/m] from which an object is rigid. `sure`: probability from which a class
+    is named; below it the answer is "don't know".
     """
 
-    cut: Cut
+    windowing: Windowing
     border: float
     sure: float
     rigid: Forest
@@ -122,17 +122,17 @@ class Model:
         """Probability of rigid for rows of features (m, features), shape (m,)."""
         return self.calibration(self.rigid(rows))
 
-    def tell(self, recording: Recording) -> Told:
-        """Say what a recording of a grasp tells; BadInput where a channel is missing."""
-        samples = self.cut.samples(recording)
-        rows = self.cut.features(samples[np.newaxis])[0]
-        time = recording.time[0] + self.cut.times(samples.shape[0])
+    def predict(self, recording: Recording) -> Prediction:
+        """Return the prediction for a recording of a grasp; BadInput where a channel is missing."""
+        samples = self.windowing.samples(recording)
+        rows = self.windowing.features(samples[np.newaxis])[0]
+        time = recording.time[0] + self.windowing.times(samples.shape[0])
         touched, holds = rows[:, SINCE] > 0.0, held(rows)
         rigid = self.windows(rows)
-        so_far = running(rigid, touched, self.cut.hop)
+        so_far = running(rigid, touched, self.windowing.hop)
         force = self.force.quantiles(rows)
         last = int(np.flatnonzero(holds)[-1]) if holds.any() else -1
-        return Told(
+        return Prediction(
             time, rigid, so_far, np.where(holds, np.exp(force[:, 1]), 0.0), touched, holds,
             float(so_far[last]) if holds.any() else 0.5, self.sure,
             self._stiffness(rows, holds), self._peak(samples, rows, force, holds),
@@ -151,16 +151,17 @@ class Model:
             return None
         last = int(np.flatnonzero(held)[-1])
         value, apart = grasp_peak(force[last])
-        whole = of_grasp(samples, rows, last, self.cut)
+        whole = grasp_features(samples, rows, last, self.windowing)
         if self.peak and np.isfinite(whole).all():
             value = float(np.exp(self.peak(whole[np.newaxis])[0]))
         return Estimate(value, *self.force_band(value, apart))
 
 
 def grasp_stiffness(quantiles: np.ndarray) -> tuple[float, float]:
-    """One stiffness [N/m] and how far trees lie apart, from quantiles of its logarithm, (n, 3).
+    """One stiffness [N/m] and the spread of the trees, from quantiles of its logarithm, (n, 3).
 
-    They are of the windows in which the object is held; medians over the later half of these.
+    The quantiles are of the windows in which the object is held. Both results are medians over the
+    later half of them.
     """
     later = quantiles[len(quantiles) // 2 :]
     value, apart = np.median(later[:, 1]), np.median(later[:, 2] - later[:, 0])
@@ -168,9 +169,9 @@ def grasp_stiffness(quantiles: np.ndarray) -> tuple[float, float]:
 
 
 def grasp_peak(quantiles: np.ndarray) -> tuple[float, float]:
-    """One peak force [N] and how far trees lie apart, from quantiles of log force, shape (3,).
+    """One peak force [N] and the spread of the trees, from quantiles of log force, shape (3,).
 
-    They are of the last window in which something is held.
+    The quantiles are of the last window in which an object is held.
     """
     return float(np.exp(quantiles[1])), float(quantiles[2] - quantiles[0])
 
@@ -178,10 +179,10 @@ def grasp_peak(quantiles: np.ndarray) -> tuple[float, float]:
 def running(rigid: np.ndarray, touched: np.ndarray, hop: float) -> np.ndarray:
     """Probability in windows `hop` [s] apart, by a fading mean of their log odds.
 
-    A motor feels an object once all fingers lie against it; the softer it is, the later. Of an
-    object that is held, a window before a touch says UNFELT; of an empty hand it says nothing.
+    The current shows an object once all fingers are in contact; the softer it is, the later. A
+    window before the contact counts as NO_CONTACT.
     """
-    odds = np.where(touched, np.clip(log_odds(rigid), -EXTREME, EXTREME), UNFELT)
+    odds = np.where(touched, np.clip(log_odds(rigid), -EXTREME, EXTREME), NO_CONTACT)
     share, mean = min(1.0, hop / FADE), np.zeros_like(odds)
     for k in range(odds.shape[-1]):
         before = mean[..., k - 1] if k else 0.0
@@ -197,8 +198,8 @@ def log_odds(probability: np.ndarray) -> np.ndarray:
 
 def decided(probability: np.ndarray, sure: float) -> np.ndarray:
     """SOFT, RIGID or UNKNOWN for each probability of rigid; a class from `sure` on."""
-    told = np.maximum(probability, 1.0 - probability) >= sure
-    return np.where(told, np.where(probability >= 0.5, RIGID, SOFT), UNKNOWN)
+    predicted = np.maximum(probability, 1.0 - probability) >= sure
+    return np.where(predicted, np.where(probability >= 0.5, RIGID, SOFT), UNKNOWN)
 
 
 def plain(estimate: Estimate | None, unit: str) -> dict[str, Any] | None:

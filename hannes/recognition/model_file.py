@@ -24,7 +24,7 @@ from hannes.recognition.gaussian_process import MOST_POINTS as MOST_PROCESS_POIN
 from hannes.recognition.gaussian_process import ProcessMean
 from hannes.recognition.hysteresis_features import WHOLE
 from hannes.recognition.model import Band, Calibration, Model
-from hannes.recognition.windowing import Cut
+from hannes.recognition.windowing import Windowing
 
 SCHEMA = "hannes-recogniser-7"
 LET_GO, STILL_HELD = "let go", "held"
@@ -32,7 +32,7 @@ FORESTS = ("rigid", "stiffness", "force")
 LARGEST = 100.0  # of the logarithm of an estimate: any real one is far below
 CURVES = {"calibration": 2, "stiffness_band": 3, "force_band": 3}
 NUMBERS = ("window", "hop", "sampling", "border", "sure")
-OF_CUT = NUMBERS[:3]
+OF_WINDOWING = NUMBERS[:3]
 MOST_POINTS = 100_000
 
 
@@ -50,7 +50,7 @@ def write(path: str | Path, model: Model) -> None:
         for key, text in texts.items():
             set_attribute(file, key, text)
         for key in NUMBERS:
-            file.attrs[key] = float(getattr(model.cut if key in OF_CUT else model, key))
+            file.attrs[key] = float(getattr(model.windowing if key in OF_WINDOWING else model, key))
         for name in FORESTS:
             _put(file, name, getattr(model, name), FIELDS)
         if model.peak:
@@ -105,7 +105,7 @@ def _model(file: Any) -> Model:
     if not 0.5 <= sure <= 1.0:
         raise BadInput(f"attribute sure = {sure:g}: expected 0.5 to 1")
     return Model(
-        Cut(window, hop, sampling),
+        Windowing(window, hop, sampling),
         border,
         sure,
         **forests,

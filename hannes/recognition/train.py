@@ -1,4 +1,4 @@
-"""`hannes train`: learn from a data set's grasps, and say what that is worth on grasps unseen."""
+"""`hannes train`: train a model on a data set's grasps, and score it on unseen ones."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,20 +10,25 @@ import numpy as np
 from hannes.core.errors import BadInput
 from hannes.dataset.read import DataSet, read
 from hannes.recognition.bagging import Bagged, Rows, bagged
-from hannes.recognition.calibration import Answers, answered, answers, calibrated
+from hannes.recognition.calibration import (
+    HeldOutPredictions,
+    calibrated,
+    held_out_predictions,
+    predictions_by,
+)
 from hannes.recognition.gaussian_process import FEWEST as FEWEST_LET_GO
-from hannes.recognition.gaussian_process import ProcessMean, learnt
+from hannes.recognition.gaussian_process import ProcessMean, train_process
 from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, held, running
 from hannes.recognition.training_set import Grasps, grasps, last_held
-from hannes.recognition.windowing import Cut
+from hannes.recognition.windowing import Windowing
 
-LEAST = 0.5  # N, of the force that is learnt
-EARLIER = 0.03  # share that force is learnt from of the windows before a grasp's last
-LAST = 30.0  # weight of that last: many times all earlier ones
+LEAST = 0.5  # N, lower limit of the force target
+EARLIER = 0.03  # share of the windows before a grasp's last that train the force
+LAST = 30.0  # weight of that last window: many times all earlier ones
 FEWEST = 30  # grasps of a learning curve
 TREES = 320  # of the class: of 80 alone, F1 per window differs by a point from seed to seed
 FEWEST_TREES = 10
-FEW = 5000  # windows: with fewer each tree learns from all that its grasps have
+FEW = 5000  # windows: with fewer, each tree trains on all windows of its grasps
 
 
 def train(
@@ -31,31 +36,31 @@ def train(
     *,
     trees: int = TREES,
     seed: int = 0,
-    cut: Cut | None = None,
+    windowing: Windowing | None = None,
     jobs: int | None = -1,
     most: int | None = None,
 ) -> tuple[Model, dict[str, Any]]:
-    """Learn from a data set; the model, and what its parts are worth on grasps unseen.
+    """Train on a data set; return the model, and the scores of its parts on unseen grasps.
 
-    Those grasps calibrate it too: probabilities and intervals are of what is told of grasps by
-    trees and processes that have not learnt from them. `trees` tell the class, an eighth of them
-    stiffness, three quarters force. `most` grasps are learnt from where that is given. Grasps of
-    the role "test" are only reported on. Raises BadInput where the file is no data set, or has too
-    few grasps of a class.
+    Unseen grasps calibrate it too: probabilities and intervals come from predictions of trees and
+    processes that were not trained on them. `trees` classify, an eighth of that number predict
+    stiffness, three quarters force. `jobs` as joblib's. At most `most` grasps train where that is
+    given. Grasps of the role "test" are only scored. Raises BadInput where the file is no data set,
+    or has too few grasps of a class.
     """
     if seed < 0:
         raise BadInput(f"seed = {seed}: expected 0 or more")
-    data, cut = read(path), cut or Cut()
-    known = grasps(data, data.role("train"), cut)
+    data, windowing = read(path), windowing or Windowing()
+    known = grasps(data, data.role("train"), windowing)
     if most is not None:
         known = known.some(np.random.default_rng(seed).permutation(known.rigid.size)[:most])
-    model, unseen = _learnt(known, data, cut, trees, seed, jobs)
-    told = {"title": data.title, "grasps": int(known.rigid.size)}
-    told["unseen_scores"] = worth(model, known, unseen)
+    model, unseen = _trained(known, data, windowing, trees, seed, jobs)
+    predicted = {"title": data.title, "grasps": int(known.rigid.size)}
+    predicted["unseen_scores"] = worth(model, known, unseen)
     if data.role("test").any():
-        test = grasps(data, data.role("test"), cut)
-        told["test_scores"] = worth(model, test, answers(model, test))
-    return model, told
+        test = grasps(data, data.role("test"), windowing)
+        predicted["test_scores"] = worth(model, test, held_out_predictions(model, test))
+    return model, predicted
 
 
 def curve(
@@ -63,22 +68,22 @@ def curve(
     *,
     trees: int = TREES // 2,
     seed: int = 0,
-    cut: Cut | None = None,
+    windowing: Windowing | None = None,
     jobs: int | None = -1,
 ) -> Iterator[tuple[int, Model]]:
-    """Models that learnt from ever more grasps, and from how many: a learning curve.
+    """Learning curve: models trained on more and more grasps, each with their number.
 
-    From all that `train` learns from down to a quarter, a quarter of that, and so on to some 30;
-    a part with too few of a class is passed over.
+    The numbers are all that `train` uses, a quarter, a quarter of that, and so on to some 30. A
+    part with too few of a class is skipped.
     """
-    data, cut = read(path), cut or Cut()
-    known = grasps(data, data.role("train"), cut)
+    data, windowing = read(path), windowing or Windowing()
+    known = grasps(data, data.role("train"), windowing)
     order = np.random.default_rng(seed).permutation(known.rigid.size)
     steps = 1 + max(0, int(np.log(order.size / FEWEST) / np.log(4.0)))
     for count in [round(order.size / 4.0**k) for k in range(steps)][::-1]:
         part = known.some(order[:count])
         if count == order.size or _enough(part):
-            yield count, _learnt(part, data, cut, trees, seed, jobs)[0]
+            yield count, _trained(part, data, windowing, trees, seed, jobs)[0]
 
 
 def _enough(known: Grasps) -> bool:
@@ -96,16 +101,16 @@ class _Forests:
     force: Bagged
 
 
-def _learnt(
-    known: Grasps, data: DataSet, cut: Cut, trees: int, seed: int, jobs: int | None
-) -> tuple[Model, Answers]:
-    """A calibrated model, and what was told of each grasp by what had not seen it."""
+def _trained(
+    known: Grasps, data: DataSet, windowing: Windowing, trees: int, seed: int, jobs: int | None
+) -> tuple[Model, HeldOutPredictions]:
+    """A calibrated model, and predictions for each grasp by trees that have not seen it."""
     if not _enough(known):
         raise BadInput(f"{data.path}: expected two grasps or more of soft and of rigid objects")
     made, (peak, of_peak) = _grown(known, trees, seed, jobs), _peak(known, seed)
     none = np.zeros(1)
     model = Model(
-        cut,
+        windowing,
         data.border,
         0.5,
         made.rigid.forest(),
@@ -117,7 +122,7 @@ def _learnt(
         Band(none, none, none),
         trained=f"{data.title}; fingerprint {data.digest}; seed {seed}",
     )
-    unseen = answered(
+    unseen = predictions_by(
         known,
         made.rigid.mean_unseen,
         made.stiffness.quantiles_unseen,
@@ -128,11 +133,11 @@ def _learnt(
 
 
 def _peak(known: Grasps, seed: int) -> tuple[ProcessMean | None, np.ndarray]:
-    """What tells the peak force (log N), and what is told of each grasp unseen; shape (n,)."""
-    free, unseen = known.let_go(), np.full(known.peak.size, np.nan)
+    """Predictor of the peak force (log N), and held-out predictions of it, shape (n,)."""
+    free, unseen = known.released(), np.full(known.peak.size, np.nan)
     if free.size < FEWEST_LET_GO:
         return None, unseen
-    peak, unseen[free] = learnt(known.whole[free], np.log(known.peak[free]), seed)
+    peak, unseen[free] = train_process(known.whole[free], np.log(known.peak[free]), seed)
     return peak, unseen
 
 
@@ -166,12 +171,12 @@ def _grown(known: Grasps, trees: int, seed: int, jobs: int | None) -> _Forests:
 
 
 def _weight_of_force(known: Grasps, pressed: np.ndarray, seed: int) -> np.ndarray:
-    """Weights of windows where force is learnt, 0 where it is not; shape (grasps, windows).
+    """Weights of the windows that train the force, 0 elsewhere; shape (grasps, windows).
 
-    How a hand lets go tells more of the peak than the moment of the peak does, hence the weight of
-    the last window: how far its trees lie apart says how wide the peak's interval is, and where
-    grasps are few they tell the peak itself. The earlier ones are for a grasp that is still held
-    where its recording ends.
+    The release says more about the peak than the moment of the peak does, hence the weight of the
+    last window. The spread of its trees gives the width of the peak's interval, and where grasps
+    are few, they predict the peak itself. Earlier windows serve a grasp that is still held where
+    its recording ends.
     """
     drawn = np.random.default_rng(seed).random(pressed.shape) < EARLIER
     weight = (pressed & drawn).astype(float)
@@ -181,19 +186,19 @@ def _weight_of_force(known: Grasps, pressed: np.ndarray, seed: int) -> np.ndarra
     return weight
 
 
-def worth(model: Model, known: Grasps, told: Answers) -> dict[str, float]:
-    """Shares of right decisions, and errors, on grasps that were not learnt from."""
-    there = np.isfinite(told.rigid)  # nothing is told of a grasp that every tree has seen
+def worth(model: Model, known: Grasps, predicted: HeldOutPredictions) -> dict[str, float]:
+    """Shares of right decisions, and errors, on grasps that did not train the model."""
+    there = np.isfinite(predicted.rigid)  # no prediction for a grasp that every tree has seen
     scored = known.scored & there
     rigid = np.full(there.shape, 0.5)
-    rigid[there] = model.calibration(told.rigid[there])
+    rigid[there] = model.calibration(predicted.rigid[there])
     windows = decided(rigid, model.sure) == known.rigid[:, np.newaxis]
     last = last_held(known.features)
     touched = np.nan_to_num(known.features[..., SINCE]) > 0.0
-    whole = running(rigid, touched, model.cut.hop)[np.arange(last.size), last]
+    whole = running(rigid, touched, model.windowing.hop)[np.arange(last.size), last]
     grasp = decided(whole, model.sure) == known.rigid
-    stiff = np.log(told.stiffness[:, 0] / known.stiffness)
-    miss = np.abs(told.peak[:, 0] / known.peak - 1.0)
+    stiff = np.log(predicted.stiffness[:, 0] / known.stiffness)
+    miss = np.abs(predicted.peak[:, 0] / known.peak - 1.0)
     return {
         "grasps": int(known.rigid.size),
         "windows_right": float(windows[scored].mean()),

@@ -1,4 +1,4 @@
-"""Grasps of a data set as training takes them: features by window, and what is known of them."""
+"""Training set: features by window of a data set's grasps, with their true values."""
 
 from dataclasses import dataclass
 
@@ -8,18 +8,19 @@ from tqdm import tqdm
 from hannes.core.errors import BadInput
 from hannes.dataset.read import BLOCK, DataSet
 from hannes.recognition.features import CHANNELS
-from hannes.recognition.hysteresis_features import of_grasp
+from hannes.recognition.hysteresis_features import grasp_features
 from hannes.recognition.model import held
-from hannes.recognition.windowing import Cut
+from hannes.recognition.windowing import Windowing
 
 WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
 
 
 @dataclass(frozen=True)
 class Grasps:
-    """Features (n, windows, features), what is known of each grasp, and its force by window [N].
+    """Features (n, windows, features), true values of each grasp, and its force by window [N].
 
-    whole: features of each grasp as a whole, NaN where it is not let go or never felt.
+    whole: features of each grasp as a whole, NaN where it is not released or had no contact.
+    rigid, scored: which grasps are rigid, which windows are scored; stiffness [N/m], peak [N].
     """
 
     features: np.ndarray
@@ -30,8 +31,8 @@ class Grasps:
     peak: np.ndarray
     scored: np.ndarray
 
-    def let_go(self) -> np.ndarray:
-        """Which grasps were felt and let go, ascending."""
+    def released(self) -> np.ndarray:
+        """Grasps with a detected contact that were released, ascending."""
         return np.flatnonzero(np.isfinite(self.whole).all(axis=1))
 
     def some(self, which: np.ndarray) -> "Grasps":
@@ -39,46 +40,52 @@ class Grasps:
         return Grasps(*(each[which] for each in vars(self).values()))
 
 
-def scored(times: np.ndarray, cut: Cut, contact: np.ndarray, release: np.ndarray) -> np.ndarray:
+def scored(
+    times: np.ndarray, windowing: Windowing, contact: np.ndarray, release: np.ndarray
+) -> np.ndarray:
     """Which windows lie between contact and release, shape (grasps, windows).
 
     A feature looks back over two lengths: both must lie inside.
     """
-    begun = times - 2.0 * cut.window
+    begun = times - 2.0 * windowing.window
     return (begun >= contact[:, np.newaxis]) & (times <= release[:, np.newaxis])
 
 
-def grasps(data: DataSet, which: np.ndarray, cut: Cut) -> Grasps:
+def grasps(data: DataSet, which: np.ndarray, windowing: Windowing) -> Grasps:
     """Read the grasps `which` (bool); BadInput where there are none."""
     rows = np.flatnonzero(which & data.usable & (data.table["peak_force"] > WEAKEST))
     if not rows.size:
         raise BadInput(f"{data.path}: no grasp of these holds its object")
     rate = 1.0 / float(np.median(np.diff(data.time)))
-    if abs(rate / cut.sampling - 1.0) > 1e-6:
-        raise BadInput(f"{data.path}: sampled at {rate:g} Hz, expected {cut.sampling:g} Hz")
+    if abs(rate / windowing.sampling - 1.0) > 1e-6:
+        raise BadInput(f"{data.path}: sampled at {rate:g} Hz, expected {windowing.sampling:g} Hz")
     features, whole, force = [], [], []
-    ends = cut.ends(data.time.size) - 1
+    ends = windowing.ends(data.time.size) - 1
     if not ends.size:
         raise BadInput(
-            f"a window of {cut.window:g} s is too long for grasps of {np.ptp(data.time):g} s: "
-            "features look back over two"
+            f"a window of {windowing.window:g} s is too long for grasps of "
+            f"{np.ptp(data.time):g} s: features look back over two"
         )
     blocks, count = data.blocks(rows, (*CHANNELS, "force")), -(-rows.size // BLOCK)
     for block in tqdm(blocks, "reading grasps", count, delay=2.0, leave=False, disable=None):
-        features.append(cut.features(block[..., :3]))
-        whole.append(wholes(block[..., :3], features[-1], cut))
+        features.append(windowing.features(block[..., :3]))
+        whole.append(all_grasp_features(block[..., :3], features[-1], windowing))
         force.append(block[:, ends, 3])
     table = data.table[rows]
-    inside = scored(cut.times(data.time.size), cut, table["contact"], table["release"])
+    inside = scored(windowing.times(data.time.size), windowing, table["contact"], table["release"])
     known = (data.rigid[rows], table["object.stiffness"], table["peak_force"], inside)
     seen = (np.concatenate(features), np.concatenate(whole), np.concatenate(force))
     return Grasps(*seen, *known)
 
 
-def wholes(samples: np.ndarray, features: np.ndarray, cut: Cut) -> np.ndarray:
+def all_grasp_features(
+    samples: np.ndarray, features: np.ndarray, windowing: Windowing
+) -> np.ndarray:
     """Features of whole grasps, as in `of_grasp`, from their samples and those of their windows."""
     last = last_held(features)
-    return np.array([of_grasp(*each, cut) for each in zip(samples, features, last, strict=True)])
+    return np.array(
+        [grasp_features(*each, windowing) for each in zip(samples, features, last, strict=True)]
+    )
 
 
 def last_held(features: np.ndarray) -> np.ndarray:

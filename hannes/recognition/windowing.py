@@ -1,4 +1,4 @@
-"""Recordings cut into windows, each with its features."""
+"""Windowing: recordings divided into windows, each with its features."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ UNITS = {"current": "A", "position": "rad", "reference": "rad"}
 
 
 @dataclass(frozen=True)
-class Cut:
-    """Length and distance of windows [s], sampling [Hz]."""
+class Windowing:
+    """Length and hop of windows [s], sampling [Hz]; BadInput where they do not fit together."""
 
     window: float = 0.05
     hop: float = 0.01

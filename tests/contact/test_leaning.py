@@ -13,7 +13,7 @@ from hannes.contact.leaning import ARCH, nearest_place
 from hannes.contact.shapes import frame
 from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import plain
-from hannes.dataset.sampling import draw
+from hannes.dataset.sampling import sample_grasp
 from hannes.dataset.spec import read_spec
 from hannes.simulation.experiment.clearance import overlaps, require_clear
 from hannes.simulation.experiment.experiment import Experiment, Target
@@ -218,5 +218,5 @@ draws = 5
 "object.tilt_y" = { uniform = ["-10 deg", "10 deg"] }
 """
     )
-    tilts = [draw(spec, k).experiment.object.values["object.tilt_x"] for k in range(5)]
+    tilts = [sample_grasp(spec, k).experiment.object.values["object.tilt_x"] for k in range(5)]
     assert np.ptp(tilts) > 0.1 and np.abs(tilts).max() <= np.deg2rad(20.0)

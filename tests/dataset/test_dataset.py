@@ -18,10 +18,10 @@ from hannes.commands.cli import main
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
 from hannes.dataset.hdf5_file import fingerprint, write
-from hannes.dataset.make import Parts, make, numbered
+from hannes.dataset.make import Shards, make, numbered
 from hannes.dataset.read import read
-from hannes.dataset.sampling import draw
-from hannes.dataset.shard import Part, count, made, recorded
+from hannes.dataset.sampling import sample_grasp
+from hannes.dataset.shard import Shard, count, made, recorded
 from hannes.dataset.spec import load_spec, read_spec
 
 REFERENCE = """
@@ -74,7 +74,7 @@ def whole(spec, tmp_path_factory):
     path = tmp_path_factory.mktemp("whole") / "set.h5"
     told = make(spec, path, workers=1, progress=False)
     assert told == {
-        "out": str(path), "grasps": 310, "parts": 4, "parts_simulated": 4, "failed": 0
+        "out": str(path), "grasps": 310, "shards": 4, "shards_simulated": 4, "failed": 0
     }  # fmt: skip
     assert [each.name for each in path.parent.iterdir()] == ["set.h5"]
     return path
@@ -124,7 +124,7 @@ def test_levels_are_crossed_and_draws_stand_clear_of_the_hand(spec, whole):
     wide = found.table["object.radius"][60:]
     assert wide.min() < 0.018 and 0.03 < wide.max() < 0.04
     assert np.ptp(found.table["motor.dry_friction"]) > 0.0
-    assert draw(spec, 200).values["object.radius"] == found.table["object.radius"][200]
+    assert sample_grasp(spec, 200).values["object.radius"] == found.table["object.radius"][200]
 
 
 def test_damaged_parts_are_found_and_redone(spec, whole, tmp_path):
@@ -134,12 +134,12 @@ def test_damaged_parts_are_found_and_redone(spec, whole, tmp_path):
         chunk = file["channels/current"].id.get_chunk_info(1)
     data[chunk.byte_offset + chunk.size // 2] ^= 1
     path.write_bytes(data)
-    assert make(spec, path, workers=1, progress=False)["parts_simulated"] == 1
+    assert make(spec, path, workers=1, progress=False)["shards_simulated"] == 1
     assert path.read_bytes() == whole.read_bytes()
     path.write_bytes(whole.read_bytes()[: chunk.byte_offset])  # beyond repair
-    assert make(spec, path, workers=1, progress=False)["parts_simulated"] == 4
+    assert make(spec, path, workers=1, progress=False)["shards_simulated"] == 4
     assert path.read_bytes() == whole.read_bytes()
-    assert make(spec, path, workers=1, progress=False)["parts_simulated"] == 0
+    assert make(spec, path, workers=1, progress=False)["shards_simulated"] == 0
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_damage_beside_the_parts_is_mended(spec, whole, tmp_path, place):
             owner = file[item] if item else file
             owner.attrs[name] = b"?"
     assert path.read_bytes() != whole.read_bytes()
-    assert make(spec, path, workers=1, progress=False)["parts_simulated"] == 0
+    assert make(spec, path, workers=1, progress=False)["shards_simulated"] == 0
     assert path.read_bytes() == whole.read_bytes()
 
 
@@ -167,26 +167,28 @@ def test_a_worker_of_another_version_is_told(spec):
 
 
 def test_a_damaged_part_of_an_unfinished_run_is_redone(spec, whole, tmp_path):
-    parts = Parts(tmp_path / "set.h5", spec)
+    shards = Shards(tmp_path / "set.h5", spec)
     for k in range(3):
-        parts.write(k, made(spec, k).packed())
-    data = bytearray(parts.path(1).read_bytes())
+        shards.write(k, made(spec, k).packed())
+    data = bytearray(shards.path(1).read_bytes())
     data[len(data) // 2] ^= 16
-    parts.path(1).write_bytes(data)
-    parts.path(2).write_bytes(b"")
-    assert make(spec, tmp_path / "set.h5", workers=1, progress=False)["parts_simulated"] == 3
+    shards.path(1).write_bytes(data)
+    shards.path(2).write_bytes(b"")
+    assert make(spec, tmp_path / "set.h5", workers=1, progress=False)["shards_simulated"] == 3
     assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
 
 
 @pytest.mark.parametrize("place", range(0, 100, 9))
 def test_no_damage_of_a_part_goes_unseen(spec, place):
-    data = bytearray(_PART.setdefault(0, made(spec, 0).packed()))
+    data = bytearray(_SHARD.setdefault(0, made(spec, 0).packed()))
     data[len(data) * place // 100] ^= 4
-    part = Part.unpacked(bytes(data))
-    assert part is None or part.digest == Part.unpacked(_PART[0]).digest  # a name's or a date's bit
+    shard = Shard.unpacked(bytes(data))
+    assert (
+        shard is None or shard.digest == Shard.unpacked(_SHARD[0]).digest
+    )  # a name's or a date's bit
 
 
-_PART: dict[int, bytes] = {}
+_SHARD: dict[int, bytes] = {}
 
 
 def test_a_killed_run_goes_on_where_it_was(spec, whole, tmp_path):
@@ -210,7 +212,7 @@ def test_an_interrupted_run_says_so_and_leaves_nobody_at_work(whole, tmp_path):
         command, cwd=tmp_path, stderr=subprocess.PIPE, text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
-    while not list(tmp_path.glob(".parts*/*.part")) and run.poll() is None:
+    while not list(tmp_path.glob(".shards*/*.shard")) and run.poll() is None:
         time.sleep(0.02)
     run.send_signal(signal.SIGINT)
     _, told = run.communicate(timeout=60)
@@ -231,7 +233,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_after(whole, tmp_path):
     )  # fmt: skip
     assert ended.returncode == 2 and ended.stderr.count("\n") == 1
     assert "run the same again" in ended.stderr and "Traceback" not in ended.stderr
-    assert not (tmp_path / "set.h5").exists() and list(tmp_path.glob(".parts*/*.part"))
+    assert not (tmp_path / "set.h5").exists() and list(tmp_path.glob(".shards*/*.shard"))
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
 
@@ -242,12 +244,12 @@ def test_a_full_disk_is_told_and_the_run_goes_on_after(whole, tmp_path):
     RuntimeError("Unspecified error (errno = 122, error message = 'Disk quota exceeded')"),
 ])  # fmt: skip
 def test_a_full_disk_is_told_however_hdf5_words_it(spec, tmp_path, error):
-    def parts():
+    def shards():
         raise error
         yield
 
     with pytest.raises(BadInput, match="no space left on the disk"):
-        write(tmp_path / "set.h5", spec, parts())
+        write(tmp_path / "set.h5", spec, shards())
 
 
 @pytest.fixture
@@ -275,10 +277,10 @@ def test_a_cluster_gives_the_same_bytes_and_survives_a_killed_worker(cluster, wh
     (tmp_path / "set.toml").write_text(TEXT)
     command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
     run = subprocess.Popen([*command, "--backend", "dask", "--scheduler", address], cwd=tmp_path)
-    while not list(tmp_path.glob(".parts*/*.part")) and run.poll() is None:
+    while not list(tmp_path.glob(".shards*/*.shard")) and run.poll() is None:
         time.sleep(0.02)
     workers[0].kill()
-    assert run.poll() is None and 0 < len(list(tmp_path.glob(".parts*/*.part"))) < 4
+    assert run.poll() is None and 0 < len(list(tmp_path.glob(".shards*/*.shard"))) < 4
     assert run.wait(timeout=120) == 0
     assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
 
@@ -343,22 +345,29 @@ def test_the_shipped_ones_are_whole():
     design, large = load_spec("eighteen"), load_spec("large")
     roles = [group.role for group in design.groups]
     assert design.count == 18 and roles.count("train") == 16 and roles.count("test") == 2
-    assert {draw(design, k).group.shape for k in range(18)} == {"cylinder", "prism", "sphere"}
+    assert {sample_grasp(design, k).group.shape for k in range(18)} == {
+        "cylinder",
+        "prism",
+        "sphere",
+    }
     assert large.count == 10_000 and count(large) == 100
     seated = load_spec("seated")
     for number in range(0, seated.count, 99):
-        drawn, shape = draw(seated, number).values, draw(seated, number).group.shape
-        assert abs(drawn["object.x"] - (4e-3 if shape == "sphere" else 14e-3)) <= 4e-3
+        sampled, shape = (
+            sample_grasp(seated, number).values,
+            sample_grasp(seated, number).group.shape,
+        )
+        assert abs(sampled["object.x"] - (4e-3 if shape == "sphere" else 14e-3)) <= 4e-3
     with pytest.raises(BadInput, match='did you mean "large"'):
         load_spec("larger")
 
 
 def test_one_that_ships_draws_poses_of_fixed_and_floating_objects():
     poses = load_spec("poses")
-    drawn = [draw(poses, number).values for number in range(poses.count)]
-    assert {each["floating_object.free"] for each in drawn} == {0.0, 1.0}
+    sampled = [sample_grasp(poses, number).values for number in range(poses.count)]
+    assert {each["floating_object.free"] for each in sampled} == {0.0, 1.0}
     for name, most in (("tilt_x", 15.0), ("tilt_y", 10.0), ("turn", 20.0)):
-        angles = np.degrees([each.get(f"object.{name}", 0.0) for each in drawn])
+        angles = np.degrees([each.get(f"object.{name}", 0.0) for each in sampled])
         assert 0.9 * most < np.abs(angles).max() <= most
 
 

@@ -39,13 +39,13 @@ def test_what_is_told_unseen_is_told_by_trees_that_have_not_seen_the_grasp():
     features = rng.standard_normal((40, 3)).astype(np.float32)
     rows = Rows(features, rng.standard_normal(40), np.ones(40), np.repeat(np.arange(20), 2))
     bag = bagged(rows, 20, 30, 1.0, 1, 1)
-    told, owner = bag.mean_unseen(features, rows.owner), rows.owner
+    prediction, owner = bag.mean_unseen(features, rows.owner), rows.owner
     middle = bag.quantiles_unseen(features, owner)
     for k in range(40):
         others = [t for t, seen in zip(bag.trees, bag.seen, strict=True) if not seen[owner[k]]]
         values = [t.predict(features[k : k + 1])[0] for t in others]
-        assert 0 < len(values) < 30 and told[k] == pytest.approx(np.mean(values))
+        assert 0 < len(values) < 30 and prediction[k] == pytest.approx(np.mean(values))
         assert middle[k] == pytest.approx(np.quantile(values, QUANTILES))
     seen = np.mean([t.predict(features) for t in bag.trees], axis=0)
-    miss, honest = (np.abs(each - rows.target).mean() for each in (seen, told))
+    miss, honest = (np.abs(each - rows.target).mean() for each in (seen, prediction))
     assert miss < 0.5 * honest  # trees grown to single samples know what they have seen

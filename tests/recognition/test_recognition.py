@@ -23,7 +23,7 @@ from hannes.recognition import train as learning
 from hannes.recognition.estimators import BaggedTrees, WindowFeatures
 from hannes.recognition.features import CHANNELS, NAMES
 from hannes.recognition.train import train
-from hannes.recognition.windowing import Cut
+from hannes.recognition.windowing import Windowing
 
 TEXT = """
 title = "some grasps"
@@ -88,7 +88,7 @@ def seen_until(grasp, end):
 
 
 def test_features_do_not_know_what_comes_after(arrays):
-    cut, block = Cut(), arrays[0][..., :3]
+    cut, block = Windowing(), arrays[0][..., :3]
     whole = cut.features(block[:8])
     for seen in (150, 420, 777):
         part = cut.features(block[:8, :seen])
@@ -104,7 +104,9 @@ def test_features_are_what_their_names_say():
     position = 10.0 * time
     touch = position[400]
     current = np.where(position < touch, 0.3, 0.3 + 0.5 * (position - touch))
-    rows = Cut().features(np.stack([current, position, 1.2 * position], axis=1)[np.newaxis])[0]
+    rows = Windowing().features(np.stack([current, position, 1.2 * position], axis=1)[np.newaxis])[
+        0
+    ]
     row = dict(zip(NAMES, rows[-1], strict=True))
     assert row["speed"] == pytest.approx(10.0) and row["reference_speed"] == pytest.approx(12.0)
     assert row["free_current"] == pytest.approx(0.3, abs=1e-6)
@@ -120,28 +122,30 @@ def test_a_recording_of_another_sampling_is_understood(arrays, trained):
     fine = recording(arrays, 70)
     coarse = Recording({n: x[::2] for n, x in fine.channels.items()}, fine.units)
     late = Recording({**fine.channels, "time": fine.time + 5.0}, fine.units)
-    assert model.tell(coarse).decision == model.tell(fine).decision == "rigid"
-    assert np.allclose(model.tell(late).time, model.tell(fine).time + 5.0)
-    assert np.array_equal(model.tell(late).rigid, model.tell(fine).rigid)
+    assert model.predict(coarse).decision == model.predict(fine).decision == "rigid"
+    assert np.allclose(model.predict(late).time, model.predict(fine).time + 5.0)
+    assert np.array_equal(model.predict(late).rigid, model.predict(fine).rigid)
 
 
 def test_the_peak_of_a_grasp_still_held_is_told_by_the_median_over_trees(arrays, trained):
     model, grasp = trained[0], seen_until(recording(arrays, 11), 640)
-    told = model.tell(grasp)
-    rows = model.cut.features(model.cut.samples(grasp)[np.newaxis])[0]
-    last = np.flatnonzero(told.held)[-1]
-    assert told.peak_force.value == np.exp(model.force.quantiles(rows)[last, 1])
-    means = np.exp(model.force(rows))[told.held]
-    assert (means != told.force[told.held]).any()
+    prediction = model.predict(grasp)
+    rows = model.windowing.features(model.windowing.samples(grasp)[np.newaxis])[0]
+    last = np.flatnonzero(prediction.held)[-1]
+    assert prediction.peak_force.value == np.exp(model.force.quantiles(rows)[last, 1])
+    means = np.exp(model.force(rows))[prediction.held]
+    assert (means != prediction.force[prediction.held]).any()
 
 
 def test_the_peak_of_a_grasp_let_go_is_told_by_how_it_was_closed_and_opened(arrays, trained):
     model, off = trained[0], {True: [], False: []}
     for k in range(80, 100):
         for curve in (True, False):
-            told = (model if curve else replace(model, peak=None)).tell(recording(arrays, k))
+            prediction = (model if curve else replace(model, peak=None)).predict(
+                recording(arrays, k)
+            )
             true = arrays[0][k, :, 3].max()
-            off[curve].append(abs(told.peak_force.value / true - 1.0))
+            off[curve].append(abs(prediction.peak_force.value / true - 1.0))
     assert np.median(off[True]) < 0.8 * np.median(off[False]) < 0.02
 
 
@@ -151,8 +155,8 @@ def test_the_peak_does_not_depend_on_how_long_the_hand_stood_still_before(arrays
         grasp = recording(arrays, k)
         channels = {n: np.concatenate([np.full(300, x[0]), x]) for n, x in grasp.channels.items()}
         channels["time"] = np.arange(grasp.time.size + 300) / 1000.0
-        late = model.tell(Recording(channels, grasp.units)).peak_force.value
-        assert late == pytest.approx(model.tell(grasp).peak_force.value, rel=0.01)
+        late = model.predict(Recording(channels, grasp.units)).peak_force.value
+        assert late == pytest.approx(model.predict(grasp).peak_force.value, rel=0.01)
 
 
 def test_few_trees_make_a_model_that_can_be_read(data, tmp_path):
@@ -179,8 +183,8 @@ def test_a_learning_curve_passes_over_parts_with_too_few_of_a_class(data, monkey
 )
 def test_what_cannot_be_learnt_is_one_line(data, tmp_path, capsys, option, said):
     assert main(["train", str(data), "--out", str(tmp_path / "m.h5"), option]) == 2
-    told = capsys.readouterr().err
-    assert said in told and told.count("\n") == 1
+    prediction = capsys.readouterr().err
+    assert said in prediction and prediction.count("\n") == 1
 
 
 def test_a_damaged_force_is_refused_before_training(data, tmp_path):
@@ -196,17 +200,19 @@ def test_a_damaged_force_is_refused_before_training(data, tmp_path):
 
 def test_stiffness_is_told_with_an_interval_by_its_trees(arrays, trained):
     model, grasp = trained[0], recording(arrays, 11)
-    told = model.tell(grasp)
-    rows = model.cut.features(model.cut.samples(grasp)[np.newaxis])[0][told.held]
+    prediction = model.predict(grasp)
+    rows = model.windowing.features(model.windowing.samples(grasp)[np.newaxis])[0][prediction.held]
     later = model.stiffness.quantiles(rows)[len(rows) // 2 :]
     value, apart = np.exp(np.median(later[:, 1])), np.median(later[:, 2] - later[:, 0])
-    assert told.stiffness.value == pytest.approx(value)
-    assert (told.stiffness.low, told.stiffness.high) == model.stiffness_band(value, apart)
+    assert prediction.stiffness.value == pytest.approx(value)
+    assert (prediction.stiffness.low, prediction.stiffness.high) == model.stiffness_band(
+        value, apart
+    )
 
 
 def test_one_decision_takes_well_under_a_millisecond(arrays, trained):
     model, _ = trained
-    rows = model.cut.features(arrays[0][:1, :, :3])[0]
+    rows = model.windowing.features(arrays[0][:1, :, :3])[0]
     model.windows(rows[:1])
     spent = []
     for row in np.tile(rows, (5, 1)):
@@ -229,12 +235,12 @@ def test_pipelines_and_grid_search_work(arrays):
 
 
 def test_a_grasp_of_the_hand_is_told(arrays, trained):
-    model, told = trained
-    assert told["grasps"] == told["unseen_scores"]["grasps"] == 80
-    assert told["test_scores"]["grasps"] == 20
-    assert told["test_scores"]["grasps_right"] >= 0.95
-    assert told["test_scores"]["peak_force_error_percent"] < 15.0
-    soft, rigid = model.tell(recording(arrays, 2)), model.tell(recording(arrays, 70))
+    model, prediction = trained
+    assert prediction["grasps"] == prediction["unseen_scores"]["grasps"] == 80
+    assert prediction["test_scores"]["grasps"] == 20
+    assert prediction["test_scores"]["grasps_right"] >= 0.95
+    assert prediction["test_scores"]["peak_force_error_percent"] < 15.0
+    soft, rigid = model.predict(recording(arrays, 2)), model.predict(recording(arrays, 70))
     assert (soft.decision, rigid.decision) == ("soft", "rigid")
     assert soft.stiffness.value < 3000.0 < rigid.stiffness.value
     assert soft.peak_force.low <= soft.peak_force.value <= soft.peak_force.high
@@ -246,8 +252,8 @@ def test_a_grasp_still_held_where_its_recording_ends_tells_its_force(arrays, tra
     model, _ = trained
     for k in range(80, 100):
         cut = seen_until(recording(arrays, k), 640)
-        told = model.tell(cut).peak_force
-        assert told.value == pytest.approx(cut["force"].max(), rel=0.15)
+        prediction = model.predict(cut).peak_force
+        assert prediction.value == pytest.approx(cut["force"].max(), rel=0.15)
 
 
 def test_an_empty_hand_is_no_grasp(trained):
@@ -256,9 +262,9 @@ def test_an_empty_hand_is_no_grasp(trained):
     still = {name: np.zeros(500) for name in CHANNELS}
     units = {"time": "s", "current": "A", "position": "rad", "reference": "rad"}
     for sure in (0.5, model.sure, 0.7):  # however ready a model is to tell a class
-        told = replace(model, sure=sure).tell(Recording({"time": times, **still}, units))
-        assert told.decision == "don't know"
-        assert told.stiffness is None and told.peak_force is None
+        prediction = replace(model, sure=sure).predict(Recording({"time": times, **still}, units))
+        assert prediction.decision == "don't know"
+        assert prediction.stiffness is None and prediction.peak_force is None
 
 
 def test_the_same_seed_trains_the_same_bytes(data, trained, tmp_path):
@@ -323,9 +329,9 @@ def back_to_the_root(values):
         ("peak/ends", lambda v: v[::-1].copy(), "out of order"),
     ],
 )
-def test_a_model_out_of_bounds_is_refused(file, place, change, told):
+def test_a_model_out_of_bounds_is_refused(file, place, change, prediction):
     spoilt(file, place, change)
-    with pytest.raises(BadInput, match=told):
+    with pytest.raises(BadInput, match=prediction):
         model_file.read(file)
 
 
@@ -339,7 +345,7 @@ def test_a_model_that_claims_a_huge_size_is_refused(file):
 
 def test_fuzzed_models_are_read_or_refused(file, arrays):
     data, rng = file.read_bytes(), np.random.default_rng(2)
-    rows = Cut().features(arrays[0][:1, :, :3])[0]
+    rows = Windowing().features(arrays[0][:1, :, :3])[0]
     for _ in range(80):
         changed = bytearray(data)
         for place in rng.integers(0, len(data), 6):
@@ -380,20 +386,20 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
     )
     more = ["--out", "scores", "--learning-curve", str(data), "--json"]
     assert main(["evaluate", "model.h5", "evaluation.toml", *more]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told == json.loads(Path("scores/evaluation.json").read_text())
-    assert told["f1_grasps"] == 1.0 and told["f1_windows"] > 0.9
-    assert told["from_contact"]["f1_windows"] <= told["f1_windows"]
-    assert 0.0 <= told["stable_after_s"]["soft"] < told["stable_after_s"]["rigid"] < 0.2
-    counted = {word: sum(told["confusion"][word].values()) for word in ("soft", "rigid")}
-    assert counted == {row["class"]: row["windows"] for row in told["objects"]} and sum(
-        row["windows"] for row in told["reliability"]["rows"]
+    prediction = json.loads(capsys.readouterr().out)
+    assert prediction == json.loads(Path("scores/evaluation.json").read_text())
+    assert prediction["f1_grasps"] == 1.0 and prediction["f1_windows"] > 0.9
+    assert prediction["from_contact"]["f1_windows"] <= prediction["f1_windows"]
+    assert 0.0 <= prediction["stable_after_s"]["soft"] < prediction["stable_after_s"]["rigid"] < 0.2
+    counted = {word: sum(prediction["confusion"][word].values()) for word in ("soft", "rigid")}
+    assert counted == {row["class"]: row["windows"] for row in prediction["objects"]} and sum(
+        row["windows"] for row in prediction["reliability"]["rows"]
     ) == sum(counted.values())
-    assert 0.0 <= told["reliability"]["calibration_error"] < 0.2
-    assert told["force"]["grasps"] == told["force"]["told"] == 4
-    assert told["stiffness"]["grasps"] == 2  # only one object's is known
-    assert [row["grasps"] for row in told["learning_curve"]] == [80]
-    assert told["learning_curve"][0]["f1_grasps"] == 1.0
+    assert 0.0 <= prediction["reliability"]["calibration_error"] < 0.2
+    assert prediction["force"]["grasps"] == prediction["force"]["answered"] == 4
+    assert prediction["stiffness"]["grasps"] == 2  # only one object's is known
+    assert [row["grasps"] for row in prediction["learning_curve"]] == [80]
+    assert prediction["learning_curve"][0]["f1_grasps"] == 1.0
     assert main(["evaluate", "model.h5", "soft-2.h5"]) == 0
     assert re.match(r"soft .*\n  stiffness .* N/m .*\n  peak grip", capsys.readouterr().out)
     assert main(["evaluate", "model.h5", "evaluation.toml"]) == 0
@@ -426,9 +432,9 @@ def test_bad_recordings_are_told_in_one_line(file, arrays, tmp_path, capsys):
     assert main(["evaluate", str(file), str(tmp_path / "e.toml")]) == 2
     assert 'channel "force" comes in mN, expected N' in capsys.readouterr().err
     with pytest.raises(BadInput, match="no numbers"):
-        Cut().features(np.full((1, 300, 3), np.nan))
+        Windowing().features(np.full((1, 300, 3), np.nan))
     with pytest.raises(BadInput, match="at least 4 samples"):
-        replace(Cut(), window=1e-3)
+        replace(Windowing(), window=1e-3)
 
 
 def test_training_never_reads_the_ten_objects():

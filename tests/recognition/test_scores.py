@@ -6,7 +6,7 @@ import pytest
 from hannes.recognition.calibration import _band, _widened, least_sure
 from hannes.recognition.evaluate import delay, f1
 from hannes.recognition.interval_scores import judged
-from hannes.recognition.model import FADE, UNFELT, Band, Estimate, decided, running
+from hannes.recognition.model import FADE, NO_CONTACT, Band, Estimate, decided, running
 
 
 def test_an_interval_is_wider_by_half_the_distance_of_the_values_learnt():
@@ -19,8 +19,8 @@ def test_an_interval_is_wider_by_half_the_distance_of_the_values_learnt():
 def test_an_interval_is_wider_where_trees_lie_further_apart():
     rng = np.random.default_rng(0)
     apart, true = rng.uniform(0.1, 1.0, 4000), np.full(4000, 20.0)
-    told = true * np.exp(-0.3 * apart * rng.standard_normal(4000))
-    band = _band(np.stack([told, apart], axis=1), true)
+    prediction = true * np.exp(-0.3 * apart * rng.standard_normal(4000))
+    band = _band(np.stack([prediction, apart], axis=1), true)
     for x in (0.3, 0.8):
         low, high = band(20.0, x)
         assert np.log(high / low) == pytest.approx(2.0 * 1.96 * 0.3 * x, rel=0.1)
@@ -33,14 +33,14 @@ def test_decisions_at_the_border_are_not_made_up():
 
 def test_the_running_decision_fades_towards_what_was_last_seen():
     rigid = np.array([[0.9] * 5 + [0.2] * 40])
-    told = running(rigid, rigid > 0.0, FADE / 3.0)[0]
-    assert (np.diff(told[:5]) > 0.0).all() and 0.5 < told[0] < told[4] < 0.9
-    assert told[5] > 0.5 > told[9] and told[-1] == pytest.approx(0.2, abs=1e-6)
-    odds = np.log(told / (1.0 - told))
+    prediction = running(rigid, rigid > 0.0, FADE / 3.0)[0]
+    assert (np.diff(prediction[:5]) > 0.0).all() and 0.5 < prediction[0] < prediction[4] < 0.9
+    assert prediction[5] > 0.5 > prediction[9] and prediction[-1] == pytest.approx(0.2, abs=1e-6)
+    odds = np.log(prediction / (1.0 - prediction))
     assert odds[0] == pytest.approx(np.log(9.0) / 3.0)
     assert running(np.array([0.7]), np.array([True]), 1.0) == pytest.approx(0.7)
-    unfelt = running(np.array([0.9, 0.9]), np.zeros(2, bool), 1.0)
-    assert np.log(unfelt / (1.0 - unfelt)) == pytest.approx(UNFELT)
+    no_contact = running(np.array([0.9, 0.9]), np.zeros(2, bool), 1.0)
+    assert np.log(no_contact / (1.0 - no_contact)) == pytest.approx(NO_CONTACT)
 
 
 def test_a_decision_counts_from_where_it_stays_right():
@@ -74,10 +74,10 @@ def test_the_papers_formula_for_an_object_of_one_class():
 
 def test_a_grasp_of_which_nothing_is_told_counts_as_missed():
     sure, off = Estimate(10.0, 9.0, 12.0), Estimate(11.0, 10.5, 12.0)
-    told = judged([(10.0, sure), (10.0, off), (10.0, None)])
-    assert told["grasps"] == 3 and told["told"] == 2
-    assert told["median_error_percent"] == pytest.approx(10.0)  # of 0, 10 and anything
-    assert told["interval_holds"] == pytest.approx(1.0 / 3.0)
-    assert told["errors_percent"] == [0.0, 10.0, None]
+    prediction = judged([(10.0, sure), (10.0, off), (10.0, None)])
+    assert prediction["grasps"] == 3 and prediction["answered"] == 2
+    assert prediction["median_error_percent"] == pytest.approx(10.0)  # of 0, 10 and anything
+    assert prediction["interval_holds"] == pytest.approx(1.0 / 3.0)
+    assert prediction["errors_percent"] == [0.0, 10.0, None]
     assert judged([(10.0, sure), (10.0, None), (10.0, None)])["median_error_percent"] is None
-    assert judged([(10.0, None)]) == {"grasps": 1, "told": 0}
+    assert judged([(10.0, None)]) == {"grasps": 1, "answered": 0}

@@ -62,9 +62,9 @@ def evaluation(worst):
         "reliability": {"calibration_error": 0.021},
         "stable_after_s": {"soft": 0.05, "rigid": None},
     }
-    made["force"] = {"grasps": 4, "told": 3, "median_error_percent": 5.0}
+    made["force"] = {"grasps": 4, "answered": 3, "median_error_percent": 5.0}
     made["force"] |= {"interval_holds": 0.75, "interval_width": 1.5}
-    made["stiffness"] = {"grasps": 4, "told": 0}
+    made["stiffness"] = {"grasps": 4, "answered": 0}
     return made
 
 

@@ -111,13 +111,13 @@ def _estimates(evaluation: dict[str, Any]) -> Table:
     rows = tuple(
         (
             words,
-            f"{each['told']} of {each['grasps']}",
+            f"{each['answered']} of {each['grasps']}",
             decimals(_known(each["median_error_percent"]), 1),
             decimals(100.0 * each["interval_holds"], 1),
             decimals(each["interval_width"], 1),
         )
         for key, words in named
-        if (each := evaluation[key])["told"]
+        if (each := evaluation[key])["answered"]
     )
     columns = (
         "From current and position alone", "Told of grasps", "Off, median [%]",
