@@ -24,7 +24,7 @@ from benchmarks.harness import Row, aligned, interval, main, must_show, peak_mib
 from hannes import Hand, effects, load_experiment, simulate, simulate_many
 from hannes.core.effect import Effect
 from hannes.simulation.experiment.experiment import CONTROLLERS, Experiment
-from hannes.simulation.hand.hand import EQUATIONS
+from hannes.simulation.hand.model import EQUATIONS
 
 # Tolerance and sampling [Hz] of what is asked for.
 SETTINGS = ((1e-2, 100.0), (1e-2, 1000.0), (1e-3, 1000.0), (1e-4, 1000.0))

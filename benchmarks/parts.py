@@ -17,7 +17,7 @@ from benchmarks.harness import Row, aligned, main
 from hannes import Hand, effects, simulate
 from hannes.core.kernels.jit import kernel
 from hannes.simulation.compiler.assemble import Compiled
-from hannes.simulation.hand.hand import EQUATIONS
+from hannes.simulation.hand.model import EQUATIONS
 from hannes.simulation.trajectory import Trajectory
 
 PARTS = ("rates", "Jacobian", "factors", "solution")

@@ -8,7 +8,8 @@ from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
 from hannes.simulation.experiment.experiment import Experiment, Reference, Target
-from hannes.simulation.hand.hand import EQUATIONS, Hand
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.model import EQUATIONS
 from hannes.simulation.integrate import HOLD
 from hannes.simulation.simulate import simulate
 

@@ -12,6 +12,7 @@ import numpy as np
 from hannes.core.errors import BadInput
 from hannes.core.io.atomic_files import atomic_folder
 from hannes.core.io.provenance import provenance
+from hannes.core.model import differences
 from hannes.core.recording.recording import Recording
 from hannes.report import figure_runs
 from hannes.simulation import grasp_metrics
@@ -20,7 +21,6 @@ from hannes.simulation.experiment.friction_curve import FrictionCurve
 from hannes.simulation.experiment.load import load
 from hannes.simulation.experiment.variants import Variant
 from hannes.simulation.hand.hand_file import effect_names, texts
-from hannes.simulation.hand.model import differences
 from hannes.simulation.sensors import observe
 from hannes.simulation.simulate import simulate
 from hannes.simulation.trajectory import Cost, Trajectory

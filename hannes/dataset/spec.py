@@ -12,6 +12,7 @@ from hannes.contact.shapes import SHAPES
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.io.units import quantity
+from hannes.core.model import differences
 from hannes.dataset.distributions import Distribution, read_distribution
 from hannes.simulation.experiment import shipped
 from hannes.simulation.experiment.experiment import CONTROLLERS, Experiment, Reference
@@ -24,7 +25,6 @@ from hannes.simulation.hand.hand_file import (
     load_hand,
     texts,
 )
-from hannes.simulation.hand.model import differences
 
 KEYS = (
     "title", "hand", "effects", "parameters", "seed", "duration", "sampling", "controller",

@@ -13,7 +13,7 @@ from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, ComputationFailed, nearest
 from hannes.simulation.compiler.assemble import Compiled, assemble
 from hannes.simulation.experiment.experiment import Experiment
-from hannes.simulation.hand.hand import EQUATIONS
+from hannes.simulation.hand.model import EQUATIONS
 
 
 class Outcome(Enum):

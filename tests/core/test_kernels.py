@@ -23,7 +23,8 @@ from hannes.core.kernels import smooth_switches
 from hannes.core.kernels.jit import compiles, plain
 from hannes.plants.axis import plant
 from hannes.simulation.catalogue import effects
-from hannes.simulation.hand.hand import EQUATIONS, Hand
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.model import EQUATIONS
 from hannes.simulation.integrate import HOLD
 from hannes.simulation.simulate import simulate
 
@@ -106,7 +107,7 @@ import sys
 import numpy as np
 from hannes.core.kernels.jit import compiles
 from hannes.simulation.catalogue import effects
-from hannes.simulation.hand.hand import EQUATIONS
+from hannes.simulation.hand.model import EQUATIONS
 
 assert not compiles()
 given = np.load(sys.argv[1])

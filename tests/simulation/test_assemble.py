@@ -17,7 +17,8 @@ from hannes.core.errors import BadInput
 from hannes.core.parameter import Parameter
 from hannes.simulation.catalogue import effect as find_effect
 from hannes.simulation.compiler.assemble import assemble
-from hannes.simulation.hand.hand import EQUATIONS, Hand
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.model import EQUATIONS
 from hannes.simulation.simulate import simulate
 
 OWN = '''

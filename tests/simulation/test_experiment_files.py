@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from hannes.core.errors import BadInput
+from hannes.core.model import differences
 from hannes.simulation.experiment import shipped
 from hannes.simulation.experiment.friction_curve import FrictionCurve
 from hannes.simulation.experiment.load import load, load_experiment, read
@@ -11,7 +12,6 @@ from hannes.simulation.experiment.reader import parse_experiment
 from hannes.simulation.experiment.variants import MOST
 from hannes.simulation.experiment.writer import experiment_toml
 from hannes.simulation.hand.hand import Hand
-from hannes.simulation.hand.model import differences
 
 HEAD = """
 title = "mine"

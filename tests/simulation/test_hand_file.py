@@ -5,12 +5,12 @@ from own_effect import EFFECT
 
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput
+from hannes.core.model import differences
 from hannes.plants.axis.plant import Axis
 from hannes.plants.plant_file import load_model, plant_toml, with_plant_file
 from hannes.simulation.catalogue import effect
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.hand.hand_file import DEEPEST, hand_toml, load_hand
-from hannes.simulation.hand.model import differences
 
 LOOSE = """\
 base = "hannes"

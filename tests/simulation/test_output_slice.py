@@ -10,7 +10,7 @@ from hannes.core.layout import Layout, Slot
 from hannes.core.parameter import Parameter
 from hannes.simulation.compiler.expansion import Layouts
 from hannes.simulation.compiler.output_slice import Needed, gated
-from hannes.simulation.hand.hand import EQUATIONS
+from hannes.simulation.hand.model import EQUATIONS
 
 CATALOGUE = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
 OUT = Layout((Slot("a", "1", ""), Slot("b", "1", "", "finger", 5), Slot("z", "1", "")))

@@ -15,7 +15,8 @@ from hannes.plants.hand.channel_limits import EXPECTED
 from hannes.plants.hand.recorded_experiment import effects_on_object, experiment_of, motion
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand import variables as channels
-from hannes.simulation.hand.hand import EQUATIONS, Hand
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.model import EQUATIONS
 from hannes.simulation.simulate import simulate
 
 # Relative standard deviation of the nominal values of a real hand.

@@ -8,7 +8,8 @@ from hannes.core.kernels.jit import plain
 from hannes.dynamics import finger
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.anatomy import FINGERS
-from hannes.simulation.hand.hand import EQUATIONS, Hand
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.model import EQUATIONS
 
 DEEPEST = 1e-6  # m of overlap that rounding may leave
 PLACES = 200  # points tried along a phalanx; a circle is missed by less than 1 um

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from hannes.core.io.units import text
+from hannes.core.model import differences
 from hannes.simulation.experiment.experiment import Experiment, Reference, Target
 from hannes.simulation.experiment.reader import MATERIAL, NOISE
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.hand.hand_file import effect_names, texts
-from hannes.simulation.hand.model import differences
 
 TILT = ("tilt_x", "tilt_y")
 _POINTS = "@points"  # cannot occur in quotes of its own inside another text of the file

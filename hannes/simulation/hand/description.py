@@ -12,10 +12,10 @@ from typing import Protocol
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import plain
+from hannes.core.model import Model, differences
 from hannes.core.parameter import Parameter
 from hannes.simulation.compiler.assemble import Equations, jacobian_kind
 from hannes.simulation.hand import equations
-from hannes.simulation.hand.model import Model, differences
 
 COLUMNS = 80
 _STAGE = re.compile(r"^ +(?:[\w, ]+ = )?(\w+)\(.*\)$", re.MULTILINE)

@@ -8,23 +8,13 @@ import numpy as np
 
 from hannes.contact.shapes import frame, sections
 from hannes.core.effect import Effect, joined
-from hannes.core.layout import Layout
 from hannes.core.parameter import ParameterSet
 from hannes.simulation.catalogue import effect as find_effect
-from hannes.simulation.compiler.assemble import Compiled, Equations, assemble
-from hannes.simulation.hand import anatomy, equations, variables
+from hannes.simulation.compiler.assemble import Compiled, assemble
+from hannes.simulation.hand import anatomy, variables
 from hannes.simulation.hand.anatomy import FINGERS
-from hannes.simulation.hand.jacobian import sparsity
+from hannes.simulation.hand.model import EQUATIONS
 from hannes.simulation.hand.variables import LANES
-
-EQUATIONS = Equations(
-    equations,
-    Layout(variables.PARAMETER_SLOTS),
-    Layout(variables.STATES),
-    Layout(variables.CHANNELS),
-    Layout(variables.OUTPUTS),
-    shape=sparsity.shape,
-)
 
 # What the object's sections hang on.
 _POSE = ("turn", "tilt_x", "tilt_y")

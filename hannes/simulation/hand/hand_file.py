@@ -13,10 +13,10 @@ from hannes.core.errors import BadInput, nearest
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.io.units import quantity, text
 from hannes.core.kernels.jit import plain
+from hannes.core.model import Model, differences
 from hannes.core.parameter import Parameter
 from hannes.simulation import catalogue
 from hannes.simulation.hand.hand import Hand
-from hannes.simulation.hand.model import Model, differences
 
 SHIPPED: dict[str, Callable[[], Hand]] = {"hannes": Hand}
 KEYS = ("base", "effects", "parameters")
