@@ -308,7 +308,7 @@ def back_to_the_root(values):
 
 
 @pytest.mark.parametrize(
-    ("place", "change", "told"),
+    ("place", "change", "why"),
     [
         ("rigid/left", out_of_range, "leads out of its tree"),
         ("rigid/right", back_to_the_root, "leads out of its tree, or back"),
@@ -329,9 +329,9 @@ def back_to_the_root(values):
         ("peak/ends", lambda v: v[::-1].copy(), "out of order"),
     ],
 )
-def test_a_model_out_of_bounds_is_refused(file, place, change, prediction):
+def test_a_model_out_of_bounds_is_refused(file, place, change, why):
     spoilt(file, place, change)
-    with pytest.raises(BadInput, match=prediction):
+    with pytest.raises(BadInput, match=why):
         model_file.read(file)
 
 
