@@ -5,7 +5,7 @@ from typing import Any
 
 from hannes.core.effect import Effect
 from hannes.simulation.hand.anatomy import FINGERS
-from hannes.simulation.hand.hand import EQUATIONS
+from hannes.simulation.hand.model import EQUATIONS
 
 WIDTH, HEIGHT = 900, 470
 SCALE = 1900.0  # drawn units per metre, of phalanges and moment arms

@@ -6,7 +6,8 @@ from hannes.contact.leaning import nearest_place
 from hannes.contact.section import contact_place, signed_distance
 from hannes.core.kernels.jit import plain
 from hannes.simulation.hand.anatomy import FINGERS
-from hannes.simulation.hand.hand import EQUATIONS, Hand
+from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.model import EQUATIONS
 
 
 def touches(
