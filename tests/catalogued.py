@@ -1,4 +1,4 @@
-"""One model with the whole catalogue in it, every amplitude but those told at off, and its runs."""
+"""One model with the whole catalogue, all amplitudes at off but those given, and its runs."""
 
 import functools
 import re

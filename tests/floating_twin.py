@@ -50,7 +50,7 @@ def touched(h, f, near, pace):
 
 
 @compiled
-def bent(h, f, angles, torques):
+def acceleration_by(h, f, angles, torques):
     """What torques [N m] at MCP and PIP add to their accelerations [rad/s2], linearly."""
     lengths = h.fingers_proximal_length[f], h.fingers_distal_length[f]
     masses = h.fingers_proximal_mass[f], h.fingers_distal_mass[f]
@@ -85,7 +85,7 @@ def pushed(h, f, y, centre, velocity, angle, spin):
         side = turn.imag
         mcp += side * (torque(ends[link] - origin, at_a) + torque(ends[link + 1] - origin, at_b))
         pip += side * link * torque(two, at_b)
-    return bent(h, f, q, (mcp, pip)), force, moment
+    return acceleration_by(h, f, q, (mcp, pip)), force, moment
 
 
 @compiled

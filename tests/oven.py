@@ -21,7 +21,7 @@ TIMES = np.arange(0.0, 2.0, 0.01)
 
 
 class Oven(PlainPlant):
-    """Plant: the oven; `heat` is told in m, a unit that the table of units knows."""
+    """Plant: the oven; `heat` is in m, a unit that the table of units knows."""
 
     name = "oven"
     channels = UNITS

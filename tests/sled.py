@@ -22,7 +22,7 @@ from hannes.plants.plain import PlainPlant
 STEP, TIMES = 2e-3, np.arange(500) * 2e-3
 UNITS = {"time": "s", "drive": "N", "position": "m", "speed": "m/s"}
 ROLES = ("fit", "fit", "select", "show")
-RATTLE = "rattled"  # a run that tells turbulence from what only rubs harder at a crawl
+RATTLE = "rattled"  # a run that separates turbulence from friction at low speed
 
 
 class Sled(PlainPlant):
@@ -83,7 +83,7 @@ def turbulence(size, speed):
 
 @kernel
 def suction(size, speed):
-    """Quadratic drag, told by a size below 0 [N]."""
+    """Quadratic drag, marked by a size below 0 [N]."""
     return size * speed * abs(speed)
 
 

@@ -41,13 +41,13 @@ def licence(package: Distribution) -> str:
     if expression := metadata.get("License-Expression"):
         return expression
     heads = [each.split(" :: ") for each in metadata.get_all("Classifier") or []]
-    told = [each[-1] for each in heads if each[0] == "License" and each[-1] != "OSI Approved"]
-    return ", ".join(told) or (metadata.get("License") or "").strip().partition("\n")[0]
+    text = [each[-1] for each in heads if each[0] == "License" and each[-1] != "OSI Approved"]
+    return ", ".join(text) or (metadata.get("License") or "").strip().partition("\n")[0]
 
 
-def copyleft(told: str) -> bool:
+def copyleft(text: str) -> bool:
     """Whether a licence asks that what uses the package be under it too."""
-    return bool(_COPYLEFT.search(told))
+    return bool(_COPYLEFT.search(text))
 
 
 def bundled(package: Distribution) -> Iterator[tuple[str, str]]:
@@ -63,9 +63,9 @@ def refused(names: list[str]) -> list[str]:
     found = []
     for name in names:
         package = distribution(name)
-        told = licence(package)
-        if copyleft(told) or not told:
-            found.append(f"{name}: {told or 'says no licence'}")
+        text = licence(package)
+        if copyleft(text) or not text:
+            found.append(f"{name}: {text or 'says no licence'}")
         found += [
             f"{name} contains {part}: {its}"
             for part, its in dict(bundled(package)).items()
@@ -84,8 +84,8 @@ def main() -> int:
         except PackageNotFoundError:
             absent += 1
             continue
-        told, part = licence(package), "core" if name in core else "test"
-        print(f"{part}  {name + ' ' + package.version:<32} {told}")
+        text, part = licence(package), "core" if name in core else "test"
+        print(f"{part}  {name + ' ' + package.version:<32} {text}")
         for library, its in dict(bundled(package)).items():
             why = BUNDLED.get(library, "not expected here")
             print(f"{'':6}{'contains ' + library:<32} {its} ({why})")

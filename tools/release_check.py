@@ -49,8 +49,8 @@ def readme_lines(text: str) -> list[str]:
     for line in text.splitlines():
         if line.startswith("```"):
             fenced = not fenced
-        told = [line] if fenced else re.findall(r"`([^`]+)`", line) if line[:1] == "|" else []
-        for each in told:
+        shown = [line] if fenced else re.findall(r"`([^`]+)`", line) if line[:1] == "|" else []
+        for each in shown:
             if command := LINE.match(each):
                 found[command[1].strip()] = None
     return list(found)
@@ -75,7 +75,7 @@ def missing(lines: Iterable[str], names: Iterable[str]) -> list[str]:
 
 def ran(command: list[str], folder: Path, path: Path | None = None, **variables: str) -> str:
     """Run a command in a folder and print how long it took; ends the check where it fails."""
-    start, told = time.monotonic(), " ".join(command)
+    start, shown = time.monotonic(), " ".join(command)
     environment = {name: os.environ[name] for name in os.environ if name != "PYTHONPATH"}
     if path is not None:
         environment["PATH"] = f"{path}{os.pathsep}{environment['PATH']}"
@@ -87,9 +87,9 @@ def ran(command: list[str], folder: Path, path: Path | None = None, **variables:
         text=True,
         check=False,
     )
-    print(f"{time.monotonic() - start:7.1f} s  {told}", flush=True)
+    print(f"{time.monotonic() - start:7.1f} s  {shown}", flush=True)
     if done.returncode:
-        sys.exit(f"{told} in {folder}: status {done.returncode}\n{done.stdout}{done.stderr}")
+        sys.exit(f"{shown} in {folder}: status {done.returncode}\n{done.stdout}{done.stderr}")
     return done.stdout
 
 

@@ -98,7 +98,7 @@ def contract(settings: Mapping[str, Any]) -> Finding:
 
 
 def import_contract() -> Finding:
-    """The contract as it stands in pyproject.toml; that it is kept, `make lint` tells."""
+    """The contract as it stands in pyproject.toml; `make lint` checks it."""
     with (ROOT / "pyproject.toml").open("rb") as file:
         return contract(tomllib.load(file)["tool"]["importlinter"])
 
@@ -151,10 +151,10 @@ def docstrings() -> Finding:
     """Public modules, classes, methods and functions without a docstring, as ruff finds them."""
     command = [sys.executable, "-m", "ruff", "check", "--isolated", f"--select={DOCSTRINGS}"]
     command += ["--output-format=concise", "--quiet", str(PACKAGE)]
-    told = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
-    beyond = [line for line in told.stdout.splitlines() if ": D" in line]
-    if told.returncode and not beyond:
-        beyond = [f"ruff: {told.stderr.strip()}"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+    beyond = [line for line in done.stdout.splitlines() if ": D" in line]
+    if done.returncode and not beyond:
+        beyond = [f"ruff: {done.stderr.strip()}"]
     return Finding(f"{len(beyond)} public names without a docstring, at most 0", beyond)
 
 

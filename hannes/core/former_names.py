@@ -52,7 +52,7 @@ class Finder:
 
     @staticmethod
     def find_spec(name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
-        """Tell how to load a module that has a former name, None for all others."""
+        """Return how to load a module that has a former name, None for all others."""
         package, _, module = name.partition(".")
         found = package == "hannes" and module in MOVED
         return ModuleSpec(name, cast(Any, _Loader)) if found else None

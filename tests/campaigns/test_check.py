@@ -152,9 +152,9 @@ def test_a_clipped_drive(name, share):
     drive = "drive" if recording.plant == "axis" else "current"
     top = share * recording[drive].max()
     clipped = recording.with_channels({drive: np.minimum(recording[drive], top)}, {})
-    (told,) = found(clipped, "saturated", drive, "warning")
+    (finding,) = found(clipped, "saturated", drive, "warning")
     lasting = np.count_nonzero(recording[drive] >= top) / 1000.0
-    assert told.size == pytest.approx(lasting, rel=0.5) and "clips" in told.text
+    assert finding.size == pytest.approx(lasting, rel=0.5) and "clips" in finding.text
 
 
 def test_a_drive_at_its_limit_is_only_noted():
@@ -172,9 +172,12 @@ def test_lost_samples_leave_a_gap(name, lost):
     recording = MOVING[name]()
     kept = np.delete(np.arange(len(recording)), np.arange(400, 400 + lost))
     holed = recording.with_channels({n: recording[n][kept] for n in recording.channels}, {})
-    (told,) = found(holed, "gap", "time", "warning")
-    assert told.size == pytest.approx((lost + 1) / 1000.0) and f"{lost} samples lost" in told.text
-    assert told.time == pytest.approx(0.399)
+    (finding,) = found(holed, "gap", "time", "warning")
+    assert (
+        finding.size == pytest.approx((lost + 1) / 1000.0)
+        and f"{lost} samples lost" in finding.text
+    )
+    assert finding.time == pytest.approx(0.399)
     assert not found(holed, "jump", "position")
 
 
@@ -185,8 +188,8 @@ def test_samples_lost_under_a_clock_that_runs_on(name, lost):
     kept = np.delete(np.arange(len(recording)), np.arange(180, 180 + lost))
     holed = {n: recording[n][kept] for n in recording.channels}
     holed["time"] = recording.time[: kept.size]
-    (told,) = found(recording.with_channels(holed, {}), "jump", "position", "fault")
-    assert "samples were lost" in told.text and told.time == pytest.approx(0.18)
+    (finding,) = found(recording.with_channels(holed, {}), "jump", "position", "fault")
+    assert "samples were lost" in finding.text and finding.time == pytest.approx(0.18)
 
 
 @pytest.mark.parametrize("name", MOVING)
@@ -195,8 +198,8 @@ def test_a_clock_that_drifts_against_the_count_of_samples(name, drift):
     recording = MOVING[name]()
     count = np.arange(len(recording)) / len(recording)
     late = recording.time * (1.0 + 0.5 * drift * (count - 1.0))
-    (told,) = found(retimed(recording, late), "drift", "time", "warning")
-    assert told.size == pytest.approx(drift, rel=0.2)
+    (finding,) = found(retimed(recording, late), "drift", "time", "warning")
+    assert finding.size == pytest.approx(drift, rel=0.2)
 
 
 @pytest.mark.parametrize("name", ["full closure", "grasp"])
@@ -204,9 +207,9 @@ def test_a_clock_that_drifts_against_the_count_of_samples(name, drift):
 def test_a_clock_that_drifts_against_the_experiment(name, drift):
     recording = CLOSURES[name]()
     slow = retimed(recording, recording.time * (1.0 + drift))
-    (told,) = found(slow, "drift", "reference")
-    assert told.level == ("fault" if abs(drift) > 0.01 else "warning")
-    assert told.size == pytest.approx(drift, rel=0.1)
+    (finding,) = found(slow, "drift", "reference")
+    assert finding.level == ("fault" if abs(drift) > 0.01 else "warning")
+    assert finding.size == pytest.approx(drift, rel=0.1)
 
 
 @pytest.mark.parametrize("name", MOVING)
@@ -218,10 +221,12 @@ def test_an_encoder_that_jumps(name, step, lasting):
     position = recording["position"].copy()
     size = step * np.ptp(position)
     position[500 : 500 + lasting] += size
-    (told,) = found(
+    (finding,) = found(
         recording.with_channels({"position": position}, {}), "jump", "position", "fault"
     )
-    assert told.time == pytest.approx(0.5) and abs(told.size) == pytest.approx(abs(size), rel=0.3)
+    assert finding.time == pytest.approx(0.5) and abs(finding.size) == pytest.approx(
+        abs(size), rel=0.3
+    )
 
 
 @pytest.mark.parametrize("name", MOVING)
@@ -231,8 +236,8 @@ def test_channels_that_never_move(name):
     for channel in ("position", drive):
         for value in (0.0, 0.37):
             dead = recording.with_channels({channel: np.full(len(recording), value)}, {})
-            (told,) = found(dead, "dead", channel, "fault")
-            assert "leave the channel out" in told.text
+            (finding,) = found(dead, "dead", channel, "fault")
+            assert "leave the channel out" in finding.text
 
 
 @pytest.mark.parametrize("name", ["truth", "axis"])
@@ -242,8 +247,10 @@ def test_a_sensor_that_freezes(name, lasting):
     drive = "drive" if recording.plant == "axis" else "current"
     values = recording[drive].copy()
     values[700 : 700 + lasting] = values[700]
-    (told,) = found(recording.with_channels({drive: values}, {}), "frozen", drive, "warning")
-    assert told.time == pytest.approx(0.7) and told.size == pytest.approx((lasting - 1) / 1000)
+    (finding,) = found(recording.with_channels({drive: values}, {}), "frozen", drive, "warning")
+    assert finding.time == pytest.approx(0.7) and finding.size == pytest.approx(
+        (lasting - 1) / 1000
+    )
 
 
 @pytest.mark.parametrize("factor", [180.0 / np.pi, 19.0])
@@ -254,8 +261,8 @@ def test_a_sensor_that_freezes(name, lasting):
 )
 def test_a_position_in_another_unit_than_its_reference(name, factor, power):
     recording = scaled(CLOSURES[name](), "position", factor**power)
-    (told, *_) = found(recording, "unit", "position", "fault")
-    assert f"{factor:.4g}" in told.text
+    (finding, *_) = found(recording, "unit", "position", "fault")
+    assert f"{factor:.4g}" in finding.text
 
 
 @pytest.mark.parametrize("name", CLOSURES)
@@ -263,16 +270,16 @@ def test_a_position_in_another_unit_than_its_reference(name, factor, power):
 def test_position_and_reference_both_in_another_unit(name, factor):
     recording = scaled(scaled(CLOSURES[name](), "position", factor), "reference", factor)
     for channel in ("position", "reference"):
-        (told, *_) = found(recording, "unit", channel, "fault")
-        assert f"{factor:.4g}" in told.text
+        (finding, *_) = found(recording, "unit", channel, "fault")
+        assert f"{factor:.4g}" in finding.text
 
 
 @pytest.mark.parametrize("name", MOVING)
 @pytest.mark.parametrize("factor", [1e3, 1e-3])
 def test_a_drive_in_thousandths(name, factor):
     drive = "drive" if MOVING[name]().plant == "axis" else "current"
-    (told,) = found(scaled(MOVING[name](), drive, factor), "unit", drive, "fault")
-    assert told.size == pytest.approx(factor) and "1000" in told.text
+    (finding,) = found(scaled(MOVING[name](), drive, factor), "unit", drive, "fault")
+    assert finding.size == pytest.approx(factor) and "1000" in finding.text
 
 
 def test_newtons_and_millinewtons():
@@ -282,28 +289,28 @@ def test_newtons_and_millinewtons():
 
 
 def test_percent_for_a_share():
-    (told,) = found(scaled(clean.truth_closure(), "duty", 100.0), "unit", "duty", "fault")
-    assert "percent" in told.text
+    (finding,) = found(scaled(clean.truth_closure(), "duty", 100.0), "unit", "duty", "fault")
+    assert "percent" in finding.text
 
 
 @pytest.mark.parametrize("name", MOVING)
 def test_milliseconds_and_seconds(name):
     recording = MOVING[name]()
-    (told,) = found(retimed(recording, 1e3 * recording.time), "unit", "time", "fault")
-    assert "milliseconds taken for seconds" in told.text
-    (told,) = found(retimed(recording, 1e-3 * recording.time), "unit", "time", "fault")
-    assert "seconds taken for milliseconds" in told.text
+    (finding,) = found(retimed(recording, 1e3 * recording.time), "unit", "time", "fault")
+    assert "milliseconds taken for seconds" in finding.text
+    (finding,) = found(retimed(recording, 1e-3 * recording.time), "unit", "time", "fault")
+    assert "seconds taken for milliseconds" in finding.text
 
 
 @pytest.mark.parametrize("name", MOVING)
 def test_reversed_signs(name):
     recording = MOVING[name]()
-    (told, *_) = found(scaled(recording, "position", -1.0), "sign", "position", "fault")
-    assert "reversed" in told.text
+    (finding, *_) = found(scaled(recording, "position", -1.0), "sign", "position", "fault")
+    assert "reversed" in finding.text
     drive = "drive" if recording.plant == "axis" else "current"
-    (told,) = found(scaled(recording, drive, -1.0), "sign", drive)
+    (finding,) = found(scaled(recording, drive, -1.0), "sign", drive)
     both_ways = name in ("truth", "axis")  # the others are closed alone, or helped open
-    assert told.level == ("fault" if both_ways else "warning") and "reversed" in told.text
+    assert finding.level == ("fault" if both_ways else "warning") and "reversed" in finding.text
 
 
 @pytest.mark.parametrize("name", CLOSURES)
@@ -317,8 +324,8 @@ def test_opening_counted_as_positive(name):
 @pytest.mark.parametrize("start", [0.1, 0.25])
 def test_a_recording_that_begins_after_its_command(name, start):
     recording = CLOSURES[name]()
-    (told, *_) = found(recording.between(start, 9.0), "late-start", "position", "warning")
-    assert told.time == pytest.approx(start)
+    (finding, *_) = found(recording.between(start, 9.0), "late-start", "position", "warning")
+    assert finding.time == pytest.approx(start)
 
 
 @pytest.mark.parametrize("name", CLOSURES)
@@ -326,8 +333,10 @@ def test_a_recording_that_begins_after_its_command(name, start):
 def test_a_reference_from_another_clock(name, late):
     recording = CLOSURES[name]()
     early = np.interp(recording.time + late, recording.time, recording["reference"])
-    (told, *_) = found(recording.with_channels({"reference": early}, {}), "late-start", "position")
-    assert told.level == ("warning" if late > 0 else "fault") or told.size > 0.0
+    (finding, *_) = found(
+        recording.with_channels({"reference": early}, {}), "late-start", "position"
+    )
+    assert finding.level == ("warning" if late > 0 else "fault") or finding.size > 0.0
 
 
 @pytest.mark.parametrize("late", [0.3, -0.1])
@@ -336,22 +345,22 @@ def test_a_clock_that_is_not_the_experiments(late):
     kept = {name: grasp[name] for name in ("position", "current")}
     units = {name: grasp.units[name] for name in ("time", *kept)}
     alone = Recording({"time": grasp.time + late, **kept}, units, experiment=grasp.experiment)
-    (told,) = found(alone, "late-start", "position")
-    assert told.level == ("warning" if late > 0 else "fault")
-    assert told.size == pytest.approx(late + 0.06, abs=0.05)
+    (finding,) = found(alone, "late-start", "position")
+    assert finding.level == ("warning" if late > 0 else "fault")
+    assert finding.size == pytest.approx(late + 0.06, abs=0.05)
 
 
-def test_noise_and_resolution_are_told():
+def test_noise_and_resolution_are_noted():
     recording = clean.truth_closure()
-    (told,) = found(recording, "resolution", "current", "note")
-    assert told.size == pytest.approx(0.0121, rel=0.1)
-    (told,) = found(recording, "resolution", "position", "note")
-    assert f"step {2 * np.pi / 4096:.4g} rad" in told.text
+    (finding,) = found(recording, "resolution", "current", "note")
+    assert finding.size == pytest.approx(0.0121, rel=0.1)
+    (finding,) = found(recording, "resolution", "position", "note")
+    assert f"step {2 * np.pi / 4096:.4g} rad" in finding.text
     coarse = np.round(recording["current"] / 0.05) * 0.05
-    (told,) = found(
+    (finding,) = found(
         recording.with_channels({"current": coarse}, {}), "coarse", "current", "warning"
     )
-    assert told.size == pytest.approx(0.05)
+    assert finding.size == pytest.approx(0.05)
 
 
 # --- the command ---
@@ -364,10 +373,10 @@ def test_the_command_tells_and_refuses(tmp_path, capsys):
     assert main(["check", str(tmp_path / "good.h5")]) == 0
     assert "good.h5: 0 faults, 0 warnings" in capsys.readouterr().out
     assert main(["check", str(tmp_path / "good.h5"), str(tmp_path / "bad.h5"), "--json"]) == 2
-    told = capsys.readouterr()
-    (line,) = told.err.splitlines()
+    printed = capsys.readouterr()
+    (line,) = printed.err.splitlines()
     assert "bad.h5: fault: position" in line and "degrees" in line
-    good, bad = json.loads(told.out)["recordings"]
+    good, bad = json.loads(printed.out)["recordings"]
     assert good["file"].endswith("good.h5")
     assert {each["level"] for each in good["findings"]} == {"note"}
     assert set(bad["findings"][0]) == {
@@ -389,9 +398,9 @@ def test_what_cannot_be_checked_is_one_line(tmp_path, capsys, monkeypatch, words
     (tmp_path / "run.csv").write_text("time_s,current_A\n0,1\n1,2\n2,3\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     assert main(["check", *words]) == 2
-    told = capsys.readouterr()
-    (line,) = told.err.splitlines()
-    assert said in line and told.out == ""
+    printed = capsys.readouterr()
+    (line,) = printed.err.splitlines()
+    assert said in line and printed.out == ""
 
 
 SHAPES = (

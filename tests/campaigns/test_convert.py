@@ -343,9 +343,9 @@ def test_a_file_that_is_none_is_one_line(tmp_path, capsys, name, content, said):
 def refused(capsys, folder, file, mapping):
     out = folder / "out.csv"
     assert main(["convert", str(file), "--mapping", str(mapping), "--out", str(out)]) == 2
-    told = capsys.readouterr()
-    (line,) = told.err.splitlines()
-    assert told.out == "" and not out.exists()
+    printed = capsys.readouterr()
+    (line,) = printed.err.splitlines()
+    assert printed.out == "" and not out.exists()
     return line
 
 
@@ -358,13 +358,13 @@ def test_the_command_tells_what_it_did_and_keeps_it(tmp_path, capsys):
         assert main(words) == 0
         assert "1000 samples from 0 to 0.999 s, every 1 ms" in capsys.readouterr().out
         assert main([*words, "--json"]) == 0
-        (told,) = json.loads(capsys.readouterr().out)["recordings"]
-        assert told.pop("out") == str(out)
-        assert {"level", "kind", "channel", "text"} <= set(told.pop("findings")[0])
+        (row,) = json.loads(capsys.readouterr().out)["recordings"]
+        assert row.pop("out") == str(out)
+        assert {"level", "kind", "channel", "text"} <= set(row.pop("findings")[0])
         kept = Recording.read(out)
         sidecar = tmp_path / f"{name}{SIDECAR}"
         stored = kept.conversion or sidecar.read_text(encoding="utf-8")
-        assert json.loads(stored) == told and sidecar.exists() == (name != "run.h5")
+        assert json.loads(stored) == row and sidecar.exists() == (name != "run.h5")
         assert ("duration" in kept.experiment) == (name == "run.h5")
 
 

@@ -11,9 +11,9 @@ BALL = shipped.find("soft-ball").read_text(encoding="utf-8")
 def refused(capsys, arguments, status=2):
     """The one line that a command says before it stops with `status`."""
     assert main([str(each) for each in arguments]) == status
-    told = capsys.readouterr()
-    assert told.out == ""
-    (line,) = [each for each in told.err.splitlines() if "compiling" not in each]
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    (line,) = [each for each in printed.err.splitlines() if "compiling" not in each]
     assert line.startswith("hannes: ")
     return line
 

@@ -45,9 +45,9 @@ def test_every_command_has_help_with_examples(capsys, name):
     with pytest.raises(SystemExit) as stopped:
         main([*([name] if name else []), "--help"])
     assert stopped.value.code == 0
-    told = capsys.readouterr()
-    assert "examples:" in told.out and told.err == ""
-    assert examples(name) and all(line in told.out for line in examples(name))
+    printed = capsys.readouterr()
+    assert "examples:" in printed.out and printed.err == ""
+    assert examples(name) and all(line in printed.out for line in examples(name))
 
 
 @pytest.mark.parametrize("line", [line for name in ["", *commands()] for line in examples(name)])
@@ -63,8 +63,8 @@ def test_every_option_and_argument_is_explained(name):
 
 def test_no_command_prints_the_help(capsys):
     assert main([]) == 0
-    told = capsys.readouterr().out
-    assert all(name in told for name in commands())
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in commands())
 
 
 def test_the_version(capsys):
@@ -93,9 +93,9 @@ def test_the_version(capsys):
 def test_bad_arguments_are_one_line(tmp_path, monkeypatch, capsys, arguments, said):
     monkeypatch.chdir(tmp_path)
     assert main(arguments) == 2
-    told = capsys.readouterr()
-    assert told.out == "" and told.err.count("\n") == 1
-    assert told.err.startswith("hannes: ") and said in told.err
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.count("\n") == 1
+    assert printed.err.startswith("hannes: ") and said in printed.err
     assert list(tmp_path.iterdir()) == []
 
 
@@ -104,9 +104,9 @@ def test_json_is_one_object_and_nothing_else(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "my.toml").write_text(SHORT, encoding="utf-8")
     assert main(["run", "my.toml", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+    printed = json.loads(capsys.readouterr().out)
     kept = json.loads((tmp_path / "results" / "my" / "summary.json").read_text(encoding="utf-8"))
-    assert told == kept and told["runs"][0]["outcome"] == "completed"
+    assert printed == kept and printed["runs"][0]["outcome"] == "completed"
 
 
 def test_run_in_words_says_where_the_results_are(tmp_path, monkeypatch, capsys):
@@ -127,8 +127,8 @@ def test_effects_and_experiments_list_what_there_is(capsys):
     assert {*effects(), *shipped.names()} <= set(lines)
     for name, each in effects().items():
         assert main(["effects", name]) == 0
-        told = capsys.readouterr().out
-        assert each.equation in told and each.source in told and each.meaning in told
+        printed = capsys.readouterr().out
+        assert each.equation in printed and each.source in printed and each.meaning in printed
 
 
 def test_ctrl_c_is_one_line_and_keeps_earlier_results(tmp_path, monkeypatch, capsys):
@@ -144,8 +144,8 @@ def test_ctrl_c_is_one_line_and_keeps_earlier_results(tmp_path, monkeypatch, cap
     (tmp_path / "my.toml").write_text(SHORT, encoding="utf-8")
     asked = ["run", str(tmp_path / "my.toml"), "--out", str(tmp_path / "out")]
     assert main(asked) == INTERRUPTED
-    told = capsys.readouterr()
-    assert told.out == "" and "hannes: interrupted" in told.err
+    printed = capsys.readouterr()
+    assert printed.out == "" and "hannes: interrupted" in printed.err
     assert (tmp_path / "out" / "summary.json").read_text() == "{}"
 
 

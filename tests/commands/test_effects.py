@@ -45,9 +45,9 @@ def written(folder, mark="@kernel\n", arguments="motor_speed, size", returned="s
 def test_what_a_run_would_refuse_is_refused(tmp_path, capsys, compiling, fault):
     change, said = REFUSED[fault]
     assert main(["effects", written(tmp_path, **change)]) == 2
-    told = capsys.readouterr()
-    assert said in told.err and told.out == ""
-    assert told.err.count("\n") == 1 and told.err.startswith("hannes: ")
+    printed = capsys.readouterr()
+    assert said in printed.err and printed.out == ""
+    assert printed.err.count("\n") == 1 and printed.err.startswith("hannes: ")
 
 
 def test_an_effect_that_a_run_would_take_is_described(tmp_path, capsys):

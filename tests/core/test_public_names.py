@@ -135,15 +135,15 @@ def written(request, tmp_path, forgotten):
     for name, text in TEXTS.items():
         filled = text.format(imports=textwrap.dedent(imports[name]).strip())
         (tmp_path / name).write_text(filled, encoding="utf-8")
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        yield tmp_path, told
+        yield tmp_path, caught
     asked = {MOVED[name] for text in FORMER.values() for name in re.findall(r"hannes\.(\w+)", text)}
-    moved = [str(each.message) for each in told if each.category is MovedWarning]
+    moved = [str(each.message) for each in caught if each.category is MovedWarning]
     if request.param == "public":
         assert not moved
         return
-    for each in told:
+    for each in caught:
         assert Path(each.filename).parent == tmp_path and issubclass(
             each.category, DeprecationWarning
         )
@@ -209,7 +209,7 @@ def test_a_command_line_shows_the_warning_without_being_asked_to(tmp_path):
     (tmp_path / "mine.py").write_text("import hannes.effect\n", encoding="utf-8")
     script = "import hannes, sys; sys.path.insert(0, sys.argv[1]); import mine"
     command = [sys.executable, "-c", script, str(tmp_path)]
-    told = subprocess.run(command, capture_output=True, text=True, check=True).stderr
-    line = told.splitlines()[0]
+    caught = subprocess.run(command, capture_output=True, text=True, check=True).stderr
+    line = caught.splitlines()[0]
     assert line.startswith(str(tmp_path / "mine.py:1: "))
     assert line.endswith("write from hannes import Effect, Term, or hannes.core.effect")

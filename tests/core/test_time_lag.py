@@ -110,8 +110,8 @@ def test_the_machines_own_lag_is_not_taken_for_a_shift(tmp_path):
     rule = 'to = "reference"\nby = "command"'
     naive = aligned(tmp_path, recording, rule, more=REFERENCE).report["shift"]
     assert 0.04 < naive["value"] < 0.08
-    told = aligned(tmp_path, recording, f'{rule}\nlag = "62 ms"', more=REFERENCE).report["shift"]
-    assert abs(told["value"]) < 2e-3
+    shift = aligned(tmp_path, recording, f'{rule}\nlag = "62 ms"', more=REFERENCE).report["shift"]
+    assert abs(shift["value"]) < 2e-3
 
 
 @pytest.mark.parametrize(("begin", "end"), [(0.0, 9.0), (0.25, 9.0), (0.0, 0.9)])

@@ -1,4 +1,4 @@
-"""Elementary functions of loops over joints: as exact as told, compiled and plain."""
+"""Elementary functions of loops over joints: as exact as declared, compiled and plain."""
 
 import math
 from fractions import Fraction

@@ -6,7 +6,7 @@ import pytest
 from hannes.core.recording.white_noise import roughness
 
 
-def test_noise_is_told_from_the_course_and_from_rare_jumps():
+def test_noise_is_separated_from_the_course_and_from_rare_jumps():
     rng, count = np.random.default_rng(1), np.arange(20_000)
     noise = 0.02 * rng.standard_normal(count.size)
     jumps = np.where(count % 1000 > 500, 5.0, 0.0)

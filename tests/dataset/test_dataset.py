@@ -72,8 +72,8 @@ def spec():
 def whole(spec, tmp_path_factory):
     """The data set of an uninterrupted run by one process."""
     path = tmp_path_factory.mktemp("whole") / "set.h5"
-    told = make(spec, path, workers=1, progress=False)
-    assert told == {
+    result = make(spec, path, workers=1, progress=False)
+    assert result == {
         "out": str(path), "grasps": 310, "shards": 4, "shards_simulated": 4, "failed": 0
     }  # fmt: skip
     assert [each.name for each in path.parent.iterdir()] == ["set.h5"]
@@ -103,8 +103,8 @@ def test_it_reads_with_h5py_alone_and_says_what_is_what(whole):
         assert units["object.stiffness"] == "N/m" and units["contact"] == "s"
         assert read_spec(file.attrs["specification"].decode()).count == 310
         assert file.attrs["seed"] == 3
-        told = json.loads(file.attrs["meanings"])
-        assert set(told) <= {*file.attrs, *file} and told["border"].startswith("N/m")
+        result = json.loads(file.attrs["meanings"])
+        assert set(result) <= {*file.attrs, *file} and result["border"].startswith("N/m")
         own = set(table.dtype.names) - set(json.loads(table.attrs["meanings"]))
         assert all("." in name for name in own)  # the others are parameters by full name
 
@@ -161,7 +161,7 @@ def test_damage_beside_the_parts_is_mended(spec, whole, tmp_path, place):
     assert path.read_bytes() == whole.read_bytes()
 
 
-def test_a_worker_of_another_version_is_told(spec):
+def test_a_worker_of_another_version_is_refused(spec):
     with pytest.raises(BadInput, match="another version"):
         numbered(spec.text, 0, "the mark of another model")
 
@@ -215,12 +215,12 @@ def test_an_interrupted_run_says_so_and_leaves_nobody_at_work(whole, tmp_path):
     while not list(tmp_path.glob(".shards*/*.shard")) and run.poll() is None:
         time.sleep(0.02)
     run.send_signal(signal.SIGINT)
-    _, told = run.communicate(timeout=60)
-    assert run.returncode == 130 and "goes on where it was" in told
-    assert "Traceback" not in told
+    _, result = run.communicate(timeout=60)
+    assert run.returncode == 130 and "goes on where it was" in result
+    assert "Traceback" not in result
 
 
-def test_a_full_disk_is_told_and_the_run_goes_on_after(whole, tmp_path):
+def test_a_full_disk_is_reported_and_the_run_resumes_after(whole, tmp_path):
     (tmp_path / "set.toml").write_text(TEXT)
     command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
 
@@ -243,7 +243,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_after(whole, tmp_path):
     OSError("Can't write data (file write failed: errno = 28, error message = 'No space')"),
     RuntimeError("Unspecified error (errno = 122, error message = 'Disk quota exceeded')"),
 ])  # fmt: skip
-def test_a_full_disk_is_told_however_hdf5_words_it(spec, tmp_path, error):
+def test_a_full_disk_is_reported_however_hdf5_words_it(spec, tmp_path, error):
     def shards():
         raise error
         yield
@@ -292,13 +292,13 @@ def test_the_readme_tells_the_commands_of_a_cluster():
     assert "--backend dask --scheduler tcp://HOST:8786" in text
 
 
-def test_no_scheduler_is_told(spec, tmp_path):
+def test_a_missing_scheduler_is_reported(spec, tmp_path):
     with pytest.raises(BadInput, match="no Dask scheduler answers"):
         make(spec, tmp_path / "set.h5", backend="dask", scheduler="tcp://127.0.0.1:1")
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "why"),
     [
         ('"command.speed"', '"command.sped"', 'command.sped.*did you mean "command.speed"'),
         ("draws = 250", "draws = 0", "draws must be a whole number from 1"),
@@ -314,13 +314,13 @@ def test_no_scheduler_is_told(spec, tmp_path):
         ('shape = "cylinder"', 'shape = "cube"', "expected one of"),
     ],
 )
-def test_a_bad_specification_is_told_in_one_line(tmp_path, capsys, old, new, told):
+def test_a_bad_specification_is_reported_in_one_line(tmp_path, capsys, old, new, why):
     (tmp_path / "bad.toml").write_text(TEXT.replace(old, new, 1))
     assert old in TEXT
     arguments = ["dataset", str(tmp_path / "bad.toml"), "--out", str(tmp_path / "bad.h5")]
     assert main([*arguments, "--workers", "1"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert re.search(told, line), line
+    assert re.search(why, line), line
 
 
 def test_what_is_no_data_set_is_not_overwritten(spec, tmp_path):
@@ -371,7 +371,7 @@ def test_one_that_ships_draws_poses_of_fixed_and_floating_objects():
         assert 0.9 * most < np.abs(angles).max() <= most
 
 
-def test_a_damaged_or_foreign_file_is_told(whole, tmp_path):
+def test_a_damaged_or_foreign_file_is_refused(whole, tmp_path):
     path = tmp_path / "bad.h5"
     data = whole.read_bytes()
     path.write_bytes(data[: len(data) // 3])

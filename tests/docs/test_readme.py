@@ -44,7 +44,7 @@ def test_the_python_runs(tmp_path, monkeypatch, capsys):
     campaign(tmp_path, ["fit", "select", "show"])
     (block,) = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
     exec(compile(block, "README.md", "exec"), {})
-    told = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for said in (
         "Stages of the model",
         "vanishes at 0",
@@ -52,7 +52,7 @@ def test_the_python_runs(tmp_path, monkeypatch, capsys):
         "source",
         "Direction friction",
     ):
-        assert said in told
+        assert said in printed
     assert (tmp_path / "ball.h5").exists()
 
 

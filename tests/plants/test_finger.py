@@ -35,8 +35,8 @@ def closing(seed=0, first=0.0):
     return Recording(channels, {"time": "s", "angle": "1", "force": "1"}, plant="finger")
 
 
-def told(recording, values, *names, noise=0.0, seed=0):
-    """The recording with the force that a finger with these effects tells."""
+def simulated(recording, values, *names, noise=0.0, seed=0):
+    """The recording with the force that a finger with these effects logs."""
     plant = Finger().with_effects(*(Finger.catalogue[name] for name in names))
     force = plant.simulate(values, recording)["force"]
     force = np.round(force + noise * np.random.default_rng(seed).standard_normal(force.size))
@@ -50,7 +50,7 @@ def test_the_finger_is_a_plant_with_a_catalogue_of_its_own():
     )
 
 
-def test_its_effects_are_listed_and_told(capsys):
+def test_its_effects_are_listed_and_described(capsys):
     assert main(["effects", "--plant", "finger"]) == 0
     listed = capsys.readouterr().out
     assert all(name in listed for name in Finger.catalogue) and "leader_slack" not in listed
@@ -110,7 +110,7 @@ def campaign(folder, values, *names):
     """Path of a campaign of twelve closings that a finger with these effects made."""
     rows = []
     for seed, role in enumerate(["fit"] * 6 + ["select"] * 3 + ["show"] * 3):
-        told(closing(seed), values, *names, noise=2.0, seed=seed).write(folder / f"{seed}.csv")
+        simulated(closing(seed), values, *names, noise=2.0, seed=seed).write(folder / f"{seed}.csv")
         rows.append(f'[[recording]]\nfile = "{seed}.csv"\nrole = "{role}"\n')
     (folder / "campaign.toml").write_text('plant = "finger"\n' + "".join(rows), encoding="utf-8")
     return folder / "campaign.toml"
@@ -125,7 +125,7 @@ def campaign(folder, values, *names):
         ("hunt_crossley", "damping", 0.1),
     ],
 )
-def test_each_effect_is_told_from_the_others(tmp_path, name, parameter, size):
+def test_each_effect_is_distinguished_from_the_others(tmp_path, name, parameter, size):
     full = f"{name}.{parameter}"
     found = diagnose(campaign(tmp_path, {**TRUE, full: size}, name), out=tmp_path / "out")
     assert found.verdict.effects == [name] and found.verdict.verdict.startswith("named")
@@ -197,7 +197,7 @@ def test_a_log_that_is_none_is_one_line(tmp_path, old, new, said):
     assert "\n" not in str(caught.value) and file.name in str(caught.value)
 
 
-def test_trials_of_one_log_are_repeats_and_two_logs_of_one_name_are_told_apart(tmp_path):
+def test_trials_of_one_log_are_repeats_and_two_logs_of_one_name_keep_apart(tmp_path):
     for day in ("monday", "tuesday"):
         (tmp_path / day).mkdir()
         log(tmp_path / day, (1, 2))

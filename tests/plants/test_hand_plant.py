@@ -71,8 +71,8 @@ def test_phases_follow_the_experiment_where_no_motion_was_recorded():
     recording, _ = recorded("continuous")
     kept = {name: recording[name] for name in ("time", "current")}
     blind = replace(recording, channels=kept, units={"time": "s", "current": "A"})
-    told, seen = (HandPlant().phases(each) for each in (blind, recording))
-    assert all(np.array_equal(told[name], seen[name]) for name in seen)
+    blind_phases, seen = (HandPlant().phases(each) for each in (blind, recording))
+    assert all(np.array_equal(blind_phases[name], seen[name]) for name in seen)
 
 
 def test_proposals_keep_objects_apart_whose_conditions_begin_alike():

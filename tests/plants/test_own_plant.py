@@ -1,4 +1,4 @@
-"""A plant outside the package: the worked example, and what a wrong one is told."""
+"""A plant outside the package: the worked example, and the errors of wrong ones."""
 
 import json
 import math
@@ -85,10 +85,10 @@ def test_an_effect_at_off_changes_nothing_and_adds_its_force_otherwise(rubbing):
 def test_the_rail_is_named_with_its_friction(rubbing, capsys):
     out = rubbing.parent / "out"
     assert main(["diagnose", str(rubbing), "--out", str(out), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["verdict"] in ("named", "named_with_remainder")
-    assert [name.rpartition(":")[2] for name in told["effects"]] == ["RAIL_FRICTION"]
-    size = told["parameters"]["rail_friction.size"]
+    verdict = json.loads(capsys.readouterr().out)
+    assert verdict["verdict"] in ("named", "named_with_remainder")
+    assert [name.rpartition(":")[2] for name in verdict["effects"]] == ["RAIL_FRICTION"]
+    size = verdict["parameters"]["rail_friction.size"]
     assert size["value"] == pytest.approx(0.6, rel=0.05) and size["low"] < 0.6 < size["high"]
     assert "cart" in (out / "hand.toml").read_text(encoding="utf-8")
 
@@ -127,7 +127,7 @@ def test_two_folders_may_name_their_modules_alike(tmp_path):
         ("import numpy as np", "import nompy as np", "cannot be loaded"),
     ],
 )
-def test_a_plant_that_is_none_is_told_so_in_one_line(tmp_path, old, new, said):
+def test_a_plant_that_is_none_is_refused_in_one_line(tmp_path, old, new, said):
     text = (EXAMPLE / "cart.py").read_text(encoding="utf-8")
     assert old in text
     (tmp_path / "cart.py").write_text(text.replace(old, new, 1), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Trees as plain arrays equal scikit-learn's; unseen is told by those that saw nothing of it."""
+"""Trees as plain arrays equal scikit-learn's; out-of-bag predictions use unseen grasps alone."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_trees_of_classes_split_as_scikit_learns_classifier_does():
         assert np.allclose(tree.predict(rows), again.predict_proba(rows)[:, 1], atol=1e-9)
 
 
-def test_what_is_told_unseen_is_told_by_trees_that_have_not_seen_the_grasp():
+def test_out_of_bag_predictions_are_by_trees_that_have_not_seen_the_grasp():
     rng = np.random.default_rng(0)
     features = rng.standard_normal((40, 3)).astype(np.float32)
     rows = Rows(features, rng.standard_normal(40), np.ones(40), np.repeat(np.arange(20), 2))

@@ -1,4 +1,4 @@
-"""What tells the peak force of a grasp let go: passages of the same angles, Gaussian processes."""
+"""The peak force of a released grasp: hysteresis features and Gaussian processes."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def grasp_of_a_spring(closing, opening, lead=0.1):
 
 
 @pytest.mark.parametrize(("closing", "opening"), [(3.0, 3.0), (15.0, 25.0)])
-def test_passages_are_of_the_same_angles_both_ways(closing, opening):
+def test_hysteresis_features_are_of_the_same_angles_both_ways(closing, opening):
     samples, windowing = grasp_of_a_spring(closing, opening), Windowing()
     windows = windowing.features(samples[np.newaxis])
     (found,) = all_grasp_features(samples[np.newaxis], windows, windowing)
@@ -38,7 +38,7 @@ def test_passages_are_of_the_same_angles_both_ways(closing, opening):
         going = prediction[f"closing_{name}"] + prediction["free_current"]
         assert going == pytest.approx(spring + 0.2, abs=2.0 * step)
         assert prediction[f"opening_{name}"] == pytest.approx(spring - 0.2, abs=2.0 * step)
-    assert np.isnan(grasp_features(samples, windows[0], -1, windowing)).all()  # never felt
+    assert np.isnan(grasp_features(samples, windows[0], -1, windowing)).all()  # no contact
     end = int(100 + 9000 / closing + 400 / opening)  # back by 0.4 rad, and still held
     part = windowing.features(samples[np.newaxis, :end])
     assert np.isnan(all_grasp_features(samples[np.newaxis, :end], part, windowing)).all()

@@ -62,7 +62,7 @@ def data(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def trained(data):
-    """A small model, and what training told of it."""
+    """A small model, and the scores of its training."""
     return train(data, trees=12, seed=1, jobs=1)
 
 
@@ -127,7 +127,7 @@ def test_a_recording_of_another_sampling_is_understood(arrays, trained):
     assert np.array_equal(model.predict(late).rigid, model.predict(fine).rigid)
 
 
-def test_the_peak_of_a_grasp_still_held_is_told_by_the_median_over_trees(arrays, trained):
+def test_the_peak_of_a_grasp_still_held_is_the_median_over_trees(arrays, trained):
     model, grasp = trained[0], seen_until(recording(arrays, 11), 640)
     prediction = model.predict(grasp)
     rows = model.windowing.features(model.windowing.samples(grasp)[np.newaxis])[0]
@@ -137,7 +137,7 @@ def test_the_peak_of_a_grasp_still_held_is_told_by_the_median_over_trees(arrays,
     assert (means != prediction.force[prediction.held]).any()
 
 
-def test_the_peak_of_a_grasp_let_go_is_told_by_how_it_was_closed_and_opened(arrays, trained):
+def test_the_peak_of_a_released_grasp_is_by_its_closing_and_opening(arrays, trained):
     model, off = trained[0], {True: [], False: []}
     for k in range(80, 100):
         for curve in (True, False):
@@ -198,7 +198,7 @@ def test_a_damaged_force_is_refused_before_training(data, tmp_path):
         train(path, trees=2, jobs=1)
 
 
-def test_stiffness_is_told_with_an_interval_by_its_trees(arrays, trained):
+def test_stiffness_has_an_interval_by_its_trees(arrays, trained):
     model, grasp = trained[0], recording(arrays, 11)
     prediction = model.predict(grasp)
     rows = model.windowing.features(model.windowing.samples(grasp)[np.newaxis])[0][prediction.held]
@@ -234,7 +234,7 @@ def test_pipelines_and_grid_search_work(arrays):
     assert list(names) == list(NAMES)
 
 
-def test_a_grasp_of_the_hand_is_told(arrays, trained):
+def test_a_grasp_of_the_hand_is_classified(arrays, trained):
     model, prediction = trained
     assert prediction["grasps"] == prediction["unseen_scores"]["grasps"] == 80
     assert prediction["test_scores"]["grasps"] == 20
@@ -261,7 +261,7 @@ def test_an_empty_hand_is_no_grasp(trained):
     times = np.arange(500) / 1000.0
     still = {name: np.zeros(500) for name in CHANNELS}
     units = {"time": "s", "current": "A", "position": "rad", "reference": "rad"}
-    for sure in (0.5, model.sure, 0.7):  # however ready a model is to tell a class
+    for sure in (0.5, model.sure, 0.7):  # whatever the probability from which a class is named
         prediction = replace(model, sure=sure).predict(Recording({"time": times, **still}, units))
         assert prediction.decision == "don't know"
         assert prediction.stiffness is None and prediction.peak_force is None
@@ -362,7 +362,7 @@ def test_fuzzed_models_are_read_or_refused(file, arrays):
 
 
 def test_intervals_of_a_design_without_grasps_to_spare_are_those_of_grasps_not_learnt(tmp_path):
-    """Trees grown to a few samples tell of what they learnt from as if nothing were uncertain."""
+    """Trees grown to a few samples predict their training data as if nothing were uncertain."""
     few, one = tmp_path / "few.h5", tmp_path / "one.h5"
     make(read_spec(TEXT.replace("draws = 20", "draws = 5")), few, workers=1)
     model, _ = train(few, trees=40, jobs=1)
@@ -404,15 +404,15 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
     assert re.match(r"soft .*\n  stiffness .* N/m .*\n  peak grip", capsys.readouterr().out)
     assert main(["evaluate", "model.h5", "evaluation.toml"]) == 0
     said = capsys.readouterr().out
-    assert "told of 4 of 4 grasps" in said and "stiffness: off" in said
+    assert "estimated for 4 of 4 grasps" in said and "stiffness: off" in said
     recording(arrays, 2, current=np.zeros(arrays[2].size)).write(tmp_path / "still.h5")
     assert main(["evaluate", "model.h5", "still.h5", "--out", "x"]) == 2
     assert "are for an evaluation.toml" in capsys.readouterr().err
     assert main(["evaluate", "model.h5", "still.h5"]) == 0
-    assert re.match(r"don't know .*\n.*felt nothing", capsys.readouterr().out)
+    assert re.match(r"don't know .*\n.*no contact in the current", capsys.readouterr().out)
 
 
-def test_bad_recordings_are_told_in_one_line(file, arrays, tmp_path, capsys):
+def test_bad_recordings_are_reported_in_one_line(file, arrays, tmp_path, capsys):
     whole = recording(arrays, 2)
     parts = {n: x for n, x in whole.channels.items() if n != "position"}
     units = {n: whole.units[n] for n in parts}

@@ -1,4 +1,4 @@
-"""How what a model tells is judged: decisions, intervals, scores. No model is needed for it."""
+"""How predictions are scored: decisions, intervals, scores. No model is needed for it."""
 
 import numpy as np
 import pytest
@@ -55,7 +55,7 @@ def test_a_decision_counts_from_where_it_stays_right():
     assert late("++++++++-+") == late("++++++++++", 0.52, 0.55) == float("inf")
 
 
-def test_a_class_is_told_from_where_it_beats_a_coin():
+def test_a_class_is_named_from_where_it_beats_chance():
     rng = np.random.default_rng(0)
     true = np.repeat(rng.uniform(0.0, 1.0, 400), 10)
     classes = (rng.random(4000) < true).astype(float)
@@ -72,7 +72,7 @@ def test_the_papers_formula_for_an_object_of_one_class():
     assert f1(right / (right + wrong)) == pytest.approx(2.0 * pr * re_ / (pr + re_))
 
 
-def test_a_grasp_of_which_nothing_is_told_counts_as_missed():
+def test_a_grasp_without_an_estimate_counts_as_missed():
     sure, off = Estimate(10.0, 9.0, 12.0), Estimate(11.0, 10.5, 12.0)
     prediction = judged([(10.0, sure), (10.0, off), (10.0, None)])
     assert prediction["grasps"] == 3 and prediction["answered"] == 2

@@ -27,11 +27,11 @@ def test_locks_name_no_host():
 
 def test_every_package_has_its_line(capsys):
     assert licences.main() == 0
-    told = capsys.readouterr().out
-    assert "under the MPL in the core: certifi" in told and "core  numpy" in told
+    printed = capsys.readouterr().out
+    assert "under the MPL in the core: certifi" in printed and "core  numpy" in printed
 
 
-class Told:
+class Metadata:
     """A package with the given metadata."""
 
     files = ()
@@ -43,7 +43,7 @@ class Told:
 
 
 @pytest.mark.parametrize(
-    "fields, told, refused",
+    "fields, name, refused",
     [
         ({"License_Expression": "AGPL-3.0-only"}, "AGPL-3.0-only", True),
         ({"License": "LGPL-2.1\nThe whole text"}, "LGPL-2.1", True),
@@ -57,9 +57,9 @@ class Told:
         ({}, "", True),
     ],
 )
-def test_licences_are_read(monkeypatch, fields, told, refused):
-    monkeypatch.setattr(licences, "distribution", lambda name: Told(**fields))
-    assert licences.licence(Told(**fields)) == told
+def test_licences_are_read(monkeypatch, fields, name, refused):
+    monkeypatch.setattr(licences, "distribution", lambda package: Metadata(**fields))
+    assert licences.licence(Metadata(**fields)) == name
     assert bool(licences.refused(["one"])) == refused
 
 
@@ -70,11 +70,11 @@ def test_a_library_inside_a_wheel_is_seen(tmp_path):
     file.write_text(text, encoding="utf-8")
 
     class File(type(file)):
-        """As importlib.metadata tells of files."""
+        """As importlib.metadata lists files."""
 
         def locate(self):
             return self
 
-    package = Told(License="MIT")
+    package = Metadata(License="MIT")
     package.files = [File(file)]
     assert dict(licences.bundled(package)) == {"libfree": "LGPL-3.0"}

@@ -19,7 +19,7 @@ def test_limits_are_kept(check):
 
 def test_every_figure_is_printed(capsys):
     structure.main()
-    told = capsys.readouterr().out
+    printed = capsys.readouterr().out
     for words in (
         "entries in hannes/",
         "import cycles among",
@@ -27,7 +27,7 @@ def test_every_figure_is_printed(capsys):
         "median",
         "files",
     ):
-        assert words in told
+        assert words in printed
 
 
 def test_too_many_entries_are_seen(tmp_path):
@@ -49,23 +49,25 @@ def test_imports_for_type_checking_count():
 
 
 @pytest.mark.parametrize(
-    "change, told",
+    "change, why",
     [
         ({"exhaustive": False}, "hannes: no exhaustive contract"),
         ({"layers": ["a : b"]}, "hannes: a : b, whose parts may import each other"),
         ({"containers": ["other"]}, "hannes: no exhaustive contract"),
     ],
 )
-def test_a_looser_contract_is_seen(change, told):
+def test_a_looser_contract_is_seen(change, why):
     whole = {"type": "layers", "exhaustive": True, "layers": ["a | b"]}
     rows = [whole | {"containers": [each]} for each in structure.EXHAUSTIVE]
     assert structure.contract({"contracts": rows}).beyond == []
     rows[0] |= change
-    assert structure.contract({"contracts": rows}).beyond[0].startswith(told)
-    told = structure.contract({"contracts": rows[1:], "exclude_type_checking_imports": True})
-    assert "imports for type checking are not counted" in told.beyond
+    assert structure.contract({"contracts": rows}).beyond[0].startswith(why)
+    found = structure.contract({"contracts": rows[1:], "exclude_type_checking_imports": True})
+    assert "imports for type checking are not counted" in found.beyond
 
 
 def test_a_function_is_as_long_as_it_is_written():
-    text = "@cached\ndef f():\n    '''Told.'''\n\n    def g():\n        return 1\n    return g\n"
+    text = (
+        "@cached\ndef f():\n    '''Documented.'''\n\n    def g():\n        return 1\n    return g\n"
+    )
     assert set(structure.lengths(text)) == {(6, "f"), (2, "g")}
