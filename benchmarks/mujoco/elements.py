@@ -18,9 +18,9 @@ from dataclasses import dataclass
 
 import mujoco
 
-from benchmarks.mujoco.skeleton import JOINTS, LINKS, skeleton
 from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.mjcf_bodies import JOINTS, LINKS, skeleton
 
 STATES = 4  # of the controller
 GRIP = 20.0  # N, of normal force at which friction rises with slip as steeply as ours

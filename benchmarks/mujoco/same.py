@@ -33,12 +33,12 @@ from benchmarks.mujoco.engine import (
     Launch,
     as_numbers,
 )
-from benchmarks.mujoco.skeleton import skeleton
 from hannes.core.kernels.smooth_switches import smoothstep
 from hannes.core.layout import Layout
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.mjcf_bodies import skeleton
 from hannes.simulation.hand.variables import CHANNELS, LANES, PARAMETER_SLOTS, STATES
 from hannes.simulation.integrate import HOLD
 

@@ -95,6 +95,8 @@ def _parser() -> _Parser:
     )
     hand.add_argument("--equations", action="store_true", help="print the assembled equations")
     hand.add_argument("--values", action="store_true", help="print every value with its source")
+    hand.add_argument("--mjcf", action="store_true", help="print a MuJoCo model of its mechanics")
+    hand.add_argument("--schematic", action="store_true", help="print a drawing of it, as SVG")
 
     reproduce = _command(commands, "reproduce", _reproduce, "the paper's results beside ours")
     _add_output(reproduce, "results/reproduce")
@@ -197,8 +199,21 @@ def _hand(chosen: argparse.Namespace) -> None:
         print(equations_of(model))
     elif chosen.values:
         print(value_table(model))
+    elif chosen.mjcf or chosen.schematic:
+        print(_exported(model, chosen.mjcf), end="")
     else:
         print(str(model) if isinstance(model, Hand) else plant_described(model, model.name))
+
+
+def _exported(model: Any, mujoco: bool) -> str:
+    """A hand as MuJoCo's model or as a drawing; BadInput for another plant."""
+    from hannes.report.schematic import schematic
+    from hannes.simulation.hand.hand import Hand
+    from hannes.simulation.hand.mjcf import mjcf
+
+    if not isinstance(model, Hand):
+        raise BadInput(f'the plant "{model.name}" is no hand: only a hand is drawn or exported')
+    return mjcf(model) if mujoco else schematic(model)
 
 
 def _reproduce(chosen: argparse.Namespace) -> None:

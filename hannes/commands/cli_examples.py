@@ -22,7 +22,9 @@ hannes effects my_effect.py:EFFECT""",
     "hand": """\
 hannes hand
 hannes hand results/closure/hand.toml
-hannes hand --equations | less""",
+hannes hand --equations | less
+hannes hand --schematic > hand.svg
+hannes hand --mjcf > hand.xml                   for MuJoCo; its head says what it leaves out""",
     "reproduce": """\
 hannes reproduce
 hannes reproduce --out results/paper --json""",

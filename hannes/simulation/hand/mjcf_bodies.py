@@ -1,4 +1,4 @@
-"""Bodies of the hand in MuJoCo's language: rotor, two carts, ten moving phalanges as rods."""
+"""Bodies of the hand in MuJoCo's format (MJCF): rotor, two carts, ten moving phalanges as rods."""
 
 from collections.abc import Callable, Mapping
 
