@@ -8,7 +8,7 @@ from hannes.simulation.hand.mjcf import mjcf
 
 
 def driven(hand: Hand, time: np.ndarray, angle: np.ndarray) -> dict[str, np.ndarray]:
-    """Motor torque [N m] and leader tension [N] while the motor follows `angle` [rad] over `time`."""
+    """Motor torque [N m], leader tension [N] as the motor follows `angle` [rad] over `time` [s]."""
     model = mujoco.MjModel.from_xml_string(mjcf(hand))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
