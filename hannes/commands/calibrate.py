@@ -1,7 +1,7 @@
-"""Fit a plant's parameters to recordings, with intervals that hold and what the data cannot see.
+"""Fit a plant's parameters to recordings, with honest intervals and what the data cannot show.
 
-How: hannes/calibration/__init__.py. Recordings in roles fit and select are fitted, those in role
-show are only predicted.
+How: hannes/identification/calibration/__init__.py. Recordings in roles fit and select are fitted,
+those in role show are only predicted.
 """
 
 import os
@@ -63,11 +63,11 @@ def calibrate(
 ) -> Calibration:
     """Calibrate by a campaign, or the TOML file of one; writes to `out` where given.
 
-    `plan` replaces the campaign's table [calibrate]; `workers` threads simulate (default: one for
-    each processor), which changes no result; `progress`: a bar on standard error, by default where
+    `plan` replaces the campaign's table [calibrate]. `workers` threads simulate (default: one for
+    each processor), which changes no result. `progress`: a bar on standard error, by default where
     that is a terminal. Interrupted (Ctrl-C), it returns the best so far. Raises BadInput for what
-    cannot be used, which is also what the data check finds wrong and the plan does not accept;
-    ComputationFailed where no simulation succeeds or the fit does not settle.
+    cannot be used, which includes what the data check finds and the plan does not accept;
+    ComputationFailed where no simulation succeeds or the fit does not converge.
     """
     if not isinstance(campaign, Campaign):
         campaign = read_campaign(campaign, seed)
@@ -126,7 +126,7 @@ def _result(
 
 
 def _require_enough(plan: Plan, views: list[View]) -> None:
-    """Raise BadInput where there is less to see than there is to find out."""
+    """Raise BadInput where the recordings determine fewer parameters than are asked for."""
     if not any(view.measured.size for view in views):
         raise BadInput("no recording has a channel or a feature that [calibrate] asks for")
     starts = 1 if plan.start_time else 0
@@ -149,7 +149,7 @@ def _bar(progress: bool | None) -> Iterator[Progress]:
     with tqdm(desc="calibrating", unit=" runs", delay=2.0, disable=hidden, leave=False) as bar:
 
         def report(text: str, rms: float) -> None:
-            bar.set_description(f"{text}, misfit {rms:.4g}", refresh=False)
+            bar.set_description(f"{text}, RMS {rms:.4g}", refresh=False)
             bar.update()
 
         yield report

@@ -106,7 +106,7 @@ def _rows(result: Diagnosis, errors: list[tuple[float, float, float]]) -> list[R
         row("EMPS, published parameters, other file", errors[1][0], BOUNDS[1], "%"),
         row("EMPS, effects named that are not direction_friction", float(not named), 0.0),
         row(
-            "EMPS, other file with the effect, below the refitted base by at least 0.5 points",
+            "EMPS, other file with the effect, below the baseline by at least 0.5 points",
             -gain,
             -GAIN,
             "points",

@@ -1,6 +1,6 @@
 """How one run is compared: bin means of its channels in the order of time, then its features.
 
-Bins make the misfit smooth where fingers touch with a jerk of a few samples, and keep it small.
+Bins smooth the residual at contacts, which last a few samples, and keep it small.
 """
 
 from collections.abc import Mapping
@@ -13,17 +13,16 @@ from hannes.identification.grasp_features import measure
 from hannes.plants.protocol import Plant
 
 BIN = 0.01  # s
-BLOCKS_PER_PARAMETER = 2  # of the plant's block, that a recording must have for each parameter
+BLOCKS_PER_PARAMETER = 2  # blocks that a recording must have for each parameter
 FEW = 0.5  # of the usual number of samples in a bin: one with fewer does not count
-PER_BLOCK = 20  # bins, at least, in the time over which the plant's misfit hangs together
+PER_BLOCK = 20  # bins, at least, in the plant's block: the time over which residuals correlate
 
 
 class View:
     """One recording as a vector, shape (n,), and the same of any simulation of it.
 
-    `part` names the channel or feature of every element by its place in `names`; `block` numbers
-    its block of time, `block_length` [s] long. Raises BadInput where no sample of the recording
-    counts.
+    `part` gives the channel or feature of every element by its index in `names`; `block` its block
+    of time, `block_length` [s] long. Raises BadInput where no sample of the recording counts.
     """
 
     def __init__(
@@ -78,7 +77,7 @@ class View:
 
     @property
     def max_parameters(self) -> int:
-        """How many unknowns this run can tell, at most."""
+        """How many parameters this run can determine, at most."""
         traced = self.block[: self.block.size - len(self.features)]
         return len(set(traced.tolist())) // BLOCKS_PER_PARAMETER + len(self.features)
 
@@ -91,7 +90,7 @@ class View:
         return self.recording[name][self._mask] if name in self.channels else np.zeros(0)
 
     def of(self, channels: Mapping[str, np.ndarray], start_offset: float = 0.0) -> np.ndarray:
-        """The vector of channels at the recorded times, of a run that starts `start_offset` [s]."""
+        """The vector of channels at the recorded times, for a run that starts late [s]."""
         moved = self._moved(channels, start_offset)
         means = [
             np.bincount(self._bin, moved[name][self._mask]) / self._count for name in self.channels
@@ -99,9 +98,9 @@ class View:
         return np.concatenate([*means, measure(self.features, self.since, moved)])
 
     def nonlinearities(self, channels: Mapping[str, np.ndarray]) -> np.ndarray:
-        """How far samples stray from a straight line in each bin or the next, RMS, shape (n,).
+        """Deviation of samples from a straight line in each bin or the next, RMS, shape (n,).
 
-        Large where a finger touches: there a mean says little. Zero for features.
+        Large at contacts, where a mean carries little information. Zero for features.
         """
         found = [self._nonlinearity(channels[name][self._mask]) for name in self.channels]
         return np.concatenate([*found, np.zeros(len(self.features))])

@@ -1,4 +1,4 @@
-"""Which effects are easily taken for each other, as measured on simulated campaigns."""
+"""Which effects are easily confused, as measured on simulated campaigns."""
 
 import tomllib
 from collections.abc import Mapping
@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 FILE = Path(__file__).with_suffix(".toml")
-EASILY = 0.7  # cosine from which on two effects are called alike
+EASILY = 0.7  # cosine similarity from which on two effects count as confusable
 
 
 @cache
@@ -15,10 +15,10 @@ def _measured() -> Mapping[str, Mapping[str, Mapping[str, float]]]:
 
 
 def confusable(effect: str) -> dict[str, dict[str, float]]:
-    """What was recorded -> effects hard to tell from this one there, and the cosine of their marks.
+    """What was recorded -> effects confusable with this one there, and the cosine similarity.
 
-    The marks are those on a hand all of whose parameters may be off: 1 is the same. Empty for
-    an effect that was not measured.
+    Of signatures on a hand all of whose parameters are uncertain: 1 is the same. Empty for an
+    effect that was not measured.
     """
     return {
         recorded: dict(table[effect]) for recorded, table in _measured().items() if effect in table
@@ -31,4 +31,8 @@ def text(effect: str) -> str:
     for recorded, others in confusable(effect).items():
         easily = [f"{name} {cosine:.2f}" for name, cosine in others.items() if cosine >= EASILY]
         lines.append(f"  {recorded}: {', '.join(easily) or 'none'}")
-    return "\n".join(["easily confused with (cosine of marks, measured):", *lines]) if lines else ""
+    return (
+        "\n".join(["easily confused with (cosine of signatures, measured):", *lines])
+        if lines
+        else ""
+    )

@@ -1,4 +1,4 @@
-"""How far simulation and recordings lie apart: in all, by channel and phase, and over time."""
+"""How far simulation and recordings are apart: in all, by channel and phase, and over time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Traces(ByValue):
 
 
 def gaps(residual: WeightedResidual, before: Fitted, after: Fitted) -> dict[str, dict[str, Any]]:
-    """RMS of each channel as given, with the base refitted, with the effect; and the floor."""
+    """RMS of each channel as given, with the baseline refitted, with the effect; and its floor."""
     stages = {
         "as_given": residual.raw(residual.plant, {}),
         "before": residual.raw(before.plant, before.values),
@@ -57,7 +57,7 @@ def tabled(
 
 
 def without_effect(gap: Mapping[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-    """The same gaps where no effect is named: what comes after is what was before."""
+    """The same gaps where no effect is named: after is the same as before."""
     return {
         name: {**each, "after": each["before"], "after_percent": each["before_percent"]}
         for name, each in gap.items()
@@ -65,7 +65,7 @@ def without_effect(gap: Mapping[str, dict[str, Any]]) -> dict[str, dict[str, Any
 
 
 def where(residual: WeightedResidual, fitted: Fitted) -> list[dict[str, Any]]:
-    """Channel and phase of what a fit leaves, worst first."""
+    """Channel and phase of a fit's residual, worst first."""
     raw = residual.raw(fitted.plant, fitted.values)
     return located(residual.plant, residual.segments, raw, residual.noise_floors)
 
@@ -108,7 +108,7 @@ def _located(
 def traces(
     plant: Plant, entry: Entry, before: Fitted, after: Fitted, noise_floors: Mapping[str, float]
 ) -> Traces:
-    """Simulate one recording as given, with the base refitted, with the effect."""
+    """Simulate one recording as given, with the baseline refitted, with the effect."""
     recording = entry.recording
     runs = (
         plant.simulate({}, recording),
@@ -124,7 +124,7 @@ def traces(
 def times_noise_floor(
     residual: WeightedResidual, plant: Plant, values: Mapping[str, float]
 ) -> float:
-    """RMS of the worst channel in units of its floor."""
+    """RMS of the worst channel in units of its noise floor."""
     left = rms(residual, plant, values)
     return max(left[name] / residual.noise_floors[name] for name in left)
 
@@ -132,7 +132,7 @@ def times_noise_floor(
 def inflated_noise_floors(
     noise_floors: Mapping[str, float], residual: WeightedResidual, fitted: Fitted
 ) -> dict[str, float]:
-    """Floors raised to what the refitted base leaves, so that misfit counts as uncertainty."""
+    """Noise floors raised to the baseline's residual, so that model error counts as uncertainty."""
     left = rms(residual, fitted.plant, fitted.values)
     return {name: max(floor, left[name]) for name, floor in noise_floors.items()}
 

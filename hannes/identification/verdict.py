@@ -15,12 +15,12 @@ _SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 class Verdict:
     """The result contract: every field is plain data.
 
-    gap: channel -> unit, as_given, before (base refitted), after, floor: RMS on `gap_on`, the
-    show recordings where there are any; and all three in percent of the recorded channel's RMS.
+    gap: channel -> unit, as_given, before (baseline refitted), after, floor: RMS on `gap_on`, the
+    test recordings where there are any; and all three in percent of the recorded channel's RMS.
     parameters: full name -> value, unit, low, high (95 %), off (where its effect vanishes).
-    cautions: what the data check says of the recordings.
-    confusability: `effects` and their `cosines`, row by row: how alike the marks of two effects
-    are in these recordings beyond what the machine's own parameters can do; 1 is the same.
+    cautions: warnings of the data check.
+    confusability: `effects` and their `cosines`, row by row: cosine similarity of the signatures of
+    two effects in these recordings, beyond what the machine's parameters can do; 1 is the same.
     """
 
     verdict: str
@@ -74,7 +74,7 @@ class Verdict:
             shown = " -> ".join(f"{gap[key]:.3g}" for key in ("as_given", "before", "after"))
             unit = "" if gap["unit"] == "1" else f" {gap['unit']}"
             lines.append(
-                f"  {name}: {shown}{unit} (as given -> base refitted -> result; "
+                f"  {name}: {shown}{unit} (as given -> baseline refitted -> result; "
                 f"floor {gap['floor']:.2g})"
             )
         if self.gap and self.floor_from:
@@ -83,7 +83,7 @@ class Verdict:
 
 
 def explained(gap: dict[str, dict[str, Any]]) -> float:
-    """Share of the reducible misfit (before, above the floor) that is gone after; 0 to 1."""
+    """Share of the reducible gap (before, above the floor) that is gone after; 0 to 1."""
     before = sum((each["before"] / each["floor"]) ** 2 - 1.0 for each in gap.values())
     gone = sum((each["before"] ** 2 - each["after"] ** 2) / each["floor"] ** 2
                for each in gap.values())  # fmt: skip
@@ -91,7 +91,7 @@ def explained(gap: dict[str, dict[str, Any]]) -> float:
 
 
 def faint(gap: dict[str, dict[str, Any]]) -> bool:
-    """Whether the refitted base is hardly further off than repeats are from each other."""
+    """Whether the baseline is hardly further off than repeats are from each other."""
     above = [(each["before"] / each["floor"]) ** 2 - 1.0 for each in gap.values()]
     return sum(above) < FAINT * len(above)
 
@@ -119,7 +119,7 @@ def indistinguishable(parameters: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 
 def _named(result: Verdict, rest: str = "") -> str:
-    """The effects with what carries their gain first; then what may as well be none."""
+    """The effects with the parameters that are certain; then those that may be zero."""
     vague = indistinguishable(result.parameters)
     clear = [name for name in result.parameters if name not in vague] or vague
     named = " and ".join(_effect_text(name, clear, result) for name in result.effects)
@@ -153,7 +153,7 @@ def _with_remainder(result: Verdict) -> str:
 
 def _one_of(result: Verdict) -> str:
     names = " or ".join(effect_words(name) for name in result.effects)
-    return f"One effect is missing, {names}: these recordings cannot tell which."
+    return f"One effect is missing, {names}: these recordings cannot separate them."
 
 
 SENTENCES = {

@@ -7,10 +7,10 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Whitening:
-    """Takes what one run misses to something that is white if the working covariance is right.
+    """Whitens a run's residual if the working covariance is right.
 
     noise:      standard deviations, the root of D, shape (n,)
-    directions: in which runs differ, scaled by how much: U', shape (k, n)
+    directions: run-to-run variability, scaled: U', shape (k, n)
     """
 
     noise: np.ndarray
@@ -30,14 +30,14 @@ class Whitening:
         return scaled - ((scaled @ self.basis.T) * self.shrink) @ self.basis
 
     def attributed(self, residual: np.ndarray) -> np.ndarray:
-        """What the run itself most likely did along each direction, in standard deviations (k,).
+        """Most likely run-to-run deviation along each direction, in standard deviations, (k,).
 
         `residual` is measured minus simulated, shape (n,).
         """
         return self.directions @ self._inverse(residual)
 
     def rest(self, residual: np.ndarray) -> np.ndarray:
-        """What is left of `residual` once that is taken away, shape (n,)."""
+        """What is left of `residual` once that is subtracted, shape (n,)."""
         return self.noise**2 * self._inverse(residual)
 
     def _inverse(self, residual: np.ndarray) -> np.ndarray:

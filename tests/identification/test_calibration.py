@@ -15,6 +15,7 @@ from hannes.core.errors import BadInput, ComputationFailed
 from hannes.core.recording.recording import Recording
 from hannes.identification.calibration import least_squares, search
 from hannes.identification.calibration.result import value_text
+from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.identification.grasp_features import measure
 
 TRUE = {"oven.gain": 2.5, "oven.time": 0.62, "oven.offset": 0.3}
@@ -327,8 +328,9 @@ def test_a_machine_that_cannot_be_simulated_as_given_is_a_failed_computation():
 
 
 def test_a_search_that_does_not_settle_is_a_failed_computation(monkeypatch):
-    monkeypatch.setattr(least_squares, "MOST_EVALUATIONS", 2)
-    monkeypatch.setattr(search, "ROUNDS", 2)
+    few = replace(CALIBRATION, max_evaluations=2, max_rounds=2)
+    monkeypatch.setattr(least_squares, "CALIBRATION", few)
+    monkeypatch.setattr(search, "CALIBRATION", few)
     far = {"oven.gain": 9.0, "oven.time": 3.0, "oven.offset": 4.0}
     with pytest.raises(ComputationFailed, match="did not settle"):
         calibrate(oven.campaign(16, far, parameters=THREE), progress=False)

@@ -1,6 +1,7 @@
 """What `hannes calibrate` refuses in one line, before any fit, and what it can be told to take."""
 
 import json
+from dataclasses import replace
 
 import clean
 import numpy as np
@@ -12,6 +13,7 @@ from hannes.commands.calibrate import calibrate
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput
 from hannes.identification.binned_run import View
+from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.plants.axis.plant import Axis
 
 ASKED = 'parameters = ["motor.dry_friction"]'
@@ -166,8 +168,9 @@ def test_a_kind_that_no_check_knows_cannot_be_accepted():
 
 
 def test_a_fit_that_does_not_settle_says_what_to_try(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("hannes.identification.calibration.least_squares.MOST_EVALUATIONS", 2)
-    monkeypatch.setattr("hannes.identification.calibration.search.ROUNDS", 2)
+    few = replace(CALIBRATION, max_evaluations=2, max_rounds=2)
+    monkeypatch.setattr("hannes.identification.calibration.least_squares.CALIBRATION", few)
+    monkeypatch.setattr("hannes.identification.calibration.search.CALIBRATION", few)
     far = {"oven.gain": 9.0, "oven.time": 3.0, "oven.offset": 4.0}
     runs = [each.recording for each in oven.campaign(2, far).entries]
     asked = 'parameters = ["oven.gain", "oven.time", "oven.offset"]'

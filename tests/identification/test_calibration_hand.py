@@ -17,8 +17,8 @@ from hannes.commands.cli import main
 from hannes.core.errors import MissingRecording
 from hannes.core.recording.recording import Recording
 from hannes.identification.binned_run import BIN, View
-from hannes.identification.calibration.linearisation import JERK
 from hannes.identification.calibration.simulator import Model
+from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.plants.hand import batch_runs
 from hannes.plants.hand import plant as hand_plant
 from hannes.plants.hand.recorded_experiment import experiment_of
@@ -179,7 +179,8 @@ def test_slopes_by_the_steps_of_a_fit_are_free_of_solver_errors(monkeypatch):
     monkeypatch.setattr(hand_plant, "TOLERANCE", 1e-9)
     exact = model.bundle({}, steps)
     noise = np.hypot(
-        0.01 * np.array([3.0, 200.0])[view.part], JERK * view.nonlinearities(exact.centre[0])
+        0.01 * np.array([3.0, 200.0])[view.part],
+        CALIBRATION.nonlinearity * view.nonlinearities(exact.centre[0]),
     )
     for name in STEPS:
         found = (model.slopes(each, {name: 1.0}, np.zeros(1)) for each in (used, exact))

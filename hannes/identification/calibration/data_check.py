@@ -1,4 +1,4 @@
-"""What the data check says of all recordings, before any of them is fitted."""
+"""The data check of all recordings, before any of them is fitted."""
 
 from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.check import check
@@ -11,8 +11,8 @@ DataIssues = tuple[tuple[str, Finding], ...]  # each with the name of its record
 def data_issues(campaign: Campaign, accepted: tuple[str, ...]) -> DataIssues:
     """Return all faults and warnings; BadInput where one is of no kind that is `accepted`.
 
-    A fit believes every sample, so that what misleads in part is refused as well until the
-    campaign says that it may be taken as it is.
+    A fit believes every sample. So what misleads only in part is refused as well, until the
+    campaign accepts it.
     """
     found = tuple(
         (entry.name, each)

@@ -1,4 +1,4 @@
-"""How well runs are predicted, above all those that no fit has seen."""
+"""How well runs are predicted, above all those that were not fitted."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,16 +7,14 @@ import numpy as np
 from hannes.campaigns.campaign import Entry
 from hannes.identification.binned_run import View
 from hannes.identification.calibration.linearisation import State
-from hannes.identification.calibration.simulator import SHIFT, Channels
-
-ROUNDS = 3
+from hannes.identification.calibration.simulator import Channels
+from hannes.identification.calibration.tuning import CALIBRATION
 
 
 def prediction(found: State, entries: Sequence[Entry]) -> dict[str, dict[str, float]]:
     """Channel -> RMS of simulated minus recorded [its unit]: `as_given`, `after`; `recorded`.
 
-    Over all counted samples of `entries`; every run starts when that suits it best, before and
-    after alike.
+    Over all counted samples of `entries`. Every run is aligned in time first, before and after.
     """
     sums: dict[str, np.ndarray] = {}
     plant = found.model.plant
@@ -44,12 +42,15 @@ def _roots(total: np.ndarray) -> dict[str, float]:
 def _aligned(found: State, view: View, channels: Channels) -> Channels:
     """Channels of a simulation, moved to start when it fits the recording best."""
     start_offset, spread = 0.0, found.plan.start_time
-    for _ in range(ROUNDS if spread else 0):
+    for _ in range(CALIBRATION.start_rounds if spread else 0):
         noise = found.noise[view.part]
         residual = (view.of(channels, start_offset) - view.measured) / noise
         moved = (
-            (view.of(channels, start_offset + SHIFT) - view.of(channels, start_offset))
-            / SHIFT
+            (
+                view.of(channels, start_offset + CALIBRATION.start_shift)
+                - view.of(channels, start_offset)
+            )
+            / CALIBRATION.start_shift
             / noise
         )
         start_offset -= float(moved @ residual) / (float(moved @ moved) + 1.0 / spread**2)

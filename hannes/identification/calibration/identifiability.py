@@ -1,4 +1,4 @@
-"""What is said of every parameter: its value, its interval, and whether the data can tell it."""
+"""The answer for every parameter: its value, its interval, and whether it is identified."""
 
 from dataclasses import dataclass
 
@@ -6,11 +6,9 @@ import numpy as np
 
 from hannes.identification.calibration.intervals import Spread
 from hannes.identification.calibration.linearisation import State
+from hannes.identification.calibration.tuning import CALIBRATION
 
 NORMAL = 1.96
-SILENT = 1e-6  # of the prior's information: a parameter that moves nothing
-MOST_PARTNERS = 3
-MOSTLY = 0.75  # of a variance that a partner explains
 
 IDENTIFIED, AT_BOUND = "identified", "at its bound"
 NOT_IDENTIFIED, CONFOUNDED = "not identified", "confounded"
@@ -18,14 +16,14 @@ NOT_IDENTIFIED, CONFOUNDED = "not identified", "confounded"
 
 @dataclass(frozen=True)
 class Answer:
-    """One parameter after a calibration; SI, `low` and `high` hold it with 95 % confidence.
+    """One parameter after a calibration; SI, `low` and `high` bound its 95 % interval.
 
-    given:     its value before
+    nominal:   its value before
     label:     identified, at its bound, not identified, confounded (with `partners`)
     reason:    the label in words
-    deviation: one standard deviation, by run;  freedom: degrees of freedom that it has
+    deviation: one standard deviation, by run;  freedom: its degrees of freedom
     textbook:  interval by the usual covariance, for contrast
-    skewed:    whether the interval is that of a profile, because it is lopsided
+    skewed:    whether the interval comes from a profile, because it is asymmetric
     """
 
     name: str
@@ -44,7 +42,7 @@ class Answer:
 
     @property
     def identified(self) -> bool:
-        """True where the interval may be taken at its word."""
+        """True where the interval is reliable."""
         return self.label == IDENTIFIED
 
 
@@ -107,28 +105,28 @@ def _alone(spread: Spread, place: int) -> str:
 def _silent(found: State, place: int) -> bool:
     pairs = zip(found.whitenings, found.columns, strict=True)
     information = sum(float(np.sum(white(columns[place]) ** 2)) for white, columns in pairs)
-    return information < SILENT * float(found.scales.prior[place]) ** 2
+    return information < CALIBRATION.no_information * float(found.scales.prior[place]) ** 2
 
 
 def _width(found: State, spread: Spread, sides: np.ndarray, place: int) -> float:
-    """Half-width relative to the value; to the given one's scale where that is larger."""
+    """Half-width relative to the value, or to a part of its scale where that is larger."""
     reach = max(float(sides[:, place].max()), NORMAL * float(spread.working[place]))
     value = abs(found.values[found.plan.names[place]]) / float(found.scales.scale[place])
-    return reach / max(value, 0.1)
+    return reach / max(value, CALIBRATION.least_value)
 
 
 def _partners(
     covariance: np.ndarray, place: int, width: float, limit: float
 ) -> tuple[list[int], float]:
-    """Parameters that, were they known, would narrow this one, and its width then."""
+    """Parameters that would narrow this one, were they known, and its width then."""
     found: list[int] = []
     left = covariance.copy()
     whole = covariance[place, place]
-    while len(found) < MOST_PARTNERS:
+    while len(found) < CALIBRATION.max_partners:
         shared = left[place] ** 2 / np.maximum(np.diag(left), 1e-300)
         shared[[place, *found]] = 0.0
         best = int(np.argmax(shared))
-        if shared[best] < 0.3 * left[place, place]:
+        if shared[best] < CALIBRATION.least_partner * left[place, place]:
             break
         left = left - np.outer(left[best], left[best]) / left[best, best]
         found.append(best)
@@ -137,4 +135,4 @@ def _partners(
             return found, narrow
     narrow = width * float(np.sqrt(max(left[place, place], 0.0) / whole))
     explained = 1.0 - left[place, place] / whole
-    return (found, narrow) if found and explained > MOSTLY else ([], width)
+    return (found, narrow) if found and explained > CALIBRATION.explained_variance else ([], width)

@@ -1,15 +1,16 @@
-"""Intervals by run: the spread of the runs' own pulls, freed of the bias that few runs give it.
+"""Intervals by run: the spread of the runs' influences, corrected for the bias of few runs.
 
-Whitened, every run r has slopes X_r and misfit z_r; G_r = X_r' X_r, M = (sum G_r + prior)^-1, and
-u_r = M X_r' z_r is its pull on the parameters. At the fit the pulls balance, so the sum of their
-squares is less than the variance, the more so the fewer runs decide a parameter. Were the working
-covariance right, the pulls at the fit would have covariance B (runs x runs, known from the G_r);
-then the sum of squares times trace(M G M) / trace(B) is free of bias, and it is as sure as
-trace(B)^2 / trace(B^2) degrees of freedom (Satterthwaite 1946; Bell & McCaffrey 2002). Where the
-runs of one condition pull more on a parameter than those of another, against what is expected of
-them, B is scaled by as much, shrunk because few runs tell it: else runs that only seem to decide
-would leave too few degrees of freedom. Shrunk too little, three runs that happen to pull alike
-would narrow an interval twice, by their spread and by the degrees of freedom of all the others.
+Whitened, every run r has a Jacobian X_r and a residual z_r. G_r = X_r' X_r, M = (sum G_r +
+prior)^-1, and u_r = M X_r' z_r is its influence on the parameters. At the fit the influences sum
+to zero, so the sum of their squares is less than the variance, the more so the fewer runs decide a
+parameter. If the working covariance is right, the influences have covariance B (runs x runs,
+known from the G_r). The sum of squares times trace(M G M) / trace(B) is then unbiased, with
+trace(B)^2 / trace(B^2) degrees of freedom (Satterthwaite 1946; Bell & McCaffrey 2002).
+
+The runs of one condition may influence a parameter more than those of another, against
+expectation. B is scaled accordingly, with shrinkage, because few runs determine that. Without it
+runs that only seem to decide would leave too few degrees of freedom. With too little shrinkage
+three runs that happen to agree would narrow an interval twice.
 """
 
 from dataclasses import dataclass
@@ -18,22 +19,20 @@ import numpy as np
 
 from hannes.identification.calibration.least_squares import weights
 from hannes.identification.calibration.linearisation import State
-
-LEVEL = 0.95
-SHRINK = 12.0  # runs, that believing all conditions alike counts for
-ALONE = 1.2  # degrees of freedom below which one run alone decides a parameter
+from hannes.identification.calibration.tuning import CALIBRATION
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Of all parameters, scaled; shapes (p,) unless said otherwise.
+    """Of all parameters, scaled; shapes (p,) unless stated otherwise.
 
-    deviation: standard deviation, by run;  freedom: its degrees of freedom
-    reach:     half-width of the 95 % interval
-    working:   standard deviation if the working covariance were right;  covariance: (p, p)
-    textbook:  standard deviation by the usual formula, s^2 (J'J)^-1
-    alone:     where one run alone decides, so that only the working covariance speaks
-    pulls:     of every cluster on every parameter, shape (clusters, p)
+    deviation:  standard deviation, by run;  freedom: its degrees of freedom
+    reach:      half-width of the 95 % interval
+    working:    standard deviation if the working covariance is right;  covariance: (p, p)
+    textbook:   standard deviation by the usual formula, s^2 (J'J)^-1
+    alone:      where one run alone decides, so that only the working covariance counts
+    influences: of every cluster on every parameter, shape (clusters, p)
+    unit:       what a cluster is, in words
     """
 
     deviation: np.ndarray
@@ -62,10 +61,10 @@ def spread(found: State) -> Spread:
     by_run = np.sqrt(bias_factor * (influences**2).sum(axis=0))
     by_prior = np.sqrt(np.einsum("ij,j,ij->i", inverse, prior, inverse)[:count])
     working = np.sqrt(np.diag(inverse)[:count])
-    alone = freedom < ALONE
+    alone = freedom < CALIBRATION.least_freedom
     by_run = np.where(alone, np.sqrt(np.maximum(working**2 - by_prior**2, 0.0)), by_run)
     freedom = np.where(alone, np.inf, freedom)
-    level = 0.5 + LEVEL / 2.0
+    level = 0.5 + CALIBRATION.level / 2.0
     return Spread(
         np.hypot(by_run, by_prior),
         freedom,
@@ -82,7 +81,7 @@ def spread(found: State) -> Spread:
 def _heterogeneity(
     information: np.ndarray, inverse: np.ndarray, influences: np.ndarray, conditions: np.ndarray
 ) -> np.ndarray:
-    """Squares of pulls over what the working covariance expects, by condition, as `influences`."""
+    """Squared influences over their expectation, by condition, shape (clusters, p)."""
     rows_of_interest = inverse[: influences.shape[1]]
     expected = np.maximum(
         np.einsum("ki,rij,kj->rk", rows_of_interest, information, rows_of_interest), 1e-300
@@ -92,14 +91,16 @@ def _heterogeneity(
     for condition in np.unique(conditions):
         inside = conditions == condition
         own = (influences[inside] ** 2).sum(axis=0) / expected[inside].sum(axis=0)
-        heterogeneity[inside] = (inside.sum() * own + SHRINK * overall) / (inside.sum() + SHRINK)
+        heterogeneity[inside] = (inside.sum() * own + CALIBRATION.shrinkage * overall) / (
+            inside.sum() + CALIBRATION.shrinkage
+        )
     return heterogeneity
 
 
 def _correction(
     information: np.ndarray, inverse: np.ndarray, heterogeneity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Factor on the sum of squared pulls, and its degrees of freedom, shape (count,) each."""
+    """Factor on the sum of squared influences, and its degrees of freedom, shape (count,) each."""
     count = heterogeneity.shape[1]
     bias_factor, freedom = np.ones(count), np.zeros(count)
     for place in range(count):
@@ -117,11 +118,10 @@ def _correction(
 
 
 def _clusters(found: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
-    """Information (clusters, p, p) and scores (clusters, p) of each run, or of its blocks.
+    """Information (clusters, p, p) and scores (clusters, p) of each run, or of its segments.
 
-    Then the condition of each cluster, and what the clusters are.
-
-    p counts the doubtful parameters too, after those of the plan.
+    Then the condition of each cluster, and what the clusters are. p includes the uncertain
+    parameters, after those of the plan.
     """
     information, scores, conditions = [], [], []
     views, everything = found.model.views, found.whitened_residuals()

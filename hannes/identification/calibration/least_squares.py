@@ -1,15 +1,13 @@
-"""One bounded least-squares search by scipy, ended where the data can tell no more."""
+"""One bounded least-squares search by scipy, ended where the data cannot resolve more."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from hannes.core.errors import ComputationFailed
-from hannes.identification.calibration.objective import NEAR, Problem, Settled
+from hannes.identification.calibration.objective import Problem, Settled
+from hannes.identification.calibration.tuning import CALIBRATION
 
-MOST_EVALUATIONS = 40
-FINE = 1e-5  # relative gain of the misfit; scipy's tests know nothing of standard deviations
-ROBUST = 2.0  # standard deviations beyond which a robust loss bends
 NOTHING_SIMULATES = (
     "no simulation succeeds at the starting values; try base = a hand.toml that runs, narrower "
     "bounds, or fewer parameters"
@@ -18,7 +16,7 @@ NOTHING_SIMULATES = (
 
 @dataclass(frozen=True)
 class Solved:
-    """Where a search ended: scaled x, cost, places of those at a bound."""
+    """Where a search ended: scaled x, cost, indices of parameters at a bound."""
 
     x: np.ndarray
     cost: float
@@ -26,7 +24,7 @@ class Solved:
     settled: bool
 
 
-def solve(problem: Problem, x: np.ndarray, tolerance: float = FINE) -> Solved:
+def solve(problem: Problem, x: np.ndarray, tolerance: float = CALIBRATION.fine_tolerance) -> Solved:
     """Search from x; ComputationFailed where nothing can be simulated there."""
     from scipy.optimize import least_squares
 
@@ -41,35 +39,37 @@ def solve(problem: Problem, x: np.ndarray, tolerance: float = FINE) -> Solved:
             jac=problem.jacobian,
             bounds=(scales.low, scales.high),
             loss=loss,
-            f_scale=ROBUST,
+            f_scale=CALIBRATION.robust_scale,
             ftol=tolerance,
-            xtol=FINE,
+            xtol=CALIBRATION.fine_tolerance,
             gtol=None,
-            max_nfev=MOST_EVALUATIONS,
+            max_nfev=CALIBRATION.max_evaluations,
         )
         at, settled = found.x, found.status > 0
     except Settled:
         at, settled = problem.last[0], True
     left = problem.residual(at)
-    on_bound = np.flatnonzero((at - scales.low < NEAR) | (scales.high - at < NEAR))
+    on_bound = np.flatnonzero(
+        (at - scales.low < CALIBRATION.at_bound) | (scales.high - at < CALIBRATION.at_bound)
+    )
     return Solved(at, cost(loss, left), on_bound, settled)
 
 
 def cost(loss: str, left: np.ndarray) -> float:
-    """Half the sum of squares of a whitened misfit, bent as scipy's least_squares bends it."""
-    z = (left / ROBUST) ** 2
+    """Half the sum of squares of a whitened residual, with scipy's robust loss."""
+    z = (left / CALIBRATION.robust_scale) ** 2
     losses = {
         "linear": lambda: z,
         "soft_l1": lambda: 2.0 * (np.sqrt(1.0 + z) - 1.0),
         "huber": lambda: np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
         "cauchy": lambda: np.log1p(z),
     }
-    return 0.5 * ROBUST**2 * float(np.sum(losses[loss]()))
+    return 0.5 * CALIBRATION.robust_scale**2 * float(np.sum(losses[loss]()))
 
 
 def weights(loss: str, left: np.ndarray) -> np.ndarray:
-    """What a robust loss leaves of every element's weight, shape (n,)."""
-    z = (left / ROBUST) ** 2
+    """Weight that a robust loss gives every element, shape (n,)."""
+    z = (left / CALIBRATION.robust_scale) ** 2
     if loss == "soft_l1":
         return 1.0 / np.sqrt(1.0 + z)
     if loss == "huber":

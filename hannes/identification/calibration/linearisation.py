@@ -1,4 +1,4 @@
-"""The misfit made linear about one point: what a round of the search starts from and ends with."""
+"""The residual linearised about one point: where a round of the search starts and ends."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -8,13 +8,9 @@ import numpy as np
 from hannes.identification.calibration.scaling import Scales
 from hannes.identification.calibration.settings import Plan
 from hannes.identification.calibration.simulator import Bundle, Map, Model
+from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.identification.whitening import Whitening
 from hannes.plants.protocol import Plant
-
-FIRST_STEP = 2e-3  # of a parameter's scale, of differences before anything is known
-FAR = 0.15  # of a parameter's scale, from where slow directions are had anew
-JERK = 10.0  # times a simulated jerk inside a bin is taken as noise there
-SENSELESS = 10.0  # misfit, in standard deviations, of a feature that a simulation does not have
 
 
 @dataclass(frozen=True)
@@ -30,14 +26,17 @@ class Start:
 class State:
     """Everything about one point x; lists have one item for each run.
 
-    late:     when each run starts [s], shape (runs,)
-    doubted:  doubtful parameters, in standard deviations from their given values, shape (q,)
-    noise:    standard deviation of every channel's bins and feature, shape (names,)
-    steps:    scaled difference steps, shape (p,)
-    bundle:   simulations about x; slow: those about slow_at, for directions that change little
-    misses:   simulated minus measured, shape (n,)
-    columns:  slopes by scaled parameter, shape (p, n); doubts: by doubtful one, shape (q, n)
-    shared:   whitens all runs together against what is doubtful, where anything is
+    start_offsets:    when each run starts [s], shape (runs,)
+    uncertain_values: of uncertain parameters that are not asked for, in standard deviations from
+                      their nominal values, shape (q,)
+    noise:            standard deviation of every channel's bins and feature, shape (names,)
+    steps:            scaled difference steps, shape (p,)
+    bundle:           simulations about x
+    slow:             simulations about slow_at, for derivatives that change little
+    residuals:        simulated minus measured, shape (n,)
+    columns:          derivatives by scaled parameter, shape (p, n)
+    uncertain_columns: by uncertain parameter, shape (q, n)
+    shared:           whitens all runs together against the uncertain parameters, if any
     """
 
     model: Model
@@ -69,37 +68,37 @@ class State:
 
     @property
     def all_values(self) -> dict[str, float]:
-        """Fitted and doubtful parameters, SI."""
+        """Fitted and uncertain parameters, SI."""
         return {
             **uncertain_parameters(self.model.plant, self.plan, self.uncertain_values),
             **self.values,
         }
 
     def jacobian(self) -> np.ndarray:
-        """Whitened slopes of all runs by the scaled parameters, shape (p, N)."""
+        """Whitened derivatives of all runs by the scaled parameters, shape (p, N)."""
         return self.together(self.columns)
 
     def together(self, rows: Sequence[np.ndarray]) -> np.ndarray:
-        """Rows of all runs, whitened by run and then against what is doubtful, (..., N)."""
+        """Rows of all runs, whitened by run and then against uncertain parameters, (..., N)."""
         pairs = zip(self.whitenings, rows, strict=True)
         whole = np.concatenate([white(each) for white, each in pairs], axis=-1)
         return self.shared(whole) if self.shared else whole
 
     def whitened_residual(self, residuals: Sequence[np.ndarray]) -> np.ndarray:
-        """Whitened misfit of all runs as it were with nothing known of what is doubtful, (N,)."""
+        """Whitened residual of all runs, uncertain parameters at their nominal values, (N,)."""
         if not self.shared:
             return self.together(residuals)
         pairs = zip(residuals, self.uncertain_columns, strict=True)
         return self.together([residual - self.uncertain_values @ rows for residual, rows in pairs])
 
     def whitened_residuals(self) -> list[np.ndarray]:
-        """Whitened misfit of each run, what is doubtful where it fits best, shape (n,) each."""
+        """Whitened residual of each run, uncertain parameters where they fit best, (n,) each."""
         moved = self.best_uncertain_values() - self.uncertain_values
         runs = zip(self.whitenings, self.residuals, self.uncertain_columns, strict=True)
         return [white(residual + moved @ rows) for white, residual, rows in runs]
 
     def best_uncertain_values(self) -> np.ndarray:
-        """Where doubtful parameters most likely are, in standard deviations, shape (q,)."""
+        """Most likely uncertain parameters, in standard deviations, shape (q,)."""
         if not self.shared:
             return self.uncertain_values
         runs = zip(self.whitenings, self.residuals, self.uncertain_columns, strict=True)
@@ -116,14 +115,14 @@ class State:
 
     @property
     def rms(self) -> float:
-        """RMS of the whitened misfit of all runs."""
+        """RMS of the whitened residual of all runs."""
         return float(np.sqrt(np.mean(np.concatenate(self.whitened_residuals()) ** 2)))
 
 
 def uncertain_parameters(
     plant: Plant, plan: Plan, uncertain_values: np.ndarray
 ) -> dict[str, float]:
-    """SI values of the doubtful parameters, inside their bounds."""
+    """SI values of the uncertain parameters, inside their bounds."""
     found = {}
     for (name, size), at in zip(plan.doubt.items(), uncertain_values, strict=True):
         low, high = plant.parameters.declared[name].bounds
@@ -133,7 +132,7 @@ def uncertain_parameters(
 
 @dataclass
 class Maker:
-    """Makes states: simulates about points, `spread_over` threads."""
+    """Makes states: simulates about points on the threads of `spread_over`."""
 
     model: Model
     plan: Plan
@@ -148,30 +147,33 @@ class Maker:
         }
 
     def bundle(self, x: np.ndarray, uncertain_values: np.ndarray, steps: np.ndarray) -> Bundle:
-        """Simulations about a point for the slopes by all parameters."""
+        """Simulations about a point for the derivatives by all parameters."""
         sizes = dict(zip(self.plan.names, steps * self.scales.scale, strict=True))
         return self.model.bundle(self.values(x, uncertain_values), sizes, self.spread_over)
 
     def slow(self, x: np.ndarray, uncertain_values: np.ndarray) -> Bundle:
-        """Simulations for the directions in which runs differ, and those of doubt."""
+        """Simulations for run-to-run variability and uncertain parameters."""
         values, given = self.values(x, uncertain_values), self.model.plant.parameters
         sizes: Mapping[str, float] = {**self.plan.nuisance, **self.plan.doubt}
         steps = {
-            name: FIRST_STEP * abs(values.get(name, given[name])) or size
+            name: CALIBRATION.first_step * abs(values.get(name, given[name])) or size
             for name, size in sizes.items()
         }
         return self.model.bundle(values, steps, self.spread_over)
 
     def first(self, x: np.ndarray, noise: np.ndarray) -> State:
-        """The state at x before anything is known but noise; no run differs yet, all is certain."""
-        start_offsets, steps = np.zeros(len(self.model.views)), np.full(x.size, FIRST_STEP)
+        """The state at x with noise alone: no run-to-run variability, all parameters certain."""
+        start_offsets, steps = (
+            np.zeros(len(self.model.views)),
+            np.full(x.size, CALIBRATION.first_step),
+        )
         uncertain_values = np.zeros(len(self.plan.doubt))
         bundle = self.bundle(x, uncertain_values, steps)
         self.model.settle(self.values(x, uncertain_values), bundle.centre, self.spread_over)
         return self.made(x, start_offsets, uncertain_values, noise, steps, bundle, None, x)
 
     def at(self, x: np.ndarray, state: State) -> State:
-        """The state at another x, all else as it was."""
+        """The state at another x, all else unchanged."""
         bundle = self.bundle(x, state.uncertain_values, state.steps)
         self.model.settle(self.values(x, state.uncertain_values), bundle.centre, self.spread_over)
         slow = state.slow or self.slow(x, state.uncertain_values)
@@ -187,7 +189,7 @@ class Maker:
         )
 
     def moved(self, state: State, start_offsets: np.ndarray, uncertain_values: np.ndarray) -> State:
-        """The state with other starts and doubtful values."""
+        """The state with other start offsets and uncertain values."""
         bundle = state.bundle
         if self.plan.doubt:
             bundle = self.bundle(state.x, uncertain_values, state.steps)
@@ -214,10 +216,10 @@ class Maker:
         return replace(made, on_bound=state.on_bound)
 
     def solved(self, state: State, x: np.ndarray, steps: np.ndarray, bundle: Bundle) -> State:
-        """The state at x, about which `bundle` was simulated; slow directions anew where far."""
+        """The state at x, with `bundle` simulated about it; new slow derivatives where x is far."""
         self.model.settle(self.values(x, state.uncertain_values), bundle.centre, self.spread_over)
         slow, slow_at = state.slow, state.slow_at
-        if slow is None or np.abs(x - slow_at).max() > FAR:
+        if slow is None or np.abs(x - slow_at).max() > CALIBRATION.same_slow_derivatives:
             slow, slow_at = self.slow(x, state.uncertain_values), x
         return self.made(
             x,
@@ -244,7 +246,7 @@ class Maker:
         """A state from its simulations."""
         model, views = self.model, self.model.views
         per_run = [
-            np.hypot(noise[view.part], JERK * nonlinearity)
+            np.hypot(noise[view.part], CALIBRATION.nonlinearity * nonlinearity)
             for view, nonlinearity in zip(views, model.nonlinearities(bundle.centre), strict=True)
         ]
         vectors = model.vectors(bundle.centre, start_offsets)
@@ -269,14 +271,14 @@ class Maker:
         )  # fmt: skip
 
     def columns(self, bundle: Bundle, start_offsets: np.ndarray) -> list[np.ndarray]:
-        """Slopes of every run by the scaled parameters, shape (p, n) each."""
+        """Derivatives of every run by the scaled parameters, shape (p, n) each."""
         scale = dict(zip(self.plan.names, self.scales.scale.tolist(), strict=True))
         return self._stacked(bundle, scale, start_offsets)
 
     def _stacked(
         self, bundle: Bundle | None, sizes: Mapping[str, float], start_offsets: np.ndarray
     ) -> list[np.ndarray]:
-        """Slopes by each parameter times its size, for every run, shape (sizes, n) each."""
+        """Derivatives by each parameter times its size, for every run, shape (sizes, n) each."""
         if bundle is None or not sizes:
             return [np.zeros((0, view.measured.size)) for view in self.model.views]
         return self.model.derivatives(bundle, sizes, start_offsets)
@@ -285,4 +287,4 @@ class Maker:
 def residual_vector(simulated: np.ndarray, measured: np.ndarray, noise: np.ndarray) -> np.ndarray:
     """Difference of two vectors; a feature that the simulation lacks counts as plainly wrong."""
     difference = simulated - measured
-    return np.where(np.isnan(difference), SENSELESS * noise, difference)
+    return np.where(np.isnan(difference), CALIBRATION.missing_feature * noise, difference)

@@ -1,4 +1,4 @@
-"""How much of each channel is taken as noise: what no model gets better, or what remains."""
+"""How much of each channel counts as noise: the model error assumed, or the residual."""
 
 from collections.abc import Sequence
 
@@ -13,8 +13,8 @@ from hannes.plants.protocol import expectations
 def sizes(model: Model) -> np.ndarray:
     """RMS of every channel and feature over all runs [its unit], shape (names,).
 
-    Of a channel that follows a command, only how far it is off that: a position that a controller
-    holds says little by itself.
+    Of a channel that follows a command, only its deviation from that: a controlled position by
+    itself carries little information.
     """
     follows = {name: each.follows for name, each in expectations(model.plant).items()}
     names = model.views[0].names
@@ -33,14 +33,14 @@ def _size(views: Sequence[View], name: str, command: str) -> float:
 
 
 def first(least: np.ndarray, noise_floors: np.ndarray) -> np.ndarray:
-    """Noise before any fit: the spread of repeats, or the least that is believed, (names,)."""
+    """Noise before any fit: the spread of repeats, or the least that is assumed, (names,)."""
     return _above_zero(np.maximum(least, noise_floors))
 
 
 def remaining(state: State, least: np.ndarray, noise_floors: np.ndarray) -> np.ndarray:
-    """Noise after a fit: what it leaves beyond what runs do, or the least that is believed.
+    """Noise after a fit: its residual less run-to-run variability, or the least that is assumed.
 
-    Features keep their floor from repeats: there are too few of them to learn from.
+    Features keep their noise floor from repeats: there are too few of them to estimate it.
     """
     level = least.copy()
     runs = zip(state.whitenings, state.residuals, strict=True)
@@ -56,5 +56,5 @@ def remaining(state: State, least: np.ndarray, noise_floors: np.ndarray) -> np.n
 
 
 def _above_zero(level: np.ndarray) -> np.ndarray:
-    """A channel in which nothing ever happens weighs nothing, whatever the number."""
+    """A channel in which nothing happens has no weight, whatever the number."""
     return np.where(level > 0.0, level, 1.0)

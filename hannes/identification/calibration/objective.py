@@ -1,4 +1,4 @@
-"""What a round makes small: the whitened misfit of all runs, over scaled parameters."""
+"""The objective of a round: the whitened residual of all runs, over scaled parameters."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -9,30 +9,26 @@ import numpy as np
 from hannes.core.errors import ComputationFailed
 from hannes.identification.calibration.linearisation import Maker, State, residual_vector
 from hannes.identification.calibration.simulator import Bundle, Channels, Map
+from hannes.identification.calibration.tuning import CALIBRATION
 
 Progress = Callable[[float, np.ndarray], None]
-STEP = 0.5  # of a parameter's standard deviation: slopes as they are where it may lie
-LEAST, MOST = 3e-4, 3e-2  # of a parameter's scale, of a difference step
-CLOSE_BY = 0.03  # of a parameter's scale, within which slopes are as good as the same
-NEAR = 1e-5  # of a parameter's scale, to its bound
-ENOUGH = 0.1  # standard deviations: where the next step is shorter than this, a search ends
 
 
 class Stopped(Exception):
-    """Somebody asked the search to end."""
+    """The search was asked to end."""
 
 
 class Settled(Exception):
-    """The next step would be small against what the data can tell."""
+    """The next step would be small against what the data resolve."""
 
 
 @dataclass
 class Problem:
     """Least squares with the working covariance of `state`; see __init__.py.
 
-    `bundle` keeps a point and the simulations about it, from which slopes come as long as searches
-    stay close by; `last` the last point that a residual was asked for, and that. Several threads
-    may ask for residuals.
+    `bundle` keeps a point and the simulations about it: derivatives come from them while a search
+    stays close. `last` keeps the last point that a residual was asked for, and the residual.
+    Several threads may ask for residuals.
     """
 
     state: State
@@ -50,11 +46,11 @@ class Problem:
         self.maker = Maker(state.model, state.plan, state.scales, self.spread_over)
 
     def residual(self, x: np.ndarray) -> np.ndarray:
-        """Whitened misfit of all runs, then the priors'; infinite where a simulation fails."""
+        """Whitened residual of all runs, then the priors'; infinite where a simulation fails."""
         if self.stop.is_set():
             raise Stopped
         at, left = self.last
-        if np.array_equal(at, x):  # searches ask anew where they begin and where they end
+        if np.array_equal(at, x):  # searches ask again where they begin and where they end
             return left
         state = self.state
         try:
@@ -75,16 +71,20 @@ class Problem:
         return [residual_vector(values, view.measured, white.noise) for values, view, white in runs]
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
-        """Slopes of `residual`, shape (size, p); raises Settled where they lead nowhere."""
+        """Derivatives of `residual`, shape (size, p); raises Settled where they lead nowhere."""
         if self.stop.is_set():
             raise Stopped
         state = self.state
-        if np.abs(self.bundle[0] - x).max() > CLOSE_BY:
+        if np.abs(self.bundle[0] - x).max() > CALIBRATION.same_derivatives:
             self.bundle = x.copy(), self.maker.bundle(x, state.uncertain_values, self.steps)
         columns = self.maker.columns(self.bundle[1], state.start_offsets)
         whole = state.together(columns)
         deviation = deviations(whole, state.scales.prior)
-        self.steps = np.clip(STEP * deviation, LEAST, MOST)
+        self.steps = np.clip(
+            CALIBRATION.difference_step * deviation,
+            CALIBRATION.least_step,
+            CALIBRATION.largest_step,
+        )
         jacobian = np.vstack([whole.T, np.diag(state.scales.prior)])
         at, left = self.last
         if np.array_equal(at, x) and self._stands(x, left, jacobian):
@@ -92,18 +92,20 @@ class Problem:
         return jacobian
 
     def _stands(self, x: np.ndarray, left: np.ndarray, jacobian: np.ndarray) -> bool:
-        """Tell whether the step to the least misfit, were it linear, is short; bounds hold."""
+        """Whether the step to the least cost, were it linear, is short; bounds hold."""
         gradient, scales = -jacobian.T @ left, self.state.scales
-        held = (x - scales.low < NEAR) & (gradient < 0.0)
-        held |= (scales.high - x < NEAR) & (gradient > 0.0)
+        held = (x - scales.low < CALIBRATION.at_bound) & (gradient < 0.0)
+        held |= (scales.high - x < CALIBRATION.at_bound) & (gradient > 0.0)
         free = ~held
         hessian = jacobian[:, free].T @ jacobian[:, free]
-        return bool(gradient[free] @ np.linalg.solve(hessian, gradient[free]) < ENOUGH**2)
+        return bool(
+            gradient[free] @ np.linalg.solve(hessian, gradient[free]) < CALIBRATION.short_step**2
+        )
 
 
 def deviations(columns: np.ndarray, prior: np.ndarray) -> np.ndarray:
     """Standard deviations of scaled parameters under the working covariance, shape (p,).
 
-    `columns` are whitened slopes, shape (p, n).
+    `columns` are whitened derivatives, shape (p, n).
     """
     return np.sqrt(np.diag(np.linalg.inv(columns @ columns.T + np.diag(prior**2))))

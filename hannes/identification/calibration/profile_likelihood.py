@@ -1,7 +1,7 @@
-"""Where a misfit is no parabola: half-widths below and above by profile.
+"""Asymmetric half-widths by profile, where the cost is no parabola.
 
-A profile moves one parameter and lets the others follow. The end of an interval is where the
-misfit has grown by as much as a parabola would have at the half-width by run.
+A profile moves one parameter and lets the others follow. An interval ends where the cost has grown
+by as much as a parabola would at the half-width by run.
 """
 
 from collections.abc import Sequence
@@ -13,10 +13,7 @@ from hannes.identification.calibration.intervals import Spread
 from hannes.identification.calibration.least_squares import cost
 from hannes.identification.calibration.linearisation import State
 from hannes.identification.calibration.objective import Problem
-
-CROOKED = 0.25  # relative difference from the parabola that calls for a profile
-TRIALS = 3
-WIDEST = 3.0  # times the half-width of the parabola, at most
+from hannes.identification.calibration.tuning import CALIBRATION
 
 
 def sides(found: State, spread: Spread, workers: int) -> np.ndarray:
@@ -29,7 +26,7 @@ def sides(found: State, spread: Spread, workers: int) -> np.ndarray:
 
 
 class _Profile:
-    """Misfit along one parameter while the others follow."""
+    """Cost along one parameter while the others follow."""
 
     def __init__(self, found: State, spread: Spread) -> None:
         self.found, self.problem, self.spread = found, Problem(found), spread
@@ -46,23 +43,23 @@ class _Profile:
             return expected
         aim = 0.5 * expected**2 / variance
         led = cost(self.loss, self.problem.residual(self._led(place, side * expected)))
-        if abs((led - self.floor) / aim - 1.0) < CROOKED:
+        if abs((led - self.floor) / aim - 1.0) < CALIBRATION.not_parabolic:
             return expected
         tried: list[tuple[float, float]] = [(0.0, 0.0)]
         at = expected
-        for _ in range(TRIALS):
+        for _ in range(CALIBRATION.profile_trials):
             tried.append((at, self._grown(place, side * at)))
-            at = min(_crossing(tried, aim), WIDEST * expected)
+            at = min(_crossing(tried, aim), CALIBRATION.widest_profile * expected)
         return at
 
     def _led(self, place: int, step: float) -> np.ndarray:
-        """The point where one parameter is moved and the others go where slopes lead them."""
+        """The point with one parameter moved and the others where the linearisation leads them."""
         covariance, scales = self.spread.covariance, self.found.scales
         x = self.found.x + step * covariance[:, place] / covariance[place, place]
         return np.clip(x, scales.low, scales.high)
 
     def _grown(self, place: int, step: float) -> float:
-        """Growth of the misfit with one parameter moved and the others fitted by one more step."""
+        """Growth of the cost with one parameter moved and the others fitted by one more step."""
         scales, x = self.found.scales, self._led(place, step)
         left = self.problem.residual(x)
         if not np.isfinite(left).all():

@@ -1,4 +1,4 @@
-"""How much the same run differs from itself: floors from repeats, else from roughness."""
+"""How much the same run differs from itself: noise floors from repeats, else from roughness."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ ROUGH = (
 
 
 def noise_floors(views: Sequence[View]) -> tuple[np.ndarray, str]:
-    """Standard deviation of each channel's bins and of each feature [its unit], and how it was had.
+    """Standard deviation of each channel's bins and of each feature [its unit], and its origin.
 
     Shape (names,); NaN for a feature that was never repeated. From repeats: the spread between
     runs of one condition, as RMS over time.
@@ -56,7 +56,7 @@ def _repeated(views: Sequence[View], name: str, binned: bool) -> float:
 
 
 def _rough(views: Sequence[View], name: str, binned: bool = True) -> float:
-    """White noise of a channel from the second differences of its samples; less in bins."""
+    """White noise of a channel from second differences of its samples; less in bins."""
     found = []
     for view in (each for each in views if name in each.channels):
         together = len(view.recording) / view.bins if binned else 1.0

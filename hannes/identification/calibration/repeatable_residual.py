@@ -1,4 +1,4 @@
-"""What a fit leaves: is it the same in every run?"""
+"""The residual of a fit: is it the same in every run?"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,19 +7,16 @@ import numpy as np
 
 from hannes.identification.binned_run import View
 from hannes.identification.calibration.linearisation import State
-
-FLIPS = 999
-CHANCE = 0.05
-SHARE = 0.25  # of what remains, that repeats, from where on it is worth a word
+from hannes.identification.calibration.tuning import CALIBRATION
 
 
 @dataclass(frozen=True)
 class RepeatableResidual:
-    """Whether what the fit leaves is the same in every run of a condition.
+    """Whether the residual is the same in every run of a condition.
 
     repeats: True, False, or None where no condition was repeated
     chance:  probability of as much agreement if runs differed at random (signs flipped)
-    share:   of the whitened misfit's square, the part that repeats, 0 to 1
+    share:   of the squared whitened residual, the part that repeats, 0 to 1
     common:  channel -> RMS of the part that repeats [its unit]
     """
 
@@ -30,7 +27,7 @@ class RepeatableResidual:
 
     @property
     def sentence(self) -> str:
-        """The finding in words."""
+        """The result in words."""
         if self.repeats is None:
             return (
                 "No condition was recorded twice, so nobody can tell whether what remains repeats"
@@ -45,7 +42,7 @@ class RepeatableResidual:
 
 
 def repeatable_residual(found: State) -> RepeatableResidual:
-    """Compare what the fit leaves in the runs of each condition."""
+    """Compare the residuals in the runs of each condition."""
     groups = _groups(found)
     if not groups:
         return RepeatableResidual(None, 1.0, 0.0, {})
@@ -54,12 +51,15 @@ def repeatable_residual(found: State) -> RepeatableResidual:
     share = float(np.clip(common / max(whole, 1e-300), 0.0, 1.0))
     chance = _chance(groups, found.plan.seed)
     return RepeatableResidual(
-        chance <= CHANCE and share >= SHARE, chance, share, _by_channel(found)
+        chance <= CALIBRATION.repeat_p_value and share >= CALIBRATION.repeat_share,
+        chance,
+        share,
+        _by_channel(found),
     )
 
 
 def _groups(found: State) -> list[np.ndarray]:
-    """Whitened misfit of the runs of each repeated condition, shape (runs, n) each."""
+    """Whitened residual of the runs of each repeated condition, shape (runs, n) each."""
     return _by_condition(found.model.views, found.whitened_residuals())
 
 
@@ -77,7 +77,7 @@ def _shared(rows: np.ndarray) -> float:
 
 
 def _chance(groups: Sequence[np.ndarray], seed: int) -> float:
-    """How often runs with flipped signs agree as well as they do."""
+    """How often runs with random signs agree as well as they do."""
     rng = np.random.default_rng(seed)
     products = [rows @ rows.T for rows in groups]
 
@@ -86,9 +86,12 @@ def _chance(groups: Sequence[np.ndarray], seed: int) -> float:
 
     vectors = agreement([np.ones(len(each)) for each in groups])
     drawn = [
-        agreement([rng.choice((-1.0, 1.0), len(each)) for each in groups]) for _ in range(FLIPS)
+        agreement([rng.choice((-1.0, 1.0), len(each)) for each in groups])
+        for _ in range(CALIBRATION.permutations)
     ]
-    return (1 + int(np.sum(np.array(drawn) >= vectors * (1.0 - 1e-12)))) / (1 + FLIPS)
+    return (1 + int(np.sum(np.array(drawn) >= vectors * (1.0 - 1e-12)))) / (
+        1 + CALIBRATION.permutations
+    )
 
 
 def _by_channel(found: State) -> dict[str, float]:

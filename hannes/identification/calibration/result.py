@@ -17,24 +17,25 @@ from hannes.identification.calibration.identifiability import (
     NOT_IDENTIFIED,
     Answer,
 )
-from hannes.identification.calibration.intervals import LEVEL, Spread
+from hannes.identification.calibration.intervals import Spread
 from hannes.identification.calibration.linearisation import State
 from hannes.identification.calibration.repeatable_residual import RepeatableResidual
+from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.plants.protocol import Plant
 
-APART = 0.5  # half-widths of an interval within which two starts found the same
 MOST_WARNINGS = 5  # in a terminal; files hold all
-_MILLI = re.compile(r"(N|m|s|A|V)(?![\w^²³])")  # units that a small value is told in thousandths of
-NO_WORSE = 1.01  # times the least misfit: a start that ended there ended as well
+_MILLI = re.compile(
+    r"(N|m|s|A|V)(?![\w^²³])"
+)  # units in which a small value is printed in thousandths
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(ByValue):
     """Everything that a calibration found; `calibrate` adds the campaign's view of it.
 
-    findings:   what the data check found and the campaign accepted, with the file's name
+    data_issues: what the data check found and the campaign accepted, with the file's name
     gap:        channel -> RMS as_given, after, recorded, floor [its unit], on the recordings that
-                no fit has seen; empty where none was held out
+                were not fitted; empty where none was held out
     fitted_gap: the same on those that were fitted
     """
 
@@ -71,8 +72,11 @@ class Fit(ByValue):
             return []
         return [
             bool(
-                start.cost <= reference.cost * NO_WORSE
-                and np.all(np.abs(start.ended - reference.ended)[known] < APART * reach[known])
+                start.cost <= reference.cost * CALIBRATION.agreeing_cost
+                and np.all(
+                    np.abs(start.ended - reference.ended)[known]
+                    < CALIBRATION.agreeing_distance * reach[known]
+                )
             )
             for start in self.found.starts
         ]
@@ -94,7 +98,7 @@ class Fit(ByValue):
             "status": "interrupted" if self.found.interrupted else "converged",
             "parameters": {each.name: _plain(each) for each in self.answers},
             "findings": [{"file": name, **asdict(each)} for name, each in self.data_issues],
-            "level": LEVEL,
+            "level": CALIBRATION.level,
             "intervals_by": self.spread.unit,
             "gap": self._with_units(self.gap),
             "fitted_gap": self._with_units(self.fitted_gap),
@@ -138,7 +142,7 @@ class Fit(ByValue):
         ]
 
     def _uncertain(self) -> dict[str, dict[str, Any]]:
-        """Parameters that were not asked for but taken as uncertain, and where they came to lie."""
+        """Parameters that were uncertain but not asked for, and their most likely values."""
         plant, found = self.campaign.plant, self.found
         pairs = zip(found.plan.doubt.items(), found.uncertain_values, strict=True)
         return {
@@ -183,7 +187,7 @@ class Fit(ByValue):
 
 
 def value_text(answer: Answer) -> str:
-    """`18.083 mN m/A (18.071 to 18.095)`: as many digits as the interval bears."""
+    """`18.083 mN m/A (18.071 to 18.095)`: as many digits as the interval justifies."""
     small = bool(_MILLI.match(answer.unit)) and 0.0 < abs(answer.value) < 0.1
     factor, unit = (1e3, f"m{answer.unit}") if small else (1.0, answer.unit)
     value, low, high = (factor * each for each in (answer.value, answer.low, answer.high))

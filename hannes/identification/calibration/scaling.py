@@ -1,4 +1,4 @@
-"""Parameters as the search moves them: scaled, about their given values."""
+"""Parameters as the search moves them: scaled, about their nominal values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from hannes.identification.calibration.settings import Plan
 
 @dataclass
 class Scales:
-    """x = (value - given) / scale; bounds and priors of x, shapes (p,).
+    """x = (value - nominal) / scale; bounds and priors of x, shapes (p,).
 
     `prior` is one over the standard deviation of x before any recording.
     """
@@ -24,7 +24,7 @@ class Scales:
 
     @classmethod
     def of(cls, plan: Plan, given: Mapping[str, float]) -> "Scales":
-        """Scales of a plan about the given values."""
+        """Scales of a plan about the nominal values."""
         at = np.array([given[name] for name in plan.names])
         scale = np.array([plan.scale[name] for name in plan.names])
         bounds = np.array([plan.bounds[name] for name in plan.names])

@@ -15,11 +15,7 @@ from hannes.identification.calibration.scaling import Scales
 from hannes.identification.calibration.settings import Plan
 from hannes.identification.calibration.simulator import Model
 from hannes.identification.calibration.starting_points import scattered
-
-ROUNDS = 6
-STILL = 0.3  # standard deviations within which a round may move and be the last
-COARSE = 0.1  # relative gain that ends the first round, whose weights are wrong
-AS_GOOD = 1.001  # times the least misfit: ends as well, so that the first start is kept
+from hannes.identification.calibration.tuning import CALIBRATION
 
 Progress = Callable[[str, float], None]
 
@@ -44,7 +40,7 @@ class Search:
         self.starts: list[Start] = []
 
     def run(self) -> State:
-        """Search; ComputationFailed where nothing can be simulated or it does not settle."""
+        """Search; ComputationFailed where nothing can be simulated or the fit does not converge."""
         with ThreadPoolExecutor(self.workers) as self.pool:
             self.maker = Maker(self.model, self.plan, self.scales, self.pool.map)
             state = self._begin()
@@ -56,7 +52,7 @@ class Search:
         return replace(found, costs=self.costs, starts=self.starts, noise_floors=self.noise_floors)
 
     def _begin(self) -> State:
-        """The misfit at the given values, or where a scan found it least."""
+        """The state at the nominal values, or at the best point of a scan."""
         x = np.zeros(len(self.plan.names))
         try:
             state = self.maker.first(x, model_error.first(self.least, self.noise_floors))
@@ -76,13 +72,15 @@ class Search:
         return float(residual @ residual)
 
     def _rounds(self, state: State) -> State:
-        for number in range(ROUNDS):
+        for number in range(CALIBRATION.max_rounds):
             self.best, before = (np.inf, state.x), state.x
             if number == 1 and self.plan.starts > 1:
                 solved, problem = self._from_all(state)
             else:
                 problem = self._problem(state, f"round {number + 1}")
-                solved = solve(problem, state.x, *(() if number else (COARSE,)))
+                solved = solve(
+                    problem, state.x, *(() if number else (CALIBRATION.coarse_tolerance,))
+                )
             self.costs.append(solved.cost)
             state = self._next(state, solved, problem)
             if number > 0 and self._still(state, before):
@@ -108,7 +106,7 @@ class Search:
         ]
         least = min(each.cost for each in self.starts)
         for solved, problem in zip(found, problems, strict=True):
-            if solved is not None and solved.cost <= least * AS_GOOD:
+            if solved is not None and solved.cost <= least * CALIBRATION.as_good:
                 return solved, problem
         raise ComputationFailed(NOTHING_SIMULATES)
 
@@ -121,7 +119,7 @@ class Search:
         return Problem(state, self.pool.map if parallel else map, progress)
 
     def _next(self, state: State, solved: Solved, problem: Problem) -> State:
-        """The state from where the round ended: starts and doubts move, what remains weighs."""
+        """The state where the round ended, with new start offsets, uncertain values and noise."""
         at, bundle = problem.bundle
         if not np.array_equal(at, solved.x):
             bundle = self.maker.bundle(solved.x, state.uncertain_values, problem.steps)
@@ -133,13 +131,13 @@ class Search:
         return replace(made, on_bound=solved.on_bound)
 
     def _still(self, state: State, before: np.ndarray) -> bool:
-        """Tell whether the last round moved less than what the data can tell."""
+        """Whether the last round moved less than what the data resolve."""
         deviation = deviations(state.jacobian(), self.scales.prior)
-        return bool(np.all(np.abs(state.x - before) < STILL * deviation))
+        return bool(np.all(np.abs(state.x - before) < CALIBRATION.still * deviation))
 
 
 def _tried(problem: Problem, x: np.ndarray) -> Solved | None:
-    """A search from one of several points, None where it cannot set out."""
+    """A search from one of several points; None where it cannot start."""
     try:
         return solve(problem, x)
     except (ComputationFailed, Stopped):
@@ -149,6 +147,6 @@ def _tried(problem: Problem, x: np.ndarray) -> Solved | None:
 def _unsettled(costs: Sequence[float]) -> str:
     path = " -> ".join(f"{each:.4g}" for each in costs[-3:])
     return (
-        f"the fit did not settle (misfit {path}); try fewer parameters, values nearer to the "
+        f"the fit did not converge (misfit {path}); try fewer parameters, values nearer to the "
         "hand's, narrower bounds, or scan = 256"
     )

@@ -1,4 +1,4 @@
-"""What a calibration is asked: the table [calibrate] of a campaign, every part with a default."""
+"""The settings of a calibration: the table [calibrate] of a campaign, with defaults."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -8,6 +8,7 @@ from hannes.core.errors import BadInput, nearest
 from hannes.core.io.toml_table import Table
 from hannes.core.io.units import quantity
 from hannes.core.parameter import Parameter
+from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.identification.grasp_features import FEATURES
 from hannes.plants.protocol import Plant, run_to_run_spread
 
@@ -17,28 +18,26 @@ KEYS = (
 )
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 MOST_STARTS, MOST_SCANNED = 64, 4096
-WEAK = 0.5  # relative standard deviation of a given value about which nothing was said
-SCAN = 64  # points, where features ask for a global start
 
 
 @dataclass(frozen=True)
 class Plan:
     """A calibration to be made; all sizes in SI.
 
-    names:       parameters to move
-    named:       whether the campaign named them, or the plant's usual ones stand in
-    spread:      parameter -> standard deviation of what its given value may be off
+    names:       parameters to fit
+    named:       whether the campaign named them, or the plant's usual ones are taken
+    spread:      parameter -> standard deviation of its nominal value
     bounds:      parameter -> lowest and highest value
     nuisance:    parameter -> standard deviation from run to run
     start_time:  standard deviation [s] of the moment at which a run starts, 0 where it is known
-    doubt:       standard deviation of what parameters that are not moved may be off, none where
-                 these are taken as known
+    doubt:       uncertain parameters that are not fitted -> standard deviation; empty where these
+                 are taken as known
     channels:    compared as traces;  features: compared as figures (see grasp_features.py)
     loss:        of scipy's least_squares
-    starts:      how many starting points;  scan: how many points are looked at to find them
-    model_error: share of a channel's RMS in which no model of the machine is believed
+    starts:      number of starting points;  scan: number of points scanned to find them
+    model_error: share of a channel's RMS that is taken as model error
     limit:       relative half-width of an interval beyond which a parameter is not identified
-    accept:      kinds of findings of the data check that are no reason to refuse a recording
+    accept:      kinds of data issues that are accepted
     """
 
     names: tuple[str, ...]
@@ -82,7 +81,7 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
         features,
         table.choice("loss", LOSSES, "linear"),
         table.whole("starts", 1, MOST_STARTS, 4),
-        table.whole("scan", 0, MOST_SCANNED, SCAN if features else 0),
+        table.whole("scan", 0, MOST_SCANNED, CALIBRATION.scanned_points if features else 0),
         _share(table, "model_error", 0.01),
         _share(table, "limit", 0.1),
         seed,
@@ -92,7 +91,7 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
 
 
 def _names(table: Table, plant: Plant) -> tuple[str, ...]:
-    """The parameters that are asked for, or those that the plant and its effects usually move."""
+    """The parameters that are asked for, or the usual ones of the plant and its effects."""
     if "parameters" not in table:
         own = (e.full_name(p.name) for e in plant.effects for p in e.parameters)
         return tuple(dict.fromkeys([*plant.free, *own]))
@@ -113,11 +112,11 @@ def _require(table: Table, key: str, name: str, plant: Plant) -> Parameter:
 
 def _weak(value: float, declared: Parameter) -> float:
     low, high = declared.bounds
-    return WEAK * abs(value) or (high - low) / 20.0
+    return CALIBRATION.weak_prior * abs(value) or (high - low) / 20.0
 
 
 def _sizes(table: Table, plant: Plant, names: Iterable[str]) -> dict[str, float]:
-    """Standard deviations by parameter, given with unit or in percent of the given value."""
+    """Standard deviations by parameter, with unit or in percent of the nominal value."""
     for name in table.content:
         if name not in names:
             table.refuse(name, f"is no parameter of this calibration{nearest(name, names)}")
@@ -137,25 +136,27 @@ def _size(table: Table, name: str, plant: Plant) -> float:
 
 
 def _nuisances(table: Table, plant: Plant) -> dict[str, float]:
-    """What runs may differ in: the campaign's word, else what the plant says of itself."""
+    """Run-to-run variability: the campaign's, else the plant's own."""
     usual = {name: size for name, size in run_to_run_spread(plant).items() if size > 0.0}
     own = [name for name in table.content if name != "start_time"]
     return {name: _size(table, name, plant) for name in own} if own else usual
 
 
 def _doubt(table: Table, plant: Plant, names: Iterable[str]) -> dict[str, float]:
-    """How far off other parameters may be: one share for all that the plant holds uncertain."""
+    """Standard deviations of uncertain parameters: one share for all that the plant declares."""
     if "doubt" not in table:
         return {}
     scales: Mapping[str, float] = getattr(plant, "uncertain", {})
     if not scales:
-        table.refuse("doubt", f"cannot be had: the plant {plant.name} holds no value uncertain")
+        table.refuse(
+            "doubt", f"cannot be used: the plant {plant.name} declares no uncertain parameter"
+        )
     share = _share(table, "doubt", 0.0)
     return {name: share * size for name, size in scales.items() if name not in names and size}
 
 
 def _start_time(table: Table, plant: Plant) -> float:
-    """Standard deviation [s]: the campaign's word, else what the plant says of itself."""
+    """Standard deviation [s]: the campaign's, else the plant's own."""
     if "start_time" not in table:
         return float(getattr(plant, "start_time", 0.0))
     spread = table.quantity("start_time", "s")

@@ -1,8 +1,8 @@
 """Simulates all runs of a calibration at given values, and differences them by parameters.
 
-Repeats of one command share a simulation. Where a plant also has `smooth`, a quick simulation
-without the grain of its firmware, slopes come from that, and what it leaves out (`simulate` minus
-`smooth`) is computed once for a whole search.
+Repeats of one command share a simulation. A plant may also have `smooth`, a quick simulation
+without the controller's discretisation. Then derivatives come from that, and the difference
+(`simulate` minus `smooth`) is computed once for a whole search.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -13,16 +13,16 @@ import numpy as np
 
 from hannes.core.errors import ComputationFailed
 from hannes.identification.binned_run import View
+from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.plants.protocol import Plant
 
 Channels = dict[str, np.ndarray]
 Map = Callable[[Callable[..., Any], Iterable[Any]], Iterable[Any]]
-SHIFT = 1e-3  # s, over which the effect of starting later is differenced
 
 
 @dataclass(frozen=True)
 class Bundle:
-    """Simulations about one point: channels of each group of repeats, as they are and moved.
+    """Simulations about one point: channels of each group of repeats, at the point and moved.
 
     `moved` has, for each parameter, the channels of each group (None where no step succeeded) and
     the step [SI].
@@ -33,7 +33,7 @@ class Bundle:
 
 
 class Model:
-    """A plant and the runs that it shall explain."""
+    """A plant and the runs that it is fitted to."""
 
     def __init__(self, plant: Plant, views: Sequence[View]) -> None:
         self.plant, self.views = plant, list(views)
@@ -47,7 +47,7 @@ class Model:
     def settle(
         self, values: Mapping[str, float], quick: Sequence[Channels], spread_over: Map = map
     ) -> None:
-        """Compute anew what the quick simulation, `quick` at these values, leaves out."""
+        """Compute the discretisation error anew; `quick` is the quick simulation at `values`."""
         if self._smooth is None:
             return
 
@@ -58,7 +58,7 @@ class Model:
         self.discretisation = list(spread_over(discretisation, range(len(self.groups))))
 
     def run(self, values: Mapping[str, float], spread_over: Map = map) -> list[Channels]:
-        """Quick simulation of every group of repeats; ComputationFailed where one breaks down."""
+        """Quick simulation of every group of repeats; ComputationFailed where one fails."""
         simulate = self._smooth or self.plant.simulate
         recordings = [self.views[group[0]].recording for group in self.groups]
         return list(spread_over(lambda recording: simulate(values, recording), recordings))
@@ -79,7 +79,7 @@ class Model:
         return found
 
     def nonlinearities(self, done: Sequence[Channels]) -> list[np.ndarray]:
-        """How jerky each element of every run's vector is, see View.jerks."""
+        """Within-bin nonlinearity of every run's vector, see View.nonlinearities."""
         pairs = zip(done, self.groups, strict=True)
         placed = {
             place: self.views[place].nonlinearities(each)
@@ -89,17 +89,22 @@ class Model:
         return [placed[place] for place in range(len(self.views))]
 
     def delays(self, done: Sequence[Channels], start_offsets: np.ndarray) -> list[np.ndarray]:
-        """Change of every run's vector per second that it starts later."""
-        before, after = (self.vectors(done, start_offsets + side * SHIFT) for side in (-0.5, 0.5))
-        return [np.nan_to_num((b - a) / SHIFT) for a, b in zip(before, after, strict=True)]
+        """Change of every run's vector per second of later start."""
+        before, after = (
+            self.vectors(done, start_offsets + side * CALIBRATION.start_shift)
+            for side in (-0.5, 0.5)
+        )
+        return [
+            np.nan_to_num((b - a) / CALIBRATION.start_shift)
+            for a, b in zip(before, after, strict=True)
+        ]
 
     def bundle(
         self, values: Mapping[str, float], steps: Mapping[str, float], spread_over: Map = map
     ) -> Bundle:
         """Simulate at `values` and with each parameter of `steps` [SI] moved.
 
-        A step that leads out of a parameter's bounds, or into a failed simulation, is taken the
-        other way.
+        A step that leaves a parameter's bounds, or fails, is taken the other way.
         """
         centre = self.run(values, spread_over)
         made = list(spread_over(lambda name: self._moved(values, name, steps[name]), steps))
@@ -123,7 +128,7 @@ class Model:
     ) -> list[np.ndarray]:
         """Change of every run's vector by parameters times `sizes` [SI], shape (sizes, n) each.
 
-        Zero where no step was had.
+        Zero where no step succeeded.
         """
         centre = self.vectors(bundle.centre, start_offsets)
         found = [np.zeros((len(sizes), each.size)) for each in centre]

@@ -1,1 +1,1 @@
-"""Each effect fitted on some stretches of a record and judged on others."""
+"""Each effect fitted on some segments of the recordings and judged on others (hold-out)."""

@@ -7,9 +7,8 @@ import numpy as np
 
 from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.segments import FEWEST_BLOCKS_TO_SPLIT, Segment, in_roles, may_be_split
-from hannes.identification.holdout.effect_test import FEWEST_BLOCKS, Trial, rivals
-
-WITHIN = 1.5  # times the floor: what repeats and a model that is nearly right leave
+from hannes.identification.holdout.effect_test import Trial, rivals
+from hannes.identification.holdout.tuning import HOLDOUT
 
 VerdictFields = dict[str, Any]  # the verdict's first fields: verdict, effects, reason
 
@@ -19,14 +18,14 @@ def decided(
 ) -> tuple[Trial | None, VerdictFields]:
     """Return the winner or None, and the verdict's first fields.
 
-    `trials`: best first. `nominal`, `left`: misfit of the worst channel as given and with the base
-    refitted, in units of its floor. `lacking`: why nothing can be claimed; `note`: how segments
-    were cut.
+    trials: best first
+    nominal, left: RMS of the worst channel as given and with the baseline refitted, in noise floors
+    lacking: why nothing can be claimed;  note: how segments were cut
     """
     best = trials[0] if trials and trials[0].accepted else None
     if lacking:
         return None, _fields("undecided", lacking)
-    if nominal <= WITHIN:
+    if nominal <= HOLDOUT.agrees:
         return None, _fields(
             "no_gap", f"as given, the worst channel lies at {_times_text(nominal)}"
         )
@@ -34,9 +33,9 @@ def decided(
         names = [best.name, *(each.name for each in rivals(best, trials))]
         kind = "named" if len(names) == 1 else "one_of"
         return best, _fields(kind, _chosen(best, note), names)
-    kind = "recalibrated" if left <= WITHIN else "unknown"
+    kind = "recalibrated" if left <= HOLDOUT.agrees else "unknown"
     return None, _fields(
-        kind, f"with the base refitted, the worst channel lies at {_times_text(left)}"
+        kind, f"with the baseline refitted, the worst channel lies at {_times_text(left)}"
     )
 
 
@@ -62,12 +61,12 @@ def lacking(campaign: Campaign, segments: Sequence[Segment], trials: Sequence[Tr
             f"run under the same command{longer * may_be_split(campaign.plant)}"
         )
     blocks = [trial.block_reductions.size for trial in trials if trial.applicable]
-    few = blocks and max(blocks) < FEWEST_BLOCKS
+    few = blocks and max(blocks) < HOLDOUT.fewest_blocks
     return "the recordings to choose by are too short: record longer runs" if few else ""
 
 
 def confirmed(fields: VerdictFields, gap: Mapping[str, Mapping[str, float]]) -> VerdictFields:
-    """Take a name back that the show recordings do not bear out; tell a remainder."""
+    """Withdraw a name that the test recordings do not confirm; state a remainder."""
     if not fields["effects"]:
         return fields
     squares = [
@@ -78,7 +77,7 @@ def confirmed(fields: VerdictFields, gap: Mapping[str, Mapping[str, float]]) -> 
         reason = "an effect was chosen, but on the show recordings it closes nothing"
         return _fields("unknown", reason)
     worst = max(each["after"] / each["floor"] for each in gap.values())
-    if fields["verdict"] == "named" and worst > WITHIN:
+    if fields["verdict"] == "named" and worst > HOLDOUT.agrees:
         reason = f"{fields['reason']}; what remains is {_times_text(worst)}"
         return {**fields, "verdict": "named_with_remainder", "reason": reason}
     return fields

@@ -1,4 +1,4 @@
-"""One effect on trial: fitted on some pieces, judged on others that no fit has seen."""
+"""The hold-out test of one effect: fitted on some segments, judged on others."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -9,25 +9,19 @@ import numpy as np
 from hannes.core.effect import Effect
 from hannes.core.parameter import Parameter
 from hannes.identification.holdout.least_squares import Fitted, WeightedResidual
+from hannes.identification.holdout.tuning import HOLDOUT
 
-ALPHA = 0.01  # false alarms accepted per effect, where the assumptions hold
 POWER_80 = 3.42  # standard deviations seen with 80 % power at ALPHA, two-sided: 2.576 + 0.842
-RESAMPLES = 2000
-FEWEST_BLOCKS = 6  # to judge a gain by
-LEAST_SHARE = 0.2  # of the reducible misfit that an effect must explain
-LEAST_GAIN = 0.2  # of the floor's own variance
-RIVAL = 0.8  # a rival that gains this share of the winner's gain cannot be told from it
-ALIKE = 0.95  # cosine of two effects' signatures beyond what the base can absorb
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What came of one effect; `why` tells in words why it was not accepted.
+    """The outcome of one effect; `why` states why it was not accepted.
 
-    gain:      mean squared misfit taken away on the pieces to choose by, floor = 1
-    share:     the same as a share of what was there above the floor
-    sureness:  lower limit at level ALPHA of the blocks' mean log gain, by resampling blocks
-    evidence:  distance of its parameters from `off`, in standard deviations
+    delta_chi2:  mean reduction of squared residuals on the validation segments, noise floor = 1
+    share:       the same as a share of what was above the noise floor
+    lower_limit: of the blocks' mean log reduction, by resampling blocks
+    evidence:    distance of its parameters from `off`, in standard deviations
     """
 
     name: str
@@ -43,7 +37,7 @@ class Trial:
 
     @property
     def accepted(self) -> bool:
-        """True where nothing speaks against it."""
+        """True where nothing contradicts it."""
         return self.fitted is not None and not self.why
 
     @property
@@ -55,18 +49,18 @@ class Trial:
 def judge(
     trial: Trial, residual: WeightedResidual, before: Fitted, rng: np.random.Generator
 ) -> Trial:
-    """Return the trial with its chi2 reduction on the segments of `residual`, and the outcome."""
+    """Return the trial with its reduction on the segments of `residual`, and the outcome."""
     fitted = trial.fitted
     assert fitted is not None
     old, new = (_squares(residual, f) for f in (before, fitted))
     reductions = _block_reductions(old, new, residual.clusters())
-    drawn = rng.integers(0, reductions.size, (RESAMPLES, reductions.size))
+    drawn = rng.integers(0, reductions.size, (HOLDOUT.resamples, reductions.size))
     delta_chi2 = float((old - new).mean())
     judged = replace(
         trial,
         delta_chi2=delta_chi2,
         share=delta_chi2 / max(float(old.mean()) - 1.0, abs(delta_chi2), 1e-12),
-        lower_limit=float(np.quantile(reductions[drawn].mean(1), ALPHA)),
+        lower_limit=float(np.quantile(reductions[drawn].mean(1), HOLDOUT.false_alarms)),
         evidence=evidence(fitted, trial.effect),
         block_reductions=reductions,
     )
@@ -74,9 +68,9 @@ def judge(
 
 
 def _block_reductions(old: np.ndarray, new: np.ndarray, blocks: np.ndarray) -> np.ndarray:
-    """Logarithm of what an effect divides each block's squared misfit by, the floor added.
+    """Logarithm of the factor by which an effect divides each block's mean square, floor added.
 
-    So that no single block, however bad before, carries the choice alone.
+    So no single block, however bad before, decides alone.
     """
     counts = np.bincount(blocks)
     there = counts > 0
@@ -85,7 +79,7 @@ def _block_reductions(old: np.ndarray, new: np.ndarray, blocks: np.ndarray) -> n
 
 
 def _squares(residual: WeightedResidual, fitted: Fitted) -> np.ndarray:
-    """Squared misfit of every sample in units of the floor."""
+    """Squared residual of every sample in units of the noise floor."""
     raw = residual.raw(fitted.plant, fitted.values)
     return np.concatenate(
         [(v / residual.noise_floors[n]) ** 2 for channels in raw for n, v in channels.items()]
@@ -107,12 +101,15 @@ def evidence(fitted: Fitted, effect: Effect) -> float:
 def _objection(trial: Trial) -> str:
     from scipy.stats import chi2
 
-    needed = float(np.sqrt(chi2.ppf(1.0 - ALPHA, len(trial.effect.amplitudes))))
-    if trial.block_reductions.size < FEWEST_BLOCKS:
-        return f"only {trial.block_reductions.size} blocks to judge by, {FEWEST_BLOCKS} are needed"
+    needed = float(np.sqrt(chi2.ppf(1.0 - HOLDOUT.false_alarms, len(trial.effect.amplitudes))))
+    if trial.block_reductions.size < HOLDOUT.fewest_blocks:
+        return (
+            f"only {trial.block_reductions.size} blocks to judge by, "
+            f"{HOLDOUT.fewest_blocks} are needed"
+        )
     if trial.lower_limit <= 0.0:
         return "its gain on recordings not fitted is within what chance gives"
-    if trial.delta_chi2 < LEAST_GAIN or trial.share < LEAST_SHARE:
+    if trial.delta_chi2 < HOLDOUT.least_reduction or trial.share < HOLDOUT.least_share:
         return f"it explains only {100 * trial.share:.0f} % of what is above the floor"
     if trial.evidence < needed:
         return (
@@ -138,7 +135,7 @@ def with_confusable(trials: Sequence[Trial]) -> list[Trial]:
                 for name, space in spaces.items()
                 if trial.name in spaces
                 and name != trial.name
-                and _cosine(space, spaces[trial.name]) > ALIKE
+                and _cosine(space, spaces[trial.name]) > HOLDOUT.confusable_cosine
             ),
         )
         for trial in trials
@@ -146,7 +143,7 @@ def with_confusable(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _signature(trial: Trial) -> np.ndarray:
-    """Orthonormal directions of the effect in the residual, beyond what the base absorbs."""
+    """Orthonormal basis of the effect's signature, beyond what the baseline absorbs."""
     fitted = trial.fitted
     assert fitted is not None
     amplitudes = {trial.effect.full_name(each.name) for each in trial.effect.amplitudes}
@@ -167,16 +164,18 @@ def _cosine(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def rivals(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
-    """Accepted trials that gain nearly as much as the best, so that no choice can be made."""
+    """Accepted trials that reduce nearly as much as the best, so that no choice can be made."""
     return [
         each
         for each in trials
-        if each is not best and each.accepted and each.delta_chi2 >= RIVAL * best.delta_chi2
+        if each is not best
+        and each.accepted
+        and each.delta_chi2 >= HOLDOUT.rival_share * best.delta_chi2
     ]
 
 
 def minimum_detectable_sizes(trials: Sequence[Trial]) -> dict[str, dict[str, dict[str, Any]]]:
-    """Per effect and amplitude: the size seen with 80 % power at ALPHA, were the fit linear.
+    """Effect and amplitude -> size seen with 80 % power at the false-alarm level, linearly.
 
     `value` is None, with the `reason`, where no size inside the physical bounds would be seen.
     """

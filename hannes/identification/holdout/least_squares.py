@@ -1,9 +1,8 @@
 """Fits a plant's parameters to recording segments: least squares, nominal values as prior.
 
-Differences are taken on the scale of each parameter's uncertainty, never of its value, first in
-coarse steps, then in finer ones. Coarse: a simulation from an adaptive solver is only smooth down
-to its tolerance, and small ripples must not stop the search. Fine: a contact that comes and goes
-bends what coarse steps take for a line.
+Difference steps scale with each parameter's uncertainty, not with its value. They are coarse
+first: a simulation with adaptive steps is smooth only down to its tolerance, and ripples must not
+stop the search. They are fine later: contacts come and go within a coarse step.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,12 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.campaigns.segments import Segment
+from hannes.identification.holdout.tuning import HOLDOUT
 from hannes.plants.protocol import Plant, free_amplitudes, robust
-
-STEPS = (0.1, 0.01, 0.001)  # of one standard deviation (of 1/20 of an effect's range)
-STARTS = (-4.0, -1.0, 1.0, 4.0)  # of 1/20 of an effect's range, from where it vanishes
-MOST_ROUNDS = 12  # with each of them
-PER_BLOCK = 4  # independent moments in one block of the plant
 
 Progress = Callable[[str], None]
 
@@ -71,11 +66,11 @@ class WeightedResidual:
         }
 
     def weighted(self, raw: Sequence[Mapping[str, np.ndarray]]) -> np.ndarray:
-        """One vector in units of the floor, counting what is correlated once."""
+        """One vector in units of the noise floor, counting correlated samples once."""
         parts = []
         for segment, channels in zip(self.segments, raw, strict=True):
             interval = float(np.median(np.diff(segment.recording.time)))
-            together = max(1.0, self.plant.block / PER_BLOCK / interval)
+            together = max(1.0, self.plant.block / HOLDOUT.moments_per_block / interval)
             parts += [
                 softened(v, robust(self.plant, n)) / (self.noise_floors[n] * np.sqrt(together))
                 for n, v in channels.items()
@@ -83,7 +78,7 @@ class WeightedResidual:
         return np.concatenate(parts)
 
     def clusters(self) -> np.ndarray:
-        """Block number of every element of `weighted`; the same block of repeats is one cluster."""
+        """Block number of every element of `weighted`; a block of all repeats is one cluster."""
         numbers: dict[tuple[bytes, int], int] = {}
         parts = []
         for segment in self.segments:
@@ -96,7 +91,7 @@ class WeightedResidual:
 
 
 def softened(difference: np.ndarray, size: float) -> np.ndarray:
-    """Differences whose squares are the soft L1 loss: as they are well within `size`.
+    """Differences whose squares are the soft L1 loss: unchanged well within `size`.
 
     Far beyond it a square grows only as the difference does (Triggs et al. 2000, section 4.3).
     """
@@ -134,12 +129,12 @@ def fit(
         return residual.weighted(residual.raw(plant, values(x)))
 
     def columns(x: np.ndarray, step: float) -> np.ndarray:
-        progress(", ".join(each.name for each in plant.effects) or "base")
+        progress(", ".join(each.name for each in plant.effects) or "baseline")
         return differences(data, x, low, high, step)
 
     unknown = [k for k, name in enumerate(names) if name not in plant.free and name not in known]
     x = _scanned_start(data, (begin - nominal) / scale, unknown, low, high)
-    for step in STEPS:
+    for step in HOLDOUT.difference_steps:
         found = least_squares(
             lambda x: np.concatenate((data(x), prior * x)),
             np.clip(x, low + 1e-6, high - 1e-6),
@@ -147,7 +142,7 @@ def fit(
             bounds=(low, high),
             ftol=1e-4,
             xtol=1e-4,
-            max_nfev=MOST_ROUNDS,
+            max_nfev=HOLDOUT.max_evaluations,
         )
         x = found.x
     rows = found.jac[: -len(names)]
@@ -164,13 +159,13 @@ def _scanned_start(
     low: np.ndarray,
     high: np.ndarray,
 ) -> np.ndarray:
-    """Start each unknown where the misfit is least of a few sizes, one parameter after the other.
+    """Start each unknown at the best of a few sizes, one parameter after the other.
 
-    An effect may be flat at `off`: a lag far below the sampling interval changes nothing at all.
+    An effect may have zero derivative at `off`: a lag far below the sampling interval does nothing.
     """
     best, left = x, np.sum(data(x) ** 2) if unknown else 0.0
     for place in unknown:
-        for size in x[place] + np.array(STARTS):
+        for size in x[place] + np.array(HOLDOUT.scanned_sizes):
             moved = best.copy()
             moved[place] = np.clip(size, low[place], high[place])
             if (found := np.sum(data(moved) ** 2)) < left:
@@ -205,9 +200,9 @@ def differences(
 def _covariance(
     columns: np.ndarray, rest: np.ndarray, clusters: np.ndarray, prior: np.ndarray
 ) -> np.ndarray:
-    """The larger of two estimates for each parameter: by the weights, and by blocks of the rest.
+    """The larger of two estimates for each parameter: by the weights, and by residual blocks.
 
-    The second ("sandwich") holds although what remains is no white noise.
+    The second ("sandwich") holds although the residual is no white noise.
     """
     inverse = np.linalg.inv(columns.T @ columns + np.diag(prior**2))
     scores = np.zeros((clusters.max() + 1, columns.shape[1]))
