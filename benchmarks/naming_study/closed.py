@@ -17,10 +17,10 @@ from benchmarks.truth.expected import expected
 from benchmarks.truth.protocol import Protocol
 from hannes.campaigns.campaign import Campaign
 from hannes.identification.diagnosis.campaign_diagnosis import Result
-from hannes.identification.diagnosis.linearisation import (
+from hannes.identification.diagnosis.linearisation import differenced
+from hannes.identification.diagnosis.noise_covariance import (
     NoiseAccuracy,
     NoiseCovariance,
-    differenced,
     estimated_noise,
 )
 from hannes.identification.diagnosis.repeat_groups import grouped

@@ -24,23 +24,12 @@ from hannes.core.io.toml_table import Table
 from hannes.core.kernels.jit import plain
 from hannes.identification.confusability import confusable, text
 from hannes.identification.diagnosis import decision as choices
-from hannes.identification.diagnosis import effect_search, gauss_newton, multistart
+from hannes.identification.diagnosis import gauss_newton, multistart, reservations, second_effect
 from hannes.identification.diagnosis.antedependence import covariance
 from hannes.identification.diagnosis.baseline import based
 from hannes.identification.diagnosis.campaign_diagnosis import _masks
-from hannes.identification.diagnosis.decision import (
-    _at_end,
-    _explained,
-    _pair,
-    decide,
-)
-from hannes.identification.diagnosis.effect_search import (
-    Trial,
-    _back,
-    _rebased,
-    _refuted,
-    search_effects,
-)
+from hannes.identification.diagnosis.decision import _pair, decide
+from hannes.identification.diagnosis.effect_search import _back, _rebased, search_effects
 from hannes.identification.diagnosis.generic_disturbances import (
     DRAGGING,
     EASING,
@@ -61,6 +50,7 @@ from hannes.identification.diagnosis.multistart import (
 from hannes.identification.diagnosis.noise_model import Noise, of_repeats, white_levels
 from hannes.identification.diagnosis.prior_distance import prior_distance
 from hannes.identification.diagnosis.repeat_groups import grouped
+from hannes.identification.diagnosis.reservations import _at_end, explained_share
 from hannes.identification.diagnosis.residual_tests import StructuredResidual
 from hannes.identification.diagnosis.score_test import (
     Guess,
@@ -70,8 +60,10 @@ from hannes.identification.diagnosis.score_test import (
     screened,
     shapes,
 )
+from hannes.identification.diagnosis.second_effect import _refuted
 from hannes.identification.diagnosis.settings import Settings, read_settings
 from hannes.identification.diagnosis.trend import strongest_trend
+from hannes.identification.diagnosis.trials import Trial
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 from hannes.plants.axis.plant import Axis
 from hannes.plants.hand.plant import HandPlant
@@ -125,10 +117,12 @@ def test_a_second_effect_that_only_led_the_first_back_is_dropped(investigated, m
     point = started_at(best.point, own, np.array([0.01]))
     pair = Trial(("turbulence", "hardening"), point, best.delta_chi2)
     monkeypatch.setattr(
-        effect_search, "_paired", lambda found, *_: [pair] if found.trials[0] is stuck else []
+        second_effect, "_paired", lambda found, *_: [pair] if found.trials[0] is stuck else []
     )
-    monkeypatch.setattr(effect_search, "_paired_globally", lambda *_: [])
-    found = effect_search._second(replace(investigated, trials=[stuck]), lambda text: None)
+    monkeypatch.setattr(second_effect, "_paired_globally", lambda *_: [])
+    found = second_effect.with_second_effect(
+        replace(investigated, trials=[stuck]), lambda text: None
+    )
     assert found.pair is None
     assert found.trials[0].effects == best.effects
     assert found.trials[0].delta_chi2 == pytest.approx(best.delta_chi2, abs=1.0)
@@ -157,8 +151,8 @@ def test_one_of_a_pair_is_fitted_alone_from_the_machine_as_given_too(investigate
     own = best.point.space.of("hardening")
     point = started_at(best.point, own, np.array([0.3]))
     pair = Trial(("turbulence", "hardening"), point, 0.0)
-    monkeypatch.setattr(effect_search, "faded", lambda *_: None)
-    alone = effect_search._alone(investigated, pair, "turbulence", lambda text: None)
+    monkeypatch.setattr(second_effect, "faded", lambda *_: None)
+    alone = second_effect._alone(investigated, pair, "turbulence", lambda text: None)
     assert alone.effects == ("turbulence",)
     assert alone.delta_chi2 == pytest.approx(best.delta_chi2, abs=1.0)
     assert np.array_equal(alone.point.active, best.point.active)
@@ -181,11 +175,11 @@ def test_a_name_that_takes_another_machine_than_was_told_is_not_clean(investigat
     baseline = strained.baseline  # what is left of it says nothing
     flat = replace(baseline, residual=np.zeros_like(baseline.residual), x=np.zeros_like(baseline.x))
     assert (
-        _explained(replace(strained, baseline=flat), replace(best, delta_chi2=20.0))
+        explained_share(replace(strained, baseline=flat), replace(best, delta_chi2=20.0))
         < VERDICT.explained_share
     )
     assert (
-        _explained(replace(strained, baseline=flat), replace(best, delta_chi2=1e4))
+        explained_share(replace(strained, baseline=flat), replace(best, delta_chi2=1e4))
         > VERDICT.explained_share
     )
 
@@ -267,7 +261,7 @@ def test_what_explains_less_than_stands_out_in_one_channel_has_no_name(investiga
     chi2_reduction, kinds = investigated.baseline.chi2 - best.point.chi2, {}
     for share in (1.2, 1.3, 1.5):
         slow = StructuredResidual("the position of runs like slow", share * chi2_reduction, 1e-9)
-        monkeypatch.setattr(choices, "channel_excess", lambda point, slow=slow: slow)
+        monkeypatch.setattr(reservations, "channel_excess", lambda point, slow=slow: slow)
         kinds[share] = decide(investigated, *masks)
     found = [each.kind for each in kinds.values()]
     assert found == ["named", "unknown", "unknown"]

@@ -10,13 +10,13 @@ from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment, noise_floors
 from hannes.identification.diagnosis.baseline import COARSE
-from hannes.identification.diagnosis.effect_search import SearchResult, Trial
 from hannes.identification.diagnosis.experiment_design import Separation, proposed, separation
 from hannes.identification.diagnosis.linearisation import first
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
+from hannes.identification.diagnosis.trials import SearchResult, Trial
 from hannes.plants.hand.candidate_runs import proposals
 from hannes.plants.hand.plant import HandPlant
 from hannes.simulation.catalogue import effects

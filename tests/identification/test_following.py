@@ -7,7 +7,7 @@ import pytest
 from sled import KNOWN, TURBULENCE, Sled, recordings
 
 from hannes.identification.diagnosis import decision as choices
-from hannes.identification.diagnosis import gauss_newton
+from hannes.identification.diagnosis import gauss_newton, reservations
 from hannes.identification.diagnosis.campaign_diagnosis import _masks
 from hannes.identification.diagnosis.decision import decide
 from hannes.identification.diagnosis.effect_search import search_effects
@@ -116,9 +116,9 @@ def test_what_grows_beside_a_name_makes_it_less_clean(both, monkeypatch, delta_c
     trials = [replace(both[1].trials[0], delta_chi2=of_name)]
     found = replace(both[1], trials=trials)
     monkeypatch.setattr(choices, "heldout_reduction", lambda *_: 10.0)
-    monkeypatch.setattr(choices, "_underexplained", lambda *_: None)
+    monkeypatch.setattr(reservations, "_underexplained", lambda *_: None)
     trend = Trend("turbulence", delta_chi2 * found.variance_factor)
-    monkeypatch.setattr(choices, "strongest_trend", lambda point, _: trend)
+    monkeypatch.setattr(reservations, "strongest_trend", lambda point, _: trend)
     masks = [_masks(found, role) for role in ("fit", "select")]
     decision = decide(found, *masks)
     assert decision.kind == kind

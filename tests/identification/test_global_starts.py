@@ -20,8 +20,8 @@ from hannes.identification.diagnosis.global_starts import (
     global_fits,
     size_dependent,
 )
-from hannes.identification.diagnosis.linearisation import run_to_run_rows
 from hannes.identification.diagnosis.multistart import started_at
+from hannes.identification.diagnosis.noise_covariance import run_to_run_rows
 from hannes.identification.diagnosis.noise_scale import chi2_reduction
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.score_test import stepped

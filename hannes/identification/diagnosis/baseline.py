@@ -4,14 +4,9 @@ from collections.abc import Sequence
 
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
-from hannes.identification.diagnosis.linearisation import (
-    Linearisation,
-    NoiseAccuracy,
-    estimated_noise,
-    first,
-    with_noise,
-)
+from hannes.identification.diagnosis.linearisation import Linearisation, first, with_noise
 from hannes.identification.diagnosis.multistart import Progress
+from hannes.identification.diagnosis.noise_covariance import NoiseAccuracy, estimated_noise
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.run_to_run import settings_from_repeats

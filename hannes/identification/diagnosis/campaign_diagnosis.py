@@ -11,19 +11,19 @@ from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_cam
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.before_after import STAGES, left, simulated, traced
 from hannes.identification.diagnosis.decision import Decision, decide
-from hannes.identification.diagnosis.effect_search import SearchResult, search_effects
+from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.effect_sizes import interval, with_sizes
+from hannes.identification.diagnosis.evidence_tables import EvidenceTables
 from hannes.identification.diagnosis.experiment_design import next_run
 from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENERIC
 from hannes.identification.diagnosis.run_to_run import disagreement
-from hannes.identification.diagnosis.score_test import amplitude_names, cosine_similarity, projected
 from hannes.identification.diagnosis.settings import Settings
-from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
+from hannes.identification.diagnosis.trials import SearchResult
+from hannes.identification.diagnosis.tuning import VERDICT
 from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
 from hannes.plants.protocol import Plant
 
-POWER_80 = 0.842  # standard deviations above a limit for 80 % power
 Progress = Callable[[str], None]
 
 
@@ -129,15 +129,16 @@ class _Closing:
         }
         baseline = simulated(self.model, _entries(self.known), places[1:2])
         kept = left(self.known, [each[0] for each in baseline], list(self.noise_floors))
+        tables = EvidenceTables(self.found, self.names)
         verdict = Verdict(
             verdict=decision.kind,
             effects=[self.names[name] for name in decision.effects],
             parameters=self.parameters(),
             gap=tabled(raws, self.heldout, plant.channels, self.noise_floors),
             where=located(plant, self.known, kept, self.noise_floors),
-            candidates=self.candidates(),
+            candidates=tables.candidates(),
             reason=decision.reason,
-            tried=self.tried(tried),
+            tried=tables.tried(tried, decision.effects),
             alpha=VERDICT.false_alarms,
             recordings={
                 role: [entry.name for entry in self.campaign.of(role)]
@@ -147,8 +148,8 @@ class _Closing:
             gap_on="the recordings in role show, which were never fitted",
             floor_from=self.how,
             next_run=self.next_run(),
-            smallest_detectable=self.detectable(),
-            confusability=self.confusability(),
+            smallest_detectable=tables.detectable(),
+            confusability=tables.confusability(),
         )
         traces = tuple(
             traced(segment, each, list(self.noise_floors))
@@ -174,85 +175,6 @@ class _Closing:
             }
         return found
 
-    def candidates(self) -> list[dict[str, Any]]:
-        """Every effect that was screened, best first; reductions of refitted ones are exact."""
-        exact = {trial.effects[0]: trial for trial in self.found.trials}
-        rows = []
-        for guess in self.found.guesses:
-            trial = exact.get(guess.effect)
-            delta_chi2 = (
-                trial.delta_chi2 if trial else guess.delta_chi2 / self.found.variance_factor
-            )
-            rows.append(
-                {
-                    "effect": self.names[guess.effect],
-                    "evidence": float(np.sqrt(max(0.0, delta_chi2))),
-                    "gain_select": self.share(delta_chi2),
-                    "refitted": trial is not None,
-                    "confusable_with": [self.names[name] for name in trial.confusable]
-                    if trial
-                    else [],
-                }
-            )
-        return sorted(rows, key=lambda row: -row["evidence"])
-
-    def share(self, delta_chi2: float) -> float:
-        """A reduction as a share of the largest one, or of what lies above the expected value."""
-        trials = [*self.found.trials, *([self.found.pair] if self.found.pair else [])]
-        most = max([trial.delta_chi2 for trial in trials], default=0.0)
-        above = (self.found.baseline.chi2 - self.found.bins) / self.found.variance_factor
-        return max(0.0, float(delta_chi2 / max(most, above, SEARCH.name_limit)))
-
-    def tried(self, tried: dict[str, tuple[Effect, str]]) -> list[dict[str, Any]]:
-        reductions = {each["effect"]: each for each in self.candidates()}
-        named = {self.names[name] for name in self.decision.effects}
-        rows = []
-        for name, (_, why) in tried.items():
-            row = reductions.get(name)
-            said = why or ("" if row is None else _said(row, name in named))
-            rows.append(
-                {"effect": name, "applicable": not why, "accepted": name in named, "why": said}
-            )
-        order = list(reductions)
-        return sorted(
-            rows, key=lambda r: order.index(r["effect"]) if r["effect"] in reductions else 99
-        )
-
-    def detectable(self) -> dict[str, dict[str, dict[str, Any]]]:
-        """Size of each amplitude that would be named with 80 % power, all else refitted."""
-        baseline, space, found = self.found.baseline, self.model.space, {}
-        for guess in self.found.guesses:
-            effect = space.effects[guess.effect]
-            _, hessian = projected(baseline, guess.signature)
-            sizes = {}
-            for number, name in enumerate(amplitude_names(effect)):
-                each = space.parameters[space.place(name)]
-                least = 1.0 / np.sqrt(max(float(hessian[number, number]), 1e-30))
-                needed = np.sqrt(
-                    SEARCH.name_limit + SEARCH.parameter_price * (len(space.of(guess.effect)) - 1)
-                )
-                size = (
-                    (needed + POWER_80) * least * each.scale * np.sqrt(self.found.variance_factor)
-                )
-                sizes[name.rpartition(".")[2]] = _size(size, each.low, each.high, self.unit(name))
-            found[self.names[guess.effect]] = sizes
-        return found
-
-    def confusability(self) -> dict[str, Any]:
-        """Cosine similarities of the signatures of the best effects and of those named."""
-        rows = [each["effect"] for each in self.candidates()]
-        known = {self.names[guess.effect]: guess.signature for guess in self.found.guesses}
-        names = [name for name in rows if name in known][: VERDICT.compared]
-        baseline = self.found.baseline
-        cosines = [
-            [round(cosine_similarity(baseline, known[a], known[b]), 3) for b in names]
-            for a in names
-        ]
-        return {"effects": names, "cosines": cosines}
-
-    def unit(self, name: str) -> str:
-        return self.model.whole.parameters.declared[name].unit
-
     def next_run(self) -> dict[str, Any] | None:
         """The run worth recording where effects compete or none is named."""
         kind, trials = self.decision.kind, self.found.trials
@@ -273,8 +195,8 @@ class _Closing:
             e for n, e in space.effects.items() if self.spread.keys() & set(space.of(n).tolist())
         ]
         values = space.values(decision.point.x, self.owner())
-        grown = plant.with_effects(*named)
-        return grown.with_values({n: v for n, v in values.items() if n in grown.parameters})
+        extended = plant.with_effects(*named)
+        return extended.with_values({n: v for n, v in values.items() if n in extended.parameters})
 
     def owner(self) -> str:
         """Whose own parameters a hand.toml takes: those of the object that the plant has itself."""
@@ -287,20 +209,3 @@ class _Closing:
 
 def _entries(segments: list[Segment]) -> list[Entry]:
     return [segment.entry for segment in segments]
-
-
-def _said(row: dict[str, Any], named: bool) -> str:
-    if named:
-        return "accepted"
-    delta_chi2 = row["evidence"] ** 2
-    if delta_chi2 < SEARCH.name_limit:
-        return f"lowers the misfit by {delta_chi2:.0f}; a name needs {SEARCH.name_limit:.0f}"
-    return f"lowers the misfit by {delta_chi2:.0f}, which the verdict weighs"
-
-
-def _size(size: float, low: float, high: float, unit: str) -> dict[str, Any]:
-    largest = max(abs(low), abs(high))
-    if size <= largest:
-        return {"value": float(size), "unit": unit}
-    reason = f"even the largest size inside its bounds, {largest:g}, would be missed"
-    return {"value": None, "unit": unit, "reason": reason}

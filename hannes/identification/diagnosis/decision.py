@@ -3,25 +3,21 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from hannes.core.parameter import Parameter
-from hannes.identification.diagnosis.effect_search import (
-    SearchResult,
-    Trial,
-    near,
-)
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
 from hannes.identification.diagnosis.heldout import heldout_reduction
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.prior_distance import PriorDistance, prior_distance
-from hannes.identification.diagnosis.residual_tests import (
-    StructuredResidual,
-    autocorrelated,
-    channel_excess,
+from hannes.identification.diagnosis.reservations import (
+    beyond_noise,
+    doubt_about,
+    explained_share,
+    significant_trend,
+    small_second_effect,
+    something_more,
+    trend_text,
 )
-from hannes.identification.diagnosis.trend import Trend, strongest_trend
-from hannes.identification.diagnosis.tuning import FIT, SEARCH, VERDICT
+from hannes.identification.diagnosis.residual_tests import channel_excess
+from hannes.identification.diagnosis.trials import SearchResult, Trial, near
+from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 
 
 @dataclass(frozen=True)
@@ -56,9 +52,9 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
         return Decision("unknown", (), reason, found.baseline)
     if any(fitted_runs) and any(heldout_runs):
         reason += f", that of recordings held out by {delta_chi2:.0f}"
-    if doubt := _doubted(found, trial):
+    if doubt := doubt_about(found, trial):
         return Decision("unknown", (), f"{reason}, but {doubt}", found.baseline)
-    if left := _left(found, trial):
+    if left := something_more(found, trial):
         return _unclean(found, trial, f"{reason}; {left}")
     return _beside(found, trial, _clean(found, trial, reason))
 
@@ -75,9 +71,9 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
         f"no effect lowers the misfit by the {SEARCH.name_limit:.0f} that a name needs "
         f"(best {delta_chi2:.0f})"
     )
-    if trend := _trend(found, found.baseline):
-        return Decision("unknown", (), f"{_trend_text(found, trend)}, and {least}", found.baseline)
-    if more := _more(found.baseline, found.bins):
+    if trend := significant_trend(found, found.baseline):
+        return Decision("unknown", (), f"{trend_text(found, trend)}, and {least}", found.baseline)
+    if more := beyond_noise(found.baseline, found.bins):
         return Decision(
             "unknown", (), f"refitted, the baseline leaves {more}, and {least}", found.baseline
         )
@@ -108,122 +104,13 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
     return Decision("recalibrated", (), reason, found.baseline)
 
 
-def _more(point: Linearisation, bins: int) -> str:
-    """What a fit leaves beyond noise, in words; an empty string where there is nothing."""
-    if point.chi2 > VERDICT.clean * bins:
-        return f"{point.chi2 / bins:.2f} per bin (1 expected)"
-    if slow := autocorrelated(point):
-        return f"more in {slow.where} than chance (p = {slow.p_value:.1g})"
-    return ""
-
-
-def _doubted(found: SearchResult, trial: Trial) -> str:
-    """Why effects that explain much are not what is there, or an empty string."""
-    if name := _stretched(found, trial):
-        return f"only with {name} at an end of its range and beyond: something like it is there"
-    if found.generic and found.generic.delta_chi2 > SEARCH.faint and near(trial, [found.generic]):
-        generic_name = GENERIC_NAMES[found.generic.effects[0]]
-        return f"{generic_name} does by {found.generic.delta_chi2:.0f}: something else may be there"
-    return ""
-
-
-def _stretched(found: SearchResult, trial: Trial) -> str:
-    """A parameter that would leave its physical range, in words, or an empty string."""
-    space = trial.point.space
-    for effect in (space.effects[name] for name in trial.effects):
-        for each in effect.parameters:
-            place = space.place(effect.full_name(each.name))
-            value = float(space.parameters[place].value(trial.point.x[place]))
-            if (
-                _at_end(each, value)
-                and _beyond(trial.point, place) > VERDICT.beyond_range * found.variance_factor
-            ):
-                return f"{effect.name}'s {each.name}".replace("_", " ")
-    return ""
-
-
-def _at_end(parameter: Parameter, value: float) -> bool:
-    """Whether a range ends there: `off` is no end, and counts and angles have none."""
-    low, high = parameter.bounds
-    ends = [end for end in (low, high) if end != parameter.off]
-    endless = parameter.turns is not None or parameter.tried
-    return not endless and min(abs(value - end) for end in ends) <= 1e-9 * (high - low)
-
-
-def _beyond(point: Linearisation, place: int) -> float:
-    """Reduction of chi-squared by a step along one parameter, all else following.
-
-    At an end of its range that is a step out of it: a fit that could go inward has gone.
-    """
-    number = int(np.searchsorted(point.active, place))
-    inverse = np.linalg.inv(point.hessian + FIT.jitter * np.eye(point.active.size))
-    return float(point.gradient[number] ** 2 * inverse[number, number])
-
-
-def _left(found: SearchResult, trial: Trial) -> str:
-    """What indicates something more than the effects of a trial, or an empty string."""
-    if trend := _trend(found, trial.point):
-        return _trend_text(found, trend)
-    if more := _more(trial.point, found.bins):
-        return f"what is left is {more}"
-    if slow := _underexplained(found, trial):
-        more = f"{slow.excess / found.variance_factor:.0f} stand out in {slow.where} alone"
-        return f"{more}, so something else is there"
-    rest, needed = found.remaining, max(SEARCH.name_limit, SEARCH.second_share * trial.delta_chi2)
-    if rest is not None and rest.delta_chi2 / found.variance_factor > needed:
-        more = rest.effect.replace("_", " ")
-        further = rest.delta_chi2 / found.variance_factor
-        return f"{further:.0f} more would go with {more}, so something else is there"
-    if far := _far_from_prior(trial):
-        ratio = f"{far.ratio:.1f} times as far as scatter allows"
-        return f"it takes a machine whose values are off {ratio}: so they are, or hide something"
-    return ""
-
-
-def _far_from_prior(trial: Trial) -> PriorDistance | None:
-    """How far the machine fitted with these effects is off its prior, where that is improbable."""
-    found = prior_distance(trial.point)
-    return found if found.p_value < VERDICT.prior_p_value else None
-
-
-def _underexplained(found: SearchResult, trial: Trial) -> StructuredResidual | None:
-    """Excess of one channel of the baseline, where the trial explains far less than that in all.
-
-    What appears in one channel alone is about as large by both, and which is larger is chance.
-    """
-    slow = channel_excess(found.baseline)
-    return (
-        slow
-        if slow is not None and VERDICT.explained_share * slow.excess > _lowered(found, trial)
-        else None
-    )
-
-
-def _lowered(found: SearchResult, trial: Trial) -> float:
-    return found.baseline.chi2 - trial.point.chi2
-
-
-def _trend(
-    found: SearchResult, point: Linearisation, least: float = VERDICT.trend_limit
-) -> Trend | None:
-    """A trend across runs that reduces chi-squared by at least `least`."""
-    trend = strongest_trend(point, found.guesses)
-    return trend if trend is not None and trend.delta_chi2 > least * found.variance_factor else None
-
-
-def _trend_text(found: SearchResult, trend: Trend) -> str:
-    name = trend.effect.replace("_", " ")
-    further = trend.delta_chi2 / found.variance_factor
-    return f"{further:.0f} would go with {name} that grows from run to run"
-
-
 def _clean(found: SearchResult, trial: Trial, reason: str) -> Decision:
     """The decision where nothing more is indicated beside a trial."""
     if len(trial.effects) > 1:
         return _pair(found, trial, reason)
     rivals = near(trial, found.trials)
     if not rivals:
-        more = _faintly(found, trial)
+        more = small_second_effect(found, trial)
         kind = "named_with_remainder" if more else "named"
         return Decision(kind, trial.effects, reason + more, trial.point)
     names = (*trial.effects, *(each.effects[0] for each in rivals))
@@ -235,26 +122,14 @@ def _beside(found: SearchResult, trial: Trial, decision: Decision) -> Decision:
 
     Unknown, if the trend alone explains more than the effect.
     """
-    trend = _trend(found, trial.point, VERDICT.trend_beside_name)
+    trend = significant_trend(found, trial.point, VERDICT.trend_beside_name)
     if trend is None or decision.kind != "named":
         return decision
-    instead = _trend(found, found.baseline, VERDICT.trend_beside_name)
-    reason = f"{decision.reason}; {_trend_text(found, trend)}"
+    instead = significant_trend(found, found.baseline, VERDICT.trend_beside_name)
+    reason = f"{decision.reason}; {trend_text(found, trend)}"
     if instead and instead.delta_chi2 > trial.delta_chi2 * found.variance_factor:
         return Decision("unknown", (), reason, found.baseline)
     return replace(decision, kind="named_with_remainder", reason=reason)
-
-
-def _faintly(found: SearchResult, trial: Trial) -> str:
-    """A second effect too small to be named, in words, or an empty string."""
-    rest = found.remaining
-    if rest is None or rest.delta_chi2 / found.variance_factor < max(
-        VERDICT.remainder, 0.5 * SEARCH.second_share * trial.delta_chi2
-    ):
-        return ""
-    name = rest.effect.replace("_", " ")
-    further = rest.delta_chi2 / found.variance_factor
-    return f"; {further:.0f} more would go with {name}, too little to name it"
 
 
 def _pair(found: SearchResult, trial: Trial, reason: str) -> Decision:
@@ -278,34 +153,12 @@ def _nearest(rivals: Sequence[Trial]) -> str:
 
 def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
     """The decision where something more than a trial is indicated."""
-    explained, first = _explained(found, trial), found.trials[0]
+    explained, first = explained_share(found, trial), found.trials[0]
     if len(trial.effects) > 1:
         explained *= first.delta_chi2 / trial.delta_chi2
     if explained < VERDICT.explained_share or near(first, found.trials):
         return Decision("unknown", (), reason, found.baseline)
     return Decision("named_with_remainder", first.effects, reason, first.point)
-
-
-def _explained(found: SearchResult, trial: Trial) -> float:
-    """Share that a trial explains of all that indicates a missing effect.
-
-    Zero where a trend across runs would explain more.
-    """
-    delta_chi2, slow = trial.delta_chi2 * found.variance_factor, autocorrelated(trial.point)
-    trend, instead = (_trend(found, p) for p in (trial.point, found.baseline))
-    if trend and instead and instead.delta_chi2 > delta_chi2:
-        return 0.0
-    beyond = max(found.baseline.chi2 - min(1.0, found.variance_factor) * found.bins, 1.0)
-    far = _far_from_prior(trial)
-    rests = (
-        slow.excess if slow else 0.0,
-        trend.delta_chi2 if trend else 0.0,
-        far.excess if far else 0.0,
-    )
-    shares = [delta_chi2 / beyond, *(delta_chi2 / (delta_chi2 + rest) for rest in rests)]
-    if out := _underexplained(found, trial):
-        shares.append(_lowered(found, trial) / out.excess)
-    return min(shares)
 
 
 def _names(trial: Trial) -> str:

@@ -1,14 +1,14 @@
 """Searches for what is missing: baseline, shortlist of single effects, then a second effect."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
 from hannes.campaigns.campaign import Entry
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.baseline import based
-from hannes.identification.diagnosis.gauss_newton import fitted, settled
+from hannes.identification.diagnosis.gauss_newton import settled
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.global_starts import (
     absorbed_by_baseline,
@@ -16,67 +16,30 @@ from hannes.identification.diagnosis.global_starts import (
     fits_from_nominal,
     global_fits,
 )
-from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
+from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
     Fits,
     Progress,
-    faded,
     fit_beside,
     little,
     refitted,
-    started_at,
-    started_at_guess,
-    with_correction_at_size,
     without,
 )
-from hannes.identification.diagnosis.noise_scale import chi2_reduction, estimated_variance_factor
+from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
 from hannes.identification.diagnosis.repeat_groups import grouped
-from hannes.identification.diagnosis.score_test import Guess, cosine_similarity, screened
+from hannes.identification.diagnosis.score_test import Guess, screened
+from hannes.identification.diagnosis.second_effect import with_second_effect
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.trials import (
+    SearchResult,
+    Trial,
+    converged,
+    may_be_named,
+    priced,
+    with_confusable,
+)
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.protocol import Plant
-
-
-@dataclass(frozen=True)
-class Trial:
-    """Effects refitted together.
-
-    delta_chi2: chi-squared of the baseline less the trial's, less the price of its parameters
-    confusable: effects whose signatures these recordings hardly separate from the first one's
-    """
-
-    effects: tuple[str, ...]
-    point: Linearisation = field(repr=False)
-    delta_chi2: float
-    confusable: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class SearchResult:
-    """Everything that a search found.
-
-    nominal, baseline: the machine as given and refitted;  trials: single effects, best first
-    guesses: of the whole catalogue, linear, at the baseline
-    pair: two effects, where one is not enough;  other_pairs: refitted beside it
-    remaining: the best guess for what is left after the last of them
-    variance_factor: variance of the noise over the assumed one, by which chi-squared is divided
-    generic: the best generic disturbance, where a guess makes one worth fitting
-    """
-
-    nominal: Linearisation
-    baseline: Linearisation
-    guesses: list[Guess]
-    trials: list[Trial]
-    pair: Trial | None
-    remaining: Guess | None
-    variance_factor: float
-    other_pairs: tuple[Trial, ...] = ()
-    generic: Trial | None = None
-
-    @property
-    def bins(self) -> int:
-        """How many values are compared."""
-        return self.baseline.residual.size
 
 
 def search_effects(
@@ -103,18 +66,13 @@ def search_effects(
             found = _rebased(found, better)
             break
         found = _searched(nominal, better, known, progress)
-    return _second(found, progress) if _enough(found) else found
-
-
-def _enough(found: SearchResult) -> bool:
-    """Whether the best effect reduces chi-squared enough for a name."""
-    return bool(found.trials) and found.trials[0].delta_chi2 > SEARCH.name_limit
+    return with_second_effect(found, progress) if may_be_named(found) else found
 
 
 def _leading(found: SearchResult) -> Trial | None:
     """The trial that improved the fit most: one that may be named, else any."""
     every = [*found.trials[:1], *([found.generic] if found.generic else [])]
-    named = found.trials[:1] if _enough(found) else every
+    named = found.trials[:1] if may_be_named(found) else every
     best = max(named, key=lambda each: each.delta_chi2, default=None)
     return best if best is not None and best.delta_chi2 > SEARCH.faint else None
 
@@ -152,8 +110,8 @@ def _searched(
     ]
     trials.sort(key=lambda each: -each.delta_chi2)
     if trials and trials[0].delta_chi2 > SEARCH.name_limit:
-        trials[0] = _whole(baseline, trials[0], variance_factor)
-    confusable = _with_confusable(baseline, guesses, trials)
+        trials[0] = converged(baseline, trials[0], variance_factor)
+    confusable = with_confusable(baseline, guesses, trials)
     free = [each for each in every if each.effect in GENERIC]
     generic = _generic(baseline, free, trials, variance_factor, progress)
     return SearchResult(
@@ -226,148 +184,3 @@ def _deepened(
         return fits
     progress(f"{best.replace('_', ' ')}, from about there")
     return {**fits, best: deepest_minimum(nominal, fits[best], best)}
-
-
-def _whole(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
-    """The trial with its fit converged: its parameters are reported."""
-    return priced(baseline, replace(trial, point=settled(trial.point)), variance_factor)
-
-
-def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
-    """The trial with its reduction of chi-squared, less the price of its parameters."""
-    further = trial.point.active.size - baseline.active.size - len(trial.effects)
-    price = SEARCH.generic_price if trial.effects[0] in GENERIC else SEARCH.parameter_price
-    return replace(
-        trial, delta_chi2=chi2_reduction(baseline, trial.point, variance_factor) - price * further
-    )
-
-
-def _second(found: SearchResult, progress: Progress) -> SearchResult:
-    """Look for a second effect, and for what is left after it."""
-    best = found.trials[0]
-    needed = max(SEARCH.name_limit, SEARCH.second_share * best.delta_chi2)
-    progress("what is left")
-    guesses = _others(best.point, best.effects, found.variance_factor)
-    starts = [
-        (best, guess) for guess in guesses[:2] if guess.delta_chi2 >= needed * found.variance_factor
-    ]
-    pairs = _sorted(_paired(found, starts, progress) + _paired_globally(found, guesses, progress))
-    if not pairs or pairs[0].delta_chi2 - best.delta_chi2 < needed:
-        return replace(found, remaining=_refuted(best, guesses, pairs, found.variance_factor))
-    for kept in reversed(pairs[0].effects):
-        alone = _alone(found, pairs[0], kept, progress)
-        if alone is not None and pairs[0].delta_chi2 - alone.delta_chi2 < needed:
-            others = [each for each in found.trials if each.effects != alone.effects]
-            return _second(replace(found, trials=[alone, *others]), progress)
-    second = next(each for each in guesses if each.effect == pairs[0].effects[-1])
-    rivals = [each for each in near(best, found.trials) if second.effect not in each.effects]
-    pairs = _sorted(pairs + _paired(found, [(each, second) for each in rivals[:2]], progress))
-    pairs[0] = _whole(found.baseline, pairs[0], found.variance_factor)
-    progress("what is left after both")
-    after = _others(pairs[0].point, pairs[0].effects, found.variance_factor)
-    remaining = after[0] if after else None
-    return replace(found, pair=pairs[0], other_pairs=tuple(pairs[1:]), remaining=remaining)
-
-
-def _refuted(
-    best: Trial, guesses: list[Guess], pairs: list[Trial], variance_factor: float
-) -> Guess | None:
-    """The best of what is left after the best effect: refits where there are any, else guesses.
-
-    pairs: best first
-    """
-    reductions = {
-        each.effects[-1]: (each.delta_chi2 - best.delta_chi2) * variance_factor
-        for each in reversed(pairs)
-    }
-    remaining = [replace(g, delta_chi2=reductions.get(g.effect, g.delta_chi2)) for g in guesses]
-    return max(remaining, key=lambda each: each.delta_chi2, default=None)
-
-
-def _paired(
-    found: SearchResult, starts: Sequence[tuple[Trial, Guess]], progress: Progress
-) -> list[Trial]:
-    """A second effect beside one, both refitted, from each start."""
-    pairs = []
-    for one, guess in starts:
-        progress(f"{one.effects[0]} and {guess.effect}".replace("_", " "))
-        point = started_at_guess(one.point, guess)
-        if point is not None:
-            point = fitted(with_correction_at_size(fitted(point, 4), guess.effect), 4, anew=1)
-            pair = Trial((*one.effects, guess.effect), point, 0.0)
-            pairs.append(priced(found.baseline, pair, found.variance_factor))
-    return pairs
-
-
-def _paired_globally(
-    found: SearchResult, guesses: Sequence[Guess], progress: Progress
-) -> list[Trial]:
-    """Second effects whose signatures depend on size, beside the best one."""
-    best = found.trials[0]
-    own = best.point.space.of(*best.effects)
-    start = started_at(with_noise(found.nominal, best.point.noise), own, best.point.x[own])
-    if start is None:
-        return []
-    fits = global_fits(start, best.point, [each.effect for each in guesses], progress)
-    pairs = [Trial((*best.effects, name), point, 0.0) for name, point in fits.items()]
-    return [priced(found.baseline, pair, found.variance_factor) for pair in pairs]
-
-
-def _sorted(pairs: Sequence[Trial]) -> list[Trial]:
-    return sorted(pairs, key=lambda each: -each.delta_chi2)
-
-
-def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
-    """The trials that these recordings do not separate from the best one."""
-    within = max(SEARCH.rival, SEARCH.rival_share * best.delta_chi2)
-    return [
-        t for t in trials if t.effects != best.effects and best.delta_chi2 - t.delta_chi2 < within
-    ]
-
-
-def _alone(found: SearchResult, pair: Trial, kept: str, progress: Progress) -> Trial | None:
-    """One effect of a pair alone: the other may only have led there, or have kept it small.
-
-    Refitted while the other is removed gradually, and from the nominal machine at the size that it
-    has in the pair: the nominal machine is not biased by the other.
-    """
-    (other,) = (name for name in pair.effects if name != kept)
-    progress(f"{kept} without {other}".replace("_", " "))
-    own = pair.point.space.of(kept)
-    nominal = with_noise(found.nominal, pair.point.noise)
-    anew = started_at(nominal, own, pair.point.x[own])
-    starts = (faded(pair.point, other), anew and fitted(anew, 4))
-    trials = [Trial((kept,), start, 0.0) for start in starts if start is not None]
-    whole = _sorted([_whole(found.baseline, each, found.variance_factor) for each in trials])
-    return _with_confusable(found.baseline, found.guesses, whole[:1])[0] if whole else None
-
-
-def _others(point: Linearisation, present: tuple[str, ...], variance_factor: float) -> list[Guess]:
-    """Guesses for all other effects, less the price of their parameters."""
-    away = (*present, *GENERIC)
-    names = [name for name in point.space.effects if name not in away]
-    price = SEARCH.parameter_price * variance_factor
-    found = [
-        replace(g, delta_chi2=g.delta_chi2 - price * (len(g.places) - 1))
-        for g in screened(point, names)
-    ]
-    return sorted(found, key=lambda each: -each.delta_chi2)
-
-
-def _with_confusable(
-    baseline: Linearisation, guesses: Sequence[Guess], trials: list[Trial]
-) -> list[Trial]:
-    columns = {guess.effect: guess.signature for guess in guesses}
-    return [
-        replace(
-            each,
-            confusable=tuple(
-                name
-                for name in columns
-                if name != each.effects[0]
-                and cosine_similarity(baseline, columns[each.effects[0]], columns[name])
-                > SEARCH.confusable_cosine
-            ),
-        )
-        for each in trials
-    ]

@@ -15,16 +15,15 @@ from hannes.campaigns.campaign import Entry
 from hannes.core.errors import ComputationFailed
 from hannes.core.recording.recording import Recording
 from hannes.core.recording.white_noise import roughness
-from hannes.identification.diagnosis.effect_search import SearchResult, Trial
-from hannes.identification.diagnosis.linearisation import (
-    Linearisation,
+from hannes.identification.diagnosis.linearisation import Linearisation, differenced
+from hannes.identification.diagnosis.noise_covariance import (
     NoiseAccuracy,
-    differenced,
     estimated_noise,
     run_to_run_rows,
 )
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.simulator import Model
+from hannes.identification.diagnosis.trials import SearchResult, Trial
 from hannes.identification.diagnosis.tuning import NOISE, VERDICT
 from hannes.plants.protocol import Plant
 

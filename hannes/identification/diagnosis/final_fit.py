@@ -12,7 +12,8 @@ import numpy as np
 
 from hannes.core.errors import ComputationFailed
 from hannes.identification.diagnosis.gauss_newton import fitted, settled, standard_deviations
-from hannes.identification.diagnosis.linearisation import Linearisation, NoiseAccuracy, begun
+from hannes.identification.diagnosis.linearisation import Linearisation, begun
+from hannes.identification.diagnosis.noise_covariance import NoiseAccuracy
 from hannes.identification.diagnosis.profile_likelihood import held_at, profile
 from hannes.identification.diagnosis.pruning import pruned
 from hannes.identification.diagnosis.repeat_groups import Group

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted
-from hannes.identification.diagnosis.linearisation import Linearisation, NoiseCovariance, with_noise
+from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
+from hannes.identification.diagnosis.noise_covariance import NoiseCovariance
 from hannes.identification.diagnosis.tuning import VERDICT
 
 

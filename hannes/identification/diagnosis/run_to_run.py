@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from hannes.identification.diagnosis.linearisation import NoiseCovariance
+from hannes.identification.diagnosis.noise_covariance import NoiseCovariance
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.tuning import NOISE

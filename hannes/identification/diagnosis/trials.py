@@ -1,0 +1,103 @@
+"""Trials of effects and what a search found, ordered by their reduction of chi-squared."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from hannes.identification.diagnosis.gauss_newton import settled
+from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.noise_scale import chi2_reduction
+from hannes.identification.diagnosis.score_test import Guess, cosine_similarity
+from hannes.identification.diagnosis.tuning import SEARCH
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Effects refitted together.
+
+    delta_chi2: chi-squared of the baseline less the trial's, less the price of its parameters
+    confusable: effects whose signatures these recordings hardly separate from the first one's
+    """
+
+    effects: tuple[str, ...]
+    point: Linearisation = field(repr=False)
+    delta_chi2: float
+    confusable: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """Everything that a search found.
+
+    nominal, baseline: the machine as given and refitted;  trials: single effects, best first
+    guesses: of the whole catalogue, linear, at the baseline
+    pair: two effects, where one is not enough;  other_pairs: refitted beside it
+    remaining: the best guess for what is left after the last of them
+    variance_factor: variance of the noise over the assumed one, by which chi-squared is divided
+    generic: the best generic disturbance, where a guess makes one worth fitting
+    """
+
+    nominal: Linearisation
+    baseline: Linearisation
+    guesses: list[Guess]
+    trials: list[Trial]
+    pair: Trial | None
+    remaining: Guess | None
+    variance_factor: float
+    other_pairs: tuple[Trial, ...] = ()
+    generic: Trial | None = None
+
+    @property
+    def bins(self) -> int:
+        """How many values are compared."""
+        return self.baseline.residual.size
+
+
+def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
+    """The trial with its reduction of chi-squared, less the price of its parameters."""
+    further = trial.point.active.size - baseline.active.size - len(trial.effects)
+    price = SEARCH.generic_price if trial.effects[0] in GENERIC else SEARCH.parameter_price
+    return replace(
+        trial, delta_chi2=chi2_reduction(baseline, trial.point, variance_factor) - price * further
+    )
+
+
+def converged(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
+    """The trial with its fit converged: its parameters are reported."""
+    return priced(baseline, replace(trial, point=settled(trial.point)), variance_factor)
+
+
+def may_be_named(found: SearchResult) -> bool:
+    """Whether the best effect reduces chi-squared enough for a name."""
+    return bool(found.trials) and found.trials[0].delta_chi2 > SEARCH.name_limit
+
+
+def best_first(pairs: Sequence[Trial]) -> list[Trial]:
+    return sorted(pairs, key=lambda each: -each.delta_chi2)
+
+
+def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
+    """The trials that these recordings do not separate from the best one."""
+    within = max(SEARCH.rival, SEARCH.rival_share * best.delta_chi2)
+    return [
+        t for t in trials if t.effects != best.effects and best.delta_chi2 - t.delta_chi2 < within
+    ]
+
+
+def with_confusable(
+    baseline: Linearisation, guesses: Sequence[Guess], trials: list[Trial]
+) -> list[Trial]:
+    columns = {guess.effect: guess.signature for guess in guesses}
+    return [
+        replace(
+            each,
+            confusable=tuple(
+                name
+                for name in columns
+                if name != each.effects[0]
+                and cosine_similarity(baseline, columns[each.effects[0]], columns[name])
+                > SEARCH.confusable_cosine
+            ),
+        )
+        for each in trials
+    ]
