@@ -16,7 +16,7 @@ from hannes.identification.verdict import Verdict
 from hannes.report.paper import table_3
 from hannes.report.paper.checks import Row, row
 from hannes.report.paper.page import write_page
-from hannes.report.paper.tables import Table
+from hannes.report.table import Table
 from hannes.report.verdict_summary import Finding, finding
 
 # Relative force errors of the closed-loop simulation [%], identification and pulses file.

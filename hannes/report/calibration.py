@@ -1,4 +1,4 @@
-"""The page of a calibration: the sentence, the values with their intervals, what remains."""
+"""The page of a calibration: the sentence, the values with their intervals, the residual."""
 
 from typing import TYPE_CHECKING
 
@@ -8,7 +8,7 @@ from hannes.core.io.provenance import versions
 from hannes.report.figure_calibration import figures
 from hannes.report.formats import number
 from hannes.report.page import render
-from hannes.report.paper.tables import Table
+from hannes.report.table import Table
 
 if TYPE_CHECKING:
     from hannes.identification.calibration.result import Fit
@@ -55,7 +55,7 @@ def _values(result: "Fit") -> Table:
         for each in result.answers
     ]
     columns = (
-        "Parameter", "Given", "Value and 95 % interval", "Label", "Why", "Textbook interval",
+        "Parameter", "Nominal", "Value and 95 % interval", "Label", "Why", "Textbook interval",
         "Degrees of freedom",
     )  # fmt: skip
     note = (
@@ -79,10 +79,17 @@ def _gaps(result: "Fit") -> Table:
         for role, gap in shown
         if name in gap
     ]
-    columns = ("RMS gap", "Recordings", "As given", "Calibrated", "Floor", "Same in every run")
+    columns = (
+        "RMS gap",
+        "Recordings",
+        "As given",
+        "Calibrated",
+        "Noise floor",
+        "Same in every run",
+    )
     note = (
-        f"In brackets: relative to the recorded signal. The floor is {result.floor_from}; the "
-        "last column is of the fitted recordings, in means over 10 ms."
+        f"In brackets: relative to the recorded signal. The noise floor is {result.floor_from}. "
+        "The last column is of the fitted recordings, in means over 10 ms."
     )
     if not rows and result.found.interrupted:
         note = "Interrupted before any recording was predicted."
@@ -109,10 +116,10 @@ def _starts(result: "Fit") -> Table:
         )
     )
     note = (
-        "Each from another point about the given values. They agree where the misfit is as small "
+        "Each from another point about the nominal values. They agree where the cost is as small "
         "and every identified parameter ends within half an interval's half-width."
     )
-    return Table("starts", "Starting points", ("Start", "Misfit", "Agrees"), rows, note)
+    return Table("starts", "Starting points", ("Start", "Cost", "Agrees"), rows, note)
 
 
 def _runs(result: "Fit") -> Table:
@@ -124,12 +131,12 @@ def _runs(result: "Fit") -> Table:
         start = f"{1e3 * each['starts_late_s']:+.2f} ms"
         rows.append((each["file"], each["condition"], start, ", ".join(differences) or "–"))
     columns = ("Recording", "Condition", "Starts late by", "Differs most in")
-    note = "What each run most likely did by itself, given how much runs are taken to differ."
+    note = "What each run most likely did differently, under the assumed run-to-run variability."
     return Table("runs", "Run by run", columns, tuple(rows), note)
 
 
 def _off(result: "Fit", name: str, size: float) -> str:
-    """How far a run is off in a parameter: as a share of the given value, where it has one."""
+    """Deviation of a run in a parameter: a share of the nominal value, unless that is zero."""
     parameters = result.campaign.plant.parameters
     if parameters[name]:
         return f"{100.0 * size / abs(parameters[name]):+.2g} %"
@@ -147,10 +154,10 @@ def _uncertain(result: "Fit") -> Table:
         for name, each in moved
     )  # fmt: skip
     note = (
-        f"Of {len(found)} values that were held uncertain, those that moved most; a deviation is "
-        "what each was said to be off. They stand in hand.toml too."
+        f"Of {len(found)} uncertain parameters, those that moved most; a deviation is "
+        "its assumed standard deviation. They stand in hand.toml too."
     )
-    columns = ("Held uncertain", "Given", "Value", "Unit", "Deviations")
+    columns = ("Uncertain parameter", "Nominal", "Value", "Unit", "Deviations")
     return Table("doubted", "What else moved", columns, rows, note)
 
 

@@ -1,4 +1,4 @@
-"""The page of a diagnosis: the sentence first, then traces, the where-map, the ranking."""
+"""The page of a diagnosis: the sentence first, then traces, the map of residuals, the ranking."""
 
 from typing import TYPE_CHECKING
 
@@ -6,13 +6,13 @@ from hannes.identification.verdict import effect_words, indistinguishable
 from hannes.report.figure_diagnosis import figures
 from hannes.report.formats import decimals, number
 from hannes.report.page import render
-from hannes.report.paper.tables import Table
+from hannes.report.table import Table
 
 if TYPE_CHECKING:
     from hannes.report.diagnosed import Diagnosis
 
 STAGES = ("as_given", "before", "after")
-MANY = 24  # recordings, beyond which a list of them tells nobody anything
+MANY = 24  # recordings, beyond which a list of them is not readable
 
 
 def page(diagnosis: "Diagnosis") -> str:
@@ -39,10 +39,11 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
         sizes = [f"{number(gap[key])} ({number(gap[f'{key}_percent'])} %)" for key in STAGES]
         label = name if gap["unit"] == "1" else f"{name} [{gap['unit']}]"
         rows.append((label, *sizes, number(gap["floor"], 2)))
-    columns = ("RMS gap", "As given", "Before: base refitted", "After", "Floor")
+    columns = ("RMS gap", "As given", "Before: baseline refitted", "After", "Noise floor")
     note = (
         f"On {diagnosis.verdict.gap_on}. In brackets: relative to the recorded signal, "
-        f"100 |simulated − measured| / |measured|. The floor is {diagnosis.verdict.floor_from}."
+        f"100 |simulated − measured| / |measured|. "
+        f"The noise floor is {diagnosis.verdict.floor_from}."
     )
     return Table("gaps", "The gap before and after", columns, tuple(rows), note)
 
@@ -69,10 +70,10 @@ def _tried(diagnosis: "Diagnosis") -> Table:
     gains = {row["effect"]: row for row in diagnosis.verdict.candidates}
     rows = []
     unfit = [each["effect"] for each in diagnosis.verdict.tried if not each["applicable"]]
-    evidence, level = "Size / its deviation", "Each at a false-alarm level of"
+    evidence, level = "Size / its deviation", "Each tested at a false-alarm rate of"
     if diagnosis.details is not None:
-        evidence = "√ of the fall in misfit"
-        level = "A name on a machine that lacks nothing is to come with a chance of"
+        evidence = "√ of Δχ²"
+        level = "A machine that lacks nothing gets a name with a probability of"
     for attempt in diagnosis.verdict.tried:
         if attempt["effect"] in unfit:
             continue
@@ -82,18 +83,19 @@ def _tried(diagnosis: "Diagnosis") -> Table:
         confusable = ", ".join(row["confusable_with"]) if row else ""
         least = _least(diagnosis, attempt["effect"])
         rows.append((attempt["effect"], share, sigma, least, confusable or "–", attempt["why"]))
-    columns = ("Effect", "Explains", evidence, "Smallest size seen", "Looks like", "Outcome")
+    size = "Minimum detectable size"
+    columns = ("Effect", "Explains", evidence, size, "Confusable with", "Outcome")
     note = (
-        f"{level} {diagnosis.verdict.alpha:g}. Smallest size seen: with "
-        "80 % power, were the fit linear; “none” where it lies beyond the physical bounds."
+        f"{level} {diagnosis.verdict.alpha:g}. Minimum detectable size: "
+        "at 80 % power, by a linear fit; “none” where it lies beyond the physical bounds."
     )
     if unfit:
-        note += f" Not tried: {', '.join(unfit)}; verdict.json tells why."
+        note += f" Not tried: {', '.join(unfit)}; verdict.json says why."
     return Table("tried", "What was tried", columns, tuple(rows), note)
 
 
 def _least(diagnosis: "Diagnosis", effect: str) -> str:
-    """The smallest detectable size of each amplitude of an effect."""
+    """The minimum detectable size of each amplitude of an effect."""
     found = (diagnosis.verdict.smallest_detectable or {}).get(effect, {})
     shown = [
         f"{name} none" if each["value"] is None else f"{name} {number(each['value'], 2)}"
@@ -111,10 +113,10 @@ def _confusability(diagnosis: "Diagnosis") -> Table:
         for name, cosines in zip(names, measured["cosines"], strict=True)
     )
     note = (
-        "Cosine between the marks that two effects leave in these recordings, beyond what the "
+        "Cosine similarity of the signatures of two effects in these recordings, beyond what the "
         "machine's own parameters can do: 0 is nothing in common, 1 the same."
     )
-    return Table("alike", "What looks alike", ("", *names), rows, note)
+    return Table("confusability", "Confusable effects", ("", *names), rows, note)
 
 
 def _recordings(diagnosis: "Diagnosis") -> Table:

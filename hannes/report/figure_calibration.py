@@ -6,7 +6,7 @@ import numpy as np
 
 from hannes.report import style
 from hannes.report.figure import Drawn, drawn
-from hannes.report.figure_diagnosis import GIVEN, MEASURED, thinned
+from hannes.report.figure_diagnosis import MEASURED, NOMINAL, thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +83,7 @@ def _traces(result: "Fit") -> list[Drawn]:
             figure, (above, below) = style.panels(2)
             for text, values, look in (
                 ("measured", recording[name], MEASURED),
-                ("as given", before[name], GIVEN),
+                ("as given", before[name], NOMINAL),
                 ("calibrated", after[name], style.FIRST),
             ):
                 above.plot(*thinned(recording.time, values), label=text, **{**look, "zorder": 2})
@@ -93,7 +93,7 @@ def _traces(result: "Fit") -> list[Drawn]:
             below.plot(*thinned(recording.time, difference), **{**style.FIRST, "linewidth": 1.1})
             if gap and np.isfinite(gap["floor"]):
                 below.axhspan(-gap["floor"], gap["floor"], color=style.GREY, alpha=0.25)
-            below.set_ylabel("left" if unit == "1" else f"left [{unit}]")
+            below.set_ylabel("residual" if unit == "1" else f"residual [{unit}]")
             below.set_xlabel("time [s]")
             return figure
 

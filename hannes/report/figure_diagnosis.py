@@ -1,4 +1,4 @@
-"""Figures of a diagnosis: traces with what is left of them, the where-map, the ranking."""
+"""Figures of a diagnosis: traces with their residual, the map of residuals, the ranking."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from hannes.report.diagnosed import Diagnosis
 
 MEASURED: dict[str, Any] = {"color": style.BLACK, "linewidth": 2.4, "alpha": 0.35}
-GIVEN: dict[str, Any] = {"color": style.GREY, "linestyle": (0, (1, 1.2)), "linewidth": 1.2}
+NOMINAL: dict[str, Any] = {"color": style.GREY, "linestyle": (0, (1, 1.2)), "linewidth": 1.2}
 RANKED = 12  # effects that are drawn, the best
 POINTS = 900  # of a drawn line; between them its extremes are kept
 
@@ -44,7 +44,7 @@ def _channel(diagnosis: "Diagnosis", traces: "Traces", name: str) -> Drawn:
     alt = f"{name} over time, measured and simulated."
     if name in gap:
         sizes = [f"{gap[name][key]:.3g}" for key in ("as_given", "before", "after", "floor")]
-        alt += " RMS gap as given {}, base refitted {}, result {}, floor {} {}.".format(
+        alt += " RMS gap as given {}, baseline refitted {}, result {}, floor {} {}.".format(
             *sizes, unit
         )
     floor = diagnosis.noise_floors[name]
@@ -52,7 +52,7 @@ def _channel(diagnosis: "Diagnosis", traces: "Traces", name: str) -> Drawn:
     def draw() -> "Figure":
         figure, (above, below) = style.panels(2)
         _traces(above, traces, name, _labelled(name, unit))
-        _left(below, traces, name, floor, _labelled("left", unit))
+        _left(below, traces, name, floor, _labelled("residual", unit))
         below.set_xlabel("time [s]")
         return figure
 
@@ -67,8 +67,8 @@ def _labelled(name: str, unit: str) -> str:
 def _traces(axes: "Axes", traces: "Traces", name: str, label: str) -> None:
     lines = (
         ("measured", traces.measured, MEASURED),
-        ("as given", traces.as_given, GIVEN),
-        ("before: base refitted", traces.before, style.SECOND),
+        ("as given", traces.as_given, NOMINAL),
+        ("before: baseline refitted", traces.before, style.SECOND),
         ("after", traces.after, style.FIRST),
     )
     for text, channels, look in lines:
@@ -78,8 +78,8 @@ def _traces(axes: "Axes", traces: "Traces", name: str, label: str) -> None:
 
 
 def _left(axes: "Axes", traces: "Traces", name: str, floor: float, label: str) -> None:
-    """Simulated minus measured, with the floor as a band."""
-    axes.axhspan(-floor, floor, color=style.GREY, alpha=0.25, linewidth=0, label="floor")
+    """Simulated minus measured, with the noise floor as a band."""
+    axes.axhspan(-floor, floor, color=style.GREY, alpha=0.25, linewidth=0, label="noise floor")
     for text, channels, look in (
         ("before", traces.before, style.SECOND),
         ("after", traces.after, style.FIRST),
@@ -114,16 +114,18 @@ def _where(diagnosis: "Diagnosis") -> Drawn:
         figure, (axes,) = style.panels(1, 0.5 + 0.22 * len(rows))
         axes.barh(names, sizes, color=style.VERMILLION, height=0.6)
         axes.axvline(1.0, **style.MARK)
-        axes.set_xlabel("RMS the refitted base leaves, in floors")
+        axes.set_xlabel("RMS residual of the baseline, in noise floors")
         axes.grid(axis="y", visible=False)
         return figure
 
     worst = diagnosis.verdict.where[0]
     alt = (
         f"Worst: {worst['channel']} while {worst['phase']}, {worst['times_floor']:.1f} times "
-        "the floor."
+        "the noise floor."
     )
-    return drawn("diagnosis-where", "Where it disagrees", f"{alt} Dotted: the floor.", alt, draw)
+    return drawn(
+        "diagnosis-where", "Where it disagrees", f"{alt} Dotted: the noise floor.", alt, draw
+    )
 
 
 def _ranking(diagnosis: "Diagnosis") -> Drawn:
@@ -136,7 +138,7 @@ def _ranking(diagnosis: "Diagnosis") -> Drawn:
         figure, (axes,) = style.panels(1, 0.6 + 0.3 * len(rows))
         colours = [style.BLUE if row["effect"] in chosen else style.GREY for row in rows]
         axes.barh(names, gains, color=colours, height=0.6)
-        for place, gain in enumerate(gains):  # right of the axis, also where it takes nothing away
+        for place, gain in enumerate(gains):  # right of the axis, also where it explains nothing
             axes.annotate(
                 f"{decimals(round(gain), 0)} %",
                 (max(gain, 0.0), place),
@@ -144,7 +146,7 @@ def _ranking(diagnosis: "Diagnosis") -> Drawn:
                 textcoords="offset points",
                 va="center",
             )
-        axes.set_xlabel("misfit above the floor that it takes away [%]")
+        axes.set_xlabel("reducible gap that it explains [%]")
         axes.set_xlim(min(0.0, *gains), max(10.0, *gains) * 1.15)
         axes.grid(axis="y", visible=False)
         return figure

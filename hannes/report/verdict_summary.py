@@ -6,7 +6,8 @@ from typing import Any
 
 from hannes.core.errors import HannesError
 from hannes.identification.verdict import Verdict, indistinguishable
-from hannes.report.paper.tables import Table, gap_table
+from hannes.report.paper.tables import gap_table
+from hannes.report.table import Table
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Finding:
 
     @property
     def all_tables(self) -> tuple[Table, ...]:
-        """Given tables, then the gaps of the verdict."""
+        """Own tables, then the gaps of the verdict."""
         own = (gap_table(f"{self.name}-gap", self.verdict),) if self.verdict else ()
         return (*self.tables, *(each for each in own if each.rows))
 
@@ -52,18 +53,18 @@ ABOUT = {
     "emps": (
         "Real machine: EMPS",
         "A motor-driven axis recorded by other researchers at 1 kHz, with its exact controller: "
-        "the one real machine on this page. One file is fitted, the other judges.",
+        "the one real machine on this page. One file is fitted, the other is the test.",
     ),
     "slack": (
         "Hidden slack",
         "Free closures written by a second, independent implementation of the hand, in which the "
-        "leader wire was left slack without telling the diagnosis. No real hand is in them.",
+        "leader wire was left slack. The diagnosis is not given that. No real hand is involved.",
     ),
     "recognition": (
         "Rigid or soft",
         "A classifier trained on simulated grasps alone, on recordings of ten virtual objects that "
-        "the second implementation of the hand grasped: other hands, a leader slack and a gear "
-        "that rubs under load, of sizes that it learnt from too.",
+        "the second implementation of the hand grasped. These hands have other parameters, leader "
+        "slack and load-dependent gear friction, of sizes within the training data.",
     ),
 }
 RUN = {"recognition": "not scored in this run; `make run` records the objects and scores them"}

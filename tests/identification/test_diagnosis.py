@@ -145,7 +145,7 @@ def test_what_looks_alike_is_told_and_shown(tmp_path):
     assert cosine["twin"][place["turbulence"]] == pytest.approx(1.0, abs=2e-3)
     assert cosine["twin"][place["hardening"]] < 0.95
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "What looks alike" in page and "<script" not in page
+    assert "Confusable effects" in page and "<script" not in page
 
 
 def test_show_recordings_change_nothing_but_the_gaps():

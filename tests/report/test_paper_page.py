@@ -79,7 +79,7 @@ def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys)
     assert sum("ten virtual objects" in row["name"] for row in content["must_show"]) == 3
     text = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
     assert "DATA_EMPS.mat" in text and "HANNES_MEASURED" in text
-    assert "Table III: rigid or soft" in text and "What windows were told" in text
+    assert "Table III: rigid or soft" in text and "Predictions by window" in text
 
 
 def test_table_3_stands_beside_the_papers(tmp_path):

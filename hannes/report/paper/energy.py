@@ -1,4 +1,4 @@
-"""The energy ledger over every shipped experiment: is all that goes into the motor found again?"""
+"""The energy balance of every shipped experiment: is all electrical energy accounted for?"""
 
 import sys
 
@@ -12,7 +12,7 @@ WITHIN = 0.1  # % of the electrical energy
 
 
 def energy_row(progress: bool | None = None) -> Row:
-    """The largest share of any run's electrical energy that its ledger does not account for."""
+    """The largest share of electrical energy that a run's balance does not account for."""
     from tqdm import tqdm
 
     found = [load(name) for name in shipped.names()]

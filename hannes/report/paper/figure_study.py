@@ -31,8 +31,8 @@ def stiffness(sweep: Mapping[float, Trajectory]) -> Drawn:
         "Stiffness sweep",
         "One shape, one command, only the contact stiffness differs. The paper reports a "
         '"proportionality" of slope and peak of the current with stiffness; here both rise with '
-        "stiffness and level off, so a stiffer object is told from a softer one, but no straight "
-        "line through zero holds over the range.",
+        "stiffness and level off. A stiffer object can be distinguished from a softer one, but no "
+        "straight line through zero holds over the range.",
         f"Three panels against stiffness from {low:g} to {high:g} N/m, logarithmic axis. Slope, "
         f"peak current and peak force go from {number(metrics[0].I_sc)} A/s, "
         f"{number(metrics[0].I_max)} A and {number(metrics[0].F_max)} N to "

@@ -1,4 +1,4 @@
-"""Table III beside ours: what a classifier trained on simulated grasps makes of ten objects."""
+"""Table III beside ours: a classifier trained on simulated grasps, on ten objects."""
 
 import json
 from pathlib import Path
@@ -8,23 +8,25 @@ from hannes.core.errors import BadInput
 from hannes.report.formats import decimals, number
 from hannes.report.paper.checks import Row, row
 from hannes.report.paper.published import TABLE_3, TABLE_3_AVERAGE
-from hannes.report.paper.tables import Table
+from hannes.report.table import Table
 from hannes.report.verdict_summary import ABOUT, Finding
 
 BOUNDS = (5.0, 2.0, 15.0)  # % that F1 may lack: of windows, of grasps, of the worst object
 NOTE = (
     "F1 by the paper's formula, in which the names of precision and recall are swapped; for an "
-    "object of one class it is 2 R / (R + 1), R the share told right. The paper leaves open what "
-    "it counts; here windows between contact and release, at 5 % of the peak force (features look "
-    "back, so the first ends 100 ms after contact), and whole grasps. “Don't know” is wrong. The "
-    "paper's are real objects and a real hand; ours are virtual, with stiffnesses chosen within "
-    "published ranges: no figure is compared with a figure, only the task with the task."
+    "object of one class it is 2 R / (R + 1), R the share that is correct. The paper does not "
+    "state what it counts. Here it counts windows between contact and release, at 5 % of the peak "
+    "force, and whole grasps. Features look back, so the first window ends 100 ms after contact. "
+    "“Don't know” counts as wrong. The paper has real objects and a real hand. Ours are virtual, "
+    "with stiffnesses chosen within published ranges: the tasks compare, the figures do not."
 )
 NO_ESTIMATE = (
-    "Grasps of which nothing is told, because the motor felt nothing, count: as further off than "
-    "any other, and as held by no interval."
+    "Grasps without an estimate, because the motor current showed no contact, count as further off "
+    "than any other, and as outside their interval."
 )
-CURVE = "Each line is a classifier of its own, trained anew on so many of the grasps; same objects."
+CURVE = (
+    "Each row is a classifier of its own, trained on that many grasps; the objects are the same."
+)
 
 
 def read(folder: str | Path) -> dict[str, Any]:
@@ -79,13 +81,13 @@ def _table(evaluation: dict[str, Any]) -> Table:
     rows.append(("Average", "", decimals(TABLE_3_AVERAGE, 1), *average, "", time))
     columns = (
         "Object", "Class", "Paper, F1 [%]", "Ours, windows [%]", "Ours, grasps [%]",
-        "Stiffness told [N/m]", "Decided for good within 150 ms [%]",
+        "Stiffness estimated [N/m]", "Final decision within 150 ms [%]",
     )  # fmt: skip
     return Table("table3", "Table III: rigid or soft", columns, tuple(rows), NOTE)
 
 
 def _confusion(evaluation: dict[str, Any]) -> Table:
-    """Windows by class and by what was told, and how far probabilities can be trusted."""
+    """Windows by class and prediction, and the calibration error of the probabilities."""
     words, rows = list(next(iter(evaluation["confusion"].values()))), []
     for true, answers in evaluation["confusion"].items():
         whole = sum(answers.values())
@@ -98,15 +100,15 @@ def _confusion(evaluation: dict[str, Any]) -> Table:
     }
     note = (
         f"Probabilities are {error} points off on average (expected calibration error over "
-        f"tenths). Decided for good, median: soft objects {since['soft']}, rigid ones "
-        f"{since['rigid']}; what is not yet felt is taken for soft."
+        f"tenths). Median time of the final decision: soft objects {since['soft']}, rigid ones "
+        f"{since['rigid']}; an object without contact counts as soft."
     )
-    columns = ("Object is", "Windows", *(f"Told {word} [%]" for word in words))
-    return Table("confusion", "What windows were told", columns, tuple(rows), note)
+    columns = ("Object is", "Windows", *(f"Predicted {word} [%]" for word in words))
+    return Table("confusion", "Predictions by window", columns, tuple(rows), note)
 
 
 def _estimates(evaluation: dict[str, Any]) -> Table:
-    """Peak force and stiffness: how far off, and whether intervals hold."""
+    """Peak force and stiffness: their errors, and the coverage of their intervals."""
     named = (("force", "Peak grip force"), ("stiffness", "Stiffness"))
     rows = tuple(
         (
@@ -120,10 +122,10 @@ def _estimates(evaluation: dict[str, Any]) -> Table:
         if (each := evaluation[key])["answered"]
     )
     columns = (
-        "From current and position alone", "Told of grasps", "Off, median [%]",
-        "95 % intervals hold [%]", "Upper end over lower, median",
+        "From current and position alone", "Estimated grasps", "Median error [%]",
+        "Coverage of 95 % intervals [%]", "Upper end over lower, median",
     )  # fmt: skip
-    return Table("estimates", "How hard and how stiff", columns, rows, NO_ESTIMATE)
+    return Table("estimates", "Peak force and stiffness", columns, rows, NO_ESTIMATE)
 
 
 def _known(value: float | None) -> float:
@@ -137,7 +139,7 @@ def _curve(evaluation: dict[str, Any]) -> Table:
         for each in evaluation["learning_curve"]
     )
     columns = (
-        "Grasps learnt from", "F1, windows [%]", "F1, grasps [%]", "Worst object [%]",
-        "Decided for good within 150 ms [%]",
+        "Training grasps", "F1, windows [%]", "F1, grasps [%]", "Worst object [%]",
+        "Final decision within 150 ms [%]",
     )  # fmt: skip
-    return Table("learning", "What more simulated grasps are worth", columns, rows, CURVE)
+    return Table("learning", "Learning curve", columns, rows, CURVE)

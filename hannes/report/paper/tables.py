@@ -1,24 +1,13 @@
 """The tables of the page, as plain rows of text."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from hannes.report.formats import decimals, number, power, signed
 from hannes.report.paper import published
+from hannes.report.table import Table
 from hannes.simulation.grasp_metrics import DEFINITIONS, GraspMetrics, relative_error, void_current
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.trajectory import Trajectory
-
-
-@dataclass(frozen=True)
-class Table:
-    """`rows` hold one text for each of `columns`; the first cell of a row is its heading."""
-
-    name: str
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    note: str = ""
 
 
 def table_1(hand: Hand) -> Table:
@@ -142,14 +131,14 @@ def gap_table(name: str, verdict: Mapping) -> Table:
         (f"{channel} [{gap['unit']}]", *(_gap(gap, k) for k in GAPS))
         for channel, gap in verdict.get("gap", {}).items()
     )
-    columns = ("Channel", "As given", "Base refitted", "With the effect", "Floor")
+    columns = ("Channel", "As given", "Baseline refitted", "With the effect", "Noise floor")
     return Table(
         name,
         "Gap between simulation and recordings (RMS)",
         columns,
         rows,
         f"On {verdict.get('gap_on') or 'the recordings in role show'}. Credit to an effect is only "
-        "the step from the refitted base to the effect.",
+        "the step from the baseline to the effect.",
     )
 
 
