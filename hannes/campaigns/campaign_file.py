@@ -30,8 +30,8 @@ _SLICE = re.compile(r"(\d*):(\d*)(?::(\d*))?")
 def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
     """Read a campaign (a TOML file, or a shipped name) and its recordings.
 
-    Absent roles are drawn with `seed`. Raises BadInput with one line for whatever cannot be used:
-    nothing is computed before every recording is known to be sound.
+    Absent roles are assigned with `seed`. Raises BadInput with one line for whatever cannot be
+    used: nothing is computed before every recording is checked.
     """
     if seed < 0:
         raise BadInput(f"seed = {seed}: expected 0 or more")
@@ -80,7 +80,7 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
 
 
 def _with_distinct_names(root: Table, found: list[tuple[Path, str, Entry]]) -> list[Entry]:
-    """Entries with names of their own; none is there twice, for then one copy may be fitted."""
+    """Entries with distinct names; BadInput where one is listed twice: its copy could be fitted."""
     seen, names = set(), Counter(each.name for _, _, each in found)
     for path, run, each in found:
         if (key := (path.resolve(), run)) in seen:
@@ -100,7 +100,7 @@ def _plant(root: Table, name: str, folder: Path) -> Plant:
 
 
 def _at_base(root: Table, plant: Plant, base: str, folder: Path) -> Plant:
-    """The plant at the values of the campaign's `base`, a hand.toml; as it is without."""
+    """The plant at the values of the campaign's `base`, a hand.toml; unchanged without one."""
     file = root.text("base", "")
     return with_plant_file(plant, _existing(root, "base", folder / file), base) if file else plant
 
@@ -132,12 +132,12 @@ def _effects(root: Table, folder: Path, plant: Plant) -> dict[str, Effect]:
 
 
 def _rooted(name: str, folder: Path) -> str:
-    """A user's effect as it can be found from anywhere: a verdict may be written elsewhere."""
+    """A user's effect by its absolute path: a verdict may be written elsewhere."""
     return str((folder / name).resolve()) if ".py:" in name else name
 
 
 def _entries(row: Table, folder: Path, plant: Plant) -> list[tuple[Path, str, Entry]]:
-    """Files, runs in them, recordings of one [[recording]], all fit to be simulated by `plant`."""
+    """Files, runs in them, entries of one [[recording]], each checked against `plant`."""
     row.require("file", '"void_01.csv"')
     name, experiment = row.text("file", ""), row.text("experiment", "")
     role = row.choice("role", ROLES) if "role" in row else ""
@@ -175,7 +175,7 @@ def _recordings(
 
 
 def _place(path: Path, folder: Path) -> str:
-    """A file's place in the campaign's folder, its name where it lies elsewhere."""
+    """A file's path within the campaign's folder, its name where it is elsewhere."""
     return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.name
 
 
@@ -189,7 +189,10 @@ def _wanted(row: Table) -> slice:
 
 
 def read_runs(path: Path, plant: Plant) -> dict[str, Recording]:
-    """Recordings of one file by name; most files hold one, a plant's own logger may put more."""
+    """Return the recordings of one file by name; BadInput where it cannot be read.
+
+    Most files hold one recording; a plant's own logger may write several runs into one.
+    """
     read = getattr(plant, "read", None)
     return read(path) if read is not None else {path.name: Recording.read(path)}
 

@@ -14,7 +14,7 @@ from hannes.simulation.experiment.reader import experiment_text, parse_experimen
 
 
 def check(recording: Recording, plant: Plant | None = None) -> list[Finding]:
-    """Return everything found in one recording, faults first.
+    """Return all data-quality issues of one recording, faults first.
 
     What a plant expects of its channels (`Plant.expected`) sharpens the checks. Without a plant
     only what holds for any machine is checked. Nothing is simulated, nothing raised. A fault

@@ -16,12 +16,12 @@ from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
 from hannes.core.recording.recording import SUFFIXES, Recording, is_csv
 
-SIDECAR = ".conversion.json"  # beside a CSV, which has no room for what was done
+SIDECAR = ".conversion.json"  # beside a CSV, which cannot hold the report
 
 
 @dataclass(frozen=True)
 class Converted:
-    """A recording made from a foreign file, and what was done to make it."""
+    """A recording made from a foreign file, with a report of the conversion."""
 
     recording: Recording
     file: Path
@@ -101,7 +101,7 @@ def _converted(path: Path, number: int, run: Run, mapping: ColumnMap) -> Convert
 def _report(
     path: Path, run: Run, mapping: ColumnMap, recording: Recording, shift: Shift | None
 ) -> dict[str, Any]:
-    """What was done, in plain data; rates in Hz, times in s."""
+    """Report of a conversion, as plain data; rates in Hz, times in s."""
     intervals = np.diff(recording.time)
     return {
         "file": path.name,

@@ -1,4 +1,4 @@
-"""Whether what drives a recording repeats itself: a long record is then several runs."""
+"""Period of the command of a recording: a long record is then several runs."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,9 +9,9 @@ from hannes.plants.protocol import Plant, expectations
 
 FloatArray = NDArray[np.float64]
 
-EVEN = 1e-3  # of an interval, that times may scatter
-SAME = 1e-6  # of its range, that a command may differ from itself
-AWAY = 0.1  # of its variance, that a command must change by before it comes back
+EVEN = 1e-3  # of an interval, largest scatter of times
+SAME = 1e-6  # of its range, largest difference of a command from its repeat
+AWAY = 0.1  # of its variance, least change of a command before it returns
 
 
 def inputs(plant: Plant, recording: Recording) -> list[str]:
@@ -27,7 +27,7 @@ def inputs(plant: Plant, recording: Recording) -> list[str]:
 
 
 def period(plant: Plant, recording: Recording) -> int:
-    """Samples after which all that drives the plant repeats; 0 where it never does."""
+    """Period, in samples, of all channels that drive the plant; 0 where they never repeat."""
     driving = [recording[name] for name in inputs(plant, recording)]
     moving = [values for values in driving if np.ptp(values) > 0.0]
     intervals = np.diff(recording.time)
@@ -43,7 +43,7 @@ def _repeats(values: FloatArray, shift: int) -> bool:
 
 
 def _returns(values: FloatArray) -> list[int]:
-    """Shifts, up to half the record, at which a signal comes closest to itself again."""
+    """Shifts, up to half the record, of the minima of a signal's distance to itself."""
     from scipy.signal import correlate
 
     centred, size = values - values.mean(), values.size

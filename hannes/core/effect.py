@@ -1,4 +1,4 @@
-"""An effect: physics that may be missing from a model, declared in one file.
+"""An effect: physics that a model may lack, declared in one file.
 
 Its kernel's signature is the declaration: arguments are looked up by name among the effect's
 own parameters and states, then among the plant's parameters (`motor_dry_friction` for
@@ -41,7 +41,7 @@ class Term:
         return f"Term({plain(self.kernel).__name__}, writes={self.writes!r}{rates})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A kernel of hannes is pickled by its name, one of a user's own as numba does it."""
+        """A kernel of hannes is pickled by its name, one of a user's own by numba."""
         function = plain(self.kernel)
         kernel: Any = f"{function.__module__}:{function.__qualname__}"
         if not kernel.startswith("hannes.") or "<locals>" in kernel:
@@ -116,9 +116,9 @@ class Effect:
 
 
 def joined(present: Sequence[Effect], added: Iterable[Effect]) -> tuple[Effect, ...]:
-    """Effects of a model and those that join it; those that are in it already stay as they are.
+    """Return the effects of a model and those added; one that is in it already stays as it is.
 
-    Raises BadInput where two that join have one name: their parameters would be the same, too.
+    Raises BadInput where two added effects have one name: their parameters would clash.
     """
     known = {each.name for each in present}
     fresh = [each for each in added if each.name not in known]

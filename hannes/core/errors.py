@@ -1,4 +1,4 @@
-"""What can go wrong, in words a user can act on, and the exit status each kind deserves."""
+"""Errors that hannes reports to its user, each kind with its exit status."""
 
 import difflib
 from collections.abc import Iterable
@@ -17,7 +17,7 @@ class BadInput(HannesError):
 
 
 class MissingRecording(BadInput):
-    """A third-party recording is neither on this machine nor to be fetched."""
+    """A third-party recording is neither on this machine nor downloadable."""
 
 
 class ComputationFailed(HannesError):
@@ -27,7 +27,7 @@ class ComputationFailed(HannesError):
 
 
 class Interrupted(HannesError):
-    """The user ended a computation; what it had found by then is kept."""
+    """The user ended a computation; its results so far are kept."""
 
     exit_status = 130
 

@@ -13,8 +13,8 @@ from hannes.core.errors import BadInput, nearest
 class Slot:
     """A named run of numbers: `size` of them along `axis` ("" for a single number).
 
-    `tolerance` is the absolute error that matters in a state [unit]; `room` how many numbers the
-    slot takes in the plain array where that is more than its size.
+    `tolerance` is the absolute solver tolerance of a state [unit]. `room` is the number of elements
+    that the slot occupies in the plain array, where that is more than its size.
     """
 
     name: str
@@ -28,7 +28,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where each slot lies in a plain array."""
+    """Position of each slot in a plain array."""
 
     slots: tuple[Slot, ...]
     _places: Mapping[str, slice] = field(init=False, repr=False, compare=False)

@@ -13,10 +13,10 @@ from hannes.core.errors import BadInput, nearest
 class Parameter:
     """One number of a model: SI value, unit, inclusive bounds, meaning and source.
 
-    `off` is the value at which an effect vanishes exactly; None for what has no such value.
-    `tried` are values at which a search begins that knows nothing of it; none are spread over the
-    bounds. A count needs them: between whole numbers an effect may leave no mark.
-    `turns`, added to it, turns the sign of its effect, as half a turn does of a phase.
+    `off` is the value at which an effect vanishes exactly; None where there is no such value.
+    `tried` are starting values of a search without prior knowledge; without them they are spread
+    over the bounds. A count needs them: between whole numbers an effect may have no signature.
+    `turns`, added to it, reverses the sign of its effect, as half a turn does for a phase.
     """
 
     name: str
@@ -63,7 +63,7 @@ class ParameterSet(Mapping[str, float]):
         self._values = {name: each.value for name, each in self.declared.items()}
 
     def __getitem__(self, name: str) -> float:
-        found = self._values.get(name)  # asked for thousands of times in a fit
+        found = self._values.get(name)  # called thousands of times in a fit
         return self.require(name).value if found is None else found
 
     def __contains__(self, name: object) -> bool:

@@ -190,13 +190,13 @@ def _quiet(progress: bool | None) -> bool | None:
 def _tasks(spec: Spec, numbers: list[int]) -> Iterator[Any]:
     from joblib import delayed
 
-    mark = hdf5_file.fingerprint(spec)
-    return (delayed(numbered)(spec.text, k, mark) for k in numbers)
+    wanted = hdf5_file.fingerprint(spec)
+    return (delayed(numbered)(spec.text, k, wanted) for k in numbers)
 
 
-def numbered(text: str, number: int, mark: str) -> tuple[int, bytes]:
-    """A shard with its number; BadInput where this process is of another version than `mark`."""
-    if _mark(text) != mark:
+def numbered(text: str, number: int, wanted: str) -> tuple[int, bytes]:
+    """A shard with its number; BadInput where this process is of another version than `wanted`."""
+    if _fingerprint(text) != wanted:
         raise BadInput(
             "a worker has another version of hannes, Python or a package than this machine: "
             "install the same on all, and start workers anew after that"
@@ -205,7 +205,7 @@ def numbered(text: str, number: int, mark: str) -> tuple[int, bytes]:
 
 
 @functools.lru_cache(maxsize=4)
-def _mark(text: str) -> str:
+def _fingerprint(text: str) -> str:
     return hdf5_file.fingerprint(read_spec(text))
 
 

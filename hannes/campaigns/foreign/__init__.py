@@ -1,1 +1,1 @@
-"""Recordings as others write them: which column is which channel, in which unit, on which clock."""
+"""Foreign recordings: their columns mapped to channels, units and a clock."""

@@ -1,4 +1,4 @@
-"""Moves one clock of a recording onto the other: reference and measurement, or experiment and log.
+"""Aligns two clocks of a recording: reference and measurement, or experiment and log.
 
 A machine lags its reference even when every clock is right. Measured motion is therefore compared
 with *simulated* motion under the same command, unless the mapping says by = "command" and gives
@@ -63,7 +63,7 @@ def _onto_reference(recording: Recording, rule: AlignRule, plant: Plant) -> tupl
         followed = plant.simulate({}, recording)[rule.channel]
     lag = _lag(recording, rule, time, followed)
     value = lag.value - rule.lag
-    what = "the reference was moved by this much, later where positive; times without it were cut"
+    what = "shift of the reference, later where positive; times without it were dropped"
     kept = (time - value >= time[0]) & (time - value <= time[-1])
     if np.count_nonzero(kept) < 2:
         raise BadInput("align: nothing is left once the reference is moved")
@@ -83,7 +83,7 @@ def _onto_experiment(
     early = replace(recording, channels={**recording.channels, "time": recording.time - rough})
     lag = _lag(early, rule, times, followed)
     value = lag.value - rule.lag + rough
-    what = "every time was made smaller by this much: zero is where the experiment begins"
+    what = "subtracted from every time: zero is the start of the experiment"
     channels = {**recording.channels, "time": recording.time - value}
     return replace(recording, channels=channels), Shift(rule, lag, value, what)
 

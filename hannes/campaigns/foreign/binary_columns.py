@@ -50,7 +50,7 @@ class Arrays:
         raise BadInput(f'{self.path}: format = "iso" is for text files')
 
     def _row(self, values: NDArray[Any], column: Column) -> FloatArray:
-        """The one axis that there is, or the column that `index` names; a copy."""
+        """The only axis, or the column `index`; a copy."""
         where = f'{self.path}: "{column.name}"'
         if values.dtype.kind not in "fiub":
             raise BadInput(f"{where} holds no real numbers")
@@ -67,7 +67,7 @@ class Arrays:
 
 
 def open_hdf5(path: Path, missing: tuple[str, ...]) -> Arrays:
-    """Find the datasets of an HDF5 file; what leads outside the file is not followed."""
+    """Find the datasets of an HDF5 file; links to the outside are not followed."""
     import h5py
 
     names: list[str] = []
@@ -77,7 +77,7 @@ def open_hdf5(path: Path, missing: tuple[str, ...]) -> Arrays:
             names.append(name)
 
     def look(file: Any) -> None:
-        file.visititems(keep)  # walks hard links alone
+        file.visititems(keep)  # visits hard links alone
 
     _in_hdf5(path, look)
     return Arrays(path, names, lambda name: _in_hdf5(path, lambda file: file[name][()]), missing)

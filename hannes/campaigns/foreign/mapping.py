@@ -1,4 +1,4 @@
-"""What a mapping says of a foreign file: its columns, units, signs, clock and alignment.
+"""A mapping of a foreign file: its columns, units, signs, clock and alignment.
 
 A column's numbers become a channel's by `raw * scale`, taken as `unit`, divided by the reducer's
 ratio where measured at the motor's side, negated where `reversed`, plus `offset`.
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from hannes.plants.protocol import Plant
 
-FILLS = ("drop", "hold", "linear")  # what a missing value does: its row goes, or it is filled in
+FILLS = ("drop", "hold", "linear")  # of a missing value: its row is dropped, or it is filled
 TARGETS = ("reference", "experiment")
 YARDSTICKS = ("simulation", "command")
 
@@ -27,7 +27,7 @@ class Column:
 
 @dataclass(frozen=True)
 class ChannelRule:
-    """How one channel comes about: `factor` from raw to the channel's unit, then `offset`."""
+    """One channel: `factor` from raw values to the channel's unit, then `offset`."""
 
     column: Column
     factor: float = 1.0
@@ -53,7 +53,7 @@ class TimeRule:
 
 @dataclass(frozen=True)
 class TextRule:
-    """How lines of text are cut; an empty delimiter is found out, `header` 0 means none.
+    """How lines of text are divided; an empty delimiter is detected, `header` 0 means none.
 
     header, first: line numbers of the file, from 1, of the names and of the first numbers.
     """
@@ -68,7 +68,7 @@ class TextRule:
 
 @dataclass(frozen=True)
 class AlignRule:
-    """Which clock is moved onto which, and by which channel it is seen; times in s."""
+    """Alignment of two clocks, by the motion of one channel; times in s."""
 
     to: str
     by: str
@@ -79,7 +79,7 @@ class AlignRule:
 
 @dataclass(frozen=True)
 class ColumnMap:
-    """A mapping as read from TOML; `missing` are texts that stand for no value.
+    """A mapping as read from TOML; `missing` lists texts that mean no value.
 
     `split`: a column whose changes of value part one file into several runs.
     """

@@ -1,4 +1,4 @@
-"""Onto an even clock: means where samples become fewer, straight lines where they become more."""
+"""Resampling onto an even clock: means for a lower rate, linear interpolation for a higher one."""
 
 from collections.abc import Mapping
 
@@ -9,7 +9,7 @@ from hannes.core.errors import BadInput
 
 FloatArray = NDArray[np.float64]
 
-GAP = 2.5  # median intervals; what is longer was not recorded and stays a gap
+GAP = 2.5  # median intervals; a longer interval stays a gap
 MOST_SAMPLES = 50_000_000
 
 
@@ -18,8 +18,9 @@ def resampled(
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
     """Return times at whole multiples of 1/`rate` [Hz] and the channels there, shape (m,).
 
-    Fewer samples than recorded: the mean of the recorded straight lines over each interval, so
-    that noise above half the new rate does not fold down. More: the straight lines themselves.
+    For a lower rate, each sample is the mean of the linear interpolation over its interval, so that
+    noise above half the new rate does not alias. For a higher rate, it is the interpolation itself.
+    Raises BadInput for fewer than two samples, or too many.
     """
     step = 1.0 / rate
     first, last = np.ceil(time[0] / step - 1e-9), np.floor(time[-1] / step + 1e-9)

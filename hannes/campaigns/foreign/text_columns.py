@@ -1,7 +1,7 @@
 """Columns of a text file: any delimiter, decimal comma, comments, lines above the numbers.
 
-A column is parsed by numpy at once; only where that fails are its cells walked one by one, to let
-missing values through and to say which line is at fault.
+numpy parses a column at once. Only where that fails are its cells read one by one, to accept
+missing values and to name the faulty line.
 """
 
 import csv
@@ -23,7 +23,7 @@ GUESSES = ("\t", ";", ",")  # else any white space
 
 
 class Delimited:
-    """A text file cut into lines; NaN stands for a value that is missing."""
+    """A text file divided into lines; NaN stands for a missing value."""
 
     def __init__(self, path: Path, rule: TextRule, missing: tuple[str, ...]) -> None:
         self.path, self.rule, self.missing = path, rule, {"", *missing}

@@ -1,4 +1,4 @@
-"""From a foreign file's columns to runs: channels in the plant's units over one clock."""
+"""Columns of a foreign file into runs: channels in the plant's units on one clock."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -36,8 +36,8 @@ class Source(Protocol):
 class Run:
     """One run of a file: times [s] and channels in the plant's units, each of shape (n,).
 
-    rows: which rows of the file they are; dropped: rows left out because a value was missing;
-    filled: channel -> values filled in.
+    rows: their rows in the file; dropped: rows left out because a value was missing; filled:
+    channel -> number of values filled in.
     """
 
     time: FloatArray

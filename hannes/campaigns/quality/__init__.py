@@ -1,1 +1,1 @@
-"""What may be wrong with a recording, one file for each part of it that can go wrong."""
+"""Data quality of a recording, one file for each kind of check."""

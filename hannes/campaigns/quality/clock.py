@@ -11,13 +11,13 @@ from hannes.campaigns.quality.subject import Subject, speeds, sustained
 FloatArray = NDArray[np.float64]
 
 GAP = 1.5  # median intervals
-JITTER = 0.05  # of the median interval, beyond which uneven times are worth a note
+JITTER = 0.05  # of the median interval, from which uneven times give a note
 LEAST_DRIFT = 2e-3  # of the rate, from the recording's start to its end
 SURE = 10.0  # standard deviations, from six degrees of freedom
 LEAST_LOST = 0.5  # samples by which a drifting clock is off
 PARTS = 8  # of a recording, whose rates are compared
 FEWEST = 80  # samples to compare rates by
-SLOWEST = 0.5  # of the time over which the plant forgets, between two samples
+SLOWEST = 0.5  # of the plant's `block`, between two samples
 MILLI = 1000.0
 
 
@@ -86,7 +86,7 @@ def _drift(subject: Subject, intervals: FloatArray, even: NDArray[np.bool_]) -> 
 
 
 def _unit(subject: Subject) -> Iterator[Finding]:
-    """Milliseconds read as seconds, or the other way round, by what the plant can do."""
+    """Milliseconds read as seconds, or the reverse, by the limits of the plant."""
     span = float(subject.time[-1] - subject.time[0])
     if subject.block and subject.interval > SLOWEST * subject.block:
         yield fault(

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 
 SAME = 0.02  # of the range, that a command may differ from the plan and still be the same
 LEAST_DRIFT = 1e-3  # of the clock's rate
-GROSS_DRIFT = 1e-2  # beyond which a fit goes astray
+GROSS_DRIFT = 1e-2  # beyond which a fit is misled
 FACTOR = 0.05  # relative, about a factor that a mistake would make
 ROUNDS = 30
 
@@ -28,12 +28,12 @@ class Plan:
 
     @property
     def pace(self) -> float:
-        """How long it takes through its whole range, see motion.pace [s]."""
+        """Time through its whole range, see motion.pace [s]."""
         return pace(self.times, self.values)
 
 
 def inspect(subject: Subject, plan: Plan, command: str = "reference") -> Iterator[Finding]:
-    """Findings about the recording against the experiment that it is said to be of."""
+    """Findings about the recording against its experiment."""
     if command in subject.recording:
         yield from _recorded(subject, plan, command)
         return
@@ -82,7 +82,7 @@ def _drifting(subject: Subject, command: str, rate: float) -> Iterator[Finding]:
 
 
 def _clock(time: FloatArray, values: FloatArray, plan: Plan) -> tuple[float, float]:
-    """Rate of time at which the plan fits best, and the rms that is left, shift left free."""
+    """Best-fit rate of time of the plan, and the rms of the residual; the shift is free."""
     starts = [_fitted(time, values, plan, shift) for shift in _starts(time, values, plan)]
     return min(starts, key=lambda each: each[1])
 

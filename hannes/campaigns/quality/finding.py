@@ -2,11 +2,8 @@
 
 from dataclasses import dataclass
 
-LEVELS = (
-    "fault",
-    "warning",
-    "note",
-)  # not to be fitted as it is; part of it misleads; good to know
+# A fault must not be fitted as it is; of a recording with a warning a part misleads.
+LEVELS = ("fault", "warning", "note")
 KINDS = (
     *("gap", "uneven", "drift", "late-start", "command"),  # of time
     *("dead", "saturated", "frozen", "jump", "resolution", "coarse"),  # of sensors
@@ -16,9 +13,10 @@ KINDS = (
 
 @dataclass(frozen=True)
 class Finding:
-    """`kind` is one of KINDS, `channel` where it shows, `time` [s] when first, None for always.
+    """One data-quality issue.
 
-    `text` says what was found and what to do; `size` is how large, in the unit that text names.
+    `kind` is one of KINDS; `channel` shows it; `time` [s] is its first instant, None for always.
+    `text` says what was found and what to do; `size` is its magnitude, in the unit that text names.
     """
 
     level: str
@@ -34,7 +32,7 @@ class Finding:
 
 
 def fault(kind: str, channel: str, text: str, **more: float | None) -> Finding:
-    """A fault: fitted as it is, the recording leads astray."""
+    """A fault: fitted as it is, the recording misleads."""
     return Finding("fault", kind, channel, text, **more)
 
 

@@ -49,7 +49,7 @@ def _large(subject: Subject, name: str, peak: float) -> Finding:
 
 
 def _small(subject: Subject, name: str, peak: float) -> Iterator[Finding]:
-    """Too small for what it moves is a fault; alone it may be an honest light touch."""
+    """Too small for what it moves is a fault; alone it may be a light grasp."""
     low, high = subject.of(name).peak
     found = f"reaches only {subject.with_unit(peak, name)}"
     fitting = [f for f in subject.of(name).mistakes.values() if low <= peak * f <= high]

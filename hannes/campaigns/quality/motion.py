@@ -1,4 +1,4 @@
-"""What was commanded against what moved: reversed signs, wrong factors, late starts."""
+"""Measured motion against its command: reversed signs, wrong factors, late starts."""
 
 from collections.abc import Iterator
 
@@ -12,15 +12,15 @@ from hannes.core.recording.time_lag import Lag, lag_behind
 
 FloatArray = NDArray[np.float64]
 
-SEARCH = 0.45  # of the recording, the farthest that a lag is looked for
-HONEST = (0.25, 4.0)  # gain of a motion over its command, a blocked one included
-NEAR = 1.4  # factor within which a gain is taken for that of a known mistake
+SEARCH = 0.45  # of the recording, the widest search for a lag
+PLAUSIBLE = (0.25, 4.0)  # gain of a motion over its command, a blocked one included
+NEAR = 1.4  # factor within which a gain counts as that of a known mistake
 SURE = 0.9  # correlation that makes a small gain more than a blocked motion
 BEFORE = 5e-3  # s, by which a motion cannot run ahead of its command
 IN_MOTION = 0.15  # of the fastest sustained speed, at the first sample
 APART = 0.1  # of its range, that a command begins away from what follows it
 FAST = 0.3  # of the fastest sustained speed: surely moving
-AGAINST = 0.1  # of its rms, by which a drive pushes the wrong way on the mean
+AGAINST = 0.1  # of its rms, mean push of a drive against the motion
 
 
 def inspect(subject: Subject) -> Iterator[Finding]:
@@ -66,7 +66,7 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
     yield from _gain(subject, name, command, lag)
     yield from timed(subject, name, command, pace(subject.time, asked), lag)
     apart = float(motion[0] - asked[0])
-    if abs(apart) > APART * np.ptp(asked) and HONEST[0] < lag.gain < HONEST[1]:
+    if abs(apart) > APART * np.ptp(asked) and PLAUSIBLE[0] < lag.gain < PLAUSIBLE[1]:
         yield warning(
             "late-start",
             name,
@@ -80,7 +80,7 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
 def found_lag(
     subject: Subject, motion: FloatArray, times: FloatArray, command: FloatArray
 ) -> Lag | None:
-    """How late the motion follows, None where it does not or no lag is best."""
+    """Lag of the motion behind its command, None where it does not follow or no lag is best."""
     within = SEARCH * float(subject.time[-1] - subject.time[0])
     try:
         return lag_behind(subject.time, motion, times, command, within)
@@ -89,7 +89,7 @@ def found_lag(
 
 
 def _gain(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Finding]:
-    low, high = HONEST
+    low, high = PLAUSIBLE
     if low <= lag.gain <= high or (lag.gain < low and lag.correlation < SURE):
         return
     moves = f"moves {lag.gain:.4g} times as far as {command}"
@@ -103,7 +103,7 @@ def _gain(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Findi
 
 
 def pace(times: FloatArray, values: FloatArray) -> float:
-    """How long a command would take through its whole range, at its mean speed in motion [s]."""
+    """Time of a command through its whole range, at its mean speed in motion [s]."""
     travel = np.abs(np.diff(values))
     moving = float(np.sum(np.diff(times)[travel > 0.0]))
     return moving * float(np.ptp(values) / max(travel.sum(), 1e-300))
@@ -126,7 +126,7 @@ def timed(subject: Subject, name: str, command: str, across: float, lag: Lag) ->
 
 
 def _drives(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
-    """The sign of a drive: against both directions of motion it would only ever brake."""
+    """The sign of a drive: against both directions of motion it would only brake."""
     speed = running_median(speeds(subject.time, subject.recording[moved]))
     push = subject.recording[name][1:]
     fast = FAST * sustained(speed)

@@ -18,19 +18,19 @@ from hannes.campaigns.quality.subject import (
 
 FloatArray = NDArray[np.float64]
 
-DRIVEN = ("A", "V", "N", "N m")  # units of what does not rest on a stop by itself
+DRIVEN = ("A", "V", "N", "N m")  # units of quantities that do not rest on a stop
 # Samples of a flat top. Of 6000 noisy bell-shaped peaks (15 samples wide, noise of two steps) four
 # equal readings on top were taken for a clipped sensor in 12, three in 45, five in none.
 SHORTEST_TOP = 5
 ENTRY = 3  # samples before and after a flat top that give its slope
-ABRUPT = 3.0  # steps of quantisation from sample to sample; a round top is entered by less than one
+ABRUPT = 3.0  # quantisation steps from sample to sample; less than one at a round top
 FEWEST_LEVELS = 8  # a signal of fewer values is switched, not measured
 LEAST_FROZEN = 20  # samples without any change, where there is noise otherwise
-REPEATS = 0.2  # share of repeated values beyond which a channel simply rests
+REPEATS = 0.2  # share of repeated values from which a channel is at rest
 RARE = 4  # times longer than any other run of one value
 JUMP = 3.0  # times the fastest sustained move
 LEAST_JUMP = 0.01  # of the channel's range
-COARSE = 50.0  # steps in the range, below which resolution hurts
+COARSE = 50.0  # steps in the range, below which resolution is poor
 
 
 def inspect(subject: Subject) -> Iterator[Finding]:
@@ -65,7 +65,7 @@ def _dead(subject: Subject, name: str) -> Finding:
 
 
 def _clipped(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
-    """Flat tops: entered at a slope that would have carried on beyond them."""
+    """Flat tops, entered at a slope that would continue beyond them."""
     expected = subject.of(name)
     declared = expected.drives or expected.limit
     if not declared and subject.recording.units[name] not in DRIVEN:
@@ -115,7 +115,7 @@ def _abrupt(values: FloatArray, first: int, last: int, step: float) -> bool:
 
 
 def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
-    """The same value again and again in a channel that is noisy otherwise."""
+    """A run of one value in a channel that is noisy otherwise."""
     same = np.diff(values) == 0.0
     still = true_runs(same)
     if not still or noise(values) == 0.0:
@@ -140,7 +140,7 @@ def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding
 
 
 def _jumps(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
-    """Steps from one sample to the next that nothing with inertia makes."""
+    """Steps from one sample to the next that inertia rules out."""
     speed, steps = speeds(subject.time, values), np.diff(values)
     usual = running_median(speed)
     fastest = sustained(speed)

@@ -1,4 +1,4 @@
-"""A recording under inspection: what is expected of its channels, and what is measured of it."""
+"""A recording under inspection: limits of its channels, noise, quantisation, speeds."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,12 +14,12 @@ from hannes.core.recording.white_noise import roughness
 FloatArray = NDArray[np.float64]
 
 NOTHING = Expected()
-MOTIONS = ("rad", "m", "deg", "mm")  # units of what has inertia and cannot jump
+MOTIONS = ("rad", "m", "deg", "mm")  # units of positions, which inertia keeps from jumping
 WINDOW = 9  # samples of a running median
 ALTERNATES = 0.55  # share of sign changes that separates noise from curvature
 FEWEST_SIGNS = 10
 ROUNDING = 1e-7  # of the range; less is the rounding of digits
-FINEST = 1e-5  # of the range; a smaller step of quantisation matters to nobody
+FINEST = 1e-5  # of the range; a smaller quantisation step is ignored
 
 
 @dataclass(frozen=True)
@@ -42,16 +42,16 @@ class Subject:
 
     @cached_property
     def commands(self) -> frozenset[str]:
-        """Channels that were asked for, not measured: they may jump and may stand still."""
+        """Commanded channels, not measured: they may jump and may stand still."""
         followed = {each.follows for each in self.expected.values() if each.follows}
         return frozenset(followed | {"reference", "pulses"})
 
     def of(self, name: str) -> Expected:
-        """What is expected of a channel."""
+        """Plausible limits of a channel."""
         return self.expected.get(name, NOTHING)
 
     def is_motion(self, name: str) -> bool:
-        """Whether a channel is a measured position, which has no way to jump."""
+        """Whether a channel is a measured position, which cannot jump."""
         measured = name not in self.commands
         return measured and (bool(self.of(name).follows) or self.recording.units[name] in MOTIONS)
 
@@ -76,7 +76,7 @@ def noise(values: FloatArray) -> float:
 
 
 def quantum(values: FloatArray) -> float:
-    """Step of quantisation, 0 where there is none to be seen."""
+    """Quantisation step, 0 where none is visible."""
     levels = np.unique(values)
     if levels.size < 3:
         return 0.0
@@ -96,7 +96,7 @@ def speeds(time: FloatArray, values: FloatArray) -> FloatArray:
 
 
 def sustained(speed: FloatArray) -> float:
-    """Fastest speed that lasts some samples: single outliers do not count."""
+    """Fastest speed over some samples: single outliers do not count."""
     return float(running_median(np.abs(speed)).max())
 
 

@@ -1,8 +1,8 @@
 """Files that are whole or absent: written under a temporary name, flushed, then renamed.
 
 A folder of results is swapped in by one exchange of names where the system has that call (Linux
-`renameat2`). Elsewhere the old folder steps aside first, and whoever next writes or asks for
-`settled(path)` puts it back if the command was killed in between.
+`renameat2`). Elsewhere the old folder is renamed first. If the command is killed in between, the
+next write or call of `settled(path)` restores it.
 """
 
 import ctypes
@@ -19,7 +19,7 @@ from pathlib import Path
 from hannes.core.errors import BadInput
 
 MARKER = ".hannes-results"  # lists what a results folder holds, so that nothing else is replaced
-_STALE = 7 * 86400  # seconds after which the leftover of a killed command is swept away
+_STALE = 7 * 86400  # s, age at which the leftover of a killed command is removed
 
 _REASONS = {
     errno.EACCES: "permission denied; choose a place you may write to",
@@ -91,7 +91,7 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
 
 
 def settled(path: str | Path) -> Path:
-    """Return the real path of a results folder, put back first if a swap was cut short."""
+    """Return the real path of a results folder, restored first if a swap was interrupted."""
     target = _real(path)
     aside = _aside(target)
     if aside.is_dir() and not target.exists():
@@ -125,7 +125,7 @@ def _require_regular(target: Path) -> None:
 
 
 def _temporary(target: Path) -> Path:
-    """Return an unused name beside `target`, after sweeping leftovers a week old."""
+    """Return an unused name beside `target`, after removing leftovers a week old."""
     target.parent.mkdir(parents=True, exist_ok=True)
     for leftover in target.parent.glob(".tmp-*.*"):
         if leftover.name.split(".", 2)[2:] == [target.name] and _age(leftover) > _STALE:
@@ -147,7 +147,7 @@ def _remove(path: Path) -> None:
 
 
 def _foreign(target: Path) -> list[str]:
-    """Return what lies in `target` beside earlier results; raise BadInput if there are none."""
+    """Return the files in `target` beside earlier results; raise BadInput without such results."""
     if not target.exists():
         return []
     names = {each.name for each in target.iterdir()}
@@ -166,7 +166,7 @@ def _listed(marker: Path) -> set[str]:
 
 
 def _finish(temporary: Path, target: Path, kept: list[str]) -> None:
-    """List the new results in the marker, copy over what is kept, flush all to the disk."""
+    """List the new results in the marker, copy the files that are kept, flush all to the disk."""
     written = sorted(each.name for each in temporary.iterdir())
     (temporary / MARKER).write_text(json.dumps(written) + "\n")
     for name in set(kept) - set(written):
@@ -185,7 +185,7 @@ def _copy(old: Path, new: Path) -> None:
 
 
 def _swap(temporary: Path, target: Path) -> None:
-    """Give `temporary` the name `target`; what had that name ends under a name to be removed."""
+    """Give `temporary` the name `target`; the former content is removed."""
     aside = _aside(target)
     shutil.rmtree(aside, ignore_errors=True)
     if not target.exists():

@@ -1,4 +1,4 @@
-"""Where machine code and other things that can be made again are kept."""
+"""The cache folder: machine code and other files that can be made again."""
 
 import os
 from pathlib import Path

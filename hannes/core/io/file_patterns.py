@@ -1,4 +1,4 @@
-"""Which files a pattern in a campaign or an evaluation means, in the order of their numbers."""
+"""Files that match a pattern in a campaign or an evaluation, in the order of their numbers."""
 
 import re
 from pathlib import Path
@@ -9,14 +9,14 @@ _SIGNS = "*?["
 
 
 def is_pattern(name: str) -> bool:
-    """Whether a name stands for any number of files."""
+    """Return whether a name is a pattern, which any number of files may match."""
     return any(sign in name for sign in _SIGNS)
 
 
 def matching(pattern: str, folder: Path) -> list[Path]:
     """Files that match a pattern, relative to `folder` or absolute: void_2.csv before void_10.csv.
 
-    BadInput where it is no pattern that can be matched.
+    Raises BadInput where the pattern is not valid.
     """
     root = Path(pattern).anchor
     inside = pattern.removeprefix(root)
@@ -26,6 +26,6 @@ def matching(pattern: str, folder: Path) -> list[Path]:
 
 
 def _counted(path: Path) -> tuple[list[str | int], str]:
-    """A key that puts numbers inside of names in order; 02 after 2."""
+    """A sort key by the numbers within names; 02 comes after 2."""
     name = str(path)
     return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", name)], name

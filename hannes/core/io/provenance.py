@@ -1,4 +1,4 @@
-"""What results depend on besides their input: versions, machine, date."""
+"""Provenance of results: versions, machine, date."""
 
 import datetime
 import platform
@@ -16,7 +16,7 @@ def versions() -> dict[str, str]:
 
 
 def provenance() -> dict[str, object]:
-    """Versions, machine and date: what a summary keeps, and recordings and pages must not."""
+    """Versions, machine and date: for summaries, not for recordings and pages."""
     return {
         "versions": versions(),
         "machine": platform.machine(),

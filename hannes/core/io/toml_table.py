@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.units import quantity
 
-LARGEST = 16_000_000  # bytes; far above any honest experiment, a recorded reference included
+LARGEST = 16_000_000  # bytes; far above any real experiment, with a recorded reference
 
 
 def read_text(path: Path) -> str:
@@ -83,7 +83,7 @@ class Table:
         return value
 
     def choice(self, key: str, choices: tuple[str, ...], default: str = "") -> str:
-        """Return one of a few words; without a default the key must be there."""
+        """Return one of `choices`; without a default the key must be there."""
         value = self.content.get(key, default) if default else self.require(key, f'"{choices[0]}"')
         if not isinstance(value, str) or value not in choices:
             hint = nearest(value, choices) if isinstance(value, str) else ""

@@ -1,4 +1,4 @@
-"""What each unit name is worth, by pint; kept on disk, as pint takes longer to start than numpy."""
+"""Factor and base units of each unit name, by pint; cached on disk, as pint starts slowly."""
 
 import json
 from collections.abc import Mapping
@@ -40,7 +40,7 @@ def _by_pint(name: str) -> Worth | None:
         unit = registry.parse_units(name)
         zero = registry.Quantity(Decimal(0), unit).to_root_units()
         one = registry.Quantity(Decimal(1), unit).to_root_units()
-    except Exception:  # pint raises many kinds; each means that it does not know the name
+    except Exception:  # pint raises many kinds; each means an unknown name
         return None
     if zero.magnitude != 0:
         return Decimal(1), ((str(unit), 1.0),)
@@ -61,7 +61,7 @@ def _path() -> Path:
 
 @cache
 def _kept() -> dict[str, Worth]:
-    """What earlier processes asked for; nothing where the file cannot be read."""
+    """Units that earlier processes looked up; none where the file cannot be read."""
     try:
         rows = json.loads(_path().read_text(encoding="utf-8"))
         return {
@@ -74,6 +74,6 @@ def _kept() -> dict[str, Worth]:
 
 def _keep(known: Mapping[str, Worth]) -> None:
     rows = {name: [str(factor), base] for name, (factor, base) in known.items()}
-    with suppress(OSError, BadInput):  # else the next process asks pint again
+    with suppress(OSError, BadInput):  # else the next process uses pint again
         _path().parent.mkdir(parents=True, exist_ok=True)
         write_text(_path(), json.dumps(rows))

@@ -1,8 +1,8 @@
 """Text with a unit to a float in SI and back: ``quantity("3.1 mm", "m", name) -> 0.0031``.
 
-Units are read by a small grammar of our own (names, powers, one slash per divisor, brackets), so
-that no text from a file is ever evaluated; pint only says what each name is worth. Angle counts as
-a dimension here, unlike in pint: ``"9.84"`` is no angle, and ``"100 1/s"`` no angular speed.
+Units are read by a small grammar (names, powers, one slash per divisor, brackets), so no text from
+a file is ever evaluated; pint only gives the factor of each name. Angle counts as a dimension here,
+unlike in pint: ``"9.84"`` is no angle, and ``"100 1/s"`` no angular speed.
 """
 
 import json
@@ -15,7 +15,7 @@ from typing import NoReturn
 from hannes.core.errors import BadInput
 from hannes.core.io.unit_factors import worth
 
-LONGEST = 80  # characters; no honest value with its unit is longer
+LONGEST = 80  # characters; no real value with its unit is longer
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\d.])", re.ASCII)
 _FACTOR = re.compile(r"([A-Za-zµμΩ°%_]+)(?:\^?([1-9])|\^(-[1-9]))?")

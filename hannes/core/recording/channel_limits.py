@@ -1,4 +1,4 @@
-"""What an honest recording of a channel looks like, as far as a plant can say."""
+"""Plausible limits of a recorded channel, as a plant declares them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,16 +6,16 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Expected:
-    """What a plant knows of one channel before anything is fitted; all of it may be left out.
+    """Plausible limits of one channel, known before anything is fitted; all may be left out.
 
     follows:  the commanded channel that it tracks with a gain of one
-    drives:   the channel that a positive value of this one sets moving in + direction
+    drives:   the channel that a positive value of this one moves in + direction
     peak:     smallest and largest plausible peak magnitude [unit of the channel]
-    limit:    magnitude [unit] at which the machine itself saturates, 0 for none
+    limit:    magnitude [unit] at which the machine saturates, 0 for none
     rate:     fastest plausible change [unit/s], 0 where it is unknown
-    lag:      longest time [s] that it takes behind what it follows, 0 where it is unknown
+    lag:      longest plausible lag [s] behind the channel it follows, 0 where it is unknown
     forward:  whether it is positive nearly always
-    mistakes: what was mistaken -> the factor by which the values are then too large
+    mistakes: a mistake, in words -> the factor by which the values are then too large
     """
 
     follows: str = ""

@@ -1,7 +1,7 @@
 """Recordings as CSV: a header of `name_unit` columns, then numbers only.
 
-The whole file is parsed by numpy at once; only if that fails are the lines walked one by one to
-say which is at fault.
+numpy parses the whole file at once. Only if that fails are the lines checked one by one, to name
+the faulty one.
 """
 
 import csv

@@ -1,10 +1,9 @@
 """Recordings as HDF5: group `/channels` of 1-D float64 datasets, and root attributes.
 
 Bytes depend on the content alone: no time stamps, one file format version, no compression. A file
-read may come from anywhere, so its shapes are judged before its numbers are read, and nothing that
-leads outside the file (external links and storage, virtual data, plugin filters) is followed. Nor
-is text of variable length: where it is damaged, HDF5 itself loops or crashes (4 of 1500 files with
-bytes flipped); text of fixed length is refused in words.
+may come from anywhere, so its shapes are checked before its numbers are read. Nothing outside the
+file is read (external links and storage, virtual data, plugin filters), and no text of variable
+length: where that is damaged, HDF5 itself loops or crashes (4 of 1500 files with bytes flipped).
 """
 
 import io
@@ -72,7 +71,7 @@ def set_attribute(item: Any, key: str, value: str | int | None) -> None:
 
 
 def _new_group(file: Any) -> Any:
-    """Create `/channels` so that it remembers the order of its members but not the hour."""
+    """Create `/channels` with the order of its members, without time stamps."""
     import h5py
 
     properties = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
@@ -92,7 +91,7 @@ def _content(file: Any) -> dict[str, Any]:
 
 
 def _datasets(file: Any) -> dict[str, Any]:
-    """Return the channels' datasets, each found harmless; numbers are not read yet."""
+    """Return the channels' datasets, each with plain storage; numbers are not read yet."""
     import h5py
 
     group = _member(file, "channels", h5py.Group)

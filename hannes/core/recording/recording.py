@@ -1,4 +1,4 @@
-"""One class for what was measured and what was simulated, of any plant.
+"""One class for measured and simulated recordings of any plant.
 
 Channels and units are those that the plant declares; the hand's are `time_s, reference_rad,
 position_rad, current_A, duty_1, supply_V, force_N, sensor_N`. Only time and one more are required.

@@ -1,4 +1,4 @@
-"""How much samples differ from their neighbours: white noise, through whatever moves slowly."""
+"""White-noise level of a signal, whatever moves slowly in it."""
 
 import math
 
@@ -11,6 +11,6 @@ SECOND = 6.0  # variance of white noise's second difference, 1 + 4 + 1, over its
 def roughness(samples: np.ndarray) -> float:
     """Standard deviation of samples [their unit], shape (n >= 3,), were their noise white.
 
-    From the median absolute second difference: a straight course adds nothing, rare jumps little.
+    By the median absolute second difference: a straight line adds nothing, rare jumps little.
     """
     return DEVIATION * float(np.median(np.abs(np.diff(samples, 2)))) / math.sqrt(SECOND)

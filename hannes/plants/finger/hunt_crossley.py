@@ -13,7 +13,7 @@ def damped(elastic, closing_speed, damping):
 
 EFFECT = Effect(
     name="hunt_crossley",
-    meaning="The contact pushes harder while it is being pressed than while it is let go.",
+    meaning="The contact pushes harder while it is being pressed than while it is released.",
     equation="F = F_e (1 + damping d'), d' in 100 counts/s",
     source="Hunt & Crossley (1975)",
     parameters=(Parameter("damping", 0.0, "s", (0.0, 2.0), "per 100 counts/s", off=0.0),),
