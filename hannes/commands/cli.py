@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    parser = _parser()
+    parser = make_parser()
     chosen = parser.parse_args(arguments)
     if chosen.command is None:
         parser.print_help()
@@ -72,7 +72,8 @@ def _one_line(error: Exception) -> str:
     return "".join(each if each.isprintable() else "?" for each in text)
 
 
-def _parser() -> _Parser:
+def make_parser() -> _Parser:
+    """The parser of all commands."""
     parser = _Parser(prog="hannes", description=DESCRIPTION, **_with_examples(""))
     parser.add_argument("--version", action="version", version=f"hannes {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)

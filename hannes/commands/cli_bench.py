@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 EXAMPLES = {
     "board": """\
 hannes board dynamometer              a virtual hand on a pseudo-terminal; prints its name
-hannes board my_board.toml --tcp 4000 on a socket of this machine
+hannes board my_board.toml --tcp 4000       on a socket of this machine
 hannes board dynamometer --seconds 60
 
 my_board.toml; all but the first line may be left out:

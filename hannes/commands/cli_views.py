@@ -1,7 +1,7 @@
-"""The command that shows recordings: a hand in motion in one page."""
+"""The commands that hand recordings on: to the eye, to other programs; and completion."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from hannes.commands.cli_output import add_json, print_json
 
@@ -11,7 +11,15 @@ hannes view results/dynamometer/recording.h5
 hannes view void_01.csv --hand results/closure/hand.toml     measured, and with what was found
 hannes view before.h5 after.h5 --out results/both.html       the second as a ghost over the first
 hannes view grasp.h5 --still 0.64                            an SVG and a PNG of one moment""",
+    "export": """\
+hannes export void_01.h5 --out void_01.mat            MATLAB
+hannes export results/dynamometer/recording.h5 --out grasp.mcap     Foxglove, ROS
+hannes export void_01.csv --out void_01.h5""",
+    "completion": """\
+hannes completion bash > ~/.local/share/bash-completion/completions/hannes
+hannes completion zsh > ~/.zfunc/_hannes              a folder of $fpath""",
 }
+FORMATS = {".mat": "to_mat", ".mcap": "to_mcap"}
 
 
 def add(command: Callable[..., argparse.ArgumentParser]) -> None:
@@ -30,6 +38,52 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
         help="also write an SVG and a PNG of this moment [s]; may be given again",
     )  # fmt: skip
     add_json(view)
+
+    export = command("export", _export, "write a recording in another program's format")
+    export.add_argument("recording", help="a recording: .csv, .csv.gz, .h5, .hdf5")
+    export.add_argument(
+        "--out", required=True, metavar="FILE", help=".mat, .mcap, .csv, .csv.gz, .h5 or .hdf5"
+    )
+
+    completion = command("completion", _completion, "print what completes commands in a shell")
+    completion.add_argument("shell", choices=("bash", "zsh", "tcsh"), help="bash, zsh or tcsh")
+
+
+def _export(chosen: argparse.Namespace) -> None:
+    from pathlib import Path
+
+    from hannes.core.recording.recording import Recording
+
+    recording = Recording.read(chosen.recording)
+    getattr(recording, FORMATS.get(Path(chosen.out).suffix.lower(), "write"))(chosen.out)
+    print(f"wrote {chosen.out}")
+
+
+def _completion(chosen: argparse.Namespace) -> None:
+    import shtab
+
+    from hannes.commands.cli import make_parser
+    from hannes.simulation.experiment import shipped
+
+    parser = make_parser()
+    for commands in parser._actions:
+        if isinstance(commands, argparse._SubParsersAction):
+            for command in commands.choices.values():
+                for action in command._actions:
+                    _complete(action, shipped.names())
+    print(shtab.complete(parser, chosen.shell))
+
+
+def _complete(action: argparse.Action, experiments: Sequence[str]) -> None:
+    """Tell shtab what an argument is: a folder, an experiment, or a file."""
+    import shtab
+
+    if action.metavar == "FOLDER":
+        action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
+    elif action.dest in ("file", "campaign", "recording", "hand", "mapping", "out"):
+        action.complete = shtab.FILE  # type: ignore[attr-defined]
+    elif action.dest == "experiment" and not action.option_strings:
+        action.choices = list(experiments)
 
 
 def _view(chosen: argparse.Namespace) -> None:

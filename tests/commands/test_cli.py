@@ -23,7 +23,7 @@ def commands():
     """Parser of each command by name."""
     (found,) = [
         action
-        for action in cli._parser()._actions
+        for action in cli.make_parser()._actions
         if isinstance(action, argparse._SubParsersAction)
     ]
     return found.choices
@@ -37,7 +37,7 @@ def examples(name):
 
 def words(line):
     """Arguments of an example, without what the shell does with them and what it says of them."""
-    return shlex.split(line.split("  ")[0].split("|")[0].replace("*", "1"))[1:]
+    return shlex.split(line.split("  ")[0].split("|")[0].split(">")[0].replace("*", "1"))[1:]
 
 
 @pytest.mark.parametrize("name", ["", *commands()])
@@ -52,7 +52,7 @@ def test_every_command_has_help_with_examples(capsys, name):
 
 @pytest.mark.parametrize("line", [line for name in ["", *commands()] for line in examples(name)])
 def test_every_example_is_a_command_that_parses(line):
-    assert cli._parser().parse_args(words(line)).command in commands()
+    assert cli.make_parser().parse_args(words(line)).command in commands()
 
 
 @pytest.mark.parametrize("name", commands())

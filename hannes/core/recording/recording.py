@@ -109,6 +109,32 @@ class Recording(Mapping[str, FloatArray]):
         metadata["conversion"] = self.conversion or None  # left out of files that hannes wrote
         atomic_files.write_bytes(path, hdf5.dump(self.channels, self.units, metadata))
 
+    def to_mat(self, path: str | Path) -> None:
+        """Write a MATLAB file: a column vector a channel, units and metadata beside them."""
+        from hannes.core.io import atomic_files
+        from hannes.core.recording import matlab
+
+        atomic_files.write_bytes(path, matlab.dump(self))
+
+    def to_mcap(self, path: str | Path) -> None:
+        """Write an MCAP log, one JSON message a sample; BadInput where mcap is not installed."""
+        from hannes.core.io import atomic_files
+        from hannes.core.recording import mcap
+
+        atomic_files.write_bytes(path, mcap.dump(self))
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame over `time_s`; BadInput where pandas is not installed."""
+        from hannes.core.recording import frames
+
+        return frames.data_frame(self)
+
+    def to_xarray(self) -> Any:
+        """Return a Dataset over `time`, with units; BadInput where xarray is not installed."""
+        from hannes.core.recording import frames
+
+        return frames.dataset(self)
+
     @property
     def time(self) -> FloatArray:
         """Sampling instants [s], strictly increasing; a gap in the data is a gap here."""
