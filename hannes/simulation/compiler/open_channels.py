@@ -1,0 +1,75 @@
+"""What a kernel may add to, and what it may read there: from a plant's layouts and equations."""
+
+import ast
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from hannes.core.effect import Effect, Term
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter
+from hannes.simulation.compiler.assemble import Equations
+
+_SIZE = Parameter("size", 0.0, "1", (0.0, 1.0), "of what is added", off=0.0)
+_ARRAYS = {"t", "y", "dy", "p", "c", "reference", "hold", "out"}  # that stages hand each other
+
+
+@dataclass(frozen=True)
+class Open:
+    """A channel that effects may add to, the stage that opens it, and what is known there.
+
+    `channels` are known by then, of arrays the element at hand; `locals` are the stage's own
+    numbers. The time `t`, states and parameters can be read everywhere.
+    """
+
+    slot: Slot
+    stage: str
+    channels: tuple[str, ...]
+    locals: tuple[str, ...]
+
+
+def open_channels(equations: Equations) -> Iterator[Open]:
+    """Every channel that effects may add to, in the order of the layout."""
+    arrays = [slot.name for slot in equations.channels.slots if slot.axis]
+    for slot in equations.channels.slots:
+        if stage := equations.stage_of(slot.name):
+            own = _bound(equations, stage)
+            known = [name for name in (*arrays, *own) if _readable(equations, name, slot.name)]
+            found = tuple(name for name in known if name in equations.channels)
+            rest = tuple(name for name in known if name not in equations.channels)
+            yield Open(slot, stage, found, rest)
+
+
+def _bound(equations: Equations, stage: str) -> list[str]:
+    """Numbers that a stage is given or works out, in the order of its text."""
+    function = next(
+        node
+        for node in ast.parse(equations.source()).body
+        if isinstance(node, ast.FunctionDef) and node.name == stage
+    )
+    stored = [
+        node.id
+        for statement in function.body
+        for node in ast.walk(statement)
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+    ]
+    names = dict.fromkeys([*(each.arg for each in function.args.args), *stored])
+    taken = {slot.name for slot in (*equations.parameters.slots, *equations.states.slots)}
+    return [name for name in names if name not in taken | _ARRAYS]
+
+
+def _readable(equations: Equations, name: str, channel: str) -> bool:
+    kernel = _taking(name)
+    term = Term(kernel, (channel,))
+    return not equations.accepts(Effect("probe", "", "", "", (_SIZE,), (term,)))
+
+
+def _taking(name: str) -> Callable[..., float]:
+    """A kernel that takes the effect's size and one quantity."""
+
+    def kernel(*given: float) -> float:
+        return 0.0
+
+    places = [inspect.Parameter(n, inspect.Parameter.POSITIONAL_ONLY) for n in ("size", name)]
+    kernel.__signature__ = inspect.Signature(places)  # type: ignore[attr-defined]
+    return kernel
