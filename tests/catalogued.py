@@ -1,13 +1,13 @@
 """One model with the whole catalogue, all amplitudes at off but those given, and its runs."""
 
 import functools
-import re
 from dataclasses import replace
 
 from runs import grasp, reference
 
-from benchmarks.truth import effects as second
+from benchmarks.truth.effects import SIZES
 from hannes.simulation.catalogue import effects
+from hannes.simulation.energy_balance import energy_ledger
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.simulate import simulate
 
@@ -29,16 +29,8 @@ EXPERIMENTS = {
 }
 
 
-def _table():
-    """Rows of the second implementation's table: name -> (asterisk, unit, low, high, default)."""
-    row = r"^(\w+\.\w+) (\*)? *(\S+(?: \S+)?)  +(\S+) \.\. (\S+)(?:.*\n +)?(?: ?\((\S+)\))?"
-    found = {}
-    for name, star, unit, low, high, default in re.findall(row, second.__doc__ or "", re.M):
-        found[name] = (star, unit, float(low), float(high), float(default) if star else None)
-    return found
-
-
-TABLE = {name: row for name, row in _table().items() if name.partition(".")[0] in CATALOGUE}
+# Of the second formulation: parameters of the catalogue with their physical ranges.
+RANGES = {name: size for name, size in SIZES.items() if name.partition(".")[0] in CATALOGUE}
 
 
 @functools.cache
@@ -47,3 +39,11 @@ def ran(experiment, **values):
     hand = EVERYTHING.with_values({n.replace("__", "."): x for n, x in values.items()})
     found = simulate(hand, EXPERIMENTS[experiment], rtol=1e-6, effects=EVERYTHING.effects)
     return found.require()
+
+
+@functools.cache
+def ledger(name=""):
+    """Energies of a grasp, the amplitude `name` at half its largest physical size."""
+    hand = EVERYTHING.with_values({name: 0.5 * RANGES[name].high} if name else {})
+    run = simulate(hand, grasp(sampling=20_000.0), rtol=1e-6, effects=EVERYTHING.effects)
+    return energy_ledger(run.require())

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from benchmarks.oracle import FROZEN
+from benchmarks.oracle import FOLDER, FROZEN
 
 ORACLE = {"poor": "poor", "poor, duty": "poor", "rich": "rich"}
 
@@ -35,6 +35,15 @@ def smallest(protocol: str, file: Path = FROZEN) -> dict[str, list[Smallest]]:
         ]
         for name, entries in table.items()
     }
+
+
+def measured(effect: str) -> Path | None:
+    """The file that has the sizes of an effect, None where they are not yet measured."""
+    own = FOLDER / f"{effect}.toml"
+    if own.exists():
+        return own
+    known = {name.partition(".")[0] for name in smallest("poor")}
+    return FROZEN if effect in known else None
 
 
 def digest(file: Path = FROZEN) -> str:

@@ -7,4 +7,5 @@ needs to name.
 
 from pathlib import Path
 
-FROZEN = Path(__file__).parent / "smallest_detectable.toml"
+FROZEN = Path(__file__).parent / "smallest_detectable.toml"  # of a release: what the study hides
+FOLDER = Path(__file__).parent / "sizes"  # NAME.toml: an effect that came after that

@@ -1,6 +1,10 @@
 """Write the smallest detectable size of every hidden effect, in both protocols, to a TOML file.
 
 python -m benchmarks.oracle --resume
+python -m benchmarks.oracle --effect NAME
+
+The second measures a new effect alone and writes benchmarks/oracle/sizes/NAME.toml: the file of all
+effects belongs to the naming study, whose cases it fixes, and is made anew before a new study.
 
 Where an effect has shapes, of each (see `shapes`). Some forty minutes on one core; --resume keeps
 what an interrupted call has simulated, as long as the truth is the same.
@@ -15,7 +19,7 @@ import tomli_w
 from tqdm import tqdm
 
 from benchmarks import truth
-from benchmarks.oracle import FROZEN
+from benchmarks.oracle import FOLDER, FROZEN
 from benchmarks.oracle import bench as simulated
 from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import FALSE_ALARM, POWER, Discriminant
@@ -58,7 +62,7 @@ def entry(
 def searched(bench: Bench, asked: argparse.Namespace, before: Entries) -> Entries:
     """All effects of a protocol; the search begins where another protocol (`before`) ended."""
     test = discriminant(bench, asked.empties)
-    found: Entries = {name: [] for name, size in SIZES.items() if size.amplitude}
+    found: Entries = {name: [] for name in amplitudes(asked.effect)}
     for name, shape in tqdm([(n, s) for n in found for s in shapes(n)], bench.name):
         known = [e["u"] for e in before.get(name, []) if e.get("shape", {}) == shape]
         begin = next((u for u in known if u != BEYOND), None)
@@ -66,10 +70,18 @@ def searched(bench: Bench, asked: argparse.Namespace, before: Entries) -> Entrie
     return found
 
 
+def amplitudes(effect: str | None = None) -> list[str]:
+    """Full names of what tells how much of an effect there is: of one effect, or of all."""
+    own = [name for name in SIZES if effect in (None, name.partition(".")[0])]
+    return [name for name in own if SIZES[name].amplitude]
+
+
 def head(asked: argparse.Namespace) -> dict:
     """What the file says of how it was made."""
+    one = f" --effect {asked.effect}" if asked.effect else ""
+    counts = f"--empties {asked.empties} --hands {asked.hands}"
     return {
-        "made_by": f"python -m benchmarks.oracle --empties {asked.empties} --hands {asked.hands}",
+        "made_by": f"python -m benchmarks.oracle {counts}{one}",
         "power": POWER,
         "false_alarm": FALSE_ALARM,
         "spread": vars(Spread()),
@@ -88,8 +100,12 @@ def main() -> None:
     parser.add_argument("--resume", action="store_true", help="keep what is simulated already")
     parser.add_argument("--empties", type=int, default=EMPTIES, help="empty campaigns")
     parser.add_argument("--hands", type=int, default=HANDS, help="hands with each effect")
-    parser.add_argument("--out", type=Path, default=FROZEN)
+    parser.add_argument("--effect", metavar="NAME", help="this effect alone")
+    parser.add_argument("--out", type=Path, help="default: where it belongs, see above")
     asked = parser.parse_args()
+    if not amplitudes(asked.effect):
+        parser.error(f"no effect of the truth is named {asked.effect}")
+    out = asked.out or (FOLDER / f"{asked.effect}.toml" if asked.effect else FROZEN)
     store = Store(KEPT / digest(Path(truth.__file__).parent))
     if not asked.resume:
         shutil.rmtree(store.folder, ignore_errors=True)
@@ -97,7 +113,7 @@ def main() -> None:
     for protocol in PROTOCOLS:
         before = next(iter(found.values()), {})
         found[protocol] = searched(Bench(protocol, store), asked, before)
-        write_text(asked.out, tomli_w.dumps(head(asked) | found))
+        write_text(out, tomli_w.dumps(head(asked) | found))
 
 
 if __name__ == "__main__":

@@ -24,6 +24,11 @@ def _cache_folder() -> str:
 _FOLDER = _cache_folder()
 
 
+def inlined(function: Callable) -> Callable:
+    """`function` as machine code within that of its callers, which keep it."""
+    return numba.njit(error_model="numpy")(function)
+
+
 def compiled(function: Callable) -> Callable:
     """`function` as machine code (plain Python under NUMBA_DISABLE_JIT=1)."""
     usual = numba.config.CACHE_DIR

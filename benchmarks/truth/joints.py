@@ -1,6 +1,7 @@
 """Passive torques of the joints: friction, return springs, stops."""
 
 from benchmarks.truth._jit import compiled
+from benchmarks.truth.added import joint_torque
 from benchmarks.truth.effects import (
     friction_step,
     jammed_finger,
@@ -52,6 +53,7 @@ def mcp_torque(h, f, start, gain, y, dy):
         h.mcp_viscous_friction,
     )
     drag += friction_step.drag(h, joint, angle, speed, h.mcp_breakaway_speed)
+    drag += joint_torque(h, joint, angle, speed)
     stiffness, preload = h.mcp_spring_stiffness, h.mcp_spring_preload
     open_ = spring(h, joint, stiffness, preload, angle - rest, start, gain, y, dy)
     return stops(angle, speed, (rest, upper), preload, stop) - open_ - drag
@@ -72,6 +74,7 @@ def pip_torque(h, f, start, gain, y, dy):
         h.pip_viscous_friction,
     )
     drag += friction_step.drag(h, joint, angle, speed, h.pip_breakaway_speed)
+    drag += joint_torque(h, joint, angle, speed)
     stiffness, preload = h.pip_spring_stiffness, h.pip_spring_preload
     open_ = spring(h, joint, stiffness, preload, angle - rest, start, gain, y, dy)
     return stops(angle, speed, (rest, upper), preload, stop) - open_ - drag

@@ -3,6 +3,7 @@
 from math import tanh
 
 from benchmarks.truth._jit import compiled
+from benchmarks.truth.added import bus_drop, current_error, duty_lost, rotor_torque
 from benchmarks.truth.effects import (
     current_gain,
     current_lag,
@@ -60,14 +61,16 @@ def turn(h, pull, y, dy):
         load = torque / h.gear_ratio
     torque = winding_heating.torque_constant(h) * y[CURRENT]
     torque += torque_ripple.cogging(h, y[MOTOR]) - drive_friction(h, y[MOTOR_SPEED], load) - load
+    torque -= rotor_torque(h, y[MOTOR], y[MOTOR_SPEED], load)
     dy[MOTOR_SPEED] = torque / h.motor_inertia
 
 
 @compiled
 def wind(h, duty, y, dy):
     """Writes the current's rate; the bus voltage (V)."""
-    bus = supply_sag.bus(h, duty, y[CURRENT])
-    volts = pwm_dead_band.passed(h, duty) * bus - winding_heating.resistance(h) * y[CURRENT]
+    bus = supply_sag.bus(h, duty, y[CURRENT]) - bus_drop(h, duty, y[CURRENT])
+    passed = pwm_dead_band.passed(h, duty) - duty_lost(h, duty)
+    volts = passed * bus - winding_heating.resistance(h) * y[CURRENT]
     volts -= winding_heating.torque_constant(h) * y[MOTOR_SPEED]
     dy[CURRENT] = volts / h.motor_inductance
     return bus
@@ -77,7 +80,8 @@ def wind(h, duty, y, dy):
 def sense_current(h, start, gain, y, dy):
     """Current (A) as the sensor tells it, without noise; writes its filter."""
     y[SENSED], dy[SENSED] = current_lag.filtered(h, start[SENSED], gain, y[CURRENT])
-    return current_offset.shifted(h, current_gain.amplified(h, y[SENSED]))
+    reading = current_offset.shifted(h, current_gain.amplified(h, y[SENSED]))
+    return reading + current_error(h, y[SENSED])
 
 
 @compiled

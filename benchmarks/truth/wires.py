@@ -1,6 +1,7 @@
 """Wires: what the fingers take up, how the wires stretch, and what they pull where."""
 
 from benchmarks.truth._jit import compiled
+from benchmarks.truth.added import loose_length
 from benchmarks.truth.effects import (
     capstan,
     eccentric_pulley,
@@ -38,6 +39,7 @@ def leader_tension(h, y):
     thumb, thumb_rate = excursion(h, y, 4)
     wound, lever = eccentric_pulley.wound(h, y[SHAFT])
     stretch = wound - leader_slack.loose(h) - y[CREPT] - 2.0 * (y[CART] + y[CART + 1]) - thumb
+    stretch -= loose_length(h, y[SHAFT])
     rate = lever * y[SHAFT_SPEED] - 2.0 * (y[CART_SPEED] + y[CART_SPEED + 1]) - thumb_rate
     stiffness = wire_compliance.in_series(h.leader_stiffness, h.wire_compliance_leader)
     return one_sided(stretch, rate, stiffness, h.leader_damping, h.wires_onset), lever

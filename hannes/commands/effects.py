@@ -23,8 +23,7 @@ def listed(plant: str | None) -> str:
 def described(name: str, plant: str | None) -> str:
     """One effect: by name, or the user's own, refused where a run of the plant would refuse it."""
     if found := _known(plant).get(name):
-        near = confusability.text(name) if plant is None else ""
-        return "\n".join([str(found), near]) if near else str(found)
+        return str(found) if plant else f"{found}\n{confusability.text(name)}"
     found = catalogue.effect(name)
     if ".py:" in name:
         _check(found, find_plant(plant or HAND, Path.cwd()))

@@ -26,13 +26,11 @@ def confusable(effect: str) -> dict[str, dict[str, float]]:
 
 
 def text(effect: str) -> str:
-    """The same as lines of text, empty for an effect that was not measured."""
+    """The same as lines of text, which say so of an effect that was not measured."""
     lines = []
     for recorded, others in confusable(effect).items():
         easily = [f"{name} {cosine:.2f}" for name, cosine in others.items() if cosine >= EASILY]
         lines.append(f"  {recorded}: {', '.join(easily) or 'none'}")
-    return (
-        "\n".join(["easily confused with (cosine of signatures, measured):", *lines])
-        if lines
-        else ""
-    )
+    if not lines:
+        return "what it is easily confused with is not yet measured"
+    return "\n".join(["easily confused with (cosine of signatures, measured):", *lines])

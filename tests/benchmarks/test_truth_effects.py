@@ -1,17 +1,19 @@
 """Each hidden effect of the truth: declared, absent at 0, and what its equation says."""
 
-import importlib
 import json
 import math
 import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from benchmarks.truth import NOMINAL, effects, trace
+from benchmarks.truth._jit import inlined
+from benchmarks.truth.added import summed
 from benchmarks.truth.bench import CURRENT, FORCE
 from benchmarks.truth.controller import encoder
 from benchmarks.truth.effects import (
@@ -63,23 +65,23 @@ def test_every_effect_says_its_equation_source_and_range(effect):
 
 
 def test_the_table_lists_every_parameter_with_its_unit_and_range():
-    rows = [line.split() for line in effects.__doc__.splitlines() if "." in line.split(" ")[0]]
-    told = {row[0]: row for row in rows}
-    assert set(told) == set(SIZES)
-    for name, size in SIZES.items():
-        text = " ".join(told[name]).replace("N m/rad3", "N m/rad^3")
-        assert f" {size.unit} " in text, name
-        low, high = text.split(f" {size.unit} ")[1].split(" .. ")
-        assert float(low) == size.low and float(high.split()[0]) == size.high, name
-        assert ("*" in told[name]) is not size.amplitude, name
+    rows = dict(line.split("  ", 1) for line in effects.table().splitlines())
+    assert [name.strip() for name in rows] == list(SIZES)
+    assert "m          0.0002 to 0.008" in effects.table()
+    assert "rad/s      5 to 60  (default 20)" in effects.table()
 
 
-def test_every_file_is_listed():
-    files = {path.stem for path in Path(effects.__file__).parent.glob("*.py")} - {"__init__"}
-    listed = {each.__name__.rpartition(".")[2] for each in (*effects.CATALOGUE, *effects.OUTSIDE)}
-    assert files == listed
-    for name in listed:
-        importlib.import_module(f"benchmarks.truth.effects.{name}")
+def adding(**functions):
+    return SimpleNamespace(**{name: inlined(each) for name, each in functions.items()})
+
+
+def test_what_files_add_to_a_quantity_is_summed():
+    one = adding(loose_length=lambda h, shaft: 2.0 * shaft)
+    two = adding(loose_length=lambda h, shaft: h + shaft, bus_drop=lambda h, duty, current: 1.0)
+    assert summed("loose_length", [])(5.0, 7.0) == 0.0
+    assert summed("loose_length", [one])(5.0, 7.0) == 14.0
+    assert summed("loose_length", [one, two])(5.0, 7.0) == 26.0
+    assert summed("bus_drop", [one, two])(5.0, 7.0, 9.0) == 1.0
 
 
 def test_at_size_0_nothing_is_changed_wherever_it_would_act():

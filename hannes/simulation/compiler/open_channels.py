@@ -34,7 +34,11 @@ def open_channels(equations: Equations) -> Iterator[Open]:
     for slot in equations.channels.slots:
         if stage := equations.stage_of(slot.name):
             own = _bound(equations, stage)
-            known = [name for name in (*arrays, *own) if _readable(equations, name, slot.name)]
+            known = [
+                name
+                for name in dict.fromkeys((*arrays, *own))
+                if _readable(equations, name, slot.name)
+            ]
             found = tuple(name for name in known if name in equations.channels)
             rest = tuple(name for name in known if name not in equations.channels)
             yield Open(slot, stage, found, rest)
