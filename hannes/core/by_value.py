@@ -33,7 +33,7 @@ def same(one: Any, other: Any) -> bool:
     if type(one) is not type(other):
         return bool(one == other)
     if isinstance(one, ByValue):
-        return one == other
+        return bool(one == other)
     if isinstance(one, Mapping):
         return one.keys() == other.keys() and all(same(one[name], other[name]) for name in one)
     if isinstance(one, Sequence) and not isinstance(one, str | bytes):

@@ -1,7 +1,7 @@
 """The verdict of a diagnosis: what verdict.json holds, and the sentence a person reads first."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -93,7 +93,7 @@ def explained(gap: dict[str, dict[str, Any]]) -> float:
 def faint(gap: dict[str, dict[str, Any]]) -> bool:
     """Whether the baseline is hardly further off than repeats are from each other."""
     above = [(each["before"] / each["floor"]) ** 2 - 1.0 for each in gap.values()]
-    return sum(above) < FAINT * len(above)
+    return bool(sum(above) < FAINT * len(above))
 
 
 def effect_words(name: str) -> str:
@@ -156,7 +156,7 @@ def _one_of(result: Verdict) -> str:
     return f"One effect is missing, {names}: these recordings cannot separate them."
 
 
-SENTENCES = {
+SENTENCES: Mapping[str, Callable[[Verdict], str]] = {
     "no_gap": lambda result: "The simulation as given agrees with the recordings.",
     "recalibrated": lambda result: (
         "Parameters were off; refitted, nothing that shows here is missing."

@@ -197,7 +197,7 @@ def run_to_run_spread(plant: Plant) -> Mapping[str, float]:
     Reads the attribute `run_to_run`, else its former name `restless` with a DeprecationWarning.
     """
     if hasattr(plant, "run_to_run"):
-        return plant.run_to_run
+        return dict(plant.run_to_run)
     if not hasattr(plant, "restless"):
         return {}
     warnings.warn(
@@ -205,7 +205,7 @@ def run_to_run_spread(plant: Plant) -> Mapping[str, float]:
         DeprecationWarning,
         stacklevel=2,
     )
-    return plant.restless
+    return dict(plant.restless)
 
 
 def robust(plant: Plant, channel: str) -> float:

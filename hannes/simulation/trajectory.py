@@ -1,6 +1,6 @@
 """What a simulation returns: states over time, outputs on demand, and how it ended."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import cached_property
@@ -11,6 +11,7 @@ import numpy as np
 from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, ComputationFailed, nearest
+from hannes.core.layout import Layout
 from hannes.simulation.compiler.assemble import Compiled, assemble
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.model import EQUATIONS
@@ -89,7 +90,7 @@ class Trajectory(ByValue):
     @cached_property
     def outputs(self) -> np.ndarray:
         """All outputs at the sample times, shape (n, outputs); see hand/variables.py."""
-        observe = self.compiled.observed.observe
+        observe: Callable[..., np.ndarray] = self.compiled.observed.observe
         return observe(self.time, self.states, self.parameters, self.knots, self.holds)
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -99,8 +100,8 @@ class Trajectory(ByValue):
         return self._column(self.outputs, self.compiled.outputs, name)
 
     @staticmethod
-    def _column(table, layout, name):
-        part = table[:, layout[name]]
+    def _column(table: np.ndarray, layout: Layout, name: str) -> np.ndarray:
+        part: np.ndarray = table[:, layout[name]]
         return part if layout.slot(name).axis else part[:, 0]
 
 
