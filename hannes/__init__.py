@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from hannes.core import former_names as _former_names
 from hannes.core import version as _version
+from hannes.report import bound as _bound
 
 __version__ = _version.VERSION
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from hannes.campaigns.convert import convert as convert
     from hannes.commands.calibrate import calibrate as calibrate
     from hannes.commands.diagnose import diagnose as diagnose
+    from hannes.commands.view import view as view
     from hannes.core.effect import Effect as Effect
     from hannes.core.effect import Term as Term
     from hannes.core.errors import BadInput as BadInput
@@ -60,6 +62,7 @@ _HOMES = {
     "observe": "simulation.sensors",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.batch.simulate_many",
+    "view": "commands.view",
 }
 __all__ = sorted(_HOMES)
 
@@ -69,7 +72,9 @@ _former_names.install()
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+    found = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+    _bound.bind()
+    return found
 
 
 def __dir__() -> list[str]:

@@ -43,10 +43,12 @@ def convert(paths: Sequence[str | Path], mapping: ColumnMap | str | Path) -> lis
     """
     if not isinstance(mapping, ColumnMap):
         mapping = read_mapping(mapping)
-    from tqdm import tqdm
+    from hannes.core.io.progress import progress_bar
 
     found = []
-    bar = tqdm(paths, desc="converting", unit=" files", delay=2.0, disable=None, leave=False)
+    bar = progress_bar(
+        paths, desc="converting", unit=" files", delay=2.0, disable=None, leave=False
+    )
     for path in map(Path, bar):
         runs = read_runs(path, mapping)
         for number, run in enumerate(runs, start=1):

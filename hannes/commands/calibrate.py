@@ -143,10 +143,12 @@ def _require_enough(plan: Plan, views: list[View]) -> None:
 
 @contextmanager
 def _bar(progress: bool | None) -> Iterator[Progress]:
-    from tqdm import tqdm
+    from hannes.core.io.progress import progress_bar
 
     hidden = None if progress is None else not progress
-    with tqdm(desc="calibrating", unit=" runs", delay=2.0, disable=hidden, leave=False) as bar:
+    with progress_bar(
+        desc="calibrating", unit=" runs", delay=2.0, disable=hidden, leave=False
+    ) as bar:
 
         def report(text: str, rms: float) -> None:
             bar.set_description(f"{text}, RMS {rms:.4g}", refresh=False)

@@ -111,10 +111,12 @@ def _by_holdout(campaign: Campaign, seed: int, report: Progress) -> Diagnosis:
 
 @contextmanager
 def _bar(progress: bool | None) -> Iterator[Progress]:
-    from tqdm import tqdm
+    from hannes.core.io.progress import progress_bar
 
     hidden = None if progress is None else not progress
-    with tqdm(desc="diagnosing", unit=" steps", delay=2.0, disable=hidden, leave=False) as bar:
+    with progress_bar(
+        desc="diagnosing", unit=" steps", delay=2.0, disable=hidden, leave=False
+    ) as bar:
 
         def report(text: str) -> None:
             bar.set_description(f"fitting {text}", refresh=False)

@@ -161,11 +161,13 @@ def _simulate(
     spec: Spec, shards: Shards, missing: list[int], how: Any, progress: bool | None
 ) -> None:
     """Simulate shards in any order; those of workers that died go to others."""
-    from tqdm import tqdm
+    from hannes.core.io.progress import progress_bar
 
     _make_ready(spec)
     left = dict.fromkeys(missing)
-    bar = tqdm(total=len(missing) * SIZE, desc="grasps", disable=_quiet(progress), delay=1.0)
+    bar = progress_bar(
+        total=len(missing) * SIZE, desc="grasps", disable=_quiet(progress), delay=1.0
+    )
     with bar, how() as parallel:
         for turn in range(TRIES):
             try:

@@ -59,11 +59,11 @@ class Bagged:
     def _unseen(
         self, rows: np.ndarray, owner: np.ndarray
     ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        from tqdm import tqdm
+        from hannes.core.io.progress import progress_bar
 
         rows = np.ascontiguousarray(rows, np.float32)
         every, count = zip(self.trees, self.seen, strict=True), len(self.trees)
-        bar = tqdm(every, "judging trees", count, delay=2.0, leave=False, disable=None)
+        bar = progress_bar(every, "judging trees", count, delay=2.0, leave=False)
         for tree, seen in bar:
             apart = ~seen[owner]
             yield apart, tree.predict(rows[apart]) if apart.any() else np.zeros(0)
@@ -78,13 +78,14 @@ def bagged(
     is the classifier that splits by Gini's impurity, which is twice their variance.
     """
     from joblib import Parallel, delayed
-    from tqdm import tqdm
+
+    from hannes.core.io.progress import progress_bar
 
     seeds = np.random.SeedSequence(seed).spawn(trees)
     growing = Parallel(n_jobs=jobs, prefer="threads", return_as="generator")(
         delayed(_grown)(rows, grasps, thin, each, how) for each in seeds
     )
-    found = list(tqdm(growing, "growing trees", trees, delay=2.0, leave=False, disable=None))
+    found = list(progress_bar(growing, "growing trees", trees, delay=2.0, leave=False))
     return Bagged([tree for tree, _ in found], np.array([seen for _, seen in found]))
 
 

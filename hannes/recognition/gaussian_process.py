@@ -108,13 +108,14 @@ def _crossed(
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RationalQuadratic
     from sklearn.model_selection import KFold
-    from tqdm import tqdm
+
+    from hannes.core.io.progress import progress_bar
 
     covariance = RationalQuadratic(length, alpha=1.0)
     process = GaussianProcessRegressor(covariance, alpha=NOISE, optimizer=None, normalize_y=True)
     weight, mean, unseen = np.zeros(target.size), 0.0, np.empty(target.size)
     folds = KFold(FOLDS).split(points)
-    for others, part in tqdm(
+    for others, part in progress_bar(
         folds, "Gaussian processes", FOLDS, delay=2.0, leave=False, disable=None
     ):
         process.fit(points[others], target[others])

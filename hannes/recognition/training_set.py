@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from tqdm import tqdm
 
 from hannes.core.errors import BadInput
+from hannes.core.io.progress import progress_bar
 from hannes.dataset.read import BLOCK, DataSet
 from hannes.recognition.features import CHANNELS
 from hannes.recognition.hysteresis_features import grasp_features
@@ -67,7 +67,9 @@ def grasps(data: DataSet, which: np.ndarray, windowing: Windowing) -> Grasps:
             f"{np.ptp(data.time):g} s: features look back over two"
         )
     blocks, count = data.blocks(rows, (*CHANNELS, "force")), -(-rows.size // BLOCK)
-    for block in tqdm(blocks, "reading grasps", count, delay=2.0, leave=False, disable=None):
+    for block in progress_bar(
+        blocks, "reading grasps", count, delay=2.0, leave=False, disable=None
+    ):
         features.append(windowing.features(block[..., :3]))
         whole.append(all_grasp_features(block[..., :3], features[-1], windowing))
         force.append(block[:, ends, 3])

@@ -13,12 +13,14 @@ WITHIN = 0.1  # % of the electrical energy
 
 def energy_row(progress: bool | None = None) -> Row:
     """The largest share of electrical energy that a run's balance does not account for."""
-    from tqdm import tqdm
+    from hannes.core.io.progress import progress_bar
 
     found = [load(name) for name in shipped.names()]
     runs = [each for variants in found if isinstance(variants, list) for each in variants]
     hidden = None if progress is None else not progress
-    bar = tqdm(runs, "energy", delay=1.0, disable=hidden, file=sys.stderr, unit="run", leave=False)
+    bar = progress_bar(
+        runs, "energy", delay=1.0, disable=hidden, file=sys.stderr, unit="run", leave=False
+    )
     name = f"energy unaccounted for, worst of {len(runs)} runs of the shipped experiments"
     return row(name, 100.0 * max(map(_unaccounted, bar)), WITHIN, "%")
 

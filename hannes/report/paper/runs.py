@@ -62,9 +62,9 @@ class _Bar:
     """Runs one experiment after another and counts them on standard error."""
 
     def __init__(self, total: int, shown: bool | None) -> None:
-        from tqdm import tqdm
+        from hannes.core.io.progress import progress_bar
 
-        self.bar = tqdm(
+        self.bar = progress_bar(
             total=total, disable=None if shown is None else not shown, file=sys.stderr, unit="run"
         )
 

@@ -105,12 +105,12 @@ def _streamed(
     windows: Iterator[list[Part]], count: int, workers: int, progress: bool
 ) -> Iterator[Grasp]:
     """Grasps in order, a few windows being run ahead; ends its threads whatever happens."""
-    from tqdm import tqdm
+    from hannes.core.io.progress import progress_bar
 
     stop, pool = np.zeros(1, np.bool_), ThreadPoolExecutor(workers)
     ahead: deque[Future[list[Grasp]]] = deque()
     shown = {"delay": 2.0, "leave": False, "disable": not progress}
-    bar = tqdm(total=count or None, desc="simulating", unit=" grasps", **shown)
+    bar = progress_bar(total=count or None, desc="simulating", unit=" grasps", **shown)
     try:
         for window in windows:
             ahead.append(pool.submit(_run, window, stop))
