@@ -366,7 +366,7 @@ def test_noise_and_resolution_are_noted():
 # --- the command ---
 
 
-def test_the_command_tells_and_refuses(tmp_path, capsys):
+def test_the_command_reports_and_refuses(tmp_path, capsys):
     recording = clean.shipped("dynamometer")
     recording.write(tmp_path / "good.h5")
     scaled(recording, "position", 57.29578).write(tmp_path / "bad.h5")

@@ -349,7 +349,7 @@ def refused(capsys, folder, file, mapping):
     return line
 
 
-def test_the_command_tells_what_it_did_and_keeps_it(tmp_path, capsys):
+def test_the_command_reports_the_conversion_and_keeps_it(tmp_path, capsys):
     file = table(tmp_path, "t,pos,cur", plain_rows())
     mapping = saved(tmp_path, 'experiment = "void-closure"\n' + PLAIN)
     for name in ("run.csv", "RUN2.CSV", "run.h5"):

@@ -195,7 +195,7 @@ tilt = ["15 deg", "-5 deg"]
 """
 
 
-def test_files_tell_turn_and_tilt():
+def test_files_hold_turn_and_tilt():
     (grasped,) = read(TEXT + OBJECT, "x.toml")
     found = grasped.experiment.object.values
     expected = {"object.turn": 10.0, "object.tilt_x": 15.0, "object.tilt_y": -5.0}

@@ -285,7 +285,7 @@ def test_a_cluster_gives_the_same_bytes_and_survives_a_killed_worker(cluster, wh
     assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
 
 
-def test_the_readme_tells_the_commands_of_a_cluster():
+def test_the_readme_has_the_commands_of_a_cluster():
     text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
     for words in ("`dask scheduler`", "`dask worker tcp://HOST:8786`", "pip install '.[cluster]'"):
         assert words in text

@@ -71,7 +71,7 @@ def test_the_mean_is_that_of_scikit_learns_gaussian_processes():
     assert target.min() <= far[0] <= target.max()
 
 
-def test_processes_learn_from_so_many_and_tell_of_the_others(monkeypatch):
+def test_processes_train_on_some_rows_and_predict_the_others(monkeypatch):
     monkeypatch.setattr(gaussian_process, "MOST", 60)
     rows = np.random.default_rng(3).standard_normal((90, 2))
     made, unseen = gaussian_process.train_process(rows, rows[:, 0], seed=1)
@@ -92,7 +92,7 @@ def test_processes_are_the_same_for_any_number_of_threads():
         assert np.array_equal(getattr(made[0], name), getattr(made[1], name))
 
 
-def test_rows_that_are_all_alike_tell_their_mean():
+def test_equal_rows_predict_their_mean():
     made, unseen = gaussian_process.train_process(np.ones((60, 3)), np.arange(60.0), seed=1)
     assert made(np.ones((1, 3)))[0] == pytest.approx(29.5, abs=0.5)
     assert np.isfinite(unseen).all()

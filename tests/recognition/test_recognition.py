@@ -248,7 +248,7 @@ def test_a_grasp_of_the_hand_is_classified(arrays, trained):
     assert soft.force[soft.held][-1] == pytest.approx(soft.peak_force.value, rel=0.05)
 
 
-def test_a_grasp_still_held_where_its_recording_ends_tells_its_force(arrays, trained):
+def test_a_grasp_still_held_where_its_recording_ends_has_a_force(arrays, trained):
     model, _ = trained
     for k in range(80, 100):
         cut = seen_until(recording(arrays, k), 640)

@@ -31,7 +31,7 @@ def test_the_page_loads_nothing_from_elsewhere(page):
     assert re.findall(r'<link[^>]+href="http', text) == []
 
 
-def test_the_page_tells_a_fit_from_a_validation_and_virtual_from_real(page):
+def test_the_page_separates_fit_from_validation_and_virtual_from_real(page):
     _, _, text = page
     assert "not a validation" in text and "virtual" in text
     assert "Missing here" in text  # no diagnosis was given
