@@ -30,7 +30,7 @@ from hannes.simulation.hand.model import EQUATIONS
 SETTINGS = ((1e-2, 100.0), (1e-2, 1000.0), (1e-3, 1000.0), (1e-4, 1000.0))
 CHANNELS = ("current", "force")
 SMALL = 1e-3  # of an amplitude's range: small enough to leave the motion as it is
-FELT = 1e-2  # of the same: a torque's ripple is followed turn by turn
+NOTICEABLE = 1e-2  # of the same: a torque's ripple is followed turn by turn
 STREAMED = 100_000, 2_000  # grasps, whole and quick
 RIPPLE = "torque_ripple"
 LEFT_OUT = "all effects left out, at off"
@@ -124,8 +124,11 @@ def throughput(quick: bool) -> tuple[list[Row], list[Row]]:
     name = f"two cores over one, least of all settings ({used:.2f} cores to be had)"
     many = rows[1]["grasps_per_s"]
     quickest = min(spent[*s, 1].clock.min() / spent[*s, 2].clock.min() for s in SETTINGS)
-    told = {"what": "two cores over one by the quickest turn of each, the least", "value": quickest}
-    return [*rows, told], [
+    summary = {
+        "what": "two cores over one by the quickest turn of each, the least",
+        "value": quickest,
+    }
+    return [*rows, summary], [
         must_show(name, 0.0, 1.8, least["value"] >= 1.8) | least,
         must_show(f"stretch: grasps/s, {rows[1]['what']}", many, 5000, many >= 5000),
     ]
@@ -188,8 +191,8 @@ def effect_costs(quick: bool) -> tuple[list[Row], list[Row]]:
     numbers = (0, most) if quick else sorted({0, 1, most // 2, most})
     hands = {f"{n} effects present": with_effects(known[:n], SMALL) for n in numbers}
     smooth = tuple(each for each in known if each.name != RIPPLE)
-    hands[f"{most} effects present, ten times as large"] = with_effects(known, FELT)
-    hands[f"all effects but {RIPPLE}, ten times as large"] = with_effects(smooth, FELT)
+    hands[f"{most} effects present, ten times as large"] = with_effects(known, NOTICEABLE)
+    hands[f"all effects but {RIPPLE}, ten times as large"] = with_effects(smooth, NOTICEABLE)
     hands[LEFT_OUT] = with_effects(known, 0.0)
     spent = timed(
         {(what,): partial(ran, count, hand, rtol=1e-3, workers=1) for what, hand in hands.items()},

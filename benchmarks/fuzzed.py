@@ -18,7 +18,7 @@ BYTES = 6  # changed in a file
 Use = Callable[[Path], Any]
 
 
-def told(path: Path) -> None:
+def queried(path: Path) -> None:
     """Ask a model about windows, and about the peak of a grasp."""
     model = model_file.read(path)
     model.windows(np.zeros((3, len(NAMES))))
@@ -26,7 +26,7 @@ def told(path: Path) -> None:
         model.peak(np.zeros((1, len(WHOLE))))
 
 
-def learnt(path: Path) -> None:
+def trained_on(path: Path) -> None:
     """Read what training reads of a data set."""
     found = read(path)
     list(found.blocks(np.arange(min(18, found.table.size)), (*CHANNELS, "force")))
@@ -61,7 +61,10 @@ def _end(path: Path, use: Use) -> str:
 def measure(quick: bool, model: Path, data: Path) -> tuple[list[Row], list[Row]]:
     """Damage a model and a data set."""
     count = 50 if quick else 500
-    ends = {"model": damaged(model, told, count, 1), "data set": damaged(data, learnt, count, 2)}
+    ends = {
+        "model": damaged(model, queried, count, 1),
+        "data set": damaged(data, trained_on, count, 2),
+    }
     rows = [{"what": f"{count} damaged copies of a {name}", **each} for name, each in ends.items()]
     wrong = sum(each["otherwise"] for each in ends.values())
     name = f"of {2 * count} damaged files, neither read nor refused in one line"

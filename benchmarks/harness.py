@@ -18,7 +18,7 @@ def must_show(name: str, value: float, bound: float, holds: bool) -> Row:
 def peak_mib() -> float:
     """Most memory that this process has had resident [MiB].
 
-    Linux tells it in a file; what getrusage tells there begins with the parent's.
+    Linux keeps it in a file; getrusage's value there starts with the parent's.
     """
     status = Path("/proc/self/status")
     if status.exists():
@@ -85,7 +85,7 @@ def main(
 ) -> None:
     """Run `measure(quick)` -> rows, must_show rows; print tables and write JSON where asked.
 
-    A benchmark with `parts` is also told which of them: `measure(quick, only)`.
+    A benchmark with `parts` is also given which of them: `measure(quick, only)`.
     """
     from threadpoolctl import threadpool_limits  # not where the memory of small processes counts
 

@@ -63,10 +63,10 @@ def scarce(folder: Path, expected: str) -> bool:
         [*COMMAND, "--workers", "1"], cwd=folder, capture_output=True, text=True,
         preexec_fn=limited, check=False,
     )  # fmt: skip
-    told = ended.returncode == 2 and ended.stderr.strip().count("\n") == 0
-    told = told and "run the same again" in ended.stderr and not taken(folder)
+    reported = ended.returncode == 2 and ended.stderr.strip().count("\n") == 0
+    reported = reported and "run the same again" in ended.stderr and not taken(folder)
     start(folder).wait()
-    return told and taken(folder) == expected
+    return reported and taken(folder) == expected
 
 
 def distributed(folder: Path, expected: str) -> bool:

@@ -25,11 +25,11 @@ from typing import Any
 
 from benchmarks import study
 from benchmarks.harness import Row, aligned, table
-from benchmarks.naming_study import frozen, summary
+from benchmarks.naming_study import frozen, records, summary
 from benchmarks.naming_study.draw import PLANS, Drawn, any_run, drawn, with_run
 from benchmarks.naming_study.plan import NAMED, SETS, cases
-from benchmarks.naming_study.score import marks, single
-from benchmarks.naming_study.work import worked
+from benchmarks.naming_study.score import scores, single
+from benchmarks.naming_study.work import run_case
 
 FOLDER = Path("results/benchmarks")
 RECORDS = Path(__file__).parent / "records"  # of the quoted set: hours of work, part of the project
@@ -46,37 +46,38 @@ def _measured(name: str, seed: int) -> dict[str, Any]:
     """Drawn, made, diagnosed, scored."""
     kind = NAMED[name]
     case = drawn(kind.what, kind.protocol, seed)
-    said = {
+    fields = {
         "what": kind.what,
         "protocol": kind.protocol,
-        "told": kind.told,
+        "assumed_ratio": kind.assumed_ratio,
         "effects": case.effects,
         "hidden": case.hidden,
         "times": case.least_times,
     }
-    found = worked(case, PLANS[kind.protocol], seed, kind.told)
+    found = run_case(case, PLANS[kind.protocol], seed, kind.assumed_ratio)
     if "not_made" in found:
-        return {**said, **found}
+        return {**fields, **found}
     time = {key: found[key] for key in ("seconds", "processor_seconds")}
-    scored = marks(kind.what, found, case.effects)
+    scored = scores(kind.what, found, case.effects)
     after = one_more(case, seed, found["verdict"]) if name == FOLLOWED else {}
-    return {**said, **scored, **time, "after": after}
+    return {**fields, **scored, **time, "after": after}
 
 
 def one_more(case: Drawn, seed: int, verdict: dict[str, Any]) -> dict[str, str]:
     """How it ends after the suggested run, and after any run, where the verdict left it open.
 
-    Where the suggestion asks for more channels, any run is recorded with them too ("alike").
+    Where the suggestion asks for more channels, any run is recorded
+    with them too ("same_channels").
     """
     if verdict["verdict"] not in ("one_of", "unknown") or not verdict.get("next_run"):
         return {}
     run, also = verdict["next_run"]["experiment"], verdict["next_run"]["also_log"]
     runs = {"suggested": (run, also), "any": (any_run(seed), ())}
-    runs |= {"alike": (any_run(seed), also)} if also else {}
+    runs |= {"same_channels": (any_run(seed), also)} if also else {}
     ends = {}
-    for told, more in runs.items():
-        found = worked(case, with_run(PLANS["poor"], *more), seed)
-        ends[told] = found.get("not_made") or single(found["verdict"], case.effects[0])
+    for end, more in runs.items():
+        found = run_case(case, with_run(PLANS["poor"], *more), seed)
+        ends[end] = found.get("not_made") or single(found["verdict"], case.effects[0])
     return ends
 
 
@@ -122,11 +123,11 @@ def main() -> None:
     file = asked.cases or kept(asked.chosen, asked.quick)
     if asked.show:
         # As they were measured, with --cases of any set.
-        done = [row for row in study.read(file) if asked.only in (None, row["kind"])]
+        done = [row for row in records.read(file) if asked.only in (None, row["kind"])]
     else:
         wanted = [c for c in cases(asked.chosen, asked.quick) if asked.only in (None, c[0])]
         resume = asked.resume or file.parent == RECORDS
-        done = study.run(file, wanted, measured, resume, asked.workers)
+        done = records.run(file, wanted, measured, resume, asked.workers)
     if len({case.get("code") for case in done}) > 1:
         print("not all cases are of the same code; --resume kept them", file=sys.stderr)
     rows, bounds = summary.figures(done)

@@ -149,8 +149,8 @@ class Race:
     def through_scipy(self, runner: str, key: str, error: float, bound: float) -> Row:
         """The same over `simulate`, as a row beside the others."""
         row = self.contest(runner, key, error, bound, OURS)
-        told = {"runner": row["name"], "way": row["way"], "ms": row["ms"]}
-        return {**told, "ratio": row["value"], "low": row["low"], "high": row["high"]}
+        runner_row = {"runner": row["name"], "way": row["way"], "ms": row["ms"]}
+        return {**runner_row, "ratio": row["value"], "low": row["low"], "high": row["high"]}
 
     def rows(self) -> list[Row]:
         """One row for each case."""

@@ -88,21 +88,21 @@ def strangers(quick: bool) -> list[Subject]:
 
 def spread(model: Any, chosen: Sequence[Subject]) -> dict[str, dict[str, float]]:
     """Intervals of the averages, by resampling each object's grasps."""
-    told = [evaluate(model, [Subject(s.name, s.label, (r,))])["objects"][0]
+    evaluated = [evaluate(model, [Subject(s.name, s.label, (r,))])["objects"][0]
             for s in chosen for r in s.recordings]  # fmt: skip
     sizes = [len(s.recordings) for s in chosen]
     starts = np.cumsum([0, *sizes[:-1]])
-    right = np.array([row["answers"][row["class"]] for row in told])
-    windows = np.array([row["windows"] for row in told], float)
-    late = np.array([row["stable_in_time"] for row in told])
-    whole = np.array([row["f1_grasps"] for row in told])
+    right = np.array([row["answers"][row["class"]] for row in evaluated])
+    windows = np.array([row["windows"] for row in evaluated], float)
+    stable = np.array([row["stable_in_time"] for row in evaluated])
+    whole = np.array([row["f1_grasps"] for row in evaluated])
     rng, found = np.random.default_rng(0), []
     for _ in range(REPEATS):
         picks = [a + rng.integers(0, n, n) for a, n in zip(starts, sizes, strict=True)]
         shares = [np.average(right[p], weights=windows[p]) for p in picks]
         grasps = [whole[p].mean() for p in picks]
         f1 = [[2 * r / (r + 1) for r in each] for each in (shares, grasps)]
-        in_time = np.mean([late[p].mean() for p in picks])
+        in_time = np.mean([stable[p].mean() for p in picks])
         found.append((np.mean(f1[0]), np.mean(f1[1]), min(f1[0]), in_time))
     low, high = np.percentile(found, (2.5, 97.5), axis=0)
     return {n: {"low": 100 * float(a), "high": 100 * float(b)}
@@ -142,9 +142,9 @@ def built(name: str, share: float = 1.0) -> None:
     make(spec, OUT / f"{name}{'' if share == 1.0 else '-part'}.h5")
     clock = time.perf_counter() - start
     get_reusable_executor().shutdown(wait=True)  # the time of workers counts once they have ended
-    told = {"clock_s": clock, "processor_s": spent() - before, "peak_MiB": peak_mib()}
-    told["worker_MiB"] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
-    print(json.dumps(told))
+    cost = {"clock_s": clock, "processor_s": spent() - before, "peak_MiB": peak_mib()}
+    cost["worker_MiB"] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+    print(json.dumps(cost))
 
 
 def part_of(name: str, share: float) -> Spec:
@@ -163,16 +163,16 @@ def scores(
         OUT / f"{name}.h5", trees=80 if quick else TREES, most=1000 if quick else None
     )
     model_file.write(OUT / f"{name}-model.h5", model)
-    told, drawn = evaluate(model, chosen), evaluate(model, others)
+    evaluated, drawn = evaluate(model, chosen), evaluate(model, others)
     ends = spread(model, chosen)
-    rows = [*by_object(name, told), *in_all(name, told, ends)]
+    rows = [*by_object(name, evaluated), *in_all(name, evaluated, ends)]
     for key, words in (("force", "peak force"), ("stiffness", "stiffness")):
-        rows += [estimates(f"{name}: {words}", told[key])]
+        rows += [estimates(f"{name}: {words}", evaluated[key])]
         rows += [estimates(f"{name}: {words}, objects drawn", drawn[key])]
     if "test_scores" in known:
         rows.append(held_back(name, known["test_scores"]))
     rows.append(decision_time(name, model, chosen[0].recordings[0]))
-    return rows, {**told, "interval": ends, "drawn": drawn}
+    return rows, {**evaluated, "interval": ends, "drawn": drawn}
 
 
 def learning(quick: bool, chosen: Sequence[Subject]) -> list[Row]:
@@ -202,26 +202,26 @@ def held() -> Row:
     return must_show(name, drift, DRIFT, drift <= DRIFT)
 
 
-def bounds(told: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) -> list[Row]:
+def bounds(large: dict[str, Any], small: dict[str, Any], cost: dict[str, Any]) -> list[Row]:
     """What must hold of the large data set's model; the small one's beside it."""
-    force, ends = told["force"], told["interval"]
+    force, ends = large["force"], large["interval"]
 
     def above(name: str, value: float, bound: float, **more: float) -> Row:
         return must_show(name, value, bound, value >= bound) | more
 
-    error, drawn = force["median_error_percent"], told["drawn"]["force"]
+    error, drawn = force["median_error_percent"], large["drawn"]["force"]
     taken = cost["peak_MiB"] + os.cpu_count() * cost["worker_MiB"]
     return [
-        above("F1 per window, average, %", 100 * told["f1_windows"], 95, **ends["f1_windows"]),
-        above("F1 per grasp, average, %", 100 * told["f1_grasps"], 98, **ends["f1_grasps"]),
-        above("F1 per window, worst object, %", 100 * told["f1_worst"], 85, **ends["f1_worst"]),
+        above("F1 per window, average, %", 100 * large["f1_windows"], 95, **ends["f1_windows"]),
+        above("F1 per grasp, average, %", 100 * large["f1_grasps"], 98, **ends["f1_grasps"]),
+        above("F1 per window, worst object, %", 100 * large["f1_worst"], 85, **ends["f1_worst"]),
         above("F1 per window, average, % (paper's design, no bound)", 100 * small["f1_windows"], 0,
               **small["interval"]["f1_windows"]),
-        above("grasps decided for good within 150 ms, %", 100 * told["stable_in_time"], 95,
+        above("grasps decided for good within 150 ms, %", 100 * large["stable_in_time"], 95,
               **ends["stable_in_time"]),
-        above("F1 per window from contact on, %", 100 * told["from_contact"]["f1_windows"], 95),
+        above("F1 per window from contact on, %", 100 * large["from_contact"]["f1_windows"], 95),
         above("F1 per window from contact on, worst object, %",
-              100 * told["from_contact"]["f1_worst"], 85),
+              100 * large["from_contact"]["f1_worst"], 85),
         must_show("peak force, median error, %", error, 5, error <= 5) | errors(force),
         between("its 95 % interval holds", [force]),
         between("its 95 % interval holds, objects drawn", [drawn]),
@@ -250,12 +250,12 @@ def recognised(quick: bool) -> tuple[list[Row], list[Row]]:
     chosen = subjects(quick)
     rows: list[Row] = [{"what": f"{name}: made", **cost} for name, cost in costs.items()]
     rows.append({"what": "large: a tenth of it made", **build("large", 0.1)})
-    told, others = {}, strangers(quick)
+    evaluated, others = {}, strangers(quick)
     for name in SETS:
-        found, told[name] = scores(name, quick, chosen, others)
+        found, evaluated[name] = scores(name, quick, chosen, others)
         rows += found
     rows += learning(quick, chosen)
-    return rows, bounds(told["large"], told["eighteen"], costs["large"])
+    return rows, bounds(evaluated["large"], evaluated["eighteen"], costs["large"])
 
 
 def again(quick: bool) -> tuple[list[Row], list[Row]]:
@@ -266,10 +266,10 @@ def again(quick: bool) -> tuple[list[Row], list[Row]]:
             build(name)
         for seed in (1,) if quick else (1, 2):
             model, _ = train(OUT / f"{name}.h5", trees=80 if quick else TREES, seed=seed)
-            told = evaluate(model, chosen)
-            force = told["force"]
+            evaluated = evaluate(model, chosen)
+            force = evaluated["force"]
             rows.append({"what": f"{name}: seed {seed}",
-                         **averages({key: 100 * told[key] for key in SHARES}),
+                         **averages({key: 100 * evaluated[key] for key in SHARES}),
                          "off_%": force["median_error_percent"],
                          "interval_holds_%": 100 * force["interval_holds"],
                          "told_from_%": 100 * model.sure})  # fmt: skip

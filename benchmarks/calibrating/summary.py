@@ -10,7 +10,7 @@ from benchmarks.harness import Row, interval, must_show
 
 Cases = Sequence[dict[str, Any]]
 # What a rich campaign can tell, by what it records; the rest is hardly seen beside friction.
-TOLD = tuple(name for name in NINE if not name.endswith("coulomb_friction"))
+IDENTIFIABLE = tuple(name for name in NINE if not name.endswith("coulomb_friction"))
 HIDDEN_ON_PURPOSE = "object.damping"
 ERROR, NOMINAL = 0.02, (0.92, 0.98)
 
@@ -89,7 +89,7 @@ def coverage(cases: Cases) -> tuple[list[Row], list[Row]]:
             figures.append(_held("contact damping labelled", label, 0.95))
             continue
         figures.append(_held(f"coverage of {name}", ours, *NOMINAL))
-        if name in TOLD:
+        if name in IDENTIFIABLE:
             figures.append(_held(f"{name} wrongly labelled", label, 0.0, 0.05))
     wrong = share([bool(case["repeats"]) for case in cases])
     figures.append(_held("right models said to leave what repeats", wrong, 0.0, 0.05))
@@ -120,15 +120,15 @@ def wrong_model(cases: Cases) -> tuple[list[Row], list[Row]]:
                 "seed": case["seed"],
                 "misfit_left": float(np.median(falls)),
                 "parameters_wrong": int(np.sum(wrong)),
-                "told": bool(case["repeats"]),
+                "reported": bool(case["repeats"]),
                 "repeats": case["share"],
             }
         )
-    told = share([row["told"] for row in rows])
+    reported = share([row["reported"] for row in rows])
     fell = share([row["misfit_left"] < 1.0 for row in rows])
     off = share([row["parameters_wrong"] > 0 for row in rows])
     return rows, [
         _held("wrong model: misfit falls", fell, 1.0),
         _held("wrong model: intervals that miss", off, 1.0),
-        _held("wrong model: told that what is left repeats", told, 0.95),
+        _held("wrong model: told that what is left repeats", reported, 0.95),
     ]

@@ -82,12 +82,12 @@ def called_back(**callbacks: Any) -> Iterator[None]:
 
 
 @numba.njit
-def _march(quiet, sensing, data, qpos, qvel, act, felt, every, rows, readings):
+def _march(quiet, sensing, data, qpos, qvel, act, sensed, every, rows, readings):
     nq, nv = qpos.size, qvel.size
     for k in range(rows.shape[0]):
         rows[k, :nq], rows[k, nq : nq + nv], rows[k, nq + nv :] = qpos, qvel, act
         mj_step(sensing, data)
-        readings[k] = felt
+        readings[k] = sensed
         if k + 1 == rows.shape[0] or not abs(qvel[0]) < WILD:
             return
         for _ in range(every - 1):

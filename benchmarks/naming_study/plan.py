@@ -24,12 +24,12 @@ class Kind:
     what: str
     protocol: str
     counts: tuple[int, int]
-    told: float = 1.0
+    assumed_ratio: float = 1.0
 
     @property
     def name(self) -> str:
         """As tables show it."""
-        scatter = "" if self.told == 1.0 else f", scatter told x{self.told:g}"
+        scatter = "" if self.assumed_ratio == 1.0 else f", scatter assumed x{self.assumed_ratio:g}"
         return f"{self.what}, {self.protocol}{scatter}"
 
 
@@ -44,10 +44,10 @@ KINDS = (  # a first look has no rich case with anything hidden: those take minu
     Kind("outside", "rich", (15, 0)),
     Kind("pair", "poor", (12, 1)),
     Kind("pair", "rich", (15, 0)),
-    Kind("single", "poor", (15, 0), told=0.5),
-    Kind("single", "poor", (15, 0), told=2.0),
-    Kind("empty", "poor", (15, 0), told=0.5),
-    Kind("empty", "poor", (15, 0), told=2.0),
+    Kind("single", "poor", (15, 0), assumed_ratio=0.5),
+    Kind("single", "poor", (15, 0), assumed_ratio=2.0),
+    Kind("empty", "poor", (15, 0), assumed_ratio=0.5),
+    Kind("empty", "poor", (15, 0), assumed_ratio=2.0),
 )
 NAMED = {kind.name: kind for kind in KINDS}
 # The poor protocol's cases are the same with and without duty.

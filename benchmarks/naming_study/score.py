@@ -57,7 +57,7 @@ def pair(verdict: Mapping[str, Any], effects: list[str]) -> str:
     return "one" if said == "named_with_remainder" else "part"
 
 
-def marks(what: str, case: Mapping[str, Any], effects: list[str]) -> dict[str, Any]:
+def scores(what: str, case: Mapping[str, Any], effects: list[str]) -> dict[str, Any]:
     """All that a line of the study says of a case's verdict."""
     verdict = case["verdict"]
     if what == "empty":
@@ -93,11 +93,11 @@ def parameters(
     verdict: Mapping[str, Any], answer: Mapping[str, Mapping[str, float]]
 ) -> dict[str, dict[str, Any]]:
     """Relative error and coverage of each hidden amplitude that the verdict gives."""
-    told = verdict.get("parameters", {})
+    found_parameters = verdict.get("parameters", {})
     found = {}
     for effect, sizes in answer.items():
         for name, true in sizes.items():
-            each = told.get(f"{effect}.{name}")
+            each = found_parameters.get(f"{effect}.{name}")
             if each is not None and SIZES[f"{effect}.{name}"].amplitude:
                 found[f"{effect}.{name}"] = {
                     "error": abs(each["value"] / true - 1.0),

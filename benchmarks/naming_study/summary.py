@@ -50,11 +50,12 @@ def figures(done: Cases) -> tuple[list[Row], list[Row]]:
     made = [case for case in done if "outcome" in case]
     found = [_row(kind.name, of(done, kind.name)) for kind in KINDS if of(done, kind.name)]
     parts: tuple[Callable[[Cases], list[Row]], ...] = (
-        singles, closures, empties, outsiders, pairs, closing, sizes, told, next_run, seconds,
+        singles, closures, empties, outsiders, pairs, closing, sizes, assumed_wrong, next_run,
+        seconds,
     )  # fmt: skip
-    told_too = [row for part in parts for row in part(made)]
-    reported = [row for row in told_too if "holds" not in row]
-    return [*found, *reported], [row for row in told_too if "holds" in row]
+    every = [row for part in parts for row in part(made)]
+    reported = [row for row in every if "holds" not in row]
+    return [*found, *reported], [row for row in every if "holds" in row]
 
 
 def of(cases: Cases, name: str) -> list[Case]:
@@ -78,12 +79,12 @@ def singles(cases: Cases) -> list[Row]:
     for protocol, least in RIGHT.items():
         some = clear(of(cases, f"single, {protocol}"))
         if some:
-            told = f"single effect at {CLEAR:g} u or more, {protocol}"
-            rows.append(at_least(f"{told}: right or class", share(some, "right", "class"), least))
+            name = f"single effect at {CLEAR:g} u or more, {protocol}"
+            rows.append(at_least(f"{name}: right or class", share(some, "right", "class"), least))
             most = WRONG.get(protocol, POOR_WRONG)
-            rows.append(at_most(f"{told}: wrong", share(some, "wrong"), most))
+            rows.append(at_most(f"{name}: wrong", share(some, "wrong"), most))
             size = float(np.mean([max(1, len(c["named"])) for c in some]))
-            name = f"{told}: mean size of class"
+            name = f"{name}: mean size of class"
             rows.append(
                 must_show(name, size, 1.3, size <= 1.3)
                 if protocol == "rich"
@@ -101,8 +102,12 @@ def closures(cases: Cases) -> list[Row]:
 
 def empties(cases: Cases) -> list[Row]:
     """False alarms over all hands in which nothing is hidden, or nothing that could be named."""
-    some = [c for c in cases if c["what"] == "empty" and c["told"] == 1.0]
-    hardly = [c for c in cases if c["what"] == "single" and c["times"] is None and c["told"] == 1.0]
+    some = [c for c in cases if c["what"] == "empty" and c["assumed_ratio"] == 1.0]
+    hardly = [
+        c
+        for c in cases
+        if c["what"] == "single" and c["times"] is None and c["assumed_ratio"] == 1.0
+    ]
     rows = []
     if some:
         rows.append(at_most("nothing hidden: named", share(some, "named"), 0.02))
@@ -143,7 +148,9 @@ def closing(cases: Cases) -> list[Row]:
 
     Reducible is what no other values of the machine's parameters would explain.
     """
-    some = detectable([c for c in cases if c["what"] in ("single", "pair") and c["told"] == 1.0])
+    some = detectable(
+        [c for c in cases if c["what"] in ("single", "pair") and c["assumed_ratio"] == 1.0]
+    )
     if not some:
         return []
     rows = [_median("share of the reducible gap closed", [closed(c) for c in some], 0.85, True)]
@@ -164,7 +171,7 @@ def closed(case: Case) -> float:
 
 def sizes(cases: Cases) -> list[Row]:
     """Errors of effects' parameters, and whether their intervals hold the truth."""
-    some = [c for c in cases if c["what"] in ("single", "closures") and c["told"] == 1.0]
+    some = [c for c in cases if c["what"] in ("single", "closures") and c["assumed_ratio"] == 1.0]
     found = [each for c in some for each in c["parameters"].values()]
     if not found:
         return []
@@ -193,17 +200,17 @@ def _sharpest(cases: Cases) -> list[Row]:
     return [{"study": name, **_middle(errors)}] if errors else []
 
 
-def told(cases: Cases) -> list[Row]:
+def assumed_wrong(cases: Cases) -> list[Row]:
     """Wrong names where the scatter is told wrong, beside the same cases where it is told right."""
     rows = []
-    for factor in sorted({c["told"] for c in cases} - {1.0}):
-        some = [c for c in cases if c["told"] == factor]
+    for factor in sorted({c["assumed_ratio"] for c in cases} - {1.0}):
+        some = [c for c in cases if c["assumed_ratio"] == factor]
         again = {(c["what"], c["protocol"], c["seed"]) for c in some}
-        right = [c for c in cases if c["told"] == 1.0]
+        right = [c for c in cases if c["assumed_ratio"] == 1.0]
         right = [c for c in right if (c["what"], c["protocol"], c["seed"]) in again]
         if right:
             bound = 2.0 * share(right, "wrong", "named")["value"]
-            name = f"wrong names, scatter told x{factor:g}"
+            name = f"wrong names, scatter assumed x{factor:g}"
             rows.append(at_most(name, share(some, "wrong", "named"), bound))
     return rows
 
@@ -214,20 +221,20 @@ def next_run(cases: Cases) -> list[Row]:
     Any run is logged as the others are; beside it, without a bound, with the suggestion's channels.
     """
     some = [c for c in cases if c["what"] == "single" and c["protocol"] == "poor"]
-    some = [c for c in some if c["verdict"] in ("one_of", "unknown") and c["told"] == 1.0]
+    some = [c for c in some if c["verdict"] in ("one_of", "unknown") and c["assumed_ratio"] == 1.0]
     ends = [c["after"] for c in some]
     if not some:
         return []
-    told = {
+    proposals = {
         "study": "class or unknown, poor",
         "cases": len(some),
-        "next run told": sum(map(bool, ends)),
+        "next run proposed": sum(map(bool, ends)),
     }
-    points, alike = _points(ends, "any"), _points(ends, "alike")
+    points, same_channels = _points(ends, "any"), _points(ends, "same_channels")
     name = "resolved by the suggested run rather than any [points]"
     row = must_show(name, points["value"], 15.0, points["value"] >= 15.0)
-    also = {"study": "the same, any run with the suggestion's channels [points]", **alike}
-    return [told, {**row, **points}, also]
+    also = {"study": "the same, any run with the suggestion's channels [points]", **same_channels}
+    return [proposals, {**row, **points}, also]
 
 
 def _points(ends: Sequence[dict[str, str]], other: str) -> Row:
@@ -256,7 +263,7 @@ def confusion(cases: Cases) -> dict[str, dict[str, int]]:
     """How often each hidden effect gets each answer; classes in the order of their names."""
     table: dict[str, Counter] = {}
     for case in cases:
-        if "outcome" in case and case["told"] == 1.0:
+        if "outcome" in case and case["assumed_ratio"] == 1.0:
             answer = " | ".join(sorted(case["named"])) or case["verdict"]
             table.setdefault(" + ".join(case["effects"]) or "nothing", Counter())[answer] += 1
     return {true: dict(answers.most_common()) for true, answers in sorted(table.items())}

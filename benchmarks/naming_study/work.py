@@ -26,8 +26,12 @@ def diagnosed(campaign: Path, out: Path) -> Diagnosis:
     return library(campaign, out=out, progress=False)
 
 
-def worked(
-    case: Drawn, plan: Protocol, seed: int, told: float = 1.0, diagnose: Diagnose | None = None
+def run_case(
+    case: Drawn,
+    plan: Protocol,
+    seed: int,
+    assumed_ratio: float = 1.0,
+    diagnose: Diagnose | None = None,
 ) -> dict[str, Any]:
     """Verdict and answer of a case, and what the diagnosis took.
 
@@ -37,7 +41,7 @@ def worked(
     with tempfile.TemporaryDirectory() as folder:
         open_part, sealed = Path(folder) / "campaign", Path(folder) / "elsewhere"
         try:
-            made = make(plan, seed, case.hidden, told=Spread().times(told))
+            made = make(plan, seed, case.hidden, assumed=Spread().times(assumed_ratio))
         except ComputationFailed as failed:
             return {"not_made": str(failed)}
         made.write(open_part)

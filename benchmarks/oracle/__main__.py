@@ -23,7 +23,7 @@ from benchmarks.oracle import FOLDER, FROZEN
 from benchmarks.oracle import bench as simulated
 from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import FALSE_ALARM, POWER, Discriminant
-from benchmarks.oracle.likeness import expected
+from benchmarks.oracle.expected_covariance import expected
 from benchmarks.oracle.search import smallest
 from benchmarks.oracle.shapes import Shape, shapes
 from benchmarks.oracle.store import Store, digest
@@ -49,9 +49,9 @@ def entry(
 ) -> dict:
     """One shape of one effect of one protocol, as the file has it."""
     found, size = smallest(name, shape, bench, test, hands, begin), SIZES[name]
-    told = {"u": found.u, **(found.found if len(found.found) > 1 else {})}
+    sizes = {"u": found.u, **(found.found if len(found.found) > 1 else {})}
     return {
-        **{key: BEYOND if u is None else float(f"{u:.3g}") for key, u in told.items()},
+        **{key: BEYOND if u is None else float(f"{u:.3g}") for key, u in sizes.items()},
         "unit": size.unit,
         "low": size.low,
         "high": size.high,

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.oracle.features import BINS, names, vector
-from benchmarks.oracle.shapes import Shape, told
+from benchmarks.oracle.shapes import Shape, shape_name
 from benchmarks.oracle.store import Store
 from benchmarks.truth.campaign import SHIPPED, Spread, make
 from benchmarks.truth.parameters import NOMINAL, flat
@@ -50,14 +50,14 @@ class Bench:
 
         rounded = f"{size:.6g}"
         hidden = {effect: float(rounded), **shape}
-        changed = self._kept(f"{effect}={rounded}{told(shape)}-{kind}", lambda: run(hidden))
+        changed = self._kept(f"{effect}={rounded}{shape_name(shape)}-{kind}", lambda: run(hidden))
         return changed - self._kept(kind, lambda: run({}))
 
     def noise(self, count: int = 12) -> np.ndarray:
         """Variance of one run's features where nothing scatters but the sensors."""
         return np.var([self._still(k) for k in range(count)], axis=0, ddof=1)
 
-    def slope(self, name: str, of: Condition | None = None) -> np.ndarray:
+    def derivative(self, name: str, of: Condition | None = None) -> np.ndarray:
         """Change of one run's features per relative change of a parameter (per m of a place).
 
         of: the condition whose own object has the parameter; else the hand has it.
@@ -66,13 +66,13 @@ class Bench:
         step = PLACE_STEP if name in PLACES else STEP
         return (self._kept(kept, lambda: self._moved(name, of)) - self._still()) / step
 
-    def late(self) -> np.ndarray:
+    def start_offset(self) -> np.ndarray:
         """Change of one run's features per second that it starts late."""
 
         def run() -> np.ndarray:
             made = make(self.once, STILL, spread=replace(EXACTLY, timing=LATE))
-            late = [each["late_s"] for each in made.answer["runs"]]
-            return (vector(made, self.once) - self._still()) / np.repeat(late, self.blocks)
+            start_offset = [each["late_s"] for each in made.answer["runs"]]
+            return (vector(made, self.once) - self._still()) / np.repeat(start_offset, self.blocks)
 
         return self._kept("late", run)
 

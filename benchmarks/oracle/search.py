@@ -41,12 +41,12 @@ def smallest(
     signs = {"plus": 1.0} | ({"minus": -1.0} if size.low < 0.0 else {})
     middle = np.sqrt(max(size.low, 0.02 * size.high) * size.high)
     found = {}
-    for told, sign in signs.items():
+    for name_of_sign, sign in signs.items():
 
         def change(u: float, first: int, count: int, sign: float = sign) -> np.ndarray:
             return np.array([bench.change(name, sign * u, first + k, shape) for k in range(count)])
 
-        found[told] = searched(change, test, size.high, begin or middle, hands)
+        found[name_of_sign] = searched(change, test, size.high, begin or middle, hands)
     return Smallest(found)
 
 

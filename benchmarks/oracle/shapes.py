@@ -28,7 +28,7 @@ def shapes(amplitude: str) -> list[Shape]:
     return [{n: _at(n, SIZES[n], x) for n, x in zip(names, row, strict=True)} for row in drawn]
 
 
-def told(shape: Shape) -> str:
+def shape_name(shape: Shape) -> str:
     """A shape as names of files have it."""
     return "".join(f",{name.partition('.')[2]}={value:g}" for name, value in shape.items())
 

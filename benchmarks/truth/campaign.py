@@ -53,12 +53,14 @@ class Spread:
     @property
     def lines(self) -> list[str]:
         """As a campaign says it; of what does not scatter it says nothing."""
-        told = {
+        spreads = {
             "scatter": (100.0 * self.hand, "%"),
             "run_scatter": (100.0 * self.run, "%"),
             "start_time": (1e3 * self.timing, "ms"),
         }
-        lines = [f'{key} = "{size:g} {unit}"' for key, (size, unit) in told.items() if size > 0.0]
+        lines = [
+            f'{key} = "{size:g} {unit}"' for key, (size, unit) in spreads.items() if size > 0.0
+        ]
         return ["", "[diagnose]", *lines] if lines else []
 
     def times(self, factor: float) -> "Spread":
@@ -79,7 +81,7 @@ class Made:
     conditions: dict[str, str]
     hand: str
     answer: dict[str, Any] = field(repr=False)
-    told: Spread = Spread()
+    assumed: Spread = Spread()
 
     def write(self, out: Path, experiment: str = "") -> None:
         """Write recordings, hand.toml, campaign.toml and sealed/answer.json to a folder.
@@ -97,7 +99,7 @@ class Made:
 
     def _campaign(self, suffix: str, experiment: str) -> str:
         lines = ['plant = "hand"', 'base = "hand.toml"', 'out = "diagnosis"']
-        lines += self.told.lines
+        lines += self.assumed.lines
         for name, condition in self.conditions.items():
             lines += ["", "[[recording]]", f'file = "{name}{suffix}"', f'condition = "{condition}"']
             lines += [f'experiment = "{experiment}"'] if experiment else []
@@ -111,12 +113,12 @@ def make(
     spread: Spread | None = None,
     hand: str = SHIPPED,
     progress: bool = False,
-    told: Spread | None = None,
+    assumed: Spread | None = None,
 ) -> Made:
     """Make a campaign in memory: some 1.5 s for a rich one.
 
     hidden: sizes by full name (SI), such as {"leader_slack.length": 3e-3}; see `effects`.
-    hand: TOML of the nominal hand; that, and how far it may be off (`told`; by default the real
+    hand: TOML of the nominal hand; that, and how far it may be off (`assumed`; by default the real
     spread), is all that the analyst is told.
     Raises BadInput for what cannot be made, ComputationFailed where a run does not end or no hand
     near the nominal one grasps.
@@ -132,17 +134,19 @@ def make(
         raise BadInput(str(error)) from None
     values, refused = real_hand(nominal, seed, spread)
     objects = {c.name: real_object(values, c, seed, spread) for c in plan.conditions}
-    made = Made({}, {}, hand, _answer(seed, spread, hidden or {}, values, refused), told or spread)
+    made = Made(
+        {}, {}, hand, _answer(seed, spread, hidden or {}, values, refused), assumed or spread
+    )
     crept = 0.0
     for k, condition in enumerate(tqdm(plan.runs, "runs", disable=not progress)):
         name = f"{k + 1:02d}_{condition.stem}"
         own = objects[condition.name]
-        run, told, crept = _run(values, condition, own, hidden or {}, (seed, k), spread, crept)
+        run, facts, crept = _run(values, condition, own, hidden or {}, (seed, k), spread, crept)
         made.recordings[name] = bench.logged(
             run, condition, plan.channels, hand, np.random.default_rng([seed, SENSORS, k])
         )
         made.conditions[name] = condition.name
-        made.answer["runs"].append({"file": name, "condition": condition.name, **told})
+        made.answer["runs"].append({"file": name, "condition": condition.name, **facts})
     return made
 
 
@@ -199,8 +203,8 @@ def _run(
     except RuntimeError as error:
         raise ComputationFailed(f"run {place[1] + 1}, {condition.name}: {error}") from None
     changed = {name: value for name, value in values.items() if value != hand[name]}
-    told = {"late_s": shift, "crept_m": crept, "parameters": flat(changed)}
-    return channels, told, float(states[-1, CREPT])
+    facts = {"late_s": shift, "crept_m": crept, "parameters": flat(changed)}
+    return channels, facts, float(states[-1, CREPT])
 
 
 def _answer(

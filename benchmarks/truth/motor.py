@@ -21,7 +21,7 @@ from benchmarks.truth.effects import (
 from benchmarks.truth.state import (
     CURRENT,
     FACE,
-    FELT,
+    FORCE_READING,
     MOTOR,
     MOTOR_SPEED,
     SENSED,
@@ -87,5 +87,5 @@ def sense_current(h, start, gain, y, dy):
 @compiled
 def sense_force(h, force, face, start, gain, y, dy):
     """Writes both force channels (N) as the dynamometer's amplifier tells them."""
-    y[FELT], dy[FELT] = force_lag.filtered(h, start[FELT], gain, force)
+    y[FORCE_READING], dy[FORCE_READING] = force_lag.filtered(h, start[FORCE_READING], gain, force)
     y[FACE], dy[FACE] = force_lag.filtered(h, start[FACE], gain, face)

@@ -20,7 +20,7 @@ CUT = 2.5  # standard deviations
 
 # What changes from run to run, as shares of the run's scatter: lubrication and temperature move
 # friction and damping most, then the springs' seats; winding and supply drift a little.
-RESTLESS = {
+RUN_TO_RUN = {
     "dry_friction": 1.0,
     "viscous_friction": 1.0,
     "breakaway_friction": 1.0,
@@ -78,7 +78,7 @@ def run_scatter(
         z = spread * float(normal(rng, ()))
         if name in RUN_PLACES:
             out[name] = float(values[name] + RUN_PLACES[name] * z)
-        elif share := RESTLESS.get(name.partition(".")[2], 0.0):
+        elif share := RUN_TO_RUN.get(name.partition(".")[2], 0.0):
             out[name] = float(values[name] * (1.0 + share * z))
     return out, timing * float(normal(rng, ()))
 

@@ -14,7 +14,7 @@ from benchmarks.truth.record import pack
 from benchmarks.truth.state import (
     CREPT,
     FACE,
-    FELT,
+    FORCE_READING,
     SHAFT,
     SIZE,
     UNKNOWNS,
@@ -33,11 +33,11 @@ def measured(h, seen, k, back):
 
 
 @compiled
-def tick(h, y, dy, t, knots, told, duty, memory, is_sampled):
+def tick(h, y, dy, t, knots, reported, duty, memory, is_sampled):
     """One tick: the firmware's new duty, and all rates with it; also the bus voltage."""
     reference = reference_at(knots, command_delay.heard(h, t))
     if is_sampled:
-        duty = sampled(h, reference, told[0] * h.gear_ratio, told[1], memory)
+        duty = sampled(h, reference, reported[0] * h.gear_ratio, reported[1], memory)
     duty, bus, _ = rates(h, y, 0.0, reference, duty, is_sampled, y, dy)
     return duty, bus
 
@@ -66,7 +66,7 @@ def run(h, y, knots, shift, is_sampled, noise, control, unknowns, out, states):
         duty, bus = tick(h, y, dy, t, knots, (shaft, current), duty, memory, is_sampled)
         asked = reference_at(knots, k * period) / h.gear_ratio
         out[k, 0], out[k, 1], out[k, 2] = asked, shaft, current
-        out[k, 3], out[k, 4], out[k, 5], out[k, 6] = duty, bus, y[FELT], y[FACE]
+        out[k, 3], out[k, 4], out[k, 5], out[k, 6] = duty, bus, y[FORCE_READING], y[FACE]
         states[k] = y
         drive, late = (duty, is_sampled), command_delay.heard(h, t)
         if part > 0.0:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import naming, study
-from benchmarks.naming_study import draw, frozen, plan, score, summary, work
+from benchmarks.naming_study import draw, frozen, plan, records, score, summary, work
 from benchmarks.oracle.shapes import shapes
 from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
 from benchmarks.truth.protocol import RICH, Condition, Protocol
@@ -91,7 +91,7 @@ def test_seeds_of_development_and_of_quoted_figures_never_meet():
         assert len(cases) == len(set(cases))
         assert set(plan.cases(chosen, True)) <= set(cases)
     kinds = plan.NAMED
-    again, first = kinds["single, poor, scatter told x0.5"], kinds["single, poor"]
+    again, first = kinds["single, poor, scatter assumed x0.5"], kinds["single, poor"]
     assert plan.first_seed(again, "quoted") == plan.first_seed(first, "quoted")
     assert plan.first_seed(kinds["empty, poor"], "quoted") != plan.first_seed(first, "quoted")
 
@@ -99,7 +99,7 @@ def test_seeds_of_development_and_of_quoted_figures_never_meet():
 def test_a_study_has_the_cases_that_must_be_shown():
     count = {what: 0 for what in ("single", "empty", "outside", "pair")}
     for kind in plan.KINDS:
-        if kind.told == 1.0 and kind.what in count:
+        if kind.assumed_ratio == 1.0 and kind.what in count:
             count[kind.what] += kind.counts[0]
     assert count["single"] >= 100 and count["empty"] >= 200
 
@@ -146,15 +146,15 @@ def test_marks_hold_closing_placebo_error_and_coverage():
         "answer": {"leader_slack": {"length": 3e-3}},
         "left": {"before": 9.0, "after": 2.0},
     }
-    found = score.marks("single", case, ["leader_slack"])
+    found = score.scores("single", case, ["leader_slack"])
     assert found["left"]["after"] == 2.0
     assert found["placebo"] == 0.2
-    told = found["parameters"]["leader_slack.length"]
-    assert told["error"] == pytest.approx(0.1 / 3.0) and told["covers"]
+    found_value = found["parameters"]["leader_slack.length"]
+    assert found_value["error"] == pytest.approx(0.1 / 3.0) and found_value["covers"]
     silent = {**case, "verdict": said("recalibrated", parameters={})}
-    found = score.marks("single", silent, ["leader_slack"])
+    found = score.scores("single", silent, ["leader_slack"])
     assert found["parameters"] == {}
-    wrong = score.marks("single", {**case, "verdict": said("named", "capstan")}, ["leader_slack"])
+    wrong = score.scores("single", {**case, "verdict": said("named", "capstan")}, ["leader_slack"])
     assert wrong["outcome"] == "wrong"
 
 
@@ -162,7 +162,8 @@ def line(kind, seed, outcome, times=3.0, **more):
     effects = {"single": ["leader_slack"], "pair": ["leader_slack", "capstan"]}
     return {
         "kind": kind.name, "seed": seed, "what": kind.what, "protocol": kind.protocol,
-        "told": kind.told, "effects": effects.get(kind.what, []), "hidden": {}, "times": times,
+        "assumed_ratio": kind.assumed_ratio, "effects": effects.get(kind.what, []),
+        "hidden": {}, "times": times,
         "outcome": outcome, "verdict": "named", "named": ["leader_slack"],
         "left": {"before": 50.0, "after": 12.0},
         "placebo": 0.1, "parameters": {}, "next_run": None, "after": {}, "seconds": 2.0, **more,
@@ -206,7 +207,7 @@ def test_false_alarms_outsiders_and_pairs_have_their_bounds():
     done += [line(kinds["pair, rich"], k, "both" if k < 3 else "one") for k in range(7)]
     done += [line(kinds["pair, rich"], 7 + k, "wrong") for k in range(3)]
     done += [line(kinds["single, poor"], k, "silent", None) for k in range(3)]
-    done += [line(kinds["single, poor, scatter told x0.5"], 0, "wrong", None)]
+    done += [line(kinds["single, poor, scatter assumed x0.5"], 0, "wrong", None)]
     found = shown(done)
     assert found["nothing nameable hidden: wrong"]["cases"] == 3  # none of a scatter told wrong
     assert found["nothing hidden: named"]["value"] == 0.03
@@ -219,17 +220,19 @@ def test_false_alarms_outsiders_and_pairs_have_their_bounds():
 
 def test_wrong_names_where_scatter_is_told_wrong_stand_beside_the_same_cases():
     kinds = plan.NAMED
-    right, half = kinds["empty, poor"], kinds["empty, poor, scatter told x0.5"]
+    right, half = kinds["empty, poor"], kinds["empty, poor, scatter assumed x0.5"]
     done = [line(right, k, "named" if k in (0, 7) else "silent", None) for k in range(10)]
     done += [line(half, k, "named" if k < 3 else "silent", None) for k in range(5)]
-    row = shown(done)["wrong names, scatter told x0.5"]
+    row = shown(done)["wrong names, scatter assumed x0.5"]
     assert row["value"] == 0.6 and row["bound"] == 0.4 and not row["holds"]
 
 
 def test_intervals_of_parameters_are_counted():
     kind = plan.NAMED["single, poor"]
-    told = [{"leader_slack.length": {"error": 0.01 * k, "covers": k != 3}} for k in range(20)]
-    found = shown([line(kind, k, "right", parameters=each) for k, each in enumerate(told)])
+    found_value = [
+        {"leader_slack.length": {"error": 0.01 * k, "covers": k != 3}} for k in range(20)
+    ]
+    found = shown([line(kind, k, "right", parameters=each) for k, each in enumerate(found_value)])
     assert found["coverage of 95 % intervals"]["value"] == 0.95
     assert found["coverage of 95 % intervals"]["holds"]
     assert found["error of the effect's parameter"]["value"] == pytest.approx(0.095)
@@ -268,16 +271,16 @@ def test_the_answer_is_out_of_reach_until_the_verdict_is_on_disk():
     def diagnose(campaign, out):
         files = sorted(p.relative_to(campaign.parent) for p in campaign.parent.rglob("*"))
         seen["files"] = [path.as_posix() for path in files]
-        seen["told"] = campaign.read_text(encoding="utf-8")
+        seen["campaign"] = campaign.read_text(encoding="utf-8")
         out.mkdir()
         (out / "verdict.json").write_text(json.dumps(said("named", "leader_slack")))
 
     case = draw.Drawn({"leader_slack.length": 3e-3}, {"leader_slack.length": 2.0})
-    found = work.worked(case, BLINK, 5, told=2.0, diagnose=diagnose)
+    found = work.run_case(case, BLINK, 5, assumed_ratio=2.0, diagnose=diagnose)
     assert seen["files"] == ["01_void.h5", "02_void.h5", "campaign.toml", "hand.toml"]
-    assert 'scatter = "4 %"' in seen["told"] and 'run_scatter = "1 %"' in seen["told"]
+    assert 'scatter = "4 %"' in seen["campaign"] and 'run_scatter = "1 %"' in seen["campaign"]
     assert found["answer"] == {"leader_slack": {"length": 3e-3}}
-    assert score.marks("single", found, case.effects)["outcome"] == "right"
+    assert score.scores("single", found, case.effects)["outcome"] == "right"
 
 
 def test_records_of_the_quoted_set_are_never_begun_anew(monkeypatch, tmp_path):
@@ -290,6 +293,17 @@ def test_records_of_the_quoted_set_are_never_begun_anew(monkeypatch, tmp_path):
         monkeypatch.setattr("sys.argv", ["naming", "--set", chosen])
         naming.main()
     assert asked == [(tmp_path, True), (naming.FOLDER, False)]
+
+
+def test_lines_under_former_names_are_read_and_kept(tmp_path):
+    file = tmp_path / "cases.jsonl"
+    row = {"kind": "empty, poor, scatter told x0.5", "seed": 7, "told": 0.5, "after": {}}
+    file.write_text(json.dumps(row) + "\n", encoding="utf-8")
+    (found,) = records.read(file)
+    assert found["kind"] in plan.NAMED and found["assumed_ratio"] == 0.5 and "told" not in found
+    cases = [(found["kind"], 7), (found["kind"], 8)]
+    rows = records.run(file, cases, lambda kind, seed: {"asked": kind}, resume=True)
+    assert rows[0] == found and rows[1]["asked"] == found["kind"] == rows[1]["kind"]
 
 
 def made_up(kind, seed):
@@ -348,11 +362,11 @@ def test_the_bench_has_every_run_that_a_verdict_may_propose():
 def test_one_more_run_is_recorded_where_a_case_is_left_open(monkeypatch):
     plans = []
 
-    def worked(case, plan, seed):
+    def run_case(case, plan, seed):
         plans.append(plan)
         return {"verdict": said("named", "leader_slack" if len(plans) == 1 else "capstan")}
 
-    monkeypatch.setattr(naming, "worked", worked)
+    monkeypatch.setattr(naming, "run_case", run_case)
     case = draw.Drawn({"leader_slack.length": 3e-3}, {"leader_slack.length": 2.0})
     next_run = {"experiment": "soft ball", "also_log": [], "separates": [], "why": ""}
     opened = {**said("unknown"), "next_run": next_run}
@@ -364,7 +378,7 @@ def test_one_more_run_is_recorded_where_a_case_is_left_open(monkeypatch):
     logged = {**said("unknown"), "next_run": {**next_run, "also_log": ["duty"]}}
     plans.clear()
     ends = naming.one_more(case, 7, logged)
-    assert ends == {"suggested": "right", "any": "wrong", "alike": "wrong"}
+    assert ends == {"suggested": "right", "any": "wrong", "same_channels": "wrong"}
     assert [plan.runs[-1].also for plan in plans] == [("duty_1",), (), ("duty_1",)]
     assert naming.one_more(case, 7, said("unknown")) == {}
     assert naming.one_more(case, 7, {**said("named", "capstan"), "next_run": next_run}) == {}
@@ -376,9 +390,9 @@ def test_the_next_run_is_worth_what_it_resolves_beyond_any_run():
     done = [line(kind, k, "unknown", verdict="unknown", after=end) for k, end in enumerate(ends)]
     row = shown(done)["resolved by the suggested run rather than any [points]"]
     assert row["value"] == 75.0 and row["holds"]
-    alike = [line(kind, 9, "unknown", verdict="unknown",
-                  after={"suggested": "right", "any": "unknown", "alike": "right"})]  # fmt: skip
-    told = {each["study"]: each for each in summary.next_run(alike) if "study" in each}
-    assert told["the same, any run with the suggestion's channels [points]"]["value"] == 0.0
+    after = {"suggested": "right", "any": "unknown", "same_channels": "right"}
+    again = [line(kind, 9, "unknown", verdict="unknown", after=after)]
+    found = {each["study"]: each for each in summary.next_run(again) if "study" in each}
+    assert found["the same, any run with the suggestion's channels [points]"]["value"] == 0.0
     rows, _ = summary.figures([line(kind, 1, "unknown", verdict="unknown")])
-    assert [row["next run told"] for row in rows if "next run told" in row] == [0]
+    assert [row["next run proposed"] for row in rows if "next run proposed" in row] == [0]

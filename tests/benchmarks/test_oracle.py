@@ -5,8 +5,8 @@ import pytest
 
 from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import FALSE_ALARM, POWER, Discriminant, needed
+from benchmarks.oracle.expected_covariance import of_hands, of_runs
 from benchmarks.oracle.features import BINS, names, vector
-from benchmarks.oracle.likeness import of_hands, of_runs
 from benchmarks.oracle.search import NEAR, searched
 from benchmarks.oracle.store import Store, digest
 from benchmarks.truth.campaign import Spread, make

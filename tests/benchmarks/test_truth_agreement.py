@@ -184,9 +184,9 @@ def test_noise_in_the_firmwares_loop_moves_both_alike():
     mine = np.array([each["force"] for each in made])
     rng = np.random.default_rng(5)
     noise = CURRENT * rng.standard_normal((runs, mine.shape[1] + 2))
-    told = {"object": DYNAMOMETER, "duration": duration, "controller": "sampled"}
+    options = {"object": DYNAMOMETER, "duration": duration, "controller": "sampled"}
     truth = np.array(
-        [trace(shipped(), PAPER, current_noise=row, **told)[0]["force_N"] for row in noise]
+        [trace(shipped(), PAPER, current_noise=row, **options)[0]["force_N"] for row in noise]
     )[:, : mine.shape[1]]
     grip = mine.mean(axis=0) > 0.5 * mine.mean(axis=0).max()
     spreads = [np.sqrt(each[:, grip].var(axis=0).mean()) for each in (mine, truth)]

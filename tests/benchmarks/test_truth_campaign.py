@@ -54,8 +54,8 @@ def test_only_the_sealed_answer_tells_what_is_hidden(tmp_path, experiment):
 
 def test_a_campaign_tells_how_far_its_hand_may_be_off(tmp_path):
     spread = Spread(0.02, "normal", 0.005, 0.2e-3)
-    for told, first in ((None, "2 %"), (spread.times(0.5), "1 %"), (spread.times(2.0), "4 %")):
-        made = make(QUICK, 1, told=told)
+    for assumed, first in ((None, "2 %"), (spread.times(0.5), "1 %"), (spread.times(2.0), "4 %")):
+        made = make(QUICK, 1, assumed=assumed)
         made.write(tmp_path)
         table = tomllib.loads((tmp_path / "campaign.toml").read_text())["diagnose"]
         assert table["scatter"] == first
@@ -122,10 +122,10 @@ def test_hannes_replays_an_unscattered_hand_down_to_the_sensors(unscattered, tmp
     floor = {"position": 2e-3, "current": 1.2 * CURRENT, "duty": 3e-3}
     floor |= {"force": 1.5 * FORCE, "sensor": 1.5 * FORCE}
     for condition, recording in one_of_each.items():
-        told = campaign.plant.simulate({}, recording)
+        simulated = campaign.plant.simulate({}, recording)
         for name, most in floor.items():
             if name in recording:
-                gap = np.sqrt(np.mean((told[name] - recording[name]) ** 2))
+                gap = np.sqrt(np.mean((simulated[name] - recording[name]) ** 2))
                 assert gap < most, (condition, name)
 
 
@@ -220,8 +220,8 @@ def test_bad_input_is_one_line_and_status_2(words, tmp_path, capsys, monkeypatch
 def test_closures_are_a_campaign_in_csv(tmp_path, capsys):
     assert closures_module.main(["--out", str(tmp_path), "--slack", "3 mm", "--runs", "1"]) == 0
     files = set(written(tmp_path))
-    told = {"hand.toml", "campaign.toml", "closure.toml", "sealed/answer.json"}
-    assert files == {"01_void.csv"} | told
+    shown = {"hand.toml", "campaign.toml", "closure.toml", "sealed/answer.json"}
+    assert files == {"01_void.csv"} | shown
     (entry,) = read_campaign(tmp_path / "campaign.toml").entries
     assert 'controller = "sampled"' in entry.recording.experiment
     assert entry.recording.names == ("reference", "position", "current", "duty", "supply")

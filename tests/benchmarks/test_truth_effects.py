@@ -245,10 +245,10 @@ def test_lags_are_first_order(name, of):
     time = 8e-3
     lagged, states = run({name: time}, DYNAMOMETER, controller="continuous", tolerance=1e-6)
     if of:
-        told, real = lagged["current_A"], states[:, WINDING]
-        assert np.array_equal(told, states[:, SENSED])
+        reported, real = lagged["current_A"], states[:, WINDING]
+        assert np.array_equal(reported, states[:, SENSED])
     else:  # the hand does not feel it
-        told = lagged["force_N"]
+        reported = lagged["force_N"]
         real = run(thing=DYNAMOMETER, controller="continuous", tolerance=1e-6)[0]["force_N"]
     expected, fade = np.zeros_like(real), math.exp(-1e-3 / time)
     slope = np.diff(real)  # exact for straight lines between the samples
@@ -256,7 +256,7 @@ def test_lags_are_first_order(name, of):
         steady = real[k] - slope[k - 1] * time / 1e-3
         before = real[k - 1] - slope[k - 1] * time / 1e-3
         expected[k] = steady + (expected[k - 1] - before) * fade
-    np.testing.assert_allclose(told, expected, atol=2e-3 * np.abs(real).max())
+    np.testing.assert_allclose(reported, expected, atol=2e-3 * np.abs(real).max())
 
 
 def test_a_delayed_command_moves_the_whole_run():
@@ -271,10 +271,10 @@ def test_a_delayed_measurement_tells_what_was(time):
     channels, states = run({"measurement_delay.time": time})
     shaft = states[:, SHAFT]
     clock = channels["time_s"]
-    told = [encoder(pack({}), angle) for angle in np.interp(clock[5:] - time, clock, shaft)]
+    reported = [encoder(pack({}), angle) for angle in np.interp(clock[5:] - time, clock, shaft)]
     count = 2 * math.pi / 4096
-    assert np.abs(channels["position_rad"][5:] - told).max() < 1.01 * count
-    assert np.mean(np.abs(channels["position_rad"][5:] - told) < 1e-9) > 0.95
+    assert np.abs(channels["position_rad"][5:] - reported).max() < 1.01 * count
+    assert np.mean(np.abs(channels["position_rad"][5:] - reported) < 1e-9) > 0.95
     assert not channels["position_rad"][:3].any()
 
 

@@ -45,13 +45,13 @@ def test_prisms_of_both_implementations_agree(stiffness):
     target = Target("prism", {f"object.{name}": x for name, x in (own | place).items()})
     experiment = Experiment("prism", 1.15, Reference(np.array(PAPER).T), target)
     (mine,) = simulate_many([(Hand(), experiment)], rtol=1e-5, workers=1)
-    for name, told in (
+    for name, theirs in (
         ("current", "current_A"),
         ("position", "position_rad"),
         ("force", "force_N"),
     ):
-        off = np.abs(mine[name] - true[told])
-        assert np.sqrt(np.mean(off**2)) < 2e-3 * np.ptp(true[told])
+        off = np.abs(mine[name] - true[theirs])
+        assert np.sqrt(np.mean(off**2)) < 2e-3 * np.ptp(true[theirs])
 
 
 def test_the_nearest_place_of_a_rod_is_nearest():

@@ -2,7 +2,7 @@
 
 What ships of it: hannes/identification/confusability.toml.
 
-python -m benchmarks.alike
+python -m benchmarks.confusability
 
 A signature is the derivative of a campaign's bin means by the size of an effect, at off. What the
 hand's own parameters can do, each known to 2 %, is projected out. A cosine of 1 is the same
@@ -43,7 +43,7 @@ def at_given(protocol: str) -> Linearisation:
     """The shipped hand in a campaign of a protocol, with the whole catalogue on trial."""
     with tempfile.TemporaryDirectory() as folder:
         exactly = Spread(0.0, "normal", 0.0, 0.0)
-        make(protocol, SEED, spread=exactly, told=Spread()).write(Path(folder))
+        make(protocol, SEED, spread=exactly, assumed=Spread()).write(Path(folder))
         campaign = read_campaign(Path(folder) / "campaign.toml")
     usable = [effect for effect, why in candidates(campaign).values() if not why]
     groups = grouped(campaign.plant, campaign.of("fit", "select"))
@@ -53,7 +53,7 @@ def at_given(protocol: str) -> Linearisation:
 
 
 def cosines(point: Linearisation) -> dict[str, dict[str, float]]:
-    """Effect -> others from LEAST on, the most alike first."""
+    """Effect -> others from LEAST on, the most similar first."""
     signatures = {
         each.effect: each.signature for each in screened(point, list(point.space.effects))
     }
@@ -72,14 +72,14 @@ def cosines(point: Linearisation) -> dict[str, dict[str, float]]:
 def main() -> None:
     """Measure and write."""
     parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.alike",
+        prog="python -m benchmarks.confusability",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--out", type=Path, default=FILE)
     out = parser.parse_args().out
     tables = {PROTOCOL_NAMES[name]: cosines(at_given(name)) for name in PROTOCOLS}
-    write_text(out, "# Made by python -m benchmarks.alike\n" + tomli_w.dumps(tables))
+    write_text(out, "# Made by python -m benchmarks.confusability\n" + tomli_w.dumps(tables))
 
 
 if __name__ == "__main__":

@@ -41,11 +41,11 @@ def ways(hand: Hand, experiment: Experiment, table: dict[str, np.ndarray]) -> di
         runs = simulate_many(hand, experiment, table, channels=["current"], rtol=rtol)
         return np.array([run["current"] for run in runs])
 
-    def alike(rtol: float) -> np.ndarray:
+    def same_steps(rtol: float) -> np.ndarray:
         runs = simulate_alike(hand, experiment, table, channels=["current"], rtol=rtol)
         return np.array([run["current"] for run in runs])
 
-    return {"runs of their own": alone, "the same steps": alike}
+    return {"runs of their own": alone, "the same steps": same_steps}
 
 
 def measured(quick: bool) -> tuple[list[Row], list[Row]]:
@@ -65,8 +65,8 @@ def measured(quick: bool) -> tuple[list[Row], list[Row]]:
             spent = time.process_time() - begun
             off = _size(_changes(made)[kept] - exact) / _size(exact)
             median, most = float(np.median(off)), float(off.max())
-            told = {"slopes by": name, "tolerance": rtol, "seconds": spent}
-            rows.append({**told, "error, median": median, "error, most": most})
+            row = {"slopes by": name, "tolerance": rtol, "seconds": spent}
+            rows.append({**row, "error, median": median, "error, most": most})
     usual = float(rows[0]["seconds"])
     return [{**row, "seconds": row["seconds"] / usual} for row in rows], []
 
@@ -80,4 +80,4 @@ def _size(changes: np.ndarray) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    main(__doc__, "slopes", measured)
+    main(__doc__, "derivatives", measured)

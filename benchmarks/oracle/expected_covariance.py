@@ -12,15 +12,15 @@ from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.features import BINS
 from benchmarks.truth.campaign import Spread
 from benchmarks.truth.parameters import FINGERS, GEOMETRY, NOMINAL, flat
-from benchmarks.truth.scatter import EXACT, PLACES, RESTLESS, RUN_PLACES
+from benchmarks.truth.scatter import EXACT, PLACES, RUN_PLACES, RUN_TO_RUN
 
 Column = tuple[np.ndarray, float]  # slope, and standard deviation of what moves along it
 
 
 def expected(bench: Bench, spread: Spread) -> np.ndarray:
     """The covariance T of a protocol's vectors, (n, n)."""
-    hands = np.array([slope * deviation for slope, deviation in of_hands(bench, spread)])
-    runs = np.array([slope * deviation for slope, deviation in of_runs(bench, spread)])
+    hands = np.array([derivative * deviation for derivative, deviation in of_hands(bench, spread)])
+    runs = np.array([derivative * deviation for derivative, deviation in of_runs(bench, spread)])
     repeats = [each.repeats for each in bench.whole.conditions]
     each = np.repeat(repeats, bench.blocks)
     same = np.repeat(np.arange(len(repeats)), bench.blocks)
@@ -44,19 +44,19 @@ def of_hands(bench: Bench, spread: Spread) -> list[Column]:
         if len(each.thing or {}) > 1 and key != "shape"
         if _scatters(f"object.{key}", each.thing[key])
     ]
-    columns = [(bench.slope(name), _hand(name, spread)) for name in names]
-    return columns + [(bench.slope(name, each), _hand(name, spread)) for name, each in own]
+    columns = [(bench.derivative(name), _hand(name, spread)) for name in names]
+    return columns + [(bench.derivative(name, each), _hand(name, spread)) for name, each in own]
 
 
 def of_runs(bench: Bench, spread: Spread) -> list[Column]:
     """What differs between runs."""
-    columns = [(bench.late(), spread.timing)]
+    columns = [(bench.start_offset(), spread.timing)]
     for name in NOMINAL:
-        share = RUN_PLACES.get(name) or RESTLESS.get(name.partition(".")[2], 0.0)
+        share = RUN_PLACES.get(name) or RUN_TO_RUN.get(name.partition(".")[2], 0.0)
         if share:
-            columns.append((bench.slope(name), spread.run * share))
+            columns.append((bench.derivative(name), spread.run * share))
             columns += [
-                (bench.slope(name, each), spread.run * share)
+                (bench.derivative(name, each), spread.run * share)
                 for each in bench.once.conditions
                 if name.partition(".")[2] in (each.thing or {})
             ]
