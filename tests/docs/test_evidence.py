@@ -1,0 +1,75 @@
+"""Every table of figures stands on the page of evidence with a command beside it that exists."""
+
+import re
+import shlex
+
+import pytest
+from pages import PAGES, ROOT, name, tables, text_of_makefile
+
+EVIDENCE = ROOT / "docs" / "explanation" / "evidence.md"
+_COMMAND = re.compile(r"`((?:python -m|hannes|make) [^`]+)`")
+_STUDY = re.compile(r"^`([\w-]+)`")  # of a row, under `python -m benchmarks.NAME` and the like
+
+
+def commands(part):
+    return _COMMAND.findall(part)
+
+
+def exists(command):
+    """Whether what a command names is there; nothing is run."""
+    words = shlex.split(command)
+    match words:
+        case ["make", target]:
+            return bool(re.search(rf"^{target}:", text_of_makefile(), re.MULTILINE))
+        case ["hannes", verb, *_]:
+            from hannes.commands.cli import _parser
+
+            return _parser().parse_args(words[1:]) is not None and bool(verb)
+        case ["python", "-m", module, *rest]:
+            if module == "pytest":
+                return True
+            file = ROOT / f"{module.replace('.', '/')}.py"
+            if module.endswith("NAME"):
+                return True  # its rows name the benchmark
+            parts = [each for each in rest if not each.startswith("-") and each.isidentifier()]
+            there = file.exists() or file.with_suffix("").is_dir()
+            return there and all(f'"{part}"' in file.read_text() for part in parts if part.islower())
+    return False
+
+
+@pytest.mark.parametrize("table", tables(EVIDENCE), ids=lambda each: f"line {each[0]}")
+def test_every_table_of_evidence_has_its_command(table):
+    line, rows, above = table
+    header = "|".join(rows[0])
+    last = "\n".join(above.rstrip().split("\n\n")[-1:])
+    each_row = all(commands("|".join(row)) for row in rows[2:])
+    assert commands(header) or commands(last) or each_row, f"line {line}: no command beside it"
+
+
+def test_the_commands_exist():
+    text = EVIDENCE.read_text(encoding="utf-8")
+    for command in commands(text):
+        assert exists(command), command
+    named = re.findall(r"\| `(\w+)`: ", text.split("## Speed")[1])
+    assert named and all((ROOT / "benchmarks" / f"{each}.py").exists() for each in named)
+
+
+def test_tests_that_are_named_exist():
+    found = re.findall(r"pytest -k (\w+)", EVIDENCE.read_text(encoding="utf-8"))
+    files = [path.stem for path in (ROOT / "tests").rglob("test_*.py")]
+    assert found and all(any(word in each for each in files) for word in found)
+
+
+def test_the_record_that_the_study_prints_is_there():
+    (record,) = re.findall(r"benchmarks/records/[\w.-]+", EVIDENCE.read_text(encoding="utf-8"))
+    assert (ROOT / record).is_file()
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p != EVIDENCE], ids=name)
+def test_intervals_of_figures_stand_nowhere_else(page):
+    """A table with 95 % intervals of figures belongs on the page of evidence."""
+    if "reference" in page.parts:
+        return
+    for line, rows, _ in tables(page):
+        cells = "|".join(cell for row in rows[2:] for cell in row)
+        assert not re.search(r"\d \(-?[\d.]+ to [\d.]+\)", cells), f"{name(page)}, line {line}"

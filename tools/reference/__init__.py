@@ -1,0 +1,23 @@
+"""Pages of docs/reference that the code itself knows: `python -m tools.reference` writes them."""
+
+from pathlib import Path
+
+from tools.reference import channels, commands, effects, parameters, python, tuning, verdicts
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "docs" / "reference"
+NOTICE = "<!-- Written by `python -m tools.reference` from the code: edit that, not this page. -->\n"
+PAGES = {
+    "channels.md": channels.page,
+    "commands.md": commands.page,
+    "effects.md": effects.page,
+    "parameters.md": parameters.page,
+    "python.md": python.page,
+    "tuning-constants.md": tuning.page,
+    "verdicts.md": verdicts.page,
+}
+
+
+def pages() -> dict[str, str]:
+    """Name of every generated page -> its text as the code is now."""
+    return {name: f"{NOTICE}\n{page().rstrip()}\n" for name, page in PAGES.items()}

@@ -1,0 +1,87 @@
+"""Verdicts of a diagnosis, fields of verdict.json, and exit statuses."""
+
+from dataclasses import fields
+
+from hannes.commands.cli import INTERRUPTED, PIPE_CLOSED
+from hannes.core.errors import BadInput, ComputationFailed
+from hannes.identification.verdict import SENTENCES, Verdict
+from tools.reference.markdown import code, table
+
+NEXT_RUN = "record `next_run`: its `experiment`, with the channels of `also_log` too"
+MEANINGS = {
+    "named": (
+        "one effect, or two, explain what was missing",
+        "run with `hand.toml`; read the parameters' intervals",
+    ),
+    "named_with_remainder": (
+        "the same, and something else is left",
+        "the page's map says where it is left",
+    ),
+    "one_of": ("one of `effects`; these recordings cannot tell which", NEXT_RUN),
+    "unknown": (
+        "something is missing, and which effect cannot be told",
+        f"{NEXT_RUN}; look at the map of the gap; write an effect of your own",
+    ),
+    "recalibrated": (
+        "refitted values explain all that is seen; what is missing, if anything, is smaller than "
+        "`smallest_detectable`",
+        "use the refitted `hand.toml`",
+    ),
+    "no_gap": ("the simulation agrees as given", ""),
+    "undecided": ("too few recordings for an answer; `reason` says what is lacking", "record it"),
+}
+FIELDS = {
+    "verdict": "one of the words above",
+    "effects": "names of the effects; for `one_of`, the class",
+    "parameters": "full name -> `value`, `unit`, `low`, `high` (95 % interval), `off`",
+    "gap": "channel -> RMS residual `as_given`, `before` (base refitted), `after` (with the effect), "
+    "and the noise `floor`; the same in percent of the recorded signal",
+    "where": "channel, phase, times and recordings in which the refitted base disagrees, worst first",
+    "candidates": "what each rival would have gained, best first",
+    "reason": "why this verdict, in one sentence",
+    "tried": "every effect, whether it applies, and why it was accepted or not",
+    "alpha": "false-alarm level",
+    "recordings": "names by role",
+    "seed": "of drawn roles",
+    "gap_on": "which recordings `gap` is of",
+    "floor_from": "where the noise floor comes from",
+    "cut": "how records were cut into segments",
+    "cautions": "what the data check, and the diagnosis itself, warn of",
+    "next_run": "the run that would tell the two best explanations apart, or null",
+    "smallest_detectable": "effect -> parameter -> smallest size seen with 80 % power",
+    "confusability": "`effects` and their `cosines`: how similar the signatures of two effects are here",
+    "versions": "of the libraries",
+}
+STATUSES = (
+    (0, "done; any verdict of a diagnosis ends so"),
+    (BadInput.exit_status, "bad input: one line says what was expected, what came, what to do"),
+    (ComputationFailed.exit_status, "the computation failed (solver, fit): one line says what to try"),
+    (INTERRUPTED, "stopped by Ctrl-C; earlier results are as they were"),
+    (PIPE_CLOSED, "whoever read the output has gone"),
+)
+
+
+def page() -> str:
+    """Text of the page; a verdict, or a field, without a meaning here is an error."""
+    verdicts = [(code(each), *MEANINGS[each]) for each in SENTENCES]
+    keys = [(code(each.name), FIELDS[each.name]) for each in fields(Verdict)]
+    return f"""# Verdicts and exit statuses
+
+`hannes diagnose` writes `report.html` for people, `hand.toml` (the plant with what was found),
+and `verdict.json`.
+
+## Verdicts
+
+{table(("`verdict`", "means", "next"), verdicts)}
+
+## Fields of verdict.json
+
+{table(("key", "holds"), keys)}
+
+## Exit statuses
+
+{table(("status", "means"), STATUSES)}
+
+With `--json` a command prints one JSON object on standard output and nothing else there.
+Results are written whole or not at all: a killed command leaves the old results or the new ones.
+"""
