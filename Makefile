@@ -49,9 +49,13 @@ format: env-test  ## put the code into the project's format
 	$(bin)/ruff format
 	$(bin)/ruff check --fix
 
-docs: env  ## the README's picture anew: figure 8 of `hannes reproduce`
+docs: env  ## pictures of the README and generated pages of docs/reference anew
 	$(bin)/hannes reproduce --out results/reproduce
 	cp results/reproduce/figures/fig8.svg docs/grasp.svg
+	$(bin)/python -m benchmarks.truth.closures --out results/closures --slack "3 mm" --runs 6 --seed 1
+	$(bin)/hannes diagnose results/closures/campaign.toml --out results/hidden-slack
+	$(bin)/python -m tools.diagnosis_picture results/hidden-slack/report.html docs/diagnosis.svg
+	$(bin)/python -m tools.reference
 
 bench: env-test  ## speed and accuracy beside peers, batches, start: benchmarks/README.md
 	$(bin)/python -m benchmarks

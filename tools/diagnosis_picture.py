@@ -1,4 +1,4 @@
-"""Take one figure out of a diagnosis' page: `python -m tools.diagnosis_picture REPORT.html OUT.svg`.
+"""Take one figure out of a diagnosis' page: `python -m tools.diagnosis_picture PAGE.html OUT.svg`.
 
 Coordinates are rounded to a tenth of a pixel, which halves the file.
 """

@@ -55,7 +55,7 @@ campaign.toml, after its [[recording]]s; all of it may be left out:
 hannes diagnose campaign.toml
 hannes diagnose campaign.toml --out results/verdict --json
 
-campaign.toml (docs/campaign.md has all of it):
+campaign.toml (docs/reference/campaign.md has all of it):
   plant = "hand"                          # or "axis", "finger", "module:Class" of your own
   effects = ["my_effect.py:EFFECT"]       # beside those of `hannes effects`
   [[recording]]

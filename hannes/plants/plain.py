@@ -2,7 +2,7 @@
 
 Subclass `PlainPlant`, fill the attributes, write `simulate`: the rest of the protocol
 (hannes/plants/protocol.py) is here, with answers that suit a small machine and can be overridden.
-docs/own-plant.md walks through one. For compiled equations see hannes/plants/axis/plant.py.
+docs/tutorials/your-machine.md walks through one. For compiled equations see plants/axis/plant.py.
 """
 
 import math

@@ -1,7 +1,7 @@
 """What calibrate and diagnose know of a plant: a small protocol, and where plants are found.
 
 A plant is the hand, the motor-driven axis, the finger, or a user's own class outside the package.
-docs/own-plant.md walks through one; hannes/plants/plain.py saves writing most of it.
+docs/how-to/write-a-plant.md lists what it may have; `PlainPlant` saves writing most of it.
 """
 
 import importlib

@@ -109,11 +109,13 @@ def test_it_reads_with_h5py_alone_and_says_what_is_what(whole):
         assert all("." in name for name in own)  # the others are parameters by full name
 
 
-def test_the_five_lines_of_the_readme_read_it(whole, capsys):
-    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    (block,) = re.findall(r"```py\n(.*?)```", text, flags=re.DOTALL)
+def test_the_five_lines_of_the_tutorial_read_it(whole, capsys):
+    page = Path(__file__).parents[2] / "docs" / "tutorials" / "classifier.md"
+    (block,) = re.findall(
+        r"```python\n(import h5py.*?)```", page.read_text(encoding="utf-8"), re.DOTALL
+    )
     assert len(block.split("\n\n")) == 2 and len(block.replace("\n\n", "\n").splitlines()) == 5
-    exec(compile(block.replace("results/large.h5", str(whole)), "README.md", "exec"), {})
+    exec(compile(block.replace("balls.h5", str(whole)), page.name, "exec"), {})
     assert "'object.stiffness': b'N/m', " in capsys.readouterr().out
 
 
@@ -285,8 +287,9 @@ def test_a_cluster_gives_the_same_bytes_and_survives_a_killed_worker(cluster, wh
     assert (tmp_path / "set.h5").read_bytes() == whole.read_bytes()
 
 
-def test_the_readme_has_the_commands_of_a_cluster():
-    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+def test_the_docs_have_the_commands_of_a_cluster():
+    page = Path(__file__).parents[2] / "docs" / "how-to" / "make-a-data-set.md"
+    text = page.read_text(encoding="utf-8")
     for words in ("`dask scheduler`", "`dask worker tcp://HOST:8786`", "pip install '.[cluster]'"):
         assert words in text
     assert "--backend dask --scheduler tcp://HOST:8786" in text

@@ -132,7 +132,9 @@ def sentences(page):
     found = []
     for paragraph in re.split(r"\n\s*\n", left):
         whole = " ".join(paragraph.split())
-        found += [each for each in re.split(r"(?<=[.!?:])\)?\s+(?=[\"'(`*A-Z0-9\[])", whole) if each]
+        found += [
+            each for each in re.split(r"(?<=[.!?:])\)?\s+(?=[\"'(`*A-Z0-9\[])", whole) if each
+        ]
     return found
 
 

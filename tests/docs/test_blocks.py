@@ -8,9 +8,7 @@ SLOW = {"README.md", "docs/tutorials/your-recordings.md", "docs/tutorials/classi
 
 
 def _marked(page):
-    return pytest.param(
-        page, id=name(page), marks=[pytest.mark.slow] if name(page) in SLOW else []
-    )
+    return pytest.param(page, id=name(page), marks=[pytest.mark.slow] if name(page) in SLOW else [])
 
 
 @pytest.mark.parametrize("page", [_marked(each) for each in PAGES if blocks(each)])

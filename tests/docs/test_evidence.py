@@ -4,7 +4,7 @@ import re
 import shlex
 
 import pytest
-from pages import PAGES, ROOT, name, tables, text_of_makefile
+from pages import PAGES, ROOT, name, tables, text, text_of_makefile
 
 EVIDENCE = ROOT / "docs" / "explanation" / "evidence.md"
 _COMMAND = re.compile(r"`((?:python -m|hannes|make) [^`]+)`")
@@ -22,9 +22,9 @@ def exists(command):
         case ["make", target]:
             return bool(re.search(rf"^{target}:", text_of_makefile(), re.MULTILINE))
         case ["hannes", verb, *_]:
-            from hannes.commands.cli import _parser
-
-            return _parser().parse_args(words[1:]) is not None and bool(verb)
+            return (
+                text(ROOT / "docs" / "reference" / "commands.md").count(f"## hannes {verb}\n") == 1
+            )
         case ["python", "-m", module, *rest]:
             if module == "pytest":
                 return True
@@ -33,7 +33,9 @@ def exists(command):
                 return True  # its rows name the benchmark
             parts = [each for each in rest if not each.startswith("-") and each.isidentifier()]
             there = file.exists() or file.with_suffix("").is_dir()
-            return there and all(f'"{part}"' in file.read_text() for part in parts if part.islower())
+            return there and all(
+                f'"{part}"' in file.read_text() for part in parts if part.islower()
+            )
     return False
 
 
@@ -47,10 +49,10 @@ def test_every_table_of_evidence_has_its_command(table):
 
 
 def test_the_commands_exist():
-    text = EVIDENCE.read_text(encoding="utf-8")
-    for command in commands(text):
+    whole = text(EVIDENCE)
+    for command in commands(whole):
         assert exists(command), command
-    named = re.findall(r"\| `(\w+)`: ", text.split("## Speed")[1])
+    named = re.findall(r"\| `(\w+)`: ", whole.split("## Speed")[1])
     assert named and all((ROOT / "benchmarks" / f"{each}.py").exists() for each in named)
 
 

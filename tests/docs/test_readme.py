@@ -1,14 +1,16 @@
-"""README.md stays true: its figure is today's, its Python runs, its figures are what is printed."""
+"""README and the page of evidence stay true: pictures are today's, figures are what is printed."""
 
 import re
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from pages import ROOT, blocks, text
 
-ROOT = Path(__file__).parents[2]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+from hannes.commands.cli import _parser
+
+README = text(ROOT / "README.md")
+EVIDENCE = text(ROOT / "docs" / "explanation" / "evidence.md")
 FEWEST = 30  # points of a drawn curve; frames, ticks and letters have fewer
 
 
@@ -35,38 +37,25 @@ def test_the_figure_is_todays():
         assert np.abs(apart).max() < 0.5, "run `make docs`"
 
 
-@pytest.mark.slow
-def test_the_python_runs(tmp_path, monkeypatch, capsys):
-    """The block in the section for library users, on a campaign of the axis."""
-    from axis_campaign import campaign
-
-    monkeypatch.chdir(tmp_path)
-    campaign(tmp_path, ["fit", "select", "show"])
-    (block,) = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
-    exec(compile(block, "README.md", "exec"), {})
-    printed = capsys.readouterr().out
-    for said in (
-        "Stages of the model",
-        "vanishes at 0",
-        " N at 0.",
-        "source",
-        "Direction friction",
-    ):
-        assert said in printed
-    assert (tmp_path / "ball.h5").exists()
-
-
 def test_all_of_the_python_comes_from_hannes():
     import hannes
 
-    (block,) = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+    (block,) = (each.text for each in blocks(ROOT / "README.md") if each.language == "python")
     assert set(re.findall(r"^(?:from|import) (\S+)", block, flags=re.MULTILINE)) == {"hannes"}
     assert all(getattr(hannes, name) is not None for name in hannes.__all__)
 
 
+def test_the_commands_of_its_table_are_commands():
+    lines = re.findall(r"`hannes ([^`]+)`", README)
+    assert len(lines) > 12
+    for line in lines:
+        if line != "COMMAND --help":
+            assert _parser().parse_args(line.split()).command
+
+
 def figures():
     """Rows of the table of figures: what is measured -> the number in its second column."""
-    rows = re.findall(r"^\| (.+?) \| ([\d.]+) [^|]*\| [^|]+\|$", README, flags=re.MULTILINE)
+    rows = re.findall(r"^\| (.+?) \| ([\d.]+) [^|]*\| [^|]+\|$", EVIDENCE, flags=re.MULTILINE)
     return {text: number for text, number in rows}
 
 
@@ -93,7 +82,7 @@ def test_the_figures_are_what_reproduce_prints():
     assert row("void current") == shown(found["void current of the unit, off 0.25 A"])
     energy = energy_row(progress=False)
     assert row("energy unaccounted for") == shown(energy["value"])
-    assert re.search(r"worst of (?:the )?(\d+) runs", README)[1] in energy["name"]
+    assert re.search(r"worst of (?:the )?(\d+) runs", EVIDENCE)[1] in energy["name"]
 
 
 def test_the_figures_of_the_real_axis_are_what_reproduce_prints():
@@ -111,10 +100,10 @@ def test_the_figures_of_the_real_axis_are_what_reproduce_prints():
     assert row("EMPS, published symmetric") == shown(fitted[0])
     assert row("the same on the other file") == shown(other[0])
     assert row("EMPS, other file: the effect") == shown(other[1] - other[2])
-    assert f"({shown(other[1])}, then {shown(other[2])} %)" in README
+    assert f"({shown(other[1])}, then {shown(other[2])} %)" in EVIDENCE
     for share in ("dry", "viscous"):
         size = result.verdict.parameters[f"direction_friction.{share}"]
         digits = {"dry": ".2g", "viscous": ".3g"}[share]
         low, value, high = (format(size[key], digits) for key in ("low", "value", "high"))
-        assert f"{value} ({low} to {high})" in README
+        assert f"{value} ({low} to {high})" in EVIDENCE
     assert "Not distinguishable from no effect: dry" in result.verdict.sentence

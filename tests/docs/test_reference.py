@@ -16,7 +16,9 @@ def test_generated_pages_are_up_to_date(page):
 
 def documented(page, heading):
     """Keys in the first column of the tables under a heading."""
-    (section,) = re.findall(rf"^## {heading}\n(.*?)(?=^## |\Z)", text(page), re.MULTILINE | re.DOTALL)
+    (section,) = re.findall(
+        rf"^## {heading}\n(.*?)(?=^## |\Z)", text(page), re.MULTILINE | re.DOTALL
+    )
     rows = re.findall(r"^\| (`[^|]+) \|", section, re.MULTILINE)
     return {key for row in rows for key in re.findall(r"`([\w.\"]+)`", row)}
 

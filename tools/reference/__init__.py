@@ -6,7 +6,9 @@ from tools.reference import channels, commands, effects, parameters, python, tun
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "reference"
-NOTICE = "<!-- Written by `python -m tools.reference` from the code: edit that, not this page. -->\n"
+NOTICE = (
+    "<!-- Written by `python -m tools.reference` from the code: edit that, not this page. -->\n"
+)
 PAGES = {
     "channels.md": channels.page,
     "commands.md": commands.page,

@@ -6,7 +6,8 @@ from tools.reference.markdown import code, number, table
 # Of the hand; what is recorded and what is simulated have one name.
 MEANINGS = {
     "time": "sampling instants, rising; required",
-    "reference": "commanded position at the output shaft (behind the 19:1 reducer), rising while it closes",
+    "reference": "commanded position at the output shaft (behind the 19:1 reducer), "
+    "rising while it closes",
     "position": "encoder, as at the output shaft",
     "current": "motor current, positive where it closes the hand",
     "duty": "of the PWM drive, -1 to 1, positive where it closes the hand",

@@ -8,9 +8,11 @@ from tools.reference.markdown import code, number, table
 
 HEAD = """# Effects
 
-`hannes effects` lists these, and `hannes effects NAME` shows one, with what it is easily confused with.
+`hannes effects` lists these.
+`hannes effects NAME` shows one, with what it is easily confused with.
 A parameter with a value under "vanishes at" is an amplitude.
-With all its amplitudes there, an effect leaves the model unchanged to the bit, and it is not compiled.
+With all its amplitudes there, an effect leaves the model unchanged to the bit.
+It is not compiled then.
 """
 
 

@@ -40,9 +40,27 @@ def _signature(found: Any) -> str:
     if not callable(found):
         return ""
     try:
-        return str(inspect.signature(found)).replace("'", "")
+        parameters = inspect.signature(found).parameters.values()
     except (TypeError, ValueError):
         return ""
+    shown, named = [], False
+    for each in parameters:
+        if each.name in ("self", "cls"):
+            continue
+        if each.kind is each.KEYWORD_ONLY and not named:
+            shown.append("*")
+        named = named or each.kind in (each.KEYWORD_ONLY, each.VAR_POSITIONAL)
+        shown.append(_parameter(each))
+    return f"({', '.join(shown)})"
+
+
+def _parameter(each: inspect.Parameter) -> str:
+    """`name`, or `name=default`; types stand in the docstrings, and differ by Python's version."""
+    stars = {each.VAR_POSITIONAL: "*", each.VAR_KEYWORD: "**"}.get(each.kind, "")
+    if each.default is each.empty:
+        return f"{stars}{each.name}"
+    default = repr(each.default)
+    return f"{each.name}={default if not default.startswith('<') else '...'}"
 
 
 def _doc(found: Any) -> str:

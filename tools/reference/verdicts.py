@@ -34,9 +34,9 @@ FIELDS = {
     "verdict": "one of the words above",
     "effects": "names of the effects; for `one_of`, the class",
     "parameters": "full name -> `value`, `unit`, `low`, `high` (95 % interval), `off`",
-    "gap": "channel -> RMS residual `as_given`, `before` (base refitted), `after` (with the effect), "
-    "and the noise `floor`; the same in percent of the recorded signal",
-    "where": "channel, phase, times and recordings in which the refitted base disagrees, worst first",
+    "gap": "channel -> RMS residual `as_given`, `before` (base refitted), `after` (with the "
+    "effect), and the noise `floor`; the same in percent of the recorded signal",
+    "where": "channel, phase, times, recordings in which the refitted base disagrees, worst first",
     "candidates": "what each rival would have gained, best first",
     "reason": "why this verdict, in one sentence",
     "tried": "every effect, whether it applies, and why it was accepted or not",
@@ -49,13 +49,16 @@ FIELDS = {
     "cautions": "what the data check, and the diagnosis itself, warn of",
     "next_run": "the run that would tell the two best explanations apart, or null",
     "smallest_detectable": "effect -> parameter -> smallest size seen with 80 % power",
-    "confusability": "`effects` and their `cosines`: how similar the signatures of two effects are here",
+    "confusability": "`effects` and their `cosines`: how similar the signatures of two are here",
     "versions": "of the libraries",
 }
 STATUSES = (
     (0, "done; any verdict of a diagnosis ends so"),
     (BadInput.exit_status, "bad input: one line says what was expected, what came, what to do"),
-    (ComputationFailed.exit_status, "the computation failed (solver, fit): one line says what to try"),
+    (
+        ComputationFailed.exit_status,
+        "the computation failed (solver, fit): one line says what to try",
+    ),
     (INTERRUPTED, "stopped by Ctrl-C; earlier results are as they were"),
     (PIPE_CLOSED, "whoever read the output has gone"),
 )

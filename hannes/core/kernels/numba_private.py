@@ -1,6 +1,6 @@
 """All that hannes takes of numba's private parts; without them `njit` alone gives the same numbers.
 
-They make compiling quicker and machine code smaller, no more (docs/speed.md). Another version of
+They make compiling quicker and machine code smaller, no more. Another version of
 numba may lack one: then none is used, models compile as numba does it, and one warning says so.
 """
 
@@ -76,7 +76,7 @@ def options(**asked: Any) -> dict[str, Any]:
 def compiled(dispatcher: Any, method: Callable[..., Any], signature: Any) -> Any:
     """Compile at LLVM's second level: a quarter less time than the third, and code as quick.
 
-    As measured on the hand (docs/speed.md), as is what `_library` saves, and what it saves not to
+    As measured on the hand (docs/explanation), as is what `_library` saves, and what it saves not to
     look for garbage meanwhile, of which compiling leaves little. Under numba's own lock, for its
     level and its libraries are global.
     """
