@@ -76,7 +76,7 @@ def options(**asked: Any) -> dict[str, Any]:
 def compiled(dispatcher: Any, method: Callable[..., Any], signature: Any) -> Any:
     """Compile at LLVM's second level: a quarter less time than the third, and code as quick.
 
-    As measured on the hand (docs/explanation), as is what `_library` saves, and what it saves not to
+    As measured on the hand (docs), as is what `_library` saves, and what it saves not to
     look for garbage meanwhile, of which compiling leaves little. Under numba's own lock, for its
     level and its libraries are global.
     """
