@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pages import ROOT, blocks, text
 
-from hannes.commands.cli import _parser
+from hannes.commands.cli import make_parser
 
 README = text(ROOT / "README.md")
 EVIDENCE = text(ROOT / "docs" / "explanation" / "evidence.md")
@@ -50,7 +50,7 @@ def test_the_commands_of_its_table_are_commands():
     assert len(lines) > 12
     for line in lines:
         if line != "COMMAND --help":
-            assert _parser().parse_args(line.split()).command
+            assert make_parser().parse_args(line.split()).command
 
 
 def figures():

@@ -2,7 +2,7 @@
 
 import argparse
 
-from hannes.commands.cli import _parser
+from hannes.commands.cli import make_parser
 from tools.reference.markdown import code, table
 
 HEAD = """# Commands
@@ -15,7 +15,7 @@ HEAD = """# Commands
 def page() -> str:
     """Text of the page."""
     (commands,) = (
-        each for each in _parser()._actions if isinstance(each, argparse._SubParsersAction)
+        each for each in make_parser()._actions if isinstance(each, argparse._SubParsersAction)
     )
     return "\n".join([HEAD, *(_command(name, each) for name, each in commands.choices.items())])
 
