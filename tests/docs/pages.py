@@ -8,6 +8,7 @@ A block of `text` is output.
 import re
 import runpy
 import shlex
+import subprocess
 import sys
 from dataclasses import dataclass
 from glob import glob
@@ -93,6 +94,8 @@ def command(line, where):
             from hannes.commands.cli import main
 
             assert main(arguments) == 0, f"{where}: {line}"
+        case ["python", "-m", "pytest" | "tools.reference", *_]:  # a process that imports anew
+            subprocess.run([sys.executable, *words[1:]], check=True)
         case ["python", "-m", module, *arguments]:
             called(runpy.run_module, module, arguments)
         case ["python", file, *arguments]:
