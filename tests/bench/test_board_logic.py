@@ -1,14 +1,13 @@
 """The rules of a board: profiles, set points, watchdog, limits, frames sent again."""
 
 import pytest
+from toy_machine import Lag
 
 from hannes.bench.adapters.framed import Framed
 from hannes.bench.board_logic import HOST_LENGTHS, BoardLogic, Limits, Settings
 from hannes.bench.events import About, Reply, Row, Status
 from hannes.bench.frames import Splitter, encode
 from hannes.bench.messages import Kind, Reason, State
-
-from .toy import Lag
 
 
 class Wire:

@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+from toy_machine import Lag
 
 from hannes.bench.board_logic import Settings
 from hannes.bench.finish import read_rows, recording
@@ -15,8 +16,6 @@ from hannes.bench.reader import Link
 from hannes.bench.session import session
 from hannes.bench.virtual_board import Socket, Terminal, VirtualBoard
 from hannes.core.errors import BadInput
-
-from .toy import Lag
 
 RAMP = [(0.0, 0.0), (0.1, 1.0), (0.2, 0.0)]
 
