@@ -31,13 +31,17 @@ RETRY = 0.2  # s between two tries to open a port that went away
 
 @dataclass(frozen=True)
 class Link:
-    """Where a board is and how to speak to it; seconds to wait for one that went away."""
+    """Where a board is and how to speak to it; seconds to wait for one that went away.
+
+    real_time: whether the reader asks for real-time priority.
+    """
 
     port: str
     board: str = "hannes"
     options: dict[str, Any] = field(default_factory=dict)
     baud: int = 0
     reconnect: float = 0.0
+    real_time: bool = True
 
     def adapter(self) -> Adapter:
         """A new adapter for this board."""
@@ -98,7 +102,7 @@ def _run(link: Link, log: str, pipe: Connection) -> None:
     except BadInput as error:
         pipe.send(("refused", str(error)))
         return
-    notes = [port.notes, raise_priority()]
+    notes = [port.notes, raise_priority() if link.real_time else "priority: ordinary (as asked)"]
     about = {"port": link.port, "board": link.board, "options": link.options, "notes": notes}
     writer = RawLogWriter(log, about | {"start_ns": now()})
     gc.collect()

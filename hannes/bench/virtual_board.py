@@ -139,7 +139,7 @@ class VirtualBoard:
         self._splitter = Splitter(HOST_LENGTHS)
         self._damaged = 0
         self._reset_done = not self.how.reset
-        self.ticks = 0
+        self.ticks, self.moment = 0, 0.0
 
     def run(self, until: Callable[[], bool]) -> None:
         """Tick in real time until `until` says so."""
@@ -157,6 +157,7 @@ class VirtualBoard:
     def once(self, moment: float) -> None:
         """Hear, tick and send once, `moment` [s] after the beginning."""
         self.ticks += 1
+        self.moment = moment
         data = self.far.read()
         out = self.cable.is_out(moment)
         if out:
