@@ -94,7 +94,7 @@ class LiveRecogniser:
 
     def _extend(self) -> None:
         """Bring the newest samples onto the model's grid."""
-        sampling, first = self.model.cut.sampling, self._times[0]
+        sampling, first = self.model.windowing.sampling, self._times[0]
         last = int((self._times[-1] - first) * sampling + 1e-6)
         near, rows = np.array(self._times[-2:]) - first, np.array(self._rows[-2:])
         for k in range(len(self._grid), last + 1):
@@ -103,17 +103,17 @@ class LiveRecogniser:
             self._grid.append(np.array(columns))
 
     def _decide(self, board_time: float) -> list[Decision]:
-        ends = self.model.cut.ends(len(self._grid))
+        ends = self.model.windowing.ends(len(self._grid))
         if ends.size <= self._windows:
             return []
-        rows = self.model.cut.features(np.array(self._grid)[np.newaxis])[0]
+        rows = self.model.windowing.features(np.array(self._grid)[np.newaxis])[0]
         made = [self._decision(rows[: k + 1], board_time) for k in range(self._windows, ends.size)]
         self._windows = ends.size
         return made
 
     def _decision(self, rows: np.ndarray, board_time: float) -> Decision:
         model, touched, holds = self.model, rows[:, SINCE] > 0.0, held(rows)
-        so_far = running(model.windows(rows), touched, model.cut.hop)
+        so_far = running(model.windows(rows), touched, model.windowing.hop)
         probability = float(so_far[-1]) if holds.any() else 0.5
         word = WORDS[int(decided(np.array([probability]), model.sure)[0])]
         stiffness = force = None
@@ -123,7 +123,7 @@ class LiveRecogniser:
         if holds[-1]:
             value, apart = grasp_peak(model.force.quantiles(rows[-1:])[0])
             force = Estimate(value, *model.force_band(value, apart))
-        time = float(model.cut.times(len(self._grid))[len(rows) - 1])
+        time = float(model.windowing.times(len(self._grid))[len(rows) - 1])
         return Decision(time, board_time, word, probability, bool(holds[-1]), stiffness, force)
 
 
