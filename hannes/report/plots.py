@@ -135,11 +135,11 @@ def _panels(
     """One panel a channel, in the project's style."""
     import matplotlib.pyplot as plt
 
+    # Outside of the style: where this loads a notebook's backend, what that sets has to stay.
+    size = (6.4, 1.5 * len(columns) + 0.6)
+    figure = plt.figure(figsize=size, layout="constrained")
     with style.styled():
-        height = 1.5 * len(columns) + 0.6
-        _, axes = plt.subplots(
-            len(columns), 1, sharex=True, squeeze=False, figsize=(6.4, height), layout="constrained"
-        )
+        axes = figure.subplots(len(columns), 1, sharex=True, squeeze=False)
         for panel, (name, values) in zip(axes[:, 0], columns.items(), strict=True):
             panel.plot(time, values, **({"color": style.BLUE} if values.ndim == 1 else {}) | look)
             unit = units[name]
