@@ -182,8 +182,8 @@ def with_effects(chosen: tuple[Effect, ...], share: float) -> Hand:
 def effect_costs(quick: bool) -> tuple[list[Row], list[Row]]:
     """Cost against the number of effects in the model, present or left out.
 
-    The evaluations of one grasp tell how much of it is finer motion. What is left out is no part of
-    the machine code: then it costs nothing, and the ratio tells how noisy the others are.
+    The evaluations of one grasp show how much of the cost is finer motion. Absent effects are no
+    part of the machine code and cost nothing, so their ratio shows the noise of the others.
     """
     count, repeats = (60, 5) if quick else (200, 15)
     known = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))

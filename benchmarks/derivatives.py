@@ -1,7 +1,7 @@
 """Slopes of a simulation: by runs of their own, and by runs that take the same steps.
 
 One dynamometer grasp of the shipped hand; each of its uncertain values moved by one percent. What
-is told: the error of the current's change beside one at a tolerance of 1e-9, the median over all
+is printed: the error of the current's change beside one at a tolerance of 1e-9, the median over all
 values and the largest, in shares of the change itself, and the processor time of all runs over
 that of runs of their own at 1e-5. Values that move the current by less than a microampere are
 left out.

@@ -39,7 +39,7 @@ def damaged(path: Path, use: Use, count: int, seed: int) -> dict[str, int]:
     copy, ends = path.with_suffix(".fuzzed.h5"), {"read": 0, "refused": 0, "otherwise": 0}
     for number in tqdm(range(count), f"damaged {path.name}", leave=False):
         changed = bytearray(data)
-        size = len(data) if number % 2 else min(len(data), 6000)  # the head tells what is where
+        size = len(data) if number % 2 else min(len(data), 6000)  # the head is the index
         for place in rng.integers(0, size, BYTES):
             changed[place] = rng.integers(0, 256)
         copy.write_bytes(changed[: rng.integers(1, size)] if number % 10 == 0 else changed)

@@ -133,6 +133,6 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     row = {"what": f"{kills} kills at random moments", "files_finished": done, "wrong": wrong}
     return [row], [
         must_show(f"files that {kills} kills changed", wrong, 0, wrong == 0),
-        must_show("a full disk is told in a line, and the same file made after", full, 1, full),
+        must_show("a full disk is reported in a line, and the same file made after", full, 1, full),
         must_show("a cluster that loses a worker makes the same file", cluster, 1, cluster),
     ]

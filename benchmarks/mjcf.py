@@ -62,7 +62,7 @@ def row(name: str, ours: dict, theirs: dict, part: np.ndarray) -> Row:
 
 
 def switched_off(hand: Hand) -> dict[str, dict[str, float]]:
-    """Values without one law each, as far as a parameter tells it."""
+    """Values without one law each, as far as a parameter can switch it off."""
     value = hand.parameters
     straight = {}
     for part in ("mcp", "pip", "cart"):

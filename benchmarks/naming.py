@@ -1,20 +1,21 @@
-"""Naming of effects that the independent truth hid: right, class, wrong, silent, unknown.
+"""Naming of effects hidden by the independent truth: right, class, wrong, silent, unknown.
 
-Hands, effects and firmware are made by the second implementation (benchmarks/truth): all nominal
-values scatter by 2 %, runs by 0.5 % and 0.2 ms. Sizes lie between half and five times u, the
-smallest that an oracle detects (80 % power, 5 % false alarm), frozen in
-benchmarks/oracle/smallest_detectable.toml. Poor protocol: six void and six dynamometer runs at the
-paper's command; rich: sixteen runs with duty and bus voltage. An answer lies out of reach until the
-verdict is on disk. Seeds of the set "development" are those that the method was developed on; the
-figures quoted are those of the set "quoted". An abstention counts as a case like any other, and as
-0 % of the gap closed. Where the poor protocol leaves a class or an unknown, one more run is made:
-the one that the verdict suggests, with the channels that it asks for, and beside it one drawn from
-the rich protocol's, logged as the others are (and once more with those channels).
+Hands, effects and firmware come from the second implementation (benchmarks/truth). All nominal
+values scatter by 2 %, runs by 0.5 % and 0.2 ms. Sizes are half to five times u, the minimum
+detectable size of a likelihood-ratio test that knows the effect (80 % power, 5 % false alarms),
+frozen in benchmarks/oracle/smallest_detectable.toml. The poor protocol has six void and six
+dynamometer runs at the paper's command. The rich one has sixteen runs with duty and bus voltage. An
+answer is out of reach until the verdict is on disk.
 
-The whole study takes hours, which --resume spreads over as many calls as it takes; cases of all
-kinds take turns, so that --show tells of all kinds wherever it was cut. What was measured of the
-quoted set stands in benchmarks/records. --quick takes some minutes. Times are those of a machine
-that does nothing else: --workers 1.
+The method was developed on the seeds of the set "development". The quoted figures are of the set
+"quoted". An abstention counts as a case like any other, and as 0 % of the gap closed. Where the
+poor protocol leaves a class or an unknown, one more run is made: the proposed one, with the
+channels that it asks for. A random run of the rich protocol is compared with it, once logged as
+the others are and once with those channels.
+
+The whole study takes hours, which --resume spreads over several calls. Cases of all kinds take
+turns, so --show has cases of all kinds at any time. Results of the quoted set are in
+benchmarks/records. --quick takes some minutes. Times need an otherwise idle machine: --workers 1.
 """
 
 import argparse
@@ -38,7 +39,7 @@ CODE = ("hannes", "benchmarks.truth", "benchmarks.naming_study")  # what a case 
 
 
 def measured(name: str, seed: int) -> dict[str, Any]:
-    """One case, and the code that it was had with."""
+    """One case, and the code that measured it."""
     return {"code": study.code(*CODE), **_measured(name, seed)}
 
 
@@ -64,10 +65,9 @@ def _measured(name: str, seed: int) -> dict[str, Any]:
 
 
 def one_more(case: Drawn, seed: int, verdict: dict[str, Any]) -> dict[str, str]:
-    """How it ends after the suggested run, and after any run, where the verdict left it open.
+    """Outcome after the proposed run and after any run, where the verdict left the case open.
 
-    Where the suggestion asks for more channels, any run is recorded
-    with them too ("same_channels").
+    Where the proposal asks for more channels, any run is recorded with them too ("same_channels").
     """
     if verdict["verdict"] not in ("one_of", "unknown") or not verdict.get("next_run"):
         return {}

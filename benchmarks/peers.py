@@ -4,7 +4,7 @@ Runners, in one process, on one thread (nothing timed calls BLAS), by processor 
 repeated:
 
 - hannes: its compiled steps at several tolerances, as batches run them; and through scipy's
-  solve_ivp, as `simulate` does, which the bounds do not ask for and other rows tell
+  solve_ivp, as `simulate` does, which the bounds do not ask for and other rows show
 - our equations in MuJoCo: its bodies and integrators, our forces in a compiled callback, at
   several steps of every integrator it has
 - the same, linearised: with an expert's help, see benchmarks/mujoco/same.py; it makes MuJoCo's
@@ -15,11 +15,11 @@ repeated:
 
 All run the 1.15 s of one experiment and record its state at 1 kHz; compiled code steps MuJoCo.
 Force and tension follow from the states, on all sides outside the clock (the row "force and
-tension" tells what ours cost). Models are compiled before.
+tension" shows what ours cost). Models are compiled before.
 
 Errors are worst and RMS over the trace, relative to its peak. For hannes and for our equations
 in MuJoCo the truth is Radau at rtol 1e-9. MuJoCo's own elements are another model, so its error
-is against itself at 5 us; the rows "against hannes" tell how far off that is. The time at an
+is against itself at 5 us; the rows "against hannes" show how far off that is. The time at an
 error lies between cases, log-log, on the lower envelope of a runner's cases; a runner whose
 quickest case is better than asked is taken at that case.
 """

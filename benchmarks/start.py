@@ -3,7 +3,7 @@
 Cold is the first run on a machine, with an empty folder of machine code: it compiles the model;
 warm is every later one. What is compared runs in turn, repeated; seconds are medians, by the
 clock and of the processor. Intervals are 95 % (bootstrap over repeats). The peak memory of a
-process is never told less than that of this one, which starts it.
+process is never reported below that of this one, which starts it.
 """
 
 import os

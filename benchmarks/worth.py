@@ -59,7 +59,7 @@ def recorded(hand: dict[str, Any], count: int) -> list[Subject]:
 
 
 def right(model: Any, chosen: Sequence[Subject]) -> np.ndarray:
-    """Share of windows told right in each grasp, shape (objects, grasps)."""
+    """Share of correct windows in each grasp, shape (objects, grasps)."""
     return np.array(
         [
             [
@@ -75,7 +75,7 @@ def right(model: Any, chosen: Sequence[Subject]) -> np.ndarray:
 
 
 def trained(folder: Path, hand: str, share: float, chosen: Sequence[Subject]) -> np.ndarray:
-    """Shares of windows told right after each training, shape (trainings, objects, grasps)."""
+    """Shares of correct windows after each training, shape (trainings, objects, grasps)."""
     found = []
     for seed in tqdm(range(1, TRAININGS + 1), f"trained on {Path(hand).stem}", leave=False):
         make(read_spec(specification(hand, share, seed)), folder / "set.h5")
@@ -124,10 +124,10 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
 
 
 def mean(shares: np.ndarray) -> float:
-    """F1 [%] over objects and trainings, from shares (trainings, objects, grasps) told right."""
+    """F1 [%] over objects and trainings, from correct shares (trainings, objects, grasps)."""
     return float(np.mean([f1(one.mean(axis=1)) for one in shares]))
 
 
 def f1(shares: np.ndarray) -> float:
-    """Average of the paper's F1 [%] over objects, from shares told right."""
+    """Average of the paper's F1 [%] over objects, from correct shares."""
     return float(100.0 * np.mean(2.0 * shares / (shares + 1.0)))

@@ -59,7 +59,7 @@ STREAM = 77  # of random numbers
 
 @dataclass(frozen=True)
 class Case:
-    """A campaign as the analyst has it, and the values that nobody tells him."""
+    """A campaign as the analyst has it, and the values that are hidden from him."""
 
     campaign: Campaign
     true: dict[str, float]

@@ -9,7 +9,7 @@ from benchmarks.calibrating.cases import NINE
 from benchmarks.harness import Row, interval, must_show
 
 Cases = Sequence[dict[str, Any]]
-# What a rich campaign can tell, by what it records; the rest is hardly seen beside friction.
+# What a rich campaign can identify; the rest is hardly visible beside friction.
 IDENTIFIABLE = tuple(name for name in NINE if not name.endswith("coulomb_friction"))
 HIDDEN_ON_PURPOSE = "object.damping"
 ERROR, NOMINAL = 0.02, (0.92, 0.98)
@@ -108,7 +108,7 @@ def one_run(cases: Cases) -> tuple[list[Row], list[Row]]:
 
 
 def wrong_model(cases: Cases) -> tuple[list[Row], list[Row]]:
-    """Models that lack an effect: the misfit falls, parameters go wrong, and that is told."""
+    """Models that lack an effect: the cost falls, parameters are biased, and that is reported."""
     rows = []
     for case in cases:
         falls = [after / given for given, after, _ in case["gap"].values()]
@@ -130,5 +130,5 @@ def wrong_model(cases: Cases) -> tuple[list[Row], list[Row]]:
     return rows, [
         _held("wrong model: misfit falls", fell, 1.0),
         _held("wrong model: intervals that miss", off, 1.0),
-        _held("wrong model: told that what is left repeats", reported, 0.95),
+        _held("wrong model: reported that the residual repeats", reported, 0.95),
     ]

@@ -155,7 +155,7 @@ class Writer:
 
 
 def model(hand: Hand, idiom: Idiom, integrator: str, userdata: int) -> mujoco.MjModel:
-    """MuJoCo's model; written twice, because MuJoCo first has to tell its inverse weights."""
+    """MuJoCo's model; written twice, because MuJoCo first has to compute its inverse weights."""
     first = Writer(hand, idiom, userdata, {}).text(integrator)
     weights = _weights(mujoco.MjModel.from_xml_string(first))
     written = Writer(hand, idiom, userdata, weights).text(integrator)

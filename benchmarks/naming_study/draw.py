@@ -1,9 +1,9 @@
 """What is hidden in a case, drawn by its seed alone.
 
-Sizes lie log-uniform between half and five times the smallest detectable one (u), never beyond the
-physical range. A size that no oracle detects within that range is drawn near its end, and counts as
-nothing nameable. What tells where or how fast an effect acts has one of the shapes that the oracle
-was asked about, so that u is that of what is hidden.
+Sizes are log-uniform between half and five times the minimum detectable size u, inside the physical
+range. A size that is not detectable within that range is drawn near its end, and counts as not
+nameable. Shape parameters, such as where or how fast an effect acts, take one of the shapes for
+which u is known.
 """
 
 from collections.abc import Sequence
@@ -109,7 +109,7 @@ def any_run(seed: int) -> str:
 
 
 def amplitudes(effects: tuple) -> list[str]:
-    """Full names of all that tells how much of an effect there is, in the order of the study."""
+    """Full names of all amplitudes of effects, in the order of the study."""
     known = {effect.__name__.rpartition(".")[2] for effect in effects}
     return [
         name

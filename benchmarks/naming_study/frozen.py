@@ -24,8 +24,8 @@ class Smallest:
 def smallest(protocol: str, file: Path = FROZEN) -> dict[str, list[Smallest]]:
     """By full name of an amplitude, one for each shape that its effect was asked about in.
 
-    Where duty is logged the poor protocol keeps the sizes it has without: the same cases, told
-    more.
+    Where duty is logged the poor protocol keeps the sizes it has without: the same cases
+    with more channels.
     """
     table = tomllib.loads(file.read_text(encoding="utf-8"))[ORACLE[protocol]]
     return {

@@ -3,7 +3,7 @@
 Seeds of cases that a method was developed on and of cases that are quoted differ: SETS. Those from
 20, 30 and so on to 160 million on were quoted once, most in part, and looked at when the method was
 changed after it.
-Cases told a wrong scatter are those of the first kinds again, by their seeds.
+Cases with a wrong assumed scatter are those of the first kinds again, by their seeds.
 """
 
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ APART = 10_000  # seeds between kinds
 
 @dataclass(frozen=True)
 class Kind:
-    """So many cases: what is hidden, under which protocol, and how wrong the scatter is told.
+    """So many cases: what is hidden, under which protocol, and how wrong the assumed scatter is.
 
-    told: times as wide as it is. counts: whole, quick.
+    assumed_ratio: assumed over true scatter. counts: whole, quick.
     """
 
     what: str

@@ -187,7 +187,7 @@ def sizes(cases: Cases) -> list[Row]:
 
 
 def _sharpest(cases: Cases) -> list[Row]:
-    """What the error would be, were parameters told just as sharply as the oracle detects.
+    """What the error would be, were parameters known just as sharply as the oracle detects.
 
     Of size s u, an estimate whose test has the oracle's power at u has a standard deviation of
     1 / (s (z_95 + z_80)) of the size; half of its errors are below 0.674 of that.
@@ -196,12 +196,12 @@ def _sharpest(cases: Cases) -> list[Row]:
     apart = normal.inv_cdf(1.0 - FALSE_ALARM) + normal.inv_cdf(POWER)
     sizes = [c["times"] for c in cases for _ in c["parameters"] if c["times"]]
     errors = [normal.inv_cdf(0.75) / (apart * size) for size in sizes]
-    name = "the same, were it told as sharply as the oracle detects"
+    name = "the same, were it known as sharply as the oracle detects"
     return [{"study": name, **_middle(errors)}] if errors else []
 
 
 def assumed_wrong(cases: Cases) -> list[Row]:
-    """Wrong names where the scatter is told wrong, beside the same cases where it is told right."""
+    """Wrong names with a wrong assumed scatter, beside the same cases with the right one."""
     rows = []
     for factor in sorted({c["assumed_ratio"] for c in cases} - {1.0}):
         some = [c for c in cases if c["assumed_ratio"] == factor]

@@ -35,8 +35,8 @@ def run_case(
 ) -> dict[str, Any]:
     """Verdict and answer of a case, and what the diagnosis took.
 
-    told: how many times as wide as it is the analyst is told that the scatter is. diagnose: in
-    place of the library's.
+    assumed_ratio: the scatter that the analyst assumes over the true one. diagnose: in place of
+    the library's.
     """
     with tempfile.TemporaryDirectory() as folder:
         open_part, sealed = Path(folder) / "campaign", Path(folder) / "elsewhere"

@@ -71,7 +71,7 @@ def searched(bench: Bench, asked: argparse.Namespace, before: Entries) -> Entrie
 
 
 def amplitudes(effect: str | None = None) -> list[str]:
-    """Full names of what tells how much of an effect there is: of one effect, or of all."""
+    """Full names of amplitudes: of one effect, or of all."""
     own = [name for name in SIZES if effect in (None, name.partition(".")[0])]
     return [name for name in own if SIZES[name].amplitude]
 

@@ -3,7 +3,7 @@
     T = J P J' + sum over conditions of (R_c + N_c) / repeats
 
 J: slopes of all that hands scatter; R_c: of what runs scatter, in one condition; N: sensor noise.
-What is not linear, the empty campaigns themselves tell (see `discriminant`).
+What is not linear follows from the empty campaigns themselves (see `discriminant`).
 """
 
 import numpy as np

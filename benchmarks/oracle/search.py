@@ -53,7 +53,7 @@ def smallest(
 def searched(change: Change, test: Discriminant, most: float, u: float, hands: int) -> float | None:
     """The size that is detected, or None where that is beyond `most`; the search begins at `u`.
 
-    One hand tells the order of magnitude; all of them have the last word.
+    One hand gives the order of magnitude; all of them decide.
     """
     count, low, high = 1, 0.0, np.inf
     for _ in range(MOST_STEPS):

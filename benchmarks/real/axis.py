@@ -28,7 +28,7 @@ def figures(found: Diagnosis) -> tuple[list[Row], list[Row]]:
         must_show("EMPS: named as direction_friction, alone", float(named), 1.0, named),
         {**must_show("", error["value"], MOST, error["value"] <= MOST), **error},
         {**must_show("", gain["value"], LEAST_GAIN, gain["value"] >= LEAST_GAIN), **gain},
-        must_show("EMPS: what remains is told", float(remainder), 1.0, remainder),
+        must_show("EMPS: the remainder is reported", float(remainder), 1.0, remainder),
     ]
 
 

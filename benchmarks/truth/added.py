@@ -1,7 +1,7 @@
 """Quantities to which an effect's own file may add, without another file knowing of it.
 
 A file of effects/ that defines a function of one of these names is called wherever the quantity is
-worked out; `h` is the record of parameters. What several files define is summed.
+computed; `h` is the record of parameters. What several files define is summed.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,5 +45,5 @@ loose_length = summed("loose_length")
 bus_drop = summed("bus_drop")
 # (h, duty): share of the duty cycle that does not arrive
 duty_lost = summed("duty_lost")
-# (h, current): what the sensor of the current tells too much [A]
+# (h, current): error of the current sensor [A]
 current_error = summed("current_error")

@@ -6,7 +6,7 @@ python -m benchmarks.truth.campaign --protocol rich --out FOLDER --seed 1 \\
 The hand is the nominal one scattered, then scattered anew for each run (see `scatter`). A hand that
 no longer grasps with drive to spare (see `fitness`) is drawn again, from the same generator, before
 anything is hidden in it: the same seed is the same hand whatever is hidden. Nothing but
-`sealed/answer.json` tells what is hidden.
+`sealed/answer.json` holds what is hidden.
 """
 
 import argparse
@@ -74,7 +74,7 @@ class Spread:
 class Made:
     """Recordings by name of file, their conditions, the hand as it is believed, and the answer.
 
-    told: how far the analyst is told that nominal values may be off.
+    assumed: the scatter of nominal values that the analyst is given.
     """
 
     recordings: dict[str, Recording] = field(repr=False)
@@ -119,7 +119,7 @@ def make(
 
     hidden: sizes by full name (SI), such as {"leader_slack.length": 3e-3}; see `effects`.
     hand: TOML of the nominal hand; that, and how far it may be off (`assumed`; by default the real
-    spread), is all that the analyst is told.
+    spread), is all that the analyst gets.
     Raises BadInput for what cannot be made, ComputationFailed where a run does not end or no hand
     near the nominal one grasps.
     """
@@ -184,7 +184,7 @@ def _run(
     spread: Spread,
     crept: float,
 ) -> tuple[dict[str, np.ndarray], dict[str, Any], float]:
-    """One run: its channels, what is told of it in the answer, and how long the leader is after."""
+    """One run: its channels, what the answer holds of it, and how long the leader is after."""
     before = {**posed(hand, thing), "controller.current_step": bench.CURRENT_STEP}
     rng = np.random.default_rng([place[0], RUN, place[1]])
     values, shift = run_scatter(before, rng, spread.run, spread.timing)

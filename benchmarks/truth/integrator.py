@@ -2,7 +2,7 @@
 
 A trapezoidal stage to a share SHARE of the step, then a BDF2 stage to its end, both with the
 diagonal DIAGONAL. The unknowns of a stage are speeds and current alone; positions and inner
-variables are put in from their own relations (`motion.rates`). Newton's method with a differenced
+variables follow from their own relations (`motion.rates`). Newton's method with a differenced
 Jacobian that is kept while it converges: the result depends on it only below NEWTON.
 """
 

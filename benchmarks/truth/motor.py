@@ -78,7 +78,7 @@ def wind(h, duty, y, dy):
 
 @compiled
 def sense_current(h, start, gain, y, dy):
-    """Current (A) as the sensor tells it, without noise; writes its filter."""
+    """Reading of the current sensor (A), without noise; writes its filter."""
     y[SENSED], dy[SENSED] = current_lag.filtered(h, start[SENSED], gain, y[CURRENT])
     reading = current_offset.shifted(h, current_gain.amplified(h, y[SENSED]))
     return reading + current_error(h, y[SENSED])
@@ -86,6 +86,6 @@ def sense_current(h, start, gain, y, dy):
 
 @compiled
 def sense_force(h, force, face, start, gain, y, dy):
-    """Writes both force channels (N) as the dynamometer's amplifier tells them."""
+    """Writes both force channels (N) as the dynamometer's amplifier reads them."""
     y[FORCE_READING], dy[FORCE_READING] = force_lag.filtered(h, start[FORCE_READING], gain, force)
     y[FACE], dy[FACE] = force_lag.filtered(h, start[FACE], gain, face)

@@ -3,7 +3,7 @@
 python -m benchmarks.truth.objects --out FOLDER --grasps 10 --seed 1
 
 Each grasp is another hand (see `scatter`) with a loose leader and a gear that rubs under load (both
-hidden), and the object is put in anew. Objects: ten_objects.toml. Beside the
+hidden), and the object is placed again. Objects: ten_objects.toml. Beside the
 recordings, evaluation.toml lists them with their classes, for `hannes evaluate`.
 """
 

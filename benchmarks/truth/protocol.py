@@ -88,7 +88,7 @@ PROTOCOLS = {
         ),
         POOR,
     ),
-    # Sixteen runs that tell apart what the poor protocol cannot: speeds separate friction laws,
+    # Sixteen runs that separate what the poor protocol cannot: speeds separate friction laws,
     # amplitude and slowness load-dependent ones, a second stiffness wires from object, duty and
     # supply the electrical part. Three repeats where a condition stands for itself, two where its
     # repeats may be pooled.

@@ -1,4 +1,4 @@
-"""`simulate`: what a hand does and what its controller and sensors tell, at every tick."""
+"""`simulate`: what a hand does and what its controller and sensors read, at every tick."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -28,7 +28,7 @@ COLUMNS += ("sensor_N",)
 
 @compiled
 def measured(h, seen, k, back):
-    """Shaft angle (rad) and current (A) that are told at tick k."""
+    """Readings of shaft angle (rad) and current (A) at tick k."""
     return (seen[k - back, 0], seen[k - back, 1]) if k >= back else (0.0, 0.0)
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 class Size:
     """Unit (SI), the value taken unless given, and a physical range.
 
-    `amplitude`: 0, where the effect vanishes exactly, is what is taken; the range then tells how
-    large the effect may plausibly be, and its sign where both occur. Otherwise it tells where or
+    `amplitude`: 0, where the effect vanishes exactly, is what is taken; the range then is how
+    large the effect may plausibly be, and its sign where both occur. Otherwise it is where or
     how fast the effect acts.
     """
 

@@ -55,7 +55,7 @@ def schematic(hand: Hand | None = None, marked: Sequence[str] = ()) -> str:
 
 
 def _group(hand: Hand, part: str, ringed: Collection[str], inside: Iterable[str]) -> list[str]:
-    """One part that can be pointed at: its title tells its values and effects."""
+    """One part that can be pointed at: its title holds its values and effects."""
     kinds = f"{part} marked" if _rung(part, ringed) else part
     title = escape(described(hand, part))
     return [f'<g class="{kinds}" data-part="{part}" tabindex="0"><title>{title}</title>', *inside,

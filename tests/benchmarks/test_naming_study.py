@@ -140,7 +140,7 @@ def test_nothing_hidden_a_stranger_and_two_effects_are_scored():
     )] == ["both", "one", "part", "part", "wrong", "unknown", "silent"]  # fmt: skip
 
 
-def test_marks_hold_closing_placebo_error_and_coverage():
+def test_scores_hold_closing_placebo_error_and_coverage():
     case = {
         "verdict": said("named", "leader_slack"),
         "answer": {"leader_slack": {"length": 3e-3}},
@@ -209,7 +209,9 @@ def test_false_alarms_outsiders_and_pairs_have_their_bounds():
     done += [line(kinds["single, poor"], k, "silent", None) for k in range(3)]
     done += [line(kinds["single, poor, scatter assumed x0.5"], 0, "wrong", None)]
     found = shown(done)
-    assert found["nothing nameable hidden: wrong"]["cases"] == 3  # none of a scatter told wrong
+    assert (
+        found["nothing nameable hidden: wrong"]["cases"] == 3
+    )  # none with a wrong assumed scatter
     assert found["nothing hidden: named"]["value"] == 0.03
     assert not found["nothing hidden: named"]["holds"]
     assert found["nothing hidden: unknown"]["holds"]
@@ -218,7 +220,7 @@ def test_false_alarms_outsiders_and_pairs_have_their_bounds():
     assert found["two effects: both, of these"]["value"] == pytest.approx(3 / 7)
 
 
-def test_wrong_names_where_scatter_is_told_wrong_stand_beside_the_same_cases():
+def test_wrong_names_with_a_wrong_scatter_stand_beside_the_same_cases():
     kinds = plan.NAMED
     right, half = kinds["empty, poor"], kinds["empty, poor, scatter assumed x0.5"]
     done = [line(right, k, "named" if k in (0, 7) else "silent", None) for k in range(10)]

@@ -94,7 +94,7 @@ def test_cost_lies_between_cases():
 
 
 def test_cost_follows_the_lower_envelope():
-    """A slow and poor case, or one that diverged, tells nothing."""
+    """A slow and poor case, or one that diverged, carries no information."""
     points = [(1.0, 1.0), (5.0, 3.0), (0.1, float("inf")), (10.0, 0.01)]
     assert cost(points, 0.1) == pytest.approx(10**0.5)
 

@@ -189,7 +189,7 @@ def test_dynamometer_grasp_has_the_designs_size():
     assert 170.0 < base["force_N"].max() < 200.0
     ball = grasp(object=dict(DYNAMOMETER, stiffness=800.0))
     assert ball["current_A"].max() < 0.6 * base["current_A"].max()
-    # Up to the first touch, no object is felt.
+    # Up to the first touch, no object acts.
     before = slice(0, int(np.argmax(base["force_N"] > 0.0)) - 1)
     for name, values in base.items():
         np.testing.assert_allclose(values[before], ball[name][before], atol=1e-9)

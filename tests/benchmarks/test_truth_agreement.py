@@ -172,7 +172,7 @@ def test_two_effects_on_both_sides_are_the_same_run():
 
 
 def test_noise_in_the_firmwares_loop_moves_both_alike():
-    """The same spread of forces among runs, and the same mean, both within what so few tell."""
+    """The same spread of forces among runs, and the same mean, as far as 40 runs show."""
     runs, duration = 40, PAPER[-1][0] + 0.1
     own = {f"object.{name}": x for name, x in DYNAMOMETER.items() if name != "shape"}
     experiment = Experiment(

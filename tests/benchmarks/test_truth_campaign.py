@@ -39,7 +39,7 @@ def test_same_seed_same_bytes(tmp_path):
 
 
 @pytest.mark.parametrize("experiment", ["", "void-closure"])
-def test_only_the_sealed_answer_tells_what_is_hidden(tmp_path, experiment):
+def test_only_the_sealed_answer_holds_what_is_hidden(tmp_path, experiment):
     make(QUICK, 1, {"leader_slack.length": 3e-3}).write(tmp_path, experiment)
     files = written(tmp_path)
     sealed = json.loads(files.pop("sealed/answer.json"))
@@ -52,7 +52,7 @@ def test_only_the_sealed_answer_tells_what_is_hidden(tmp_path, experiment):
     assert json.loads(taut["sealed/answer.json"])["hand"] == sealed["hand"]
 
 
-def test_a_campaign_tells_how_far_its_hand_may_be_off(tmp_path):
+def test_a_campaign_states_how_far_its_hand_may_be_off(tmp_path):
     spread = Spread(0.02, "normal", 0.005, 0.2e-3)
     for assumed, first in ((None, "2 %"), (spread.times(0.5), "1 %"), (spread.times(2.0), "4 %")):
         made = make(QUICK, 1, assumed=assumed)

@@ -267,7 +267,7 @@ def test_a_delayed_command_moves_the_whole_run():
 
 
 @pytest.mark.parametrize("time", [2e-3, 2.4e-3])
-def test_a_delayed_measurement_tells_what_was(time):
+def test_a_delayed_measurement_is_of_the_past(time):
     channels, states = run({"measurement_delay.time": time})
     shaft = states[:, SHAFT]
     clock = channels["time_s"]

@@ -28,7 +28,7 @@ def test_they_are_the_papers_and_some_lie_near_the_border():
 
 
 @pytest.mark.parametrize("name", ["Sponge", "Crutch handle"])
-def test_a_grasp_is_the_same_for_its_seed_and_tells_nothing_of_the_object(name):
+def test_a_grasp_is_the_same_for_its_seed_and_does_not_name_the_object(name):
     (thing,) = [each for each in things() if each.name == name]
     first, again, other = (grasp(thing, (1, 2, n)) for n in (0, 0, 1))
     assert first == again and first != other

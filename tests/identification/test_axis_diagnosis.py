@@ -33,7 +33,7 @@ def test_the_hidden_effect_is_named_with_its_size(found):
     assert gap["after"] < 1.2 * gap["floor"] < gap["before"] < gap["as_given"]
 
 
-def test_only_what_is_told_from_none_carries_the_gain(found):
+def test_only_sizes_distinguishable_from_none_carry_the_reduction(found):
     """Dry friction is as hard both ways here, and the sentence says so."""
     result, out = found
     assert indistinguishable(result.verdict.parameters) == ["direction_friction.dry"]
@@ -43,7 +43,7 @@ def test_only_what_is_told_from_none_carries_the_gain(found):
     assert "Distinguishable from no effect" in (out / "report.html").read_text(encoding="utf-8")
 
 
-def test_gaps_on_recordings_that_were_never_fitted_are_told_as_such(found):
+def test_gaps_on_recordings_that_were_never_fitted_are_marked_as_such(found):
     result, out = found
     assert result.verdict.gap_on == "the recordings in role show, which were never fitted"
     assert result.verdict.gap_on in (out / "report.html").read_text(encoding="utf-8")
@@ -57,7 +57,7 @@ def test_the_hand_file_beside_the_verdict_is_of_its_plant(found):
     assert dict(model.parameters) == dict(result.plant.parameters)
 
 
-def test_gaps_on_recordings_that_were_fitted_are_told_as_such(tmp_path, capsys):
+def test_gaps_on_recordings_that_were_fitted_are_marked_as_such(tmp_path, capsys):
     file = campaign(tmp_path, ["fit"])
     assert main(["diagnose", str(file), "--out", str(tmp_path / "out"), "--json"]) == 0
     written = json.loads(capsys.readouterr().out)
@@ -116,8 +116,8 @@ def verdict(kind, **changes):
 
 
 def test_the_sentence_of_each_verdict():
-    told = verdict("named").sentence
-    assert told == (
+    sentence = verdict("named").sentence
+    assert sentence == (
         "Direction friction, dry 0.2 (0.1 to 0.3), viscous 0.2 (0.1 to 0.3), "
         "explains 100 % of the reducible gap."
     )
@@ -136,8 +136,8 @@ def test_the_sentence_of_each_verdict():
     assert classed.startswith("One effect is missing, leader slack or gear load")
 
 
-def test_sizes_none_of_which_is_told_from_none_are_all_shown():
+def test_sizes_indistinguishable_from_none_are_all_shown():
     size = {"value": 0.2, "unit": "1", "low": -0.1, "high": 0.3, "off": 0.0}
-    told = verdict("named", parameters={"direction_friction.dry": size}).sentence
-    assert told.count("dry 0.2 (-0.1 to 0.3)") == 2
-    assert "Not distinguishable from no effect: dry" in told
+    sentence = verdict("named", parameters={"direction_friction.dry": size}).sentence
+    assert sentence.count("dry 0.2 (-0.1 to 0.3)") == 2
+    assert "Not distinguishable from no effect: dry" in sentence

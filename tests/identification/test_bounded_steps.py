@@ -1,4 +1,4 @@
-"""Steps of a fit keep to bounds, and effects that a base bends to are found from afar."""
+"""Steps of a fit keep to bounds, and effects that bias the baseline are started globally."""
 
 from types import SimpleNamespace
 
@@ -16,7 +16,7 @@ from hannes.identification.diagnosis.settings import Settings
 
 
 def point(columns, residual, x, low, high):
-    """A made-up quadratic misfit, all of which recordings tell."""
+    """A made-up quadratic chi-squared without priors."""
     space = SimpleNamespace(low=np.array(low), high=np.array(high))
     return SimpleNamespace(
         space=space,
@@ -70,13 +70,13 @@ def baseline():
     return search_effects(Sled(), entries, effects, Settings(0.02, 0.005), 0).baseline
 
 
-def test_a_base_bends_to_what_its_values_can_do(baseline):
+def test_a_baseline_absorbs_what_its_parameters_can_do(baseline):
     guesses = {each.effect: each for each in screened(baseline, ["turbulence", "stiffer"])}
     assert absorbed_by_baseline(baseline, guesses["stiffer"])
     assert not absorbed_by_baseline(baseline, guesses["turbulence"])
 
 
-def test_what_a_base_bends_to_is_put_into_the_machine_as_given(monkeypatch):
+def test_what_the_baseline_absorbs_starts_in_the_nominal_machine(monkeypatch):
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
     asked = []
     monkeypatch.setattr(effect_search, "global_fits", lambda *_: {})
@@ -86,7 +86,7 @@ def test_what_a_base_bends_to_is_put_into_the_machine_as_given(monkeypatch):
     monkeypatch.setattr(
         effect_search,
         "fits_from_nominal",
-        lambda nominal, baseline, names, told: asked.append(names) or {},
+        lambda nominal, baseline, names, progress: asked.append(names) or {},
     )
     search_effects(Sled(), entries, [TURBULENCE], Settings(0.02, 0.005), 0)
     assert asked[0] == ["turbulence"]

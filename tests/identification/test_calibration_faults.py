@@ -1,4 +1,4 @@
-"""What `hannes calibrate` refuses in one line, before any fit, and what it can be told to take."""
+"""What `hannes calibrate` refuses in one line, before any fit, and what can be accepted."""
 
 import json
 from dataclasses import replace
@@ -147,7 +147,7 @@ def test_more_parameters_than_the_recordings_bear_are_one_line(tmp_path, capsys)
     assert "5 parameters are more than 1 recordings" in line and "record more runs" in line
 
 
-def test_what_can_be_accepted_is_fitted_and_told(tmp_path, capsys):
+def test_what_can_be_accepted_is_fitted_and_reported(tmp_path, capsys):
     spoilt = oven.campaign(1, {"oven.gain": 2.5}, runs=4, parameters=["oven.gain"])
     runs = [each.recording for each in spoilt.entries]
     rows = np.delete(np.arange(len(runs[3])), np.arange(60, 90))
@@ -175,7 +175,7 @@ def test_a_fit_that_does_not_settle_says_what_to_try(tmp_path, capsys, monkeypat
     runs = [each.recording for each in oven.campaign(2, far).entries]
     asked = 'parameters = ["oven.gain", "oven.time", "oven.offset"]'
     line = refused(capsys, campaign(tmp_path, runs, asked, "oven:Oven"), status=3)
-    assert "did not settle" in line and "try fewer parameters" in line
+    assert "did not converge" in line and "try fewer parameters" in line
     assert not (tmp_path / "out").exists()
 
 

@@ -28,7 +28,7 @@ from hannes.simulation.hand.hand_file import load_hand
 from hannes.simulation.virtual_recordings import virtual_recordings
 
 
-def test_virtual_recordings_do_not_tell_what_made_them():
+def test_virtual_recordings_do_not_name_what_made_them():
     made = virtual_recordings(shipped_runs("dynamometer-runs"))
     assert len(made) == 8
     for recording in made.values():
@@ -96,7 +96,7 @@ def test_contact_from_the_papers_figures_alone_after_a_scan(tmp_path):
 
 
 @pytest.mark.slow
-def test_closing_time_and_position_tell_none_of_the_papers_frictions():
+def test_closing_time_and_position_identify_none_of_the_papers_frictions():
     found = calibrate("closure-friction", progress=False)
     assert len(found.answers) == 9
     assert not any(each.identified for each in found.answers)
@@ -217,7 +217,7 @@ def test_quick_runs_of_firmware_are_as_good_as_those_of_a_plant(monkeypatch):
     assert np.sqrt(np.mean((used - exact) ** 2)) < 1.2e-4 * exact.max()
 
 
-def test_slopes_along_what_does_little_are_no_noise(monkeypatch):
+def test_derivatives_by_weak_parameters_are_no_noise(monkeypatch):
     """Forty such parameters would let a base bend to anything."""
     run = next(iter(virtual_recordings(shipped_runs("dynamometer-runs")).values()))
     plant = hand_plant.HandPlant()

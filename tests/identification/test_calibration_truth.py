@@ -1,4 +1,4 @@
-"""Calibration of a hand made by the independent truth: found, labelled, and told where it is wrong.
+"""Calibration of a hand by the independent truth: found, labelled, reported where wrong.
 
 A few campaigns; how often all this holds is for `python -m benchmarks.calibration` to say.
 """
@@ -55,7 +55,7 @@ def test_wires_and_object_are_one_thing_in_a_single_run():
 
 
 @pytest.mark.slow
-def test_a_hidden_slack_bends_what_is_fitted_and_is_told():
+def test_a_hidden_slack_biases_the_fit_and_is_reported():
     made = case(1203, FOUR, REPEATED, {"leader_slack.length": 3e-3})
     found = fitted(made)
     gap = found.fitted_gap["current"]

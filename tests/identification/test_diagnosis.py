@@ -40,8 +40,9 @@ from hannes.identification.diagnosis.trials import Trial
 def test_a_hidden_effect_is_named_with_its_size(hidden, size):
     verdict = found(1, ((hidden, size),))
     assert (verdict.verdict, verdict.effects) == ("named", [hidden.name])
-    told = verdict.parameters[f"{hidden.name}.size"]
-    assert told["value"] == pytest.approx(size, rel=0.1) and told["low"] < size < told["high"]
+    size_found = verdict.parameters[f"{hidden.name}.size"]
+    assert size_found["value"] == pytest.approx(size, rel=0.1)
+    assert size_found["low"] < size < size_found["high"]
     for gap in verdict.gap.values():
         assert gap["after"] < 1.2 * gap["floor"] and gap["after"] < gap["before"]
 
@@ -117,13 +118,13 @@ def test_an_effect_that_is_off_at_its_upper_bound_is_tried():
     assert (verdict.verdict, verdict.effects) == ("named", ["wake"])
 
 
-def test_the_next_run_is_the_one_that_tells_two_explanations_apart(tmp_path):
+def test_the_next_run_is_the_one_that_separates_two_explanations(tmp_path):
     nearly = effect("nearly", nearly_turbulence, 30.0, "N s^2/m^2")
     known = {"nearly": nearly, "turbulence": TURBULENCE}
     out = tmp_path / "out"
     verdict = diagnose(campaign(5, ((TURBULENCE, 2.0),), known), out=out, progress=False).verdict
     assert verdict.verdict == "one_of"
-    assert f"\nRecord next: {RATTLE}; it would tell " in verdict.summary()
+    assert f"\nRecord next: {RATTLE}; it would separate " in verdict.summary()
     assert verdict.advice in (out / "report.html").read_text(encoding="utf-8")
     assert verdict.next_run["experiment"] == RATTLE
     assert sorted(verdict.next_run["separates"]) == ["nearly", "turbulence"]
@@ -134,14 +135,14 @@ def test_no_next_run_where_one_effect_is_named():
     assert found(1, ((HARDENING, 900.0),)).next_run is None
 
 
-def test_what_looks_alike_is_told_and_shown(tmp_path):
+def test_confusable_effects_are_listed_and_shown(tmp_path):
     known = {each.name: each for each in (HARDENING, TURBULENCE, TWIN)}
     result = diagnose(
         campaign(5, ((TURBULENCE, 2.0),), known), out=tmp_path / "out", progress=False
     )
-    told = result.verdict.confusability
-    cosine = dict(zip(told["effects"], told["cosines"], strict=True))
-    place = {name: k for k, name in enumerate(told["effects"])}
+    table = result.verdict.confusability
+    cosine = dict(zip(table["effects"], table["cosines"], strict=True))
+    place = {name: k for k, name in enumerate(table["effects"])}
     assert cosine["twin"][place["turbulence"]] == pytest.approx(1.0, abs=2e-3)
     assert cosine["twin"][place["hardening"]] < 0.95
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")

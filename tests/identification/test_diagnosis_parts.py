@@ -77,7 +77,7 @@ def investigated():
     return search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
 
 
-def test_slopes_are_those_of_the_simulation(investigated):
+def test_derivatives_are_those_of_the_simulation(investigated):
     baseline = investigated.baseline
     model, x = baseline.model, baseline.x
     vectors, derivatives = differenced(model, x, baseline.active, False)
@@ -89,7 +89,7 @@ def test_slopes_are_those_of_the_simulation(investigated):
         assert there - vector == pytest.approx(moves, abs=0.03 * np.abs(moves).max())
 
 
-def test_the_base_is_where_nothing_pulls(investigated):
+def test_the_baseline_has_zero_gradient(investigated):
     baseline = investigated.baseline
     step = np.linalg.solve(baseline.hessian, baseline.gradient)
     assert step @ baseline.hessian @ step < 0.5
@@ -97,7 +97,7 @@ def test_the_base_is_where_nothing_pulls(investigated):
     assert investigated.trials[0].point.chi2 < 1.2 * baseline.residual.size
 
 
-def test_a_base_beside_its_best_place_is_led_back_by_an_effect(investigated):
+def test_a_baseline_beside_its_minimum_is_led_back_by_an_effect(investigated):
     baseline = investigated.baseline
     beside = baseline.moved(
         baseline.x + 3.0 * np.isin(np.arange(baseline.x.size), baseline.active), baseline.active
@@ -110,7 +110,7 @@ def test_a_base_beside_its_best_place_is_led_back_by_an_effect(investigated):
 
 
 def test_a_second_effect_that_only_led_the_first_back_is_dropped(investigated, monkeypatch):
-    """A fit with the first that stands in a hollow, and a pair that is out of it."""
+    """A fit with the first effect in a local minimum, and a pair that is out of it."""
     best = investigated.trials[0]
     stuck = replace(best, delta_chi2=0.5 * best.delta_chi2)
     own = best.point.space.of("hardening")
@@ -158,28 +158,28 @@ def test_one_of_a_pair_is_fitted_alone_from_the_machine_as_given_too(investigate
     assert np.array_equal(alone.point.active, best.point.active)
 
 
-def test_a_name_that_takes_another_machine_than_was_told_is_not_clean(investigated):
-    """The same recordings, told how little is certain and told far too little."""
+def test_a_name_that_needs_an_improbable_machine_is_not_clean(investigated):
+    """The same recordings with the true scatter and with far too little of it."""
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
-    strained = search_effects(Sled(), entries, [TURBULENCE], Settings(0.003, 0.005), 0)
-    best = strained.trials[0]
+    far = search_effects(Sled(), entries, [TURBULENCE], Settings(0.003, 0.005), 0)
+    best = far.trials[0]
     assert prior_distance(investigated.trials[0].point).p_value > 0.5
     assert prior_distance(best.point).ratio > 2.0
     clean, unclean = (
         decide(found, *(_masks(found, role) for role in ("fit", "select")))
-        for found in (investigated, strained)
+        for found in (investigated, far)
     )
     assert (clean.kind, clean.effects) == ("named", ("turbulence",))
     assert (unclean.kind, unclean.effects) == ("named_with_remainder", ("turbulence",))
-    assert "times as far as scatter tells" in unclean.reason
-    baseline = strained.baseline  # what is left of it says nothing
+    assert "times as far as scatter allows" in unclean.reason
+    baseline = far.baseline  # a residual without information
     flat = replace(baseline, residual=np.zeros_like(baseline.residual), x=np.zeros_like(baseline.x))
     assert (
-        explained_share(replace(strained, baseline=flat), replace(best, delta_chi2=20.0))
+        explained_share(replace(far, baseline=flat), replace(best, delta_chi2=20.0))
         < VERDICT.explained_share
     )
     assert (
-        explained_share(replace(strained, baseline=flat), replace(best, delta_chi2=1e4))
+        explained_share(replace(far, baseline=flat), replace(best, delta_chi2=1e4))
         > VERDICT.explained_share
     )
 
@@ -204,7 +204,7 @@ def test_the_machine_takes_over_what_an_effect_did_that_it_can_do_itself():
     assert whole - baseline.chi2 < 0.01 * (as_it_is - baseline.chi2)
 
 
-def test_what_anything_explains_as_well_has_no_name(investigated):
+def test_what_a_generic_disturbance_explains_as_well_has_no_name(investigated):
     best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
     kinds = {}
     for lost in (5.0, 0.5 * best.delta_chi2):
@@ -214,7 +214,7 @@ def test_what_anything_explains_as_well_has_no_name(investigated):
     assert "something else may be there" in kinds[5.0].reason
 
 
-def test_a_rival_without_a_name_that_gains_nothing_itself_doubts_none(investigated):
+def test_a_generic_disturbance_without_reduction_is_no_rival(investigated):
     masks, kinds = ([0b011] * 2, [0b100] * 2), []
     best = replace(investigated.trials[0], delta_chi2=SEARCH.name_limit + 1.0)
     for delta_chi2 in (SEARCH.faint - 0.1, SEARCH.faint + 0.1):
@@ -232,7 +232,7 @@ def test_of_near_pairs_only_what_explains_much_alone_is_named(investigated, delt
     alone = Trial(("b",), point, delta_chi2)
     singles = [Trial(("a",), point, 100.0), Trial(("c",), point, 95.0), alone]
     found = replace(investigated, trials=singles, other_pairs=tuple(pairs[1:]))
-    decision = _pair(found, pairs[0], "told")
+    decision = _pair(found, pairs[0], "reason")
     assert (decision.kind, decision.effects) == (kind, () if kind == "unknown" else ("b",))
 
 
@@ -398,13 +398,13 @@ def test_a_gain_is_of_what_was_not_fitted_too(investigated):
     assert heldout_reduction(baseline, best, fitted_runs, [0, 0]) == 0.0
 
 
-def test_what_grows_from_run_to_run_is_no_clean_name():
+def test_a_trend_across_runs_is_no_clean_name():
     verdict = found(1, ((TURBULENCE, 0.02),), growth=1.0)
     assert verdict.verdict in ("unknown", "named_with_remainder")
     assert "from run to run" in verdict.reason
 
 
-def test_what_does_not_grow_does_not_drift(investigated):
+def test_what_does_not_grow_is_no_trend(investigated):
     best = investigated.trials[0].point
     assert strongest_trend(best, investigated.guesses).delta_chi2 < SEARCH.name_limit
     assert (
@@ -423,7 +423,7 @@ def test_a_guess_agrees_with_the_refit_where_an_effect_is_small():
     assert again["hardening"] < SEARCH.name_limit
 
 
-def test_what_parameters_can_do_is_no_mark_of_an_effect(investigated):
+def test_what_parameters_can_do_is_no_signature_of_an_effect(investigated):
     baseline = investigated.baseline
     row = baseline.jacobian[:1]
     _, hessian = projected(baseline, row)
@@ -431,7 +431,7 @@ def test_what_parameters_can_do_is_no_mark_of_an_effect(investigated):
     assert cosine_similarity(baseline, row, row) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_noise_that_hangs_together_is_found_and_is_a_covariance():
+def test_correlated_noise_is_found_and_is_a_covariance():
     groups = grouped(Sled(), recordings(1))
     rng = np.random.default_rng(5)
     for group in groups:
@@ -456,7 +456,7 @@ def test_noise_without_repeats_is_how_rough_samples_are():
     assert levels["position"] == pytest.approx(per_bin, rel=0.15)
 
 
-def test_noise_hangs_together_as_it_does_at_its_time():
+def test_noise_is_correlated_as_it_is_at_its_time():
     rng = np.random.default_rng(5)
     quick, slow = rng.standard_normal((2, 2000, 60))
     for bin in range(1, 60):  # alone first, then each after the one before
@@ -469,7 +469,7 @@ def test_noise_hangs_together_as_it_does_at_its_time():
     assert np.linalg.eigvalsh(found).min() > 0.0
 
 
-def test_forty_runs_tell_how_little_a_loop_lets_slow_changes_be():
+def test_forty_runs_show_how_small_a_loop_keeps_slow_changes():
     # Differences of white noise: their sum over a run is no more than one of them. Two channels,
     # the second what the first was before.
     rng = np.random.default_rng(6)
@@ -546,7 +546,7 @@ def test_shapes_lie_inside_the_bounds():
         assert shapes(each)
 
 
-def test_a_plant_with_nothing_uncertain_is_not_told_how_much_of_it():
+def test_a_plant_with_nothing_uncertain_takes_no_scatter():
     with pytest.raises(BadInput, match="does not say what is uncertain"):
         read_settings(Table({"scatter": "2 %"}, "campaign.toml", (), "diagnose."), Axis())
 

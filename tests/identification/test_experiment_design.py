@@ -36,7 +36,7 @@ def logged(duties):
     return found
 
 
-def test_more_channels_are_asked_for_only_where_no_run_tells_without():
+def test_more_channels_are_asked_for_only_where_no_run_separates_without():
     separations = {
         "slow": Separation(5.5, 60.0, ("duty",)),
         "soft": Separation(2.0, 90.0, ("duty",)),
@@ -49,7 +49,7 @@ def test_more_channels_are_asked_for_only_where_no_run_tells_without():
     assert found["why"].endswith("by 90.0 standard deviations, without duty by 2.0")
 
 
-def test_nothing_is_proposed_that_tells_too_little():
+def test_nothing_is_proposed_that_separates_too_little():
     assert proposed({"slow": Separation(1.0, 1.9, ("duty",))}, NAMES) is None
     assert proposed({}, NAMES) is None
 
@@ -85,7 +85,7 @@ def open_case():
 
 
 @pytest.mark.slow
-def test_an_offset_of_the_current_is_told_from_friction_by_the_duty(open_case):
+def test_an_offset_of_the_current_is_separated_from_friction_by_the_duty(open_case):
     """The loop hides it in current and position, as in cases of the naming study."""
     found, recorded, run = open_case
     separations = separation(
@@ -104,7 +104,7 @@ def test_an_offset_of_the_current_is_told_from_friction_by_the_duty(open_case):
 
 
 @pytest.mark.slow
-def test_a_run_that_cannot_be_simulated_tells_nothing(open_case, monkeypatch):
+def test_a_run_that_cannot_be_simulated_separates_nothing(open_case, monkeypatch):
     """It once ended the whole diagnosis."""
     found, recorded, run = open_case
 

@@ -57,7 +57,7 @@ def test_effects_are_part_of_a_machine_that_holds_them(named):
         assert np.array_equal(changes, model.changes(group, named.x, moved, True))
 
 
-def test_what_was_named_is_known_better_in_finer_bins(named):
+def test_a_named_effect_is_known_better_in_finer_bins(named):
     found = final_fit(named, NAME, FINE, 0)
     place, row, scale = of(named)
     coarse, narrow = standard_deviations(named)[row], found.deviations[place]
@@ -69,7 +69,7 @@ def test_what_was_named_is_known_better_in_finer_bins(named):
 
 
 def stays(found, point):
-    """Tell that a fit is as it was, and known no better than slopes tell."""
+    """Whether a fit is unchanged, with linear standard deviations."""
     linear = [FIT.linear_widening * each for each in standard_deviations(point)]
     return found.point is point and list(found.deviations.values()) == linear
 
@@ -105,7 +105,7 @@ def test_what_is_least_along_each_but_not_along_all_is_not_taken(named, monkeypa
     assert place in found.point.active  # the fit in finer bins, free
 
 
-def test_a_smooth_valley_has_the_floor_and_width_that_slopes_tell(named):
+def test_a_smooth_valley_has_the_linear_minimum_and_width(named):
     fine = module._finer(named, NAME, FINE, 0)
     place, row, _ = of(fine)
     found = profile(fine, place, standard_deviations(fine)[row])
@@ -126,8 +126,8 @@ def valley(monkeypatch, chi2, at, deviation=0.1, low=-10.0):
     return profile(point, 0, deviation)
 
 
-def test_of_a_kinked_valley_the_floor_is_found_from_a_hollow_on_its_side(monkeypatch):
-    """As wide as 0.5, with hollows 0.3 apart in which slopes tell a width of 0.1."""
+def test_of_a_kinked_valley_the_minimum_is_found_from_a_local_one(monkeypatch):
+    """As wide as 0.5, with local minima 0.3 apart that are 0.1 wide."""
     found = valley(
         monkeypatch, lambda x: ((x - 1.0) / 0.5) ** 2 + 2.0 * np.sin(10.0 * x) ** 2, 1.57
     )
@@ -137,7 +137,7 @@ def test_of_a_kinked_valley_the_floor_is_found_from_a_hollow_on_its_side(monkeyp
 
 
 @pytest.mark.parametrize("width", [0.05, 0.02, 0.005])
-def test_a_valley_narrower_than_slopes_tell_is_seen(monkeypatch, width):
+def test_a_valley_narrower_than_linear_is_seen(monkeypatch, width):
     found = valley(monkeypatch, lambda x: (x / width) ** 2, 0.0)
     assert found.least == pytest.approx(0.0, abs=1e-9)
     assert found.deviation == pytest.approx(width, rel=1e-6)
@@ -167,7 +167,7 @@ def test_what_is_not_seen_from_both_sides_is_no_valley(monkeypatch, case):
 
 
 def test_the_floor_is_where_it_was_walked(monkeypatch):
-    """A flank that is nearly straight tells a floor far off: nobody was there."""
+    """A flank that is nearly straight extrapolates to a distant minimum."""
     found = valley(monkeypatch, lambda x: 20.0 * x + x**2 if x > -0.03 else np.nan, 0.0)
     assert found is None or -0.03 <= found.least
     near = valley(monkeypatch, lambda x: ((x + 0.05) / 0.1) ** 2, 0.0, low=-0.03)

@@ -29,7 +29,7 @@ def closures(folder, *arguments):
 
 @pytest.mark.slow
 def test_lengths_of_hidden_slack_are_right_over_several_draws(tmp_path):
-    """One draw tells little: its interval may miss, and rounding alone moves what it tells."""
+    """One draw says little: its interval may miss, and rounding alone moves its size."""
     found = []
     for seed in range(1, 6):
         campaign = closures(tmp_path / str(seed), "--slack", "3 mm", "--seed", str(seed))

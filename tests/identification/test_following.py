@@ -75,8 +75,8 @@ def test_a_machine_far_off_is_not_run_at_all(both, monkeypatch):
     assert ran == [1] * len(baseline.model.groups)
 
 
-def test_what_follows_a_place_is_told_by_slopes(both):
-    """One value moved off: its own pull is enough to tell that it goes back."""
+def test_what_follows_a_point_is_predicted_linearly(both):
+    """One parameter moved off: the gradient alone leads it back."""
     baseline = both[1].baseline
     away = baseline.x + 0.5 * (np.arange(baseline.x.size) == 0)
     (alone,), (followed,) = (baseline.chi2_at(away[np.newaxis], each) for each in (False, True))
@@ -93,7 +93,7 @@ def test_a_step_that_only_seemed_to_lead_down_is_not_taken(both, monkeypatch):
     assert gauss_newton.fitted(baseline, 3) is baseline
 
 
-def test_sizes_from_afar_are_inside_the_range_and_none_is_twice(both):
+def test_global_sizes_are_inside_the_range_and_none_is_twice(both):
     nominal = both[1].nominal
     space, place = nominal.space, int(nominal.space.of("turbulence")[0])
     rows = _sizes(nominal, "turbulence")  # from 0 on

@@ -1,4 +1,4 @@
-"""Effects found from far off, what runs differ in both ways, and noise that was told too large."""
+"""Global starts, run-to-run variability both ways, and noise that was assumed too large."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -30,7 +30,7 @@ from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.simulation.catalogue import effects
 
 ELSEWHERE = 0.07  # m
-RUNS_DIFFER = 0.01  # N s/m, of drag: the 0.5 % told below of 2
+RUNS_DIFFER = 0.01  # N s/m, of drag: the 0.5 % assumed below, of 2
 
 
 @kernel
@@ -61,20 +61,18 @@ def size(point):
     return point.x[own] * space.parameters[own].scale
 
 
-def test_what_has_another_mark_where_it_is_large_is_found_from_afar(shifted, monkeypatch):
+def test_a_size_dependent_signature_is_found_by_global_starts(shifted, monkeypatch):
     monkeypatch.setattr(global_starts, "SEARCH", replace(SEARCH, lost_baseline=np.inf))
     nominal, baseline, asked = shifted.nominal, shifted.baseline, []
     assert size_dependent(nominal, ["shifted", "turbulence"]) == ["shifted"]
     fits = global_fits(nominal, baseline, ["turbulence", "shifted"], asked.append)
-    assert asked == ["shifted, from afar"]
+    assert asked == ["shifted, global starts"]
     assert size(fits["shifted"]) == pytest.approx(ELSEWHERE, rel=0.01)
     assert shifted.trials[0].effects == ("shifted",)
     assert size(shifted.trials[0].point) == pytest.approx(ELSEWHERE, rel=0.01)
 
 
-def test_where_the_base_leaves_far_too_much_likely_effects_are_tried_from_afar(
-    shifted, monkeypatch
-):
+def test_where_the_baseline_leaves_far_too_much_likely_effects_start_globally(shifted, monkeypatch):
     """As slack of 4.4 mm, which every slope leads away from."""
     nominal, baseline = shifted.nominal, shifted.baseline
     effects = [*KNOWN, "shifted"]
@@ -90,17 +88,17 @@ def test_where_the_base_leaves_far_too_much_likely_effects_are_tried_from_afar(
     assert global_fits(nominal, baseline, effects, lambda text: None) == {}
 
 
-def test_a_hollow_is_left_for_a_deeper_one_about_it(shifted):
+def test_a_local_minimum_is_left_for_a_deeper_one_about_it(shifted):
     nominal = shifted.nominal
     own = nominal.space.of("shifted")
     scale = nominal.space.parameters[own[0]].scale
-    hollow = fitted(started_at(nominal, own, np.array([0.1 / scale])), 5)
-    assert size(hollow) > 1.2 * ELSEWHERE
-    assert size(deepest_minimum(nominal, hollow, "shifted")) == pytest.approx(ELSEWHERE, rel=0.01)
-    assert deepest_minimum(nominal, hollow, "turbulence") is hollow
+    local = fitted(started_at(nominal, own, np.array([0.1 / scale])), 5)
+    assert size(local) > 1.2 * ELSEWHERE
+    assert size(deepest_minimum(nominal, local, "shifted")) == pytest.approx(ELSEWHERE, rel=0.01)
+    assert deepest_minimum(nominal, local, "turbulence") is local
 
 
-def test_what_runs_differ_in_is_had_both_ways(shifted):
+def test_run_to_run_variability_is_differenced_both_ways(shifted):
     nominal = shifted.nominal
     model, space = nominal.model, nominal.space
     group = model.groups[0]
@@ -114,7 +112,7 @@ def test_what_runs_differ_in_is_had_both_ways(shifted):
     assert half_sum == pytest.approx(0.5 * (more + less) - at, abs=1e-12)
 
 
-def test_noise_told_too_large_counts_less_and_what_runs_differ_in_as_told(shifted):
+def test_noise_assumed_too_large_counts_less_and_run_to_run_variability_as_assumed(shifted):
     baseline, rng = shifted.baseline, np.random.default_rng(0)
     nothing = replace(baseline, residual=np.zeros(baseline.residual.size))
     reductions = {}
@@ -147,7 +145,7 @@ def test_about_a_fit_an_effect_is_resized_within_its_range_and_keeps_its_shape()
 
 @kernel
 def lopsided(forward, backward, speed):
-    """Quadratic drag, told by a size above 0 one way and one below 0 the other [N]."""
+    """Quadratic drag, by a size above 0 one way and one below 0 the other [N]."""
     return -(forward if speed > 0.0 else -backward) * speed * abs(speed)
 
 

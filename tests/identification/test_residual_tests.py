@@ -25,7 +25,7 @@ def left(seed, level=1.0, slow=0.0):
 
 
 @pytest.mark.parametrize("level", [0.5, 1.0, 2.0])
-def test_noise_alone_hardly_ever_hangs_together_whatever_its_level(level):
+def test_noise_alone_is_hardly_ever_autocorrelated_whatever_its_level(level):
     alarms = [autocorrelated(left(seed, level)) is not None for seed in range(400)]
     assert np.mean(alarms) < 2.5 * VERDICT.residual_p_value
 
@@ -41,7 +41,7 @@ def test_a_slow_wave_far_below_the_noise_is_found_where_it_is():
         assert found.p_value < VERDICT.residual_p_value and found.excess > 0.0
 
 
-def test_a_run_of_few_bins_tells_nothing():
+def test_a_run_of_few_bins_is_not_tested():
     point = left(1)
     for group in point.model.groups:
         group.bins = 30
@@ -72,12 +72,12 @@ def refitted(seed, level=1.0, step=0.0):
 
 
 @pytest.mark.parametrize("level", [0.7, 1.0, 1.4])
-def test_what_a_fit_leaves_of_noise_hardly_ever_stands_out(level):
+def test_noise_after_a_fit_hardly_ever_has_a_channel_excess(level):
     alarms = [channel_excess(refitted(seed, level)) is not None for seed in range(200)]
     assert np.mean(alarms) < 2.5 * VERDICT.residual_p_value
 
 
-def test_what_a_fit_leaves_of_a_step_stands_out_though_it_hardly_hangs_together():
+def test_a_step_after_a_fit_is_an_excess_though_hardly_autocorrelated():
     fitted_runs = {channel_excess: 0, autocorrelated: 0}
     for seed in range(20):
         point = refitted(seed, step=4.5)
@@ -99,14 +99,14 @@ def test_a_fit_that_is_not_at_its_end_is_judged_as_if_it_were():
     assert channel_excess(before).excess == pytest.approx(channel_excess(there).excess, rel=1e-6)
 
 
-def test_nothing_stands_out_where_only_repeats_tell_of_the_noise():
+def test_no_channel_excess_where_noise_is_known_from_repeats_alone():
     point = refitted(1, step=9.0)
     assert channel_excess(point) is not None
     point.noise.simulated_noise = False
     assert channel_excess(point) is None
 
 
-def test_few_bins_stand_out_of_nothing():
+def test_few_bins_have_no_channel_excess():
     point = refitted(1, step=9.0)
     for group in point.model.groups:
         group.bins = 30

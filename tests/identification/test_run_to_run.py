@@ -1,4 +1,4 @@
-"""What repeats tell of how far runs differ, against what was told of it."""
+"""Run-to-run variability that repeats show, against what was assumed."""
 
 from types import SimpleNamespace
 
@@ -42,28 +42,28 @@ def noise(seed, machine, start, count=REPEATS, assumed=True):
     )
 
 
-def test_what_was_told_right_stays():
+def test_a_right_assumption_stays():
     alarms = [observed_ratios(noise(seed, 1.0, 1.0)) for seed in range(200)]
     assert sum(each != (1.0, 1.0) for each in alarms) <= 3  # one in four hundred, by SURE
 
 
 @pytest.mark.parametrize("truth", [(2.0, 2.0), (1.0, 3.0), (3.0, 1.0)])
-def test_what_was_told_too_little_is_found(truth):
+def test_variability_assumed_too_small_is_found(truth):
     found = np.array([observed_ratios(noise(seed, *truth)) for seed in range(50)])
     assert (found == 1.0).all(axis=1).sum() <= 3
     assert np.median(found, axis=0) == pytest.approx(truth, abs=0.5)
 
 
-def test_what_was_told_too_much_stays():
+def test_variability_assumed_too_large_stays():
     assert observed_ratios(noise(0, 0.3, 0.3)) == (1.0, 1.0)
 
 
-def test_without_repeats_or_noise_known_from_elsewhere_nothing_is_told():
+def test_without_repeats_or_simulated_noise_nothing_is_concluded():
     assert observed_ratios(noise(0, 4.0, 4.0, count=1)) == (1.0, 1.0)
     assert observed_ratios(noise(0, 4.0, 4.0, assumed=False)) == (1.0, 1.0)
 
 
-def test_settings_follow_what_repeats_show_and_a_reader_is_told():
+def test_settings_follow_what_repeats_show_and_say_so():
     assumed = Settings(0.01, 0.0025, 1e-4)
     observed = settings_from_repeats(noise(0, 4.0, 4.0), assumed)
     assert observed.scatter == NOISE.wider_scatter * assumed.scatter

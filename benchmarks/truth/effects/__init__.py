@@ -4,7 +4,7 @@ One file each, found by itself: equation, source, parameters (SIZES) and their p
 `python -m benchmarks.truth.effects` prints them as a table. SI units; motor, friction and load at
 the motor's side; q closing positive; a size of 0 is exactly no effect. `T += ...` adds to the base
 model's term of that name; way = tanh(w / motor.friction_speed). A parameter that is no amplitude
-tells where or how fast the effect acts, not how much of it there is; such a parameter has a
+says where or how fast the effect acts, not how much of it there is; such a parameter has a
 default.
 
 Measured current passes lag, gain, offset, delay in this order; then noise and resolution. The

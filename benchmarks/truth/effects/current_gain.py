@@ -13,5 +13,5 @@ SIZES = {"error": Size("1", -0.15, 0.15)}
 
 @compiled
 def amplified(h, current):
-    """What the sensor tells (A)."""
+    """Reading of the sensor (A)."""
     return current * (1.0 + h.current_gain_error)

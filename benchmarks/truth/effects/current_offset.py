@@ -14,5 +14,5 @@ SIZES = {"offset": Size("A", -0.2, 0.2)}
 
 @compiled
 def shifted(h, current):
-    """What the sensor tells (A)."""
+    """Reading of the sensor (A)."""
     return current + h.current_offset_offset

@@ -17,7 +17,7 @@ SIZES = {"time": Size("s", 1e-4, 5e-3)}
 
 @compiled
 def looked_up(h, period):
-    """Periods to go back, and the time (s) from that tick's start at which what is told was so."""
+    """Periods to go back, and the time (s) of the reading from that tick's start."""
     periods = h.measurement_delay_time / period
     back = floor(periods + 1.0 - 1e-9)
     return int(back), (back - periods) * period

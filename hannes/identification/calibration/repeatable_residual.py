@@ -29,14 +29,12 @@ class RepeatableResidual:
     def sentence(self) -> str:
         """The result in words."""
         if self.repeats is None:
-            return (
-                "No condition was recorded twice, so nobody can tell whether what remains repeats"
-            )
-        share = f"{100 * self.share:.0f} % of what remains is the same in every run"
+            return "No condition was recorded twice, so it is unknown whether the residual repeats"
+        share = f"{100 * self.share:.0f} % of the residual is the same in every run"
         if not self.repeats:
-            return f"What remains does not repeat from run to run beyond chance ({share})"
+            return f"The residual does not repeat from run to run beyond chance ({share})"
         return (
-            f"What remains still repeats from run to run ({share}): the model lacks something, "
+            f"The residual repeats from run to run ({share}): the model lacks something, "
             "and no interval here allows for that; see `hannes diagnose`"
         )
 

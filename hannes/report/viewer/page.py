@@ -99,7 +99,7 @@ def _packed(scene: Scene) -> dict[str, Any]:
 
 
 def _grain(values: np.ndarray) -> float:
-    """A millionth of the largest value, the grain of simulated traces."""
+    """A millionth of the largest value, the quantum of simulated traces."""
     return max(float(np.abs(values).max()), 1e-9) * 1e-6
 
 

@@ -60,7 +60,7 @@ class Replay:
 def replay(recording: Recording, hand: Hand | None = None) -> Replay:
     """Simulate what a recording was made of, with `hand` or else with the recording's own.
 
-    Raises BadInput for a recording of another plant, or one that tells neither a reference nor
+    Raises BadInput for a recording of another plant, or one that has neither a reference nor
     an experiment; ComputationFailed where the simulation does not end.
     """
     if recording.plant not in ("", "hand"):

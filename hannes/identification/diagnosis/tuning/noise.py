@@ -11,7 +11,9 @@ class NoiseTuning:
 
     antedependence_order: int = constant(8, "bins", "earlier bins that a bin is regressed on")
     antedependence_window: int = constant(
-        5, "bins", "on each side, pooled for one regression: few simulations tell little of one bin"
+        5,
+        "bins",
+        "on each side, pooled for one regression: few simulations say little about one bin",
     )
     windows_per_coefficient: int = constant(4, "1", "at least, of each regression coefficient")
     ridge: float = constant(1e-3, "1", "of the mean square of the regressors", NUMERICS)

@@ -1,4 +1,4 @@
-// Numbers at the cursor: of the sample that is drawn, to the digits that tell channels apart.
+// Numbers at the cursor: of the sample that is drawn, to the digits that distinguish channels.
 
 const overlap = (scene) => Object.keys(scene.simulated).some((name) => name in scene.recorded);
 
