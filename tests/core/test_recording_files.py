@@ -78,7 +78,7 @@ def test_hdf5_carries_texts_of_any_length(tmp_path: Path, size: int) -> None:
 
 
 BYTES = """
-import sys, tests.test_recording_files as t
+import sys, tests.core.test_recording_files as t
 for path in sys.argv[1:]: t.example().write(path)
 """
 

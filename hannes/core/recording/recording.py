@@ -4,7 +4,6 @@ Channels and units are those that the plant declares; the hand's are `time_s, re
 position_rad, current_A, duty_1, supply_V, force_N, sensor_N`. Only time and one more are required.
 """
 
-import re
 from collections.abc import ItemsView, Iterable, Iterator, KeysView, Mapping, ValuesView
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -12,18 +11,13 @@ from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hannes.core.errors import BadInput, nearest
-
-FloatArray = NDArray[np.float64]
+from hannes.core.recording import soundness
+from hannes.core.recording.soundness import FloatArray
 
 SCHEMA = "hannes-recording-1"
-SOURCES = ("simulated", "measured")
 SUFFIXES = (".csv", ".csv.gz", ".h5", ".hdf5")
-
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,63}")
-_UNIT = re.compile(r"[A-Za-z0-9%µμΩ°²³·^*/()-](?:[A-Za-z0-9%µμΩ°²³·^*/(). -]{0,31})(?<! )")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,11 +43,11 @@ class Recording(Mapping[str, FloatArray]):
     conversion: str = ""
 
     def __post_init__(self) -> None:
-        _check_names(self.channels, self.units)
+        soundness.check_names(self.channels, self.units)
         order = ["time", *(name for name in self.channels if name != "time")]
-        arrays = {name: _frozen(name, self.channels[name]) for name in order}
-        _check_time(arrays)
-        _check_metadata(self)
+        arrays = {name: soundness.frozen(name, self.channels[name]) for name in order}
+        soundness.check_time(arrays)
+        soundness.check_metadata(self, SCHEMA)
         object.__setattr__(self, "channels", MappingProxyType(arrays))
         units = MappingProxyType({name: self.units[name] for name in order})
         object.__setattr__(self, "units", units)
@@ -235,68 +229,6 @@ def is_csv(path: str | Path) -> bool:
     if not name.endswith(SUFFIXES):
         raise BadInput(f"{path}: expected a recording named {', '.join(SUFFIXES)}")
     return name.endswith((".csv", ".csv.gz"))
-
-
-def _check_names(channels: Mapping[str, Any], units: Mapping[str, str]) -> None:
-    for name in channels:
-        if not isinstance(name, str) or not _NAME.fullmatch(name):
-            raise BadInput(f"{name!r:.80} is no channel name: expected letters, digits, _ . -")
-        if not isinstance(unit := units.get(name), str) or not _UNIT.fullmatch(unit):
-            raise BadInput(f'channel "{name}" needs a unit ("1" for none), got {unit!r:.80}')
-    for name in units:
-        if name not in channels:
-            raise BadInput(f'a unit is given for "{name}", which is no channel')
-    if units.get("time") != "s":
-        raise BadInput("a recording needs the column time_s (channel time, unit s)")
-    if len(channels) < 2:
-        raise BadInput("a recording needs at least one channel besides time")
-
-
-def _frozen(name: str, values: Any) -> FloatArray:
-    """Return a read-only float64 copy; raise BadInput unless 1-D, real, finite and not masked."""
-    try:
-        array = np.asarray(values)
-    except ValueError:
-        array = np.empty(())  # rows of unequal length
-    if array.ndim != 1 or array.dtype.kind not in "fiu" or np.ma.is_masked(values):
-        raise BadInput(f'channel "{name}": expected a row of real numbers')
-    with np.errstate(over="ignore"):
-        copy = array.astype(np.float64)
-    if not np.isfinite(copy).all():
-        raise BadInput(
-            f'channel "{name}" is not finite at sample {int(np.isfinite(copy).argmin())}'
-        )
-    copy.flags.writeable = False
-    return copy
-
-
-def _check_time(arrays: Mapping[str, FloatArray]) -> None:
-    time = arrays["time"]
-    for name, each in arrays.items():
-        if len(each) != len(time):
-            raise BadInput(f'channel "{name}" has {len(each)} samples, time has {len(time)}')
-    if len(time) < 2:
-        raise BadInput(f"a recording needs at least two samples, got {len(time)}")
-    stalled = np.flatnonzero(time[1:] <= time[:-1])
-    if stalled.size:
-        raise BadInput(f"time does not increase from sample {stalled[0]} to {stalled[0] + 1}")
-
-
-def _check_metadata(recording: Recording) -> None:
-    for name in ("plant", "experiment", "hand", "conversion"):
-        if not _is_text(getattr(recording, name)):
-            raise BadInput(f"{name} of a recording must be text, without NUL or lone surrogates")
-    if recording.schema != SCHEMA:
-        raise BadInput(f"schema {recording.schema!r:.80} is unknown, expected {SCHEMA!r}")
-    if recording.source not in SOURCES:
-        raise BadInput(f"source {recording.source!r:.80} is neither {' nor '.join(SOURCES)}")
-    seed = recording.seed
-    if seed is not None and not (type(seed) is int and 0 <= seed < 2**63):
-        raise BadInput(f"seed {seed!r:.80} is not a whole number from 0 to 2^63 - 1")
-
-
-def _is_text(value: object) -> bool:
-    return isinstance(value, str) and not re.search("[\0\ud800-\udfff]", value)
 
 
 def _plain(recording: Recording) -> tuple[Any, ...]:
