@@ -2,7 +2,16 @@
 
 from pathlib import Path
 
-from tools.reference import channels, commands, effects, parameters, python, tuning, verdicts
+from tools.reference import (
+    channels,
+    commands,
+    effects,
+    kernel_variables,
+    parameters,
+    python,
+    tuning,
+    verdicts,
+)
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "reference"
@@ -13,6 +22,7 @@ PAGES = {
     "channels.md": channels.page,
     "commands.md": commands.page,
     "effects.md": effects.page,
+    "kernel-variables.md": kernel_variables.page,
     "parameters.md": parameters.page,
     "python.md": python.page,
     "tuning-constants.md": tuning.page,

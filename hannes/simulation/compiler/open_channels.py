@@ -18,14 +18,14 @@ _ARRAYS = {"t", "y", "dy", "p", "c", "reference", "hold", "out"}  # that stages 
 class Open:
     """A channel that effects may add to, the stage that opens it, and what is known there.
 
-    `channels` are known by then, of arrays the element at hand; `locals` are the stage's own
-    numbers. The time `t`, states and parameters can be read everywhere.
+    `arrays` are channels with an axis, of which a kernel along the same axis gets its element;
+    `numbers` the stage's own. The time `t`, states and parameters can be read everywhere.
     """
 
     slot: Slot
     stage: str
-    channels: tuple[str, ...]
-    locals: tuple[str, ...]
+    arrays: tuple[str, ...]
+    numbers: tuple[str, ...]
 
 
 def open_channels(equations: Equations) -> Iterator[Open]:
@@ -33,15 +33,12 @@ def open_channels(equations: Equations) -> Iterator[Open]:
     arrays = [slot.name for slot in equations.channels.slots if slot.axis]
     for slot in equations.channels.slots:
         if stage := equations.stage_of(slot.name):
-            own = _bound(equations, stage)
-            known = [
-                name
-                for name in dict.fromkeys((*arrays, *own))
-                if _readable(equations, name, slot.name)
-            ]
-            found = tuple(name for name in known if name in equations.channels)
-            rest = tuple(name for name in known if name not in equations.channels)
-            yield Open(slot, stage, found, rest)
+            numbers = [name for name in _bound(equations, stage) if name not in arrays]
+            known, own = (
+                tuple(name for name in names if _readable(equations, name, slot.name))
+                for names in (arrays, numbers)
+            )
+            yield Open(slot, stage, known, own)
 
 
 def _bound(equations: Equations, stage: str) -> list[str]:
