@@ -75,3 +75,23 @@ def test_intervals_of_figures_stand_nowhere_else(page):
     for line, rows, _ in tables(page):
         cells = "|".join(cell for row in rows[2:] for cell in row)
         assert not re.search(r"\d \(-?[\d.]+ to [\d.]+\)", cells), f"{name(page)}, line {line}"
+
+
+def test_the_table_of_the_naming_study_is_what_its_command_prints():
+    """Row by row: figure, interval, number of cases and bound, to the digits of the page."""
+    from benchmarks.naming_study import records, summary
+
+    (record,) = re.findall(r"benchmarks/records/[\w.-]+", text(EVIDENCE))
+    _, printed = summary.figures(list(records.read(ROOT / record)))
+    (rows,) = (rows for _, rows, _ in tables(EVIDENCE) if rows[0][0].strip() == "489 cases")
+    for row, shown in zip(printed, rows[2:], strict=True):
+        name, figure, cases, _ = (cell.strip() for cell in shown)
+        assert name[:20] == row["name"][:20]
+        assert cases == str(row.get("cases", ""))
+        scale = 100.0 if "%" in figure else 1.0
+        numbers = re.findall(r"-?\d+(?:\.\d+)?", figure)
+        known = [row[key] for key in ("value", "low", "high") if key in row]
+        assert len(numbers) == len(known), name
+        for number, value in zip(numbers, known, strict=True):
+            digits = len(number.partition(".")[2])
+            assert abs(float(number) - scale * value) <= 0.51 * 10.0**-digits, name

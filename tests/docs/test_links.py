@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from pages import PAGES, ROOT, name, text
+from pages import PAGES, ROOT, blocks, name, text
 
 _LINK = re.compile(r"\[[^]]*\]\(([^)\s]+)\)")
 
@@ -46,3 +46,11 @@ def test_every_page_is_reached_from_the_index():
     }
     inside = {page for page in PAGES if page.is_relative_to(ROOT / "docs") and page != index}
     assert inside <= linked
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_modules_that_are_named_exist(page):
+    """`final_fit.py` and the like are a module somewhere, or a file that the page makes."""
+    made = {block.file for block in blocks(page)}
+    for module in re.findall(r"`(\w+\.py)`", text(page)):
+        assert module in made or list(ROOT.glob(f"hannes/**/{module}")), f"{name(page)}: {module}"

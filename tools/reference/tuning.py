@@ -1,85 +1,99 @@
-"""Tuning constants of the methods, found in the code: fields of dataclasses, and module constants.
-
-A constant's meaning is the comment at the end of its line, or above it; a field's is in the
-docstring of its class.
-"""
+"""Tuning constants of the methods: fields of their frozen dataclasses, and module constants."""
 
 import ast
-import re
+import inspect
 from collections.abc import Iterator
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
-from tools.reference.markdown import code, table
+from hannes.identification.calibration.tuning import CALIBRATION
+from hannes.identification.diagnosis.tuning import FIT, NOISE, SEARCH, VERDICT
+from hannes.identification.holdout.tuning import HOLDOUT
+from tools.reference.markdown import code, number, table
 
-PACKAGE = Path(__file__).parents[2] / "hannes"
-METHODS = {
-    "Diagnosis": "identification/diagnosis",
-    "Calibration": "identification/calibration",
-    "Hold-out": "identification/holdout",
-    "Data check": "campaigns/quality",
-    "Recognition": "recognition",
+ROOT = Path(__file__).parents[2]
+TUNINGS = {
+    "Diagnosis: noise": NOISE,
+    "Diagnosis: fits": FIT,
+    "Diagnosis: search": SEARCH,
+    "Diagnosis: verdict": VERDICT,
+    "Calibration": CALIBRATION,
+    "Machines with few parameters": HOLDOUT,
 }
+MODULES = {"Data check": "hannes/campaigns/quality", "Recognition": "hannes/recognition"}
 HEAD = """# Tuning constants
 
-Numbers that a method depends on, with the file where each stands.
+Numbers that a method depends on.
 [How a diagnosis works](../explanation/diagnosis.md) explains most of them,
 and [Calibration](../explanation/calibration.md) some.
+
+"Development seeds" are seeds of `benchmarks.naming`, none of which is quoted in the evidence.
+What a campaign may set stands on [Campaign](campaign.md).
 """
 
 
 def page() -> str:
     """Text of the page, a section a method."""
-    return "\n".join([HEAD, *(_method(name, folder) for name, folder in METHODS.items())])
+    parts = [HEAD, *(_tuning(name, each) for name, each in TUNINGS.items())]
+    parts += [_modules(name, folder) for name, folder in MODULES.items()]
+    return "\n".join(parts)
 
 
-def _method(name: str, folder: str) -> str:
-    rows = [row for file in sorted((PACKAGE / folder).rglob("*.py")) for row in _rows(file)]
-    return f"## {name}\n\n{table(('constant', 'value', 'means', 'file'), rows)}\n"
+def _tuning(name: str, tuning: Any) -> str:
+    """A dataclass whose fields carry unit, meaning and origin."""
+    rows = [
+        (code(each.name), _value(getattr(tuning, each.name)), *_said(each.metadata))
+        for each in fields(tuning)
+    ]
+    file = Path(inspect.getfile(type(tuning))).relative_to(ROOT).as_posix()
+    columns = ("constant", "value", "unit", "meaning", "chosen by")
+    stands = f"`{type(tuning).__name__}` in `{file}`."
+    return f"## {name}\n\n{stands}\n\n{table(columns, rows)}\n"
 
 
-def _rows(file: Path) -> Iterator[tuple[str, str, str, str]]:
-    text = file.read_text(encoding="utf-8")
-    lines, place = text.splitlines(), file.relative_to(PACKAGE.parent).as_posix()
+def _said(metadata: Any) -> tuple[str, str, str]:
+    unit = "" if metadata["unit"] == "1" else metadata["unit"]
+    return unit, metadata["meaning"], metadata["chosen"]
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, tuple):
+        return ", ".join(map(_value, value))
+    return number(value) if isinstance(value, float) else str(value)
+
+
+def _modules(name: str, folder: str) -> str:
+    rows = [row for file in sorted((ROOT / folder).glob("*.py")) for row in _constants(file)]
+    return f"## {name}\n\n{table(('constant', 'value', 'meaning', 'file'), rows)}\n"
+
+
+def _constants(file: Path) -> Iterator[tuple[str, str, str, str]]:
+    """NAME = numbers, at the top of a module; its meaning is the comment beside it or above."""
+    text, place = file.read_text(encoding="utf-8"), file.relative_to(ROOT).as_posix()
+    lines = text.splitlines()
     for node in ast.parse(text).body:
-        if isinstance(node, ast.Assign) and _constant(node):
-            (name,) = node.targets
-            yield code(ast.unparse(name)), _value(node.value), _comment(lines, node), code(place)
-        elif isinstance(node, ast.ClassDef) and node.name.endswith(("Constants", "Tuning")):
-            meanings = _meanings(ast.get_docstring(node) or "")
-            for each in node.body:
-                if isinstance(each, ast.AnnAssign) and each.value is not None:
-                    name = ast.unparse(each.target)
-                    said = meanings.get(name) or _comment(lines, each)
-                    yield code(name), _value(each.value), said, code(place)
+        if isinstance(node, ast.Assign) and _numbers(node):
+            name, value = ast.unparse(node.targets[0]), ast.unparse(node.value)
+            yield code(name), code(value), _comment(lines, node), code(place)
 
 
-def _constant(node: ast.Assign) -> bool:
+def _numbers(node: ast.Assign) -> bool:
     """Whether it is NAME = a number, or several."""
-    if len(node.targets) != 1 or not isinstance(node.targets[0], ast.Name):
-        return False
-    name = node.targets[0].id
     leaves = [each for each in ast.walk(node.value) if isinstance(each, ast.Constant)]
-    numbers = [each for each in leaves if isinstance(each.value, int | float)]
-    calls = any(isinstance(each, ast.Call | ast.Attribute) for each in ast.walk(node.value))
-    return name.isupper() and bool(numbers) and len(numbers) == len(leaves) and not calls
+    only = bool(leaves) and all(isinstance(each.value, int | float) for each in leaves)
+    calls = any(
+        isinstance(each, ast.Call | ast.Attribute | ast.Subscript) for each in ast.walk(node.value)
+    )
+    return only and not calls and ast.unparse(node.targets[0]).isupper()
 
 
-def _value(node: ast.expr) -> str:
-    return code(ast.unparse(node))
-
-
-def _comment(lines: list[str], node: ast.Assign | ast.AnnAssign) -> str:
-    """At the end of the line, else the lines of comment right above."""
+def _comment(lines: list[str], node: ast.Assign) -> str:
+    """At the end of the line and in those that follow it, else in the lines right above."""
     _, _, said = lines[(node.end_lineno or node.lineno) - 1].partition("  # ")
     above: list[str] = []
     for line in reversed(lines[: node.lineno - 1]):
-        if not line.strip().startswith("# "):
+        if not line.startswith("# "):
             break
-        above.insert(0, line.strip().removeprefix("# "))
+        above.insert(0, line.removeprefix("# "))
     return said or " ".join(above)
-
-
-def _meanings(docstring: str) -> dict[str, str]:
-    """`name: meaning`, a line or more each."""
-    found = re.findall(r"^ *(\w+): +(.*(?:\n {4,}\S.*)*)", docstring, re.MULTILINE)
-    return {name: " ".join(said.split()) for name, said in found}

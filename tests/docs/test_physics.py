@@ -1,0 +1,25 @@
+"""The page of physics names every parameter of the hand, and no other."""
+
+import re
+
+from pages import ROOT, text
+
+from hannes.simulation.hand.hand import Hand
+
+PAGE = text(ROOT / "docs" / "explanation" / "physics.md")
+
+
+def one_of_a_kind(name):
+    """The index finger stands for all, MCP for both joints of a finger."""
+    part, _, rest = name.partition(".")
+    if part in ("middle", "ring", "little", "thumb"):
+        part = "index"
+    return f"{'mcp' if part == 'pip' else part}.{rest}"
+
+
+def test_every_parameter_of_the_hand_is_named():
+    named = set(re.findall(r"`([a-z_]+\.[a-z_]+)`", PAGE))
+    known = set(Hand().parameters.declared)
+    assert {one_of_a_kind(each) for each in known} <= {one_of_a_kind(each) for each in named}
+    files = {each for each in named if each.endswith((".py", ".json"))}
+    assert named - files <= known
