@@ -5,10 +5,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from hannes.core.effect import Effect
-from hannes.core.errors import BadInput
+from hannes.core.errors import BadInput, nearest
 from hannes.identification import confusability
 from hannes.plants.protocol import Plant, find_plant
 from hannes.simulation import catalogue
+from hannes.simulation.compiler.assemble import Equations
 from hannes.simulation.compiler.kernel_check import check_kernels
 from hannes.simulation.hand.hand_file import own_catalogue
 
@@ -36,11 +37,30 @@ def _known(plant: str | None) -> Mapping[str, Effect]:
 
 def _check(effect: Effect, plant: Plant) -> None:
     """Raise BadInput in one line for what a run would refuse."""
+    equations: Equations | None = getattr(plant, "compiled_from", None)
     if why := plant.accepts(effect):
+        meant = _meant(equations, effect) if equations is not None else ""
         other = "" if plant.name != HAND else "; if it is for another plant, name that with --plant"
-        raise BadInput(f'effect {effect.name} does not fit the plant "{plant.name}": {why}{other}')
-    if (equations := getattr(plant, "compiled_from", None)) is not None:
+        what = f'effect {effect.name} does not fit the plant "{plant.name}": {why}'
+        raise BadInput(what + meant + other)
+    if equations is not None:
         check_kernels(equations, effect)
+
+
+def _meant(equations: Equations, effect: Effect) -> str:
+    """A did-you-mean clause for the first name that the plant does not know, or an empty string."""
+    channels = [slot.name for slot in equations.channels.slots if equations.stage_of(slot.name)]
+    layouts = (equations.parameters, equations.states, equations.channels)
+    readable = ["t", *(slot.name for layout in layouts for slot in layout.slots)]
+    own = [p.name for p in effect.parameters] + [s.name for s in effect.states]
+    for term in effect.terms:
+        for name in term.writes:
+            if name not in channels:
+                return nearest(name, channels)
+        for name in term.arguments:
+            if name not in readable + own:
+                return nearest(name, readable + own)
+    return ""
 
 
 def _in_short(effect: Effect) -> str:

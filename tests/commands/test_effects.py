@@ -9,9 +9,13 @@ CODE = "@kernel\ndef rub({arguments}):\n    return {returned}\n"
 REFUSED = {
     "a channel that does not exist": (
         {"writes": "gear_frictoin"},
-        'does not fit the plant "hand": it needs a channel gear_frictoin',
+        'does not fit the plant "hand": it needs a channel gear_frictoin, which this plant does '
+        'not have; did you mean "gear_friction"?; if it is for another plant',
     ),
-    "a quantity that does not exist": ({"arguments": "motor_sped, size"}, "it reads motor_sped"),
+    "a quantity that does not exist": (
+        {"arguments": "motor_sped, size"},
+        'does not have; did you mean "motor_speed"?',
+    ),
     "a quantity that is filled later": (
         {"arguments": "joint_torque, size", "writes": "spring_torque"},
         "is not worked out yet where spring_torque is open",

@@ -79,7 +79,7 @@ def test_the_smallest_size_that_can_be_detected_is_known(name):
 def test_what_it_is_easily_confused_with_is_known(name):
     if not confusable(name):
         assert "not yet measured" in text(name)
-        pytest.skip("not yet measured: python -m benchmarks.alike")
+        pytest.skip("not yet measured: python -m benchmarks.confusability")
     assert "easily confused with" in text(name)
     assert {other for near in confusable(name).values() for other in near} <= set(CATALOGUE)
 
