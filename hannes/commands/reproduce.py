@@ -22,7 +22,7 @@ from hannes.report.verdict_summary import Finding, finding
 # Relative force errors of the closed-loop simulation [%], identification and pulses file.
 PUBLISHED = (5.848, 8.94)  # Janot, Gautier & Brunot (2019), Coulomb + viscous + offset
 BOUNDS = (4.6, 5.6)  # a little above what an independent simulation with them reached (4.4, 5.3)
-GAIN = 0.5  # points that the missing effect is worth at least on the file not fitted
+IMPROVEMENT = 0.5  # points by which the missing effect improves the file not fitted, at least
 
 
 def reproduce(
@@ -100,15 +100,15 @@ def _table(result: Diagnosis, errors: list[tuple[float, float, float]]) -> Table
 
 def _rows(result: Diagnosis, errors: list[tuple[float, float, float]]) -> list[Row]:
     named = result.verdict.effects == ["direction_friction"]
-    gain = errors[1][1] - errors[1][2]
+    improvement = errors[1][1] - errors[1][2]
     return [
         row("EMPS, published parameters, fitted file", errors[0][0], BOUNDS[0], "%"),
         row("EMPS, published parameters, other file", errors[1][0], BOUNDS[1], "%"),
         row("EMPS, effects named that are not direction_friction", float(not named), 0.0),
         row(
             "EMPS, other file with the effect, below the baseline by at least 0.5 points",
-            -gain,
-            -GAIN,
+            -improvement,
+            -IMPROVEMENT,
             "points",
         ),
     ]
@@ -117,7 +117,7 @@ def _rows(result: Diagnosis, errors: list[tuple[float, float, float]]) -> list[R
 def _hidden(
     slack: str | Path | None, taut: str | Path | None, out: Path
 ) -> tuple[Finding | str, list[Row]]:
-    """What was said of closures with slack, and rows for both verdicts."""
+    """The verdict on closures with slack, and rows for both verdicts."""
     rows = []
     if taut is not None:
         called = "leader_slack" in _verdict(taut).effects

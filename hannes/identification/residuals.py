@@ -30,7 +30,7 @@ class Traces(ByValue):
 
 
 def gaps(residual: WeightedResidual, before: Fitted, after: Fitted) -> dict[str, dict[str, Any]]:
-    """RMS of each channel as given, with the baseline refitted, with the effect; and its floor."""
+    """RMS of each channel as given, of the baseline fit, with the effect; and its noise floor."""
     stages = {
         "as_given": residual.raw(residual.plant, {}),
         "before": residual.raw(before.plant, before.values),

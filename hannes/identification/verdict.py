@@ -7,7 +7,7 @@ from typing import Any
 
 from hannes.core.io.provenance import versions
 
-FAINT = 0.2  # of a squared floor, mean over channels: a gap that is less above it is not seen
+FAINT = 0.2  # squared noise floors, mean over channels: a gap that is less above one is not visible
 _SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 
 
@@ -75,15 +75,15 @@ class Verdict:
             unit = "" if gap["unit"] == "1" else f" {gap['unit']}"
             lines.append(
                 f"  {name}: {shown}{unit} (as given -> baseline refitted -> result; "
-                f"floor {gap['floor']:.2g})"
+                f"noise floor {gap['floor']:.2g})"
             )
         if self.gap and self.floor_from:
-            lines.append(f"floor: {self.floor_from}")
+            lines.append(f"noise floor: {self.floor_from}")
         return "\n".join(lines)
 
 
 def explained(gap: dict[str, dict[str, Any]]) -> float:
-    """Share of the reducible gap (before, above the floor) that is gone after; 0 to 1."""
+    """Share of the reducible gap (before, above the noise floor) that is gone after; 0 to 1."""
     before = sum((each["before"] / each["floor"]) ** 2 - 1.0 for each in gap.values())
     gone = sum((each["before"] ** 2 - each["after"] ** 2) / each["floor"] ** 2
                for each in gap.values())  # fmt: skip
@@ -147,7 +147,7 @@ def _parameter_text(name: str, result: Verdict) -> str:
 
 def _with_remainder(result: Verdict) -> str:
     if explained(result.gap) > 0.995:
-        return _named(result, "; a little above the floor remains")
+        return _named(result, "; a little above the noise floor remains")
     return _named(result, "; the rest is something else")
 
 

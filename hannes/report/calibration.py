@@ -158,7 +158,7 @@ def _uncertain(result: "Fit") -> Table:
         "its assumed standard deviation. They stand in hand.toml too."
     )
     columns = ("Uncertain parameter", "Nominal", "Value", "Unit", "Deviations")
-    return Table("doubted", "What else moved", columns, rows, note)
+    return Table("uncertain", "Uncertain parameters", columns, rows, note)
 
 
 def _data_issues(result: "Fit") -> Table:

@@ -67,7 +67,7 @@ def _sizes(diagnosis: "Diagnosis") -> Table:
 
 
 def _tried(diagnosis: "Diagnosis") -> Table:
-    gains = {row["effect"]: row for row in diagnosis.verdict.candidates}
+    candidates = {row["effect"]: row for row in diagnosis.verdict.candidates}
     rows = []
     unfit = [each["effect"] for each in diagnosis.verdict.tried if not each["applicable"]]
     evidence, level = "Size / its deviation", "Each tested at a false-alarm rate of"
@@ -77,7 +77,7 @@ def _tried(diagnosis: "Diagnosis") -> Table:
     for attempt in diagnosis.verdict.tried:
         if attempt["effect"] in unfit:
             continue
-        row = gains.get(attempt["effect"])
+        row = candidates.get(attempt["effect"])
         share = f"{decimals(round(100.0 * row['gain_select']), 0)} %" if row else "–"
         sigma = number(row["evidence"], 2) if row else "–"
         confusable = ", ".join(row["confusable_with"]) if row else ""

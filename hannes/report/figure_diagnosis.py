@@ -44,15 +44,15 @@ def _channel(diagnosis: "Diagnosis", traces: "Traces", name: str) -> Drawn:
     alt = f"{name} over time, measured and simulated."
     if name in gap:
         sizes = [f"{gap[name][key]:.3g}" for key in ("as_given", "before", "after", "floor")]
-        alt += " RMS gap as given {}, baseline refitted {}, result {}, floor {} {}.".format(
+        alt += " RMS gap as given {}, baseline refitted {}, result {}, noise floor {} {}.".format(
             *sizes, unit
         )
-    floor = diagnosis.noise_floors[name]
+    noise_floor = diagnosis.noise_floors[name]
 
     def draw() -> "Figure":
         figure, (above, below) = style.panels(2)
         _traces(above, traces, name, _labelled(name, unit))
-        _left(below, traces, name, floor, _labelled("residual", unit))
+        _left(below, traces, name, noise_floor, _labelled("residual", unit))
         below.set_xlabel("time [s]")
         return figure
 
@@ -77,9 +77,11 @@ def _traces(axes: "Axes", traces: "Traces", name: str, label: str) -> None:
     style.legend(axes)
 
 
-def _left(axes: "Axes", traces: "Traces", name: str, floor: float, label: str) -> None:
+def _left(axes: "Axes", traces: "Traces", name: str, noise_floor: float, label: str) -> None:
     """Simulated minus measured, with the noise floor as a band."""
-    axes.axhspan(-floor, floor, color=style.GREY, alpha=0.25, linewidth=0, label="noise floor")
+    axes.axhspan(
+        -noise_floor, noise_floor, color=style.GREY, alpha=0.25, linewidth=0, label="noise floor"
+    )
     for text, channels, look in (
         ("before", traces.before, style.SECOND),
         ("after", traces.after, style.FIRST),
@@ -131,28 +133,28 @@ def _where(diagnosis: "Diagnosis") -> Drawn:
 def _ranking(diagnosis: "Diagnosis") -> Drawn:
     rows = diagnosis.verdict.candidates[:RANKED][::-1]
     names = [row["effect"].rpartition(":")[2] for row in rows]
-    gains = [100.0 * row["gain_select"] for row in rows]
+    shares = [100.0 * row["gain_select"] for row in rows]
     chosen = diagnosis.verdict.effects
 
     def draw() -> "Figure":
         figure, (axes,) = style.panels(1, 0.6 + 0.3 * len(rows))
         colours = [style.BLUE if row["effect"] in chosen else style.GREY for row in rows]
-        axes.barh(names, gains, color=colours, height=0.6)
-        for place, gain in enumerate(gains):  # right of the axis, also where it explains nothing
+        axes.barh(names, shares, color=colours, height=0.6)
+        for place, share in enumerate(shares):  # right of the axis, also where it explains nothing
             axes.annotate(
-                f"{decimals(round(gain), 0)} %",
-                (max(gain, 0.0), place),
+                f"{decimals(round(share), 0)} %",
+                (max(share, 0.0), place),
                 xytext=(3, 0),
                 textcoords="offset points",
                 va="center",
             )
         axes.set_xlabel("reducible gap that it explains [%]")
-        axes.set_xlim(min(0.0, *gains), max(10.0, *gains) * 1.15)
+        axes.set_xlim(min(0.0, *shares), max(10.0, *shares) * 1.15)
         axes.grid(axis="y", visible=False)
         return figure
 
     alt = "; ".join(
-        f"{n} {decimals(round(g), 0)} %" for n, g in zip(names[::-1], gains[::-1], strict=True)
+        f"{n} {decimals(round(g), 0)} %" for n, g in zip(names[::-1], shares[::-1], strict=True)
     )
     caption = "Blue: what the verdict names."
     return drawn("diagnosis-ranking", "What each effect would explain", caption, alt, draw)

@@ -1,4 +1,4 @@
-"""How large effects are: of a pair the one whose size may be nothing is let go."""
+"""How large effects are: of a pair the one whose size may be zero is removed."""
 
 from types import SimpleNamespace
 
@@ -63,7 +63,7 @@ def test_one_whose_interval_holds_off_is_let_go_and_the_other_sized_without_it(f
     assert (decision.kind, decision.effects) == ("named_with_remainder", (SLACK.name,))
     assert decision.point.without == COMPLIANCE.name
     assert fits.asked == [PAIR, (SLACK.name,)]
-    assert "wire compliance may be nothing" in decision.reason
+    assert "wire compliance may be zero" in decision.reason
 
 
 def test_where_neither_is_sure_the_surer_one_stays(fits):

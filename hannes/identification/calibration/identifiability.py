@@ -81,7 +81,7 @@ def _label(
 ) -> tuple[str, tuple[str, ...], str]:
     names = found.plan.names
     if place in found.on_bound:
-        return AT_BOUND, (), "it ended at a bound: widen the bound, or doubt the model"
+        return AT_BOUND, (), "it ended at a bound: widen the bound, or question the model"
     if _silent(found, place):
         return NOT_IDENTIFIED, (), "it moves nothing in these recordings"
     width = _width(found, spread, sides, place)

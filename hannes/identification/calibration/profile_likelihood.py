@@ -32,7 +32,7 @@ class _Profile:
         self.found, self.problem, self.spread = found, Problem(found), spread
         self.jacobian = np.vstack([found.jacobian().T, np.diag(found.scales.prior)])
         self.loss = found.plan.loss
-        self.floor = cost(self.loss, self.problem.residual(found.x))
+        self.least_cost = cost(self.loss, self.problem.residual(found.x))
 
     def reach(self, place: int, side: float) -> float:
         """Half-width on one side (-1 below, 1 above), scaled."""
@@ -43,12 +43,12 @@ class _Profile:
             return expected
         aim = 0.5 * expected**2 / variance
         led = cost(self.loss, self.problem.residual(self._led(place, side * expected)))
-        if abs((led - self.floor) / aim - 1.0) < CALIBRATION.not_parabolic:
+        if abs((led - self.least_cost) / aim - 1.0) < CALIBRATION.not_parabolic:
             return expected
         tried: list[tuple[float, float]] = [(0.0, 0.0)]
         at = expected
         for _ in range(CALIBRATION.profile_trials):
-            tried.append((at, self._grown(place, side * at)))
+            tried.append((at, self._growth(place, side * at)))
             at = min(_crossing(tried, aim), CALIBRATION.widest_profile * expected)
         return at
 
@@ -58,7 +58,7 @@ class _Profile:
         x = self.found.x + step * covariance[:, place] / covariance[place, place]
         return np.clip(x, scales.low, scales.high)
 
-    def _grown(self, place: int, step: float) -> float:
+    def _growth(self, place: int, step: float) -> float:
         """Growth of the cost with one parameter moved and the others fitted by one more step."""
         scales, x = self.found.scales, self._led(place, step)
         left = self.problem.residual(x)
@@ -70,12 +70,12 @@ class _Profile:
             x[others] -= np.linalg.lstsq(jacobian, left, rcond=None)[0]
         x = np.clip(x, scales.low, scales.high)
         followed = self.problem.residual(x)
-        return min(cost(self.loss, left), cost(self.loss, followed)) - self.floor
+        return min(cost(self.loss, left), cost(self.loss, followed)) - self.least_cost
 
 
 def _crossing(tried: Sequence[tuple[float, float]], aim: float) -> float:
     """Where the root of the growth reaches that of `aim`, by the two nearest trials."""
-    roots = sorted((at, np.sqrt(max(grown, 0.0))) for at, grown in tried if np.isfinite(grown))
+    roots = sorted((at, np.sqrt(max(growth, 0.0))) for at, growth in tried if np.isfinite(growth))
     goal = np.sqrt(aim)
     above = [each for each in roots if each[1] >= goal]
     below = [each for each in roots if each[1] < goal]

@@ -147,6 +147,6 @@ def _tried(problem: Problem, x: np.ndarray) -> Solved | None:
 def _unsettled(costs: Sequence[float]) -> str:
     path = " -> ".join(f"{each:.4g}" for each in costs[-3:])
     return (
-        f"the fit did not converge (misfit {path}); try fewer parameters, values nearer to the "
+        f"the fit did not converge (cost {path}); try fewer parameters, values nearer to the "
         "hand's, narrower bounds, or scan = 256"
     )

@@ -46,7 +46,7 @@ def _fitted(model: Model, seed: int, progress: Progress) -> tuple[Linearisation,
     progress("the machine as given")
     nominal = first(model, COARSE, seed)
     progress("the base")
-    baseline = fitted(nominal, 5, anew=1)
+    baseline = fitted(nominal, 5, restarts=1)
     corrected = model.with_sampling_correction(baseline.x, list(model.space.effects))
     for _ in range(NOISE.noise_estimates):
         noise = estimated_noise(corrected, baseline.x, FINE, seed)

@@ -29,22 +29,22 @@ def simulated(model: Model, entries: Sequence[Entry], places: np.ndarray) -> lis
     return [found[id(entry)] for entry in entries]
 
 
-def left(pieces: Sequence[Segment], runs: Sequence[Channels], names: Sequence[str]) -> Raw:
+def left(segments: Sequence[Segment], runs: Sequence[Channels], names: Sequence[str]) -> Raw:
     """Simulated minus recorded of each segment and channel, over its counted samples."""
     return [
         {
-            name: (run[name] - piece.recording[name])[piece.mask]
+            name: (run[name] - segment.recording[name])[segment.mask]
             for name in names
-            if name in piece.recording
+            if name in segment.recording
         }
-        for piece, run in zip(pieces, runs, strict=True)
+        for segment, run in zip(segments, runs, strict=True)
     ]
 
 
-def traced(piece: Segment, runs: Sequence[Channels], names: Sequence[str]) -> Traces:
+def traced(segment: Segment, runs: Sequence[Channels], names: Sequence[str]) -> Traces:
     """One recording and its simulations of the three stages."""
-    recording = piece.entry.recording
+    recording = segment.entry.recording
     there = [name for name in names if name in recording]
     measured = {name: recording[name] for name in there}
     stages = ({name: np.asarray(run[name]) for name in there} for run in runs)
-    return Traces(piece.entry, recording.time, piece.mask, measured, *stages)
+    return Traces(segment.entry, recording.time, segment.mask, measured, *stages)

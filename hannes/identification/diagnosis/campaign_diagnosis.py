@@ -69,8 +69,8 @@ def diagnose_campaign(
         progress("the test recordings")
         closing = _Closing(campaign, found, decision, spread, seed)
         result = closing.result(tried)
-    said = disagreement(settings, closing.model.space.settings)
-    return replace(result, verdict=replace(result.verdict, cautions=said))
+    cautions = disagreement(settings, closing.model.space.settings)
+    return replace(result, verdict=replace(result.verdict, cautions=cautions))
 
 
 def candidates(campaign: Campaign) -> dict[str, tuple[Effect, str]]:

@@ -77,8 +77,9 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
         return Decision(
             "unknown", (), f"refitted, the baseline leaves {more}, and {least}", found.baseline
         )
-    if slow := channel_excess(found.baseline):
-        more = f"more in {slow.where} than the machine's own values can (p = {slow.p_value:.1g})"
+    if residual := channel_excess(found.baseline):
+        where, p_value = residual.where, residual.p_value
+        more = f"more in {where} than the machine's own values can (p = {p_value:.1g})"
         return Decision(
             "unknown", (), f"refitted, the baseline leaves {more}, and {least}", found.baseline
         )

@@ -21,7 +21,7 @@ from hannes.identification.diagnosis.multistart import (
     Fits,
     Progress,
     fit_beside,
-    little,
+    negligible,
     refitted,
     without,
 )
@@ -158,7 +158,7 @@ def _back(
     point = baseline.moved(rows[np.argmin(baseline.chi2_at(rows))], baseline.active)
     if point is None:
         return None
-    point = settled(point, little(baseline.chi2 - best.point.chi2), baseline.chi2)
+    point = settled(point, negligible(baseline.chi2 - best.point.chi2), baseline.chi2)
     better = baseline.chi2 - point.chi2 > SEARCH.other_minimum * variance_factor
     return settled(point) if better else None
 

@@ -40,8 +40,8 @@ def with_sizes(
         kept, other = sorted(surest, key=lambda name: -surest[name])
         point = faded(decision.point, other) if surest[other] <= 1.0 else None
         if point is not None:
-            said = f"{decision.reason}; the size of {other.replace('_', ' ')} may be nothing"
-            left = Decision("named_with_remainder", (kept,), said, point)
+            reason = f"{decision.reason}; the size of {other.replace('_', ' ')} may be zero"
+            left = Decision("named_with_remainder", (kept,), reason, point)
             return with_sizes(left, seed, variance_factor, progress)
     return replace(decision, point=fit.point), fit.deviations
 

@@ -95,14 +95,14 @@ def separation(
     try:
         for trial in pair:
             model = model.with_sampling_correction(trial.point.x, trial.effects)
-        difference, doubt = _differing(baseline, model, group, *pair)
+        difference, uncertainty = _differing(baseline, model, group, *pair)
     except ComputationFailed:
         return Separation(0.0, 0.0)
-    doubt *= max(1.0, found.variance_factor)
+    uncertainty *= max(1.0, found.variance_factor)
     usual = np.repeat([name not in more for name in group.names], group.bins)
     return Separation(
-        _distance(difference[usual], doubt[np.ix_(usual, usual)]),
-        _distance(difference, doubt),
+        _distance(difference[usual], uncertainty[np.ix_(usual, usual)]),
+        _distance(difference, uncertainty),
         tuple(name for name in group.names if name in more),
     )
 
@@ -118,14 +118,16 @@ def _differing(
     if channels is None or not (np.isfinite(ends).all() and np.isfinite(vectors[0]).all()):
         raise ComputationFailed(f"{group.entries[0].name} cannot be simulated")
     open_left = np.linalg.solve(baseline.hessian[: known.size, : known.size], derivatives[0])
-    return ends[0] - ends[1], _doubt(baseline, model, channels) + derivatives[0].T @ open_left
+    return ends[0] - ends[1], _uncertainty(baseline, model, channels) + derivatives[0].T @ open_left
 
 
 def _distance(difference: np.ndarray, covariance: np.ndarray) -> float:
     return float(np.sqrt(difference @ np.linalg.solve(covariance, difference)))
 
 
-def _doubt(baseline: Linearisation, model: Model, channels: Mapping[str, np.ndarray]) -> np.ndarray:
+def _uncertainty(
+    baseline: Linearisation, model: Model, channels: Mapping[str, np.ndarray]
+) -> np.ndarray:
     """Covariance of a run by everything uncertain but the machine."""
     noise, (group,) = baseline.noise.run_noise, model.groups
     if baseline.noise.simulated_noise:  # repeats may be noisier than simulated ones

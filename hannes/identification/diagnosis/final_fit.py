@@ -56,10 +56,14 @@ def final_fit(
     known = {k: each for k, each in found.items() if each is not None}
     start = min([fine, *(each.lowest for each in known.values())], key=lambda each: each.chi2)
     values = [known[k].least if k in known else fine.x[k] for k in found]
-    floor = held_at(start, places, np.array(values))
-    if floor is None or floor.chi2 > fine.chi2 + FIT.local_minima * places.size or not _runs(floor):
+    minimum = held_at(start, places, np.array(values))
+    if (
+        minimum is None
+        or minimum.chi2 > fine.chi2 + FIT.local_minima * places.size
+        or not _runs(minimum)
+    ):
         return FinalFit(fine, spread)  # least along each parameter, but not along all together
-    return FinalFit(floor, spread | {k: each.deviation for k, each in known.items()})
+    return FinalFit(minimum, spread | {k: each.deviation for k, each in known.items()})
 
 
 def _finer(

@@ -8,29 +8,29 @@ from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.tuning import FIT
 
 
-def fitted(point: Linearisation, steps: int, anew: int = 0) -> Linearisation:
-    """The fit after `steps` steps, and as many after each of `anew` new sets of derivatives.
+def fitted(point: Linearisation, steps: int, restarts: int = 0) -> Linearisation:
+    """The fit after `steps` steps, and as many after each of `restarts` new sets of derivatives.
 
     A step differences the effects' parameters only, which are few, and updates the other
     derivatives by Broyden's rule.
     """
     point = _walked(point, steps)
-    for _ in range(anew):
+    for _ in range(restarts):
         point = _walked(relinearised(point), steps)
     return point
 
 
 def settled(
-    point: Linearisation, little: float = FIT.converged, below: float = np.inf
+    point: Linearisation, negligible: float = FIT.converged, below: float = np.inf
 ) -> Linearisation:
-    """The fit converged: new derivatives and some steps until the reduction is below `little`.
+    """The fit converged: new derivatives and some steps until the reduction is below `negligible`.
 
     Gives up where a round reduces chi-squared by less than it still lies above `below`.
     """
     for _ in range(FIT.rounds):
         found = _walked(relinearised(point), FIT.steps_per_round)
-        gained, point = point.chi2 - found.chi2, found
-        if gained < max(little, point.chi2 - below):
+        reduction, point = point.chi2 - found.chi2, found
+        if reduction < max(negligible, point.chi2 - below):
             break
     return point
 
@@ -47,8 +47,8 @@ def _walked(point: Linearisation, steps: int) -> Linearisation:
         found = _stepped(point)
         if found is None or found.chi2 >= point.chi2:  # points simulated as changes are approximate
             break
-        gained, point = point.chi2 - found.chi2, found.corrected(point)
-        if gained < FIT.converged:
+        reduction, point = point.chi2 - found.chi2, found.corrected(point)
+        if reduction < FIT.converged:
             break
     return point
 

@@ -75,14 +75,14 @@ def _from_both(
     The baseline is biased to hide an effect, and with contacts a fit from there may stay biased.
     That is suspected where it reduces less than `predicted`, or where the last rounds reduced much.
     """
-    found = settled(point, little(baseline.chi2 - point.chi2))
+    found = settled(point, negligible(baseline.chi2 - point.chi2))
     delta_chi2 = baseline.chi2 - found.chi2
     far = point.chi2 - found.chi2 > max(SEARCH.far_reduction, SEARCH.far_share * delta_chi2)
     if not far and delta_chi2 > SEARCH.kept_guess * predicted:
         return found
     places = np.setdiff1d(point.active, baseline.active)
     there = started_at(with_noise(nominal, point.noise), places, found.x[places])
-    other = found if there is None else settled(there, little(delta_chi2), found.chi2)
+    other = found if there is None else settled(there, negligible(delta_chi2), found.chi2)
     return min(found, other, key=lambda each: each.chi2)
 
 
@@ -117,7 +117,7 @@ def _from_machine(
     there = point.moved(x, np.setdiff1d(point.active, baseline.active))
     if there is None:
         return point
-    found = settled(there, little(delta_chi2), point.chi2)
+    found = settled(there, negligible(delta_chi2), point.chi2)
     return min(point, found, key=lambda each: each.chi2)
 
 
@@ -129,7 +129,7 @@ def fit_beside(
     if start is None:
         return None
     point = fitted(start, 5)
-    point = settled(point, little(baseline.chi2 - point.chi2))
+    point = settled(point, negligible(baseline.chi2 - point.chi2))
     if best is not None:
         point = _from_machine(best, point, baseline, baseline.chi2 - best.chi2)
     return point if point.chi2 < baseline.chi2 else None
@@ -201,6 +201,6 @@ def started_at(
     return start.with_active(np.union1d(start.active, places)).moved(x, np.sort(places))
 
 
-def little(delta_chi2: float) -> float:
+def negligible(delta_chi2: float) -> float:
     """Reduction below which a round is the last, where the whole reduction is this large."""
     return max(FIT.converged, SEARCH.last_round_share * delta_chi2)

@@ -45,11 +45,11 @@ def profile(point: Linearisation, place: int, deviation: float) -> Profile | Non
     kept = [each for side in near for each in side]
     away = np.array([each.x[place] - point.x[place] for each in kept]) / deviation
     above = np.array([each.chi2 for each in kept]) - lowest.chi2
-    bend, slope, _ = np.polyfit(away, above, 2, w=1.0 / (FIT.local_minima + above))
-    if bend <= 0.0:
+    quadratic, linear, _ = np.polyfit(away, above, 2, w=1.0 / (FIT.local_minima + above))
+    if quadratic <= 0.0:
         return None
-    least = float(np.clip(-slope / (2.0 * bend), away.min(), away.max()))
-    return Profile(float(point.x[place]) + deviation * least, deviation / bend**0.5, lowest)
+    least = float(np.clip(-linear / (2.0 * quadratic), away.min(), away.max()))
+    return Profile(float(point.x[place]) + deviation * least, deviation / quadratic**0.5, lowest)
 
 
 def held_at(point: Linearisation, places: np.ndarray, values: np.ndarray) -> Linearisation | None:

@@ -20,8 +20,8 @@ def beyond_noise(point: Linearisation, bins: int) -> str:
     """What a fit leaves beyond noise, in words; an empty string where there is nothing."""
     if point.chi2 > VERDICT.clean * bins:
         return f"{point.chi2 / bins:.2f} per bin (1 expected)"
-    if slow := autocorrelated(point):
-        return f"more in {slow.where} than chance (p = {slow.p_value:.1g})"
+    if residual := autocorrelated(point):
+        return f"more in {residual.where} than chance (p = {residual.p_value:.1g})"
     return ""
 
 
@@ -74,8 +74,8 @@ def something_more(found: SearchResult, trial: Trial) -> str:
         return trend_text(found, trend)
     if more := beyond_noise(trial.point, found.bins):
         return f"what is left is {more}"
-    if slow := _underexplained(found, trial):
-        more = f"{slow.excess / found.variance_factor:.0f} stand out in {slow.where} alone"
+    if residual := _underexplained(found, trial):
+        more = f"{residual.excess / found.variance_factor:.0f} stand out in {residual.where} alone"
         return f"{more}, so something else is there"
     rest, needed = found.remaining, max(SEARCH.name_limit, SEARCH.second_share * trial.delta_chi2)
     if rest is not None and rest.delta_chi2 / found.variance_factor > needed:
@@ -99,10 +99,11 @@ def _underexplained(found: SearchResult, trial: Trial) -> StructuredResidual | N
 
     What appears in one channel alone is about as large by both, and which is larger is chance.
     """
-    slow = channel_excess(found.baseline)
+    residual = channel_excess(found.baseline)
     return (
-        slow
-        if slow is not None and VERDICT.explained_share * slow.excess > _lowered(found, trial)
+        residual
+        if residual is not None
+        and VERDICT.explained_share * residual.excess > _lowered(found, trial)
         else None
     )
 
@@ -142,14 +143,14 @@ def explained_share(found: SearchResult, trial: Trial) -> float:
 
     Zero where a trend across runs would explain more.
     """
-    delta_chi2, slow = trial.delta_chi2 * found.variance_factor, autocorrelated(trial.point)
+    delta_chi2, residual = trial.delta_chi2 * found.variance_factor, autocorrelated(trial.point)
     trend, instead = (significant_trend(found, p) for p in (trial.point, found.baseline))
     if trend and instead and instead.delta_chi2 > delta_chi2:
         return 0.0
     beyond = max(found.baseline.chi2 - min(1.0, found.variance_factor) * found.bins, 1.0)
     far = _far_from_prior(trial)
     rests = (
-        slow.excess if slow else 0.0,
+        residual.excess if residual else 0.0,
         trend.delta_chi2 if trend else 0.0,
         far.excess if far else 0.0,
     )

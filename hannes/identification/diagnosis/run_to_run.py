@@ -58,8 +58,8 @@ def observed_ratios(noise: NoiseCovariance) -> tuple[float, float]:
     pairs = list(product(NOISE.excess_ratios, NOISE.excess_ratios))
     likelihoods = [sum(each.log_likelihood(*pair) for each in repeats) for pair in pairs]
     best = int(np.argmax(likelihoods))
-    gained = 2.0 * (likelihoods[best] - likelihoods[pairs.index((1.0, 1.0))])
-    return pairs[best] if gained >= NOISE.excess_likelihood else (1.0, 1.0)
+    ratio = 2.0 * (likelihoods[best] - likelihoods[pairs.index((1.0, 1.0))])
+    return pairs[best] if ratio >= NOISE.excess_likelihood else (1.0, 1.0)
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,7 @@ def _paired(
         progress(f"{one.effects[0]} and {guess.effect}".replace("_", " "))
         point = started_at_guess(one.point, guess)
         if point is not None:
-            point = fitted(with_correction_at_size(fitted(point, 4), guess.effect), 4, anew=1)
+            point = fitted(with_correction_at_size(fitted(point, 4), guess.effect), 4, restarts=1)
             pair = Trial((*one.effects, guess.effect), point, 0.0)
             pairs.append(priced(found.baseline, pair, found.variance_factor))
     return pairs
@@ -110,8 +110,8 @@ def _alone(found: SearchResult, pair: Trial, kept: str, progress: Progress) -> T
     progress(f"{kept} without {other}".replace("_", " "))
     own = pair.point.space.of(kept)
     nominal = with_noise(found.nominal, pair.point.noise)
-    anew = started_at(nominal, own, pair.point.x[own])
-    starts = (faded(pair.point, other), anew and fitted(anew, 4))
+    again = started_at(nominal, own, pair.point.x[own])
+    starts = (faded(pair.point, other), again and fitted(again, 4))
     trials = [Trial((kept,), start, 0.0) for start in starts if start is not None]
     whole = best_first([converged(found.baseline, each, found.variance_factor) for each in trials])
     return with_confusable(found.baseline, found.guesses, whole[:1])[0] if whole else None

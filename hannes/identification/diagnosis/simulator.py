@@ -204,14 +204,14 @@ class Model:
         """
         effects = effects or self._held
         plant, stacked = self.whole if effects else self.small, np.vstack([x, rows])
-        alike = getattr(plant, "alike", None)
-        if alike is None and here is not None:
+        same_steps = getattr(plant, "alike", None)
+        if same_steps is None and here is not None:
             return self.vectors(group, rows, effects) - here
-        if alike is None:
+        if same_steps is None:
             made = self.vectors(group, stacked, effects)
         else:
             columns = self.space.columns(group, stacked, effects)
-            made = self._vectors(group, alike(columns, group.recording, group.names))
+            made = self._vectors(group, same_steps(columns, group.recording, group.names))
             made = self._corrected(group, made, stacked) if effects else made
         return made[1:] - made[0]
 

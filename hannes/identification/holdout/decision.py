@@ -44,7 +44,7 @@ def _fields(kind: str, reason: str, effects: Sequence[str] = ()) -> VerdictField
 
 
 def _times_text(times: float) -> str:
-    return f"{times:.1f} times the floor"
+    return f"{times:.1f} times the noise floor"
 
 
 def lacking(campaign: Campaign, segments: Sequence[Segment], trials: Sequence[Trial]) -> str:
@@ -86,8 +86,8 @@ def confirmed(fields: VerdictFields, gap: Mapping[str, Mapping[str, float]]) -> 
 def _chosen(best: Trial, note: str) -> str:
     better = int(np.sum(best.block_reductions > 0.0))
     text = (
-        f"on recordings not fitted it takes away {100 * best.share:.0f} % of the misfit above the "
-        f"floor, in {better} of {best.block_reductions.size} blocks, and its size lies "
+        f"on recordings not fitted it explains {100 * best.share:.0f} % of the misfit above the "
+        f"noise floor, in {better} of {best.block_reductions.size} blocks, and its size lies "
         f"{best.evidence:.1f} standard deviations from none"
     )
     return f"{text}; {note}" if note else text

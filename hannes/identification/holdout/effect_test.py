@@ -108,9 +108,9 @@ def _objection(trial: Trial) -> str:
             f"{HOLDOUT.fewest_blocks} are needed"
         )
     if trial.lower_limit <= 0.0:
-        return "its gain on recordings not fitted is within what chance gives"
+        return "its improvement on recordings not fitted is within chance"
     if trial.delta_chi2 < HOLDOUT.least_reduction or trial.share < HOLDOUT.least_share:
-        return f"it explains only {100 * trial.share:.0f} % of what is above the floor"
+        return f"it explains only {100 * trial.share:.0f} % of what is above the noise floor"
     if trial.evidence < needed:
         return (
             f"its size lies {trial.evidence:.1f} standard deviations from none, "
@@ -120,7 +120,7 @@ def _objection(trial: Trial) -> str:
 
 
 def ranked(trials: Sequence[Trial]) -> list[Trial]:
-    """Best first: accepted ones by gain, then the others by gain, inapplicable ones last."""
+    """Best first: accepted ones by reduction, then the others likewise, inapplicable ones last."""
     return sorted(trials, key=lambda t: (not t.accepted, not t.applicable, -t.delta_chi2, t.name))
 
 

@@ -48,8 +48,8 @@ def _table_2(ours: GraspMetrics) -> list[Row]:
         )
         for each in published.TABLE_2
     ]
-    late = abs(relative_error(published.CONTACT, ours.contact))
-    return [*rows, row("first force above 1 N, off 0.30 s", late, CONTACT_WITHIN, "%")]
+    delay = abs(relative_error(published.CONTACT, ours.contact))
+    return [*rows, row("first force above 1 N, off 0.30 s", delay, CONTACT_WITHIN, "%")]
 
 
 def _void(unit: Trajectory) -> Row:
