@@ -54,3 +54,12 @@ def test_modules_that_are_named_exist(page):
     made = {block.file for block in blocks(page)}
     for module in re.findall(r"`(\w+\.py)`", text(page)):
         assert module in made or list(ROOT.glob(f"hannes/**/{module}")), f"{name(page)}: {module}"
+
+
+def test_the_tables_of_the_verdict_page_are_made_where_contributing_says():
+    page = text(ROOT / "hannes" / "report" / "diagnosis.py")
+    section = text(ROOT / "CONTRIBUTING.md").partition("## A column on the verdict page")[2]
+    rows = re.findall(r"^\| ([^|`]+) \| `(\w+)` \|$", section, re.MULTILINE)
+    assert len(rows) == page.count(") -> Table:")
+    for title, function in rows:
+        assert f"def {function}(" in page and f'"{title}"' in page
