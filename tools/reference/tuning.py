@@ -3,24 +3,12 @@
 import ast
 import inspect
 from collections.abc import Iterator
-from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
-from hannes.identification.calibration.tuning import CALIBRATION
-from hannes.identification.diagnosis.tuning import FIT, NOISE, SEARCH, VERDICT
-from hannes.identification.holdout.tuning import HOLDOUT
-from tools.reference.markdown import code, number, table
+from hannes.identification.tunings import METHODS, tables
+from tools.reference.markdown import code, table
 
 ROOT = Path(__file__).parents[2]
-TUNINGS = {
-    "Diagnosis: noise": NOISE,
-    "Diagnosis: fits": FIT,
-    "Diagnosis: search": SEARCH,
-    "Diagnosis: verdict": VERDICT,
-    "Calibration": CALIBRATION,
-    "Machines with few parameters": HOLDOUT,
-}
 MODULES = {"Data check": "hannes/campaigns/quality", "Recognition": "hannes/recognition"}
 HEAD = """# Tuning constants
 
@@ -35,32 +23,16 @@ What a campaign may set stands on [Campaign](campaign.md).
 
 def page() -> str:
     """Text of the page, a section a method."""
-    parts = [HEAD, *(_tuning(name, each) for name, each in TUNINGS.items())]
-    parts += [_modules(name, folder) for name, folder in MODULES.items()]
-    return "\n".join(parts)
+    parts = [HEAD, _files(), tables()]
+    return "\n".join([*parts, *(_modules(name, folder) for name, folder in MODULES.items())])
 
 
-def _tuning(name: str, tuning: Any) -> str:
-    """A dataclass whose fields carry unit, meaning and origin."""
-    rows = [
-        (code(each.name), _value(getattr(tuning, each.name)), *_said(each.metadata))
-        for each in fields(tuning)
-    ]
-    file = Path(inspect.getfile(type(tuning))).relative_to(ROOT).as_posix()
-    columns = ("constant", "value", "unit", "meaning", "chosen by")
-    stands = f"`{type(tuning).__name__}` in `{file}`."
-    return f"## {name}\n\n{stands}\n\n{table(columns, rows)}\n"
-
-
-def _said(metadata: Any) -> tuple[str, str, str]:
-    unit = "" if metadata["unit"] == "1" else metadata["unit"]
-    return unit, metadata["meaning"], metadata["chosen"]
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, tuple):
-        return ", ".join(map(_value, value))
-    return number(value) if isinstance(value, float) else str(value)
+def _files() -> str:
+    """Which file has which dataclass."""
+    classes = [type(each) for tunings in METHODS.values() for each in tunings]
+    files = [Path(inspect.getfile(each)).relative_to(ROOT).as_posix() for each in classes]
+    rows = [(code(each.__name__), code(file)) for each, file in zip(classes, files, strict=True)]
+    return f"{table(('class', 'file'), rows)}\n"
 
 
 def _modules(name: str, folder: str) -> str:
