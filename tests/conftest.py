@@ -1,6 +1,7 @@
 """What all tests share."""
 
 import signal
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -22,7 +23,24 @@ def compiling():
         pytest.skip("nothing is compiled here")
 
 
+# Each file goes to one worker, in this order: a model is compiled by one of them, once, and the
+# longest do not end alone. The first two need different models, or none.
+FIRST = (
+    "simulation/test_batch.py",
+    "benchmarks/test_truth_effects.py",
+    "simulation/test_catalogue.py",
+    "simulation/test_assemble.py",
+    "simulation/test_energy_balance.py",
+    "identification/test_diagnosis_parts.py",
+    "identification/test_diagnosis.py",
+    "identification/test_axis_diagnosis.py",
+    "benchmarks/test_mujoco.py",
+    "simulation/test_rodas.py",
+)
+
+
 def pytest_collection_modifyitems(items):
-    """Files with slow tests first: each goes to one worker, and the last one would end alone."""
+    """Files in the order of FIRST, those with slow tests next, then all others."""
+    order = {Path(__file__).parent / name: place for place, name in enumerate(FIRST)}
     slow = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: item.path not in slow)
+    items.sort(key=lambda item: (order.get(item.path, len(order)), item.path not in slow))

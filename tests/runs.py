@@ -48,10 +48,10 @@ def worst(mine, theirs):
 
 
 @kernel
-def breaking(motor_speed, t, since, way):
-    """A torque that from a time on is no number, infinite or explosive."""
-    if t < since:
-        return 0.0
+def breaking(motor_speed, t, since, way, rattle):
+    """A torque that from a time on is no number, infinite or explosive; before, it may rattle."""
+    if t < since or way == 0.0:
+        return rattle * np.sin(1e6 * t)
     if way == 1.0:
         return np.nan
     return np.inf if way == 2.0 else -1e300 * motor_speed
@@ -66,6 +66,7 @@ BREAK = Effect(
     (
         Parameter("way", 0.0, "1", (0.0, 3.0), "how it breaks", off=0.0),
         Parameter("since", 0.05, "s", (0.0, 1.0), "when it breaks"),
+        Parameter("rattle", 0.0, "N m", (0.0, 10.0), "far quicker than anything else", off=0.0),
     ),
     (Term(breaking, ("motor_torque",)),),
 )

@@ -39,6 +39,7 @@ def off(run, truth=None):
     return max(worst(run[name], (truth or exact())[name]) for name in TRACES)
 
 
+@pytest.mark.slow
 def test_our_equations_in_mujoco_are_ours():
     """Its fourth-order method at 8 us reaches our converged traces and states."""
     run = carried("RK4", 120)

@@ -15,10 +15,7 @@ import pytest
 from runs import BREAK, grasp
 from scipy.integrate import solve_ivp
 
-from hannes.core.effect import Effect, Term
 from hannes.core.errors import BadInput, ComputationFailed
-from hannes.core.kernels.jit import kernel
-from hannes.core.parameter import Parameter
 from hannes.simulation.batch import chunks
 from hannes.simulation.batch.simulate_many import simulate_alike, simulate_many
 from hannes.simulation.compiled_call import ended
@@ -242,25 +239,9 @@ def test_a_grasp_of_too_many_steps_is_named():
     assert outcome is Outcome.SOLVER_GAVE_UP and "1000000 steps" in message
 
 
-@kernel
-def rattling(t, torque):
-    """Far quicker than anything else in the hand."""
-    return torque * np.sin(1e6 * t)
-
-
-RATTLE = Effect(
-    "rattling",
-    "The motor rattles.",
-    "-",
-    "a test",
-    (Parameter("torque", 0.0, "N m", (0.0, 10.0), "how hard", off=0.0),),
-    (Term(rattling, ("motor_torque",)),),
-)
-
-
 def test_a_grasp_that_takes_many_times_the_steps_of_the_first_ends_there():
     """One once took half an hour: its limit lies far under that of any grasp."""
-    hand, table = Hand().with_effects(RATTLE), {"rattling.torque": np.array([0.0, 1.0, 0.0])}
+    hand, table = Hand().with_effects(BREAK), {"breaking.rattle": np.array([0.0, 1.0, 0.0])}
     asked = {"channels": ("current",), "rtol": 1e-4}
     found = simulate_alike(hand, grasp(duration=0.3), table, **asked)
     assert [each.outcome for each in found[::2]] == [Outcome.COMPLETED] * 2

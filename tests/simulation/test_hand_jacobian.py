@@ -303,11 +303,19 @@ VARIANTS = [
 ]
 
 
-@pytest.mark.parametrize("case", ["none", "catalogue"])
-@pytest.mark.parametrize("values, shape", VARIANTS)
-def test_other_values_have_the_right_slopes_too(case, values, shape):
+def varied(case, known):
     """Weight, flat sides, a ball, firmware, limits that are reached, steep friction."""
-    compared(posed(CASES[case]).with_values(values), shape, (1e4,), grasped())
+    for values, shape in VARIANTS:
+        compared(posed(CASES[case]).with_values(values), shape, (1e4,), known)
+
+
+@pytest.mark.parametrize("case", ["none", pytest.param("catalogue", marks=pytest.mark.slow)])
+def test_other_values_have_the_right_slopes_too(case):
+    varied(case, grasped())
+
+
+def test_other_values_with_all_effects_in_plain_python(tmp_path):
+    in_plain_python("functools.partial(test_hand_jacobian.varied, 'catalogue')", tmp_path)
 
 
 @pytest.mark.parametrize(

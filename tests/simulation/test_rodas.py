@@ -414,6 +414,7 @@ def stiffest(rtol, nudge=0.0):
     return Initial(*given, experiment, "Rodas", rtol).run().require()["force"]
 
 
+@pytest.mark.slow
 def test_the_stiffest_hand_is_sensitive_but_not_chaotic():
     """Its peak force at loose tolerances is off by a third: 1 um of finger is 10 N of contact.
 
