@@ -3,33 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.foreign.binary_columns import open_hdf5, open_mat
-from hannes.campaigns.foreign.mapping import ChannelRule, Column, ColumnMap, TimeRule
+from hannes.campaigns.foreign.mapping import ChannelRule, ColumnMap, TimeRule
 from hannes.campaigns.foreign.resample import resampled
-from hannes.campaigns.foreign.text_columns import Delimited
+from hannes.campaigns.foreign.sources import Source, open_source
 from hannes.core.errors import BadInput
 
 FloatArray = NDArray[np.float64]
-
-HDF5 = (".h5", ".hdf5", ".hdf", ".he5")
-
-
-class Source(Protocol):
-    """A foreign file: its columns as numbers, NaN where a value is missing."""
-
-    def numbers(self, column: Column) -> FloatArray:
-        """Values of a column in its own unit, shape (n,)."""
-
-    def stamps(self, column: Column) -> FloatArray:
-        """Times of a column, shape (n,), s."""
-
-    def place(self, row: int) -> str:
-        """Where in the file a row stands, for messages."""
 
 
 @dataclass(frozen=True)
@@ -47,19 +30,9 @@ class Run:
     filled: Mapping[str, int]
 
 
-def open_source(path: Path, mapping: ColumnMap) -> Source:
-    """Open a text, HDF5 or MATLAB file by the end of its name."""
-    suffix = path.suffix.lower()
-    if suffix == ".mat":
-        return open_mat(path, mapping.missing)
-    if suffix in HDF5:
-        return open_hdf5(path, mapping.missing)
-    return Delimited(path, mapping.text, mapping.missing)
-
-
 def read_runs(path: Path, mapping: ColumnMap) -> list[Run]:
     """Return the runs of a file, at least one; BadInput names the file and the line."""
-    source = open_source(path, mapping)
+    source = open_source(path, mapping.text, mapping.missing)
     raw = {name: source.numbers(rule.column) for name, rule in mapping.channels.items()}
     lengths = {name: values.size for name, values in raw.items()}
     if len(set(lengths.values())) > 1:
