@@ -118,10 +118,11 @@ def _report(
         },
         "resampled_Hz": mapping.time.resample or None,
         "dropped_rows": run.dropped,
+        "disordered_rows": run.disordered,
         "filled_values": dict(run.filled),
         "channels": {
             name: {
-                "column": rule.column.name,
+                "column": rule.column.name if rule.column else None,
                 "unit": recording.units[name],
                 "factor": rule.factor,
                 "offset": rule.offset,

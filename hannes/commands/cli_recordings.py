@@ -22,15 +22,20 @@ rig.toml; all of it but time and channels may be left out:
   experiment = "void-closure"     # what was done: a shipped name, or a .toml
   missing = ["-999", "n/a"]       # stand for no value, as empty cells and NaN do
   split = "trial"                 # a new run wherever this column changes
+  # split_at = "restart"          # or where time restarts; "blank" lines, repeated "header"
   [text]                          # delimiter is detected where not given
   delimiter = "semicolon"
   decimal = ","
   comment = "#"
   header = 3                      # line with the names, 0 for none
   first = 5                       # line of the first numbers
+  skip = "^(WARN|boot)"           # lines left out, a regular expression
+  ragged = true                   # rows of unequal length
   [time]
   column = "t [ms]"               # or sampling = "1 kHz"
-  unit = "ms"                     # or format = "iso" for dates and times
+  unit = "ms"                     # or format = "iso", "%H:%M:%S.%f" for dates and times
+  wrap = 32768                    # ticks after which the clock restarts
+  order = "sort"                  # doubled or swapped rows: drop, mean, sort
   from_zero = true
   offset = "0.2 s"                # added to every time
   resample = "1 kHz"              # else times stay as recorded
@@ -42,6 +47,26 @@ rig.toml; all of it but time and channels may be left out:
   reversed = true
   offset = "-0.31 rad"            # added at the end
   fill = "hold"                   # a missing value: drop its row, hold, or linear
+  signed = 16                     # bits of an integer that was logged as unsigned
+  unwrap = 4096                   # raw counts after which a counter restarts
+  index = 3                       # place in a list in a cell, or in an array
+  [channels.duty]
+  column = "pwm"
+  unit = "%"
+  [channels.current]
+  column = "bus current"
+  unit = "mA"
+  kind = "supply"                 # measured at the supply: divided by the channel duty
+  [channels.supply]
+  constant = "12 V"               # no column, the same throughout
+  [channels.reference]
+  from = "command"                # a further file, on a clock of its own
+  column = "goal"
+  unit = "rad"
+  [files.command]
+  replace = "_state"              # in the first file's name
+  by = "_command"
+  time = { column = "t", unit = "s" }
   [align]
   to = "experiment"               # or "reference", where that is another logger's
   by = "simulation"               # or "command", with lag = "60 ms" of the machine itself
@@ -57,7 +82,11 @@ hannes check log.csv --experiment void-closure""",
 def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     """Add the commands; `command(name, call, description)` makes the parser of one."""
     convert = command("convert", _convert, "read foreign files into recordings")
-    convert.add_argument("file", nargs="+", help="CSV or other text (also .gz), HDF5, MATLAB")
+    convert.add_argument(
+        "file",
+        nargs="+",
+        help="text (also .gz), HDF5, MATLAB, JSON, npz, xlsx, Parquet, MCAP, bags",
+    )
     convert.add_argument("--mapping", required=True, metavar="MAP.toml", help="what is what")
     convert.add_argument(
         "--out", required=True, metavar="FILE", help="a .csv or .h5 file, or a folder for several"
@@ -142,6 +171,8 @@ def _summary_text(row: dict[str, Any]) -> str:
         )
     if row["dropped_rows"]:
         lines.append(f"  {row['dropped_rows']} rows left out: a value was missing")
+    if row["disordered_rows"]:
+        lines.append(f"  {row['disordered_rows']} rows left out: their time was doubled or late")
     for name, count in row["filled_values"].items():
         lines.append(f"  {name}: {count} missing values filled in")
     if shift := row["shift"]:

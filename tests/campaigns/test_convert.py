@@ -289,7 +289,7 @@ def test_resampling_keeps_gaps_and_means(tmp_path):
         ('unit = "rad"', 'unit = "rad"\nscale = "3 mm"', "channels.position.scale"),
         ('unit = "rad"', 'unit = "rad"\noffset = "3 mm"', "channels.position.offset"),
         ('unit = "A"', 'unit = "A"\nside = "motor"', "angles and angular speeds only"),
-        ('unit = "A"', 'unit = "A"\nindex = 2', "index is for HDF5"),
+        ('unit = "A"', 'unit = "A"\nindex = 2', "no number 2"),
         ('unit = "A"', 'unit = "A"\nfill = "linaer"', 'did you mean "linear"'),
         ("[time]", 'experiment = "void-closur"\n[time]', 'did you mean "void-closure"'),
         ("[time]", 'plant = "hnd"\n[time]', 'did you mean "hand"'),

@@ -1,5 +1,6 @@
-"""Columns of binary files: datasets of an HDF5 file, variables of a MATLAB file."""
+"""Columns of binary files by path; datasets of an HDF5 file, MATLAB's version 7.3 included."""
 
+import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from hannes.core.recording.hdf5 import OWN_FILTERS
 FloatArray = NDArray[np.float64]
 
 MOST_VALUES = 50_000_000  # of one dataset, 400 MB
+MOST_CELLS, DEEPEST = 1000, 4  # of a dataset of references
 
 
 class Arrays:
@@ -30,14 +32,8 @@ class Arrays:
 
     def numbers(self, column: Column) -> FloatArray:
         """Values of a dataset or variable, shape (n,); BadInput where it is no row of numbers."""
-        name = str(column.name).strip("/")
-        if name not in self.names:
-            name = name.replace(".", "/").strip("/")
-        if not isinstance(column.name, str) or name not in self.names:
-            shown = ", ".join(self.names)
-            hint = nearest(name, self.names)
-            raise BadInput(f'{self.path}: holds no "{column.name}"{hint} (it has {shown:.300})')
-        values = self._row(np.asarray(self.read(name)), column)
+        name, index = self._found(column)
+        values = self._row(np.asarray(self.read(name)), Column(column.name, index))
         for text in self.missing:
             values[values == _as_number(text)] = np.nan
         if np.isinf(values).any():
@@ -45,9 +41,31 @@ class Arrays:
             raise BadInput(f'{self.place(row)}: "{name}" is not finite; list inf under missing')
         return values
 
-    def stamps(self, column: Column) -> FloatArray:
+    def stamps(self, column: Column, pattern: str = "") -> FloatArray:
         """Binary files hold numbers."""
-        raise BadInput(f'{self.path}: format = "iso" is for text files')
+        raise BadInput(f"{self.path}: time.format is for text; the times here are numbers")
+
+    def labels(self, column: Column) -> FloatArray:
+        """The numbers themselves."""
+        return self.numbers(column)
+
+    def breaks(self, kind: str) -> NDArray[np.intp]:
+        """Binary files have no lines."""
+        raise BadInput(f'{self.path}: split_at = "{kind}" is for text; use "restart"')
+
+    def _found(self, column: Column) -> tuple[str, int]:
+        """Path of a column, and the index that is left once one led into a list or cell."""
+        if isinstance(column.name, str):
+            for name in (column.name.strip("/"), _as_path(column.name)):
+                if name in self.names:
+                    return name, column.index
+            parts = _as_path(column.name).split("/")
+            for k in range(len(parts), 0, -1):
+                name = "/".join([*parts[:k], str(column.index), *parts[k:]])
+                if column.index and name in self.names:
+                    return name, 0
+        shown, hint = ", ".join(self.names), nearest(str(column.name), self.names)
+        raise BadInput(f'{self.path}: holds no "{column.name}"{hint} (it has {shown:.300})')
 
     def _row(self, values: NDArray[Any], column: Column) -> FloatArray:
         """The only axis, or the column `index`; a copy."""
@@ -70,29 +88,52 @@ def open_hdf5(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Find the datasets of an HDF5 file; links to the outside are not followed."""
     import h5py
 
-    names: list[str] = []
+    places: dict[str, str] = {}
 
     def keep(name: str, item: Any) -> None:
-        if isinstance(name, str) and isinstance(item, h5py.Dataset) and _harmless(item):
-            names.append(name)
+        if isinstance(name, str) and isinstance(item, h5py.Dataset):
+            _note(name, item, places)
 
     def look(file: Any) -> None:
         file.visititems(keep)  # visits hard links alone
 
     _in_hdf5(path, look)
-    return Arrays(path, names, lambda name: _in_hdf5(path, lambda file: file[name][()]), missing)
+    names = [name for name in places if not name.startswith("#refs#")]
+
+    def read(name: str) -> Any:
+        return _in_hdf5(path, lambda file: file[places[name]][()])
+
+    return Arrays(path, names, read, missing)
 
 
 def _in_hdf5(path: Path, use: Callable[[Any], Any]) -> Any:
     import h5py
 
-    _require(path)
+    require_file(path)
     try:
         with h5py.File(path, "r") as file:
             return use(file)
     except Exception as error:  # a damaged file raises nearly anything from inside the library
         reason = " ".join(str(error).split())[:100]
         raise BadInput(f"{path}: cannot be read as HDF5 ({reason})") from None
+
+
+def _note(name: str, dataset: Any, places: dict[str, str], depth: int = 0) -> None:
+    """Note a dataset of numbers by its name; of cells (references, MATLAB 7.3) each by number."""
+    import h5py
+
+    if h5py.check_ref_dtype(dataset.dtype) is not h5py.Reference:
+        if _harmless(dataset):
+            places[name] = dataset.name
+        return
+    if dataset.size > MOST_CELLS or depth > DEEPEST:
+        return
+    for number, reference in enumerate(dataset[()].ravel(), start=1):
+        target = dataset.file[reference] if reference else None
+        inside = {"": target} if isinstance(target, h5py.Dataset) else dict(target or {})
+        for part, each in inside.items():
+            if isinstance(each, h5py.Dataset):
+                _note(f"{name}/{number}/{part}".rstrip("/"), each, places, depth + 1)
 
 
 def _harmless(dataset: Any) -> bool:
@@ -102,36 +143,16 @@ def _harmless(dataset: Any) -> bool:
     return inside and dataset.dtype.kind in "fiub" and 0 < dataset.size <= MOST_VALUES
 
 
-def open_mat(path: Path, missing: tuple[str, ...]) -> Arrays:
-    """Read the numeric variables of a MATLAB file, those inside structures by their path."""
-    from scipy.io import loadmat
-
-    _require(path)
-    try:
-        content = loadmat(path, simplify_cells=True)
-    except NotImplementedError:  # version 7.3 is HDF5
-        return open_hdf5(path, missing)
-    except Exception as error:  # a damaged file raises nearly anything from inside the library
-        reason = " ".join(str(error).split())[:100]
-        raise BadInput(f"{path}: is no MATLAB file ({reason})") from None
-    variables = dict(_variables(content))
-    return Arrays(path, variables, variables.__getitem__, missing)
-
-
-def _variables(content: dict[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
-    found: list[tuple[str, Any]] = []
-    for name, value in content.items():
-        if isinstance(value, dict):
-            found += _variables(value, f"{prefix}{name}/")
-        elif not name.startswith("__") and np.asarray(value).dtype.kind in "fiub":
-            found.append((f"{prefix}{name}", value))
-    return found
-
-
-def _require(path: Path) -> None:
+def require_file(path: Path) -> None:
+    """Raise BadInput where there is no such file, with the nearest name beside it."""
     if not path.is_file():
         near = nearest(path.name, [each.name for each in path.parent.glob("*")])
         raise BadInput(f"{path}: there is no such file{near}")
+
+
+def _as_path(name: str) -> str:
+    """A path as MATLAB or Python writes it, `log.signals(1).values`, with slashes."""
+    return re.sub(r"/+", "/", re.sub(r"[.(){}\[\]]", "/", name)).strip("/")
 
 
 def _as_number(text: str) -> float:

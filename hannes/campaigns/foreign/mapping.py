@@ -1,7 +1,8 @@
 """A mapping of a foreign file: its columns, units, signs, clock and alignment.
 
-A column's numbers become a channel's by `raw * scale`, taken as `unit`, divided by the reducer's
-ratio where measured at the motor's side, negated where `reversed`, plus `offset`.
+A column's raw numbers are put right first: signed, unwrapped. They become a channel's by
+`raw * scale`, taken as `unit`, divided by the reducer's ratio where measured at the motor's side,
+negated where `reversed`, plus `offset`.
 """
 
 from collections.abc import Mapping
@@ -10,6 +11,9 @@ from dataclasses import dataclass, field
 from hannes.plants.protocol import Plant
 
 FILLS = ("drop", "hold", "linear")  # of a missing value: its row is dropped, or it is filled
+ORDERS = ("refuse", "drop", "mean", "sort")  # of stamps that are doubled or out of order
+SPLITS = ("restart", "blank", "header")  # where a new run begins, besides a column's changes
+CURRENTS = ("motor", "supply")  # where a current was measured
 TARGETS = ("reference", "experiment")
 YARDSTICKS = ("simulation", "command")
 
@@ -18,7 +22,7 @@ YARDSTICKS = ("simulation", "command")
 class Column:
     """Where numbers stand: a column's name or number (from 1), the path of a dataset or variable.
 
-    `index` is the column (from 1) of a dataset with two axes, 0 where it has one.
+    `index` is the place (from 1) in a dataset with two axes or in a list in a cell, 0 for none.
     """
 
     name: str | int
@@ -27,19 +31,34 @@ class Column:
 
 @dataclass(frozen=True)
 class ChannelRule:
-    """One channel: `factor` from raw values to the channel's unit, then `offset`."""
+    """One channel: `factor` from raw values to the channel's unit, then `offset`.
 
-    column: Column
+    bits:     of a signed integer that was logged as unsigned, 0 for none
+    turn:     raw values after which a counter begins anew, 0 for none
+    supply:   a current at the supply's side, to be divided by the channel duty
+    constant: the same throughout a run [channel's unit], without a column
+    source:   the further file that has the column, "" for the first
+    """
+
+    column: Column | None
     factor: float = 1.0
     offset: float = 0.0
     fill: str = "drop"
+    bits: int = 0
+    turn: float = 0.0
+    supply: bool = False
+    constant: float = 0.0
+    source: str = ""
 
 
 @dataclass(frozen=True)
 class TimeRule:
     """The clock: a column (`factor` makes seconds of it) or a sampling rate [Hz].
 
-    `iso`: stamps such as 2026-03-03 18:43:13.2. `resample` [Hz] is 0 where times are kept.
+    iso:      stamps such as 2026-03-03 18:43:13.2; pattern: of strptime, for other customs
+    resample: [Hz], 0 where times are kept
+    turn:     raw ticks after which the clock begins anew, 0 for none
+    order:    what happens to stamps that are doubled or out of order
     """
 
     column: Column | None
@@ -49,13 +68,18 @@ class TimeRule:
     from_zero: bool = False
     offset: float = 0.0
     resample: float = 0.0
+    pattern: str = ""
+    turn: float = 0.0
+    order: str = "refuse"
 
 
 @dataclass(frozen=True)
 class TextRule:
     """How lines of text are divided; an empty delimiter is detected, `header` 0 means none.
 
-    header, first: line numbers of the file, from 1, of the names and of the first numbers.
+    header, first: line numbers of the file, from 1, of the names and of the first numbers
+    skip:   regular expression of lines to be left out
+    ragged: short rows are filled up with missing values, long ones cut
     """
 
     delimiter: str = ""
@@ -64,6 +88,20 @@ class TextRule:
     header: int = 1
     first: int = 2
     encoding: str = "utf-8"
+    skip: str = ""
+    ragged: bool = False
+
+
+@dataclass(frozen=True)
+class FurtherFile:
+    """Another file of the same run, on a clock of its own.
+
+    Its name is the first file's, in which `replace` gives way to `by`.
+    """
+
+    replace: str
+    by: str
+    time: TimeRule
 
 
 @dataclass(frozen=True)
@@ -81,7 +119,9 @@ class AlignRule:
 class ColumnMap:
     """A mapping as read from TOML; `missing` lists texts that mean no value.
 
-    `split`: a column whose changes of value part one file into several runs.
+    split:    a column whose changes of value part one file into several runs
+    split_at: or one of SPLITS, "" for neither
+    files:    further files by the name that channels give as their source
     """
 
     plant: Plant
@@ -92,3 +132,5 @@ class ColumnMap:
     split: Column | None = None
     experiment: str = ""
     align: AlignRule | None = None
+    split_at: str = ""
+    files: Mapping[str, FurtherFile] = field(default_factory=dict)

@@ -4,33 +4,41 @@ from pathlib import Path
 from typing import Any
 
 from hannes.campaigns.foreign.mapping import (
+    CURRENTS,
     FILLS,
+    SPLITS,
     TARGETS,
     YARDSTICKS,
     AlignRule,
     ChannelRule,
     Column,
     ColumnMap,
-    TextRule,
-    TimeRule,
 )
-from hannes.core.errors import BadInput, nearest
-from hannes.core.io import units
+from hannes.campaigns.foreign.mapping_clock import (
+    above_zero,
+    column_of,
+    further_files,
+    name_or_number,
+    text_rule,
+    time_rule,
+    unit_factor,
+)
+from hannes.core.errors import BadInput
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.io.units import quantity
 from hannes.plants.protocol import Plant, expectations, find_plant
 
-KEYS = ("plant", "experiment", "missing", "split", "text", "time", "channels", "align")
-TEXT = ("delimiter", "decimal", "comment", "header", "first", "encoding")
-TIME = ("column", "index", "unit", "format", "sampling", "offset", "from_zero", "resample")
-CHANNEL = ("column", "index", "unit", "scale", "reversed", "side", "ratio", "offset", "fill")
+KEYS = (
+    "plant", "experiment", "missing", "split", "split_at", "text", "time", "channels", "align",
+    "files",
+)  # fmt: skip
+CHANNEL = (
+    "column", "index", "unit", "scale", "reversed", "side", "ratio", "offset", "fill",
+    "signed", "unwrap", "kind", "constant", "from",
+)  # fmt: skip
 ALIGN = ("to", "by", "channel", "within", "lag")
-DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " "}
-ENCODINGS = ("utf-8", "latin-1", "utf-16")
 SIDES = ("output", "motor")
 RATIO = "gear.ratio"  # parameter of a plant that has a reducer
-MOST_LINES = 10**9
-FASTEST = 1e7  # Hz
 
 
 def read_mapping(path: str | Path) -> ColumnMap:
@@ -45,12 +53,14 @@ def read_mapping(path: str | Path) -> ColumnMap:
     return ColumnMap(
         plant,
         _channels(root, plant),
-        _time(root),
-        _text(root),
+        time_rule(root),
+        text_rule(root),
         _missing(root),
-        _place(root, "split") if "split" in root else None,
+        _split(root),
         _experiment(root, path.parent),
         _align(root, plant) if "align" in root else None,
+        root.choice("split_at", SPLITS) if "split_at" in root else "",
+        further_files(root),
     )
 
 
@@ -60,29 +70,49 @@ def _channels(root: Table, plant: Plant) -> dict[str, ChannelRule]:
     table = root.table("channels", known)
     if not table.content:
         root.refuse("channels", f"is empty: expected one or more of {', '.join(known)}")
-    return {name: _channel(table.table(name, CHANNEL), plant, name) for name in table.content}
+    rules = {name: _channel(table.table(name, CHANNEL), plant, name) for name in table.content}
+    if any(rule.supply for rule in rules.values()) and "duty" not in rules:
+        table.refuse("duty", "is missing: a supply's current is divided by it")
+    if all(rule.column is None or rule.source for rule in rules.values()):
+        root.refuse("channels", "name no column of the first file")
+    return rules
 
 
 def _channel(table: Table, plant: Plant, name: str) -> ChannelRule:
     wanted = plant.channels[name]
-    factor = _factor(table, wanted)
+    if "constant" in table:
+        return _constant(table, wanted)
+    factor = unit_factor(table, wanted)
     factor *= quantity(table.content.get("scale", 1), "1", table.name("scale"))
     factor /= _ratio(table, plant, wanted)
     if factor == 0.0:
         table.refuse("scale", "is zero: nothing would be left of the channel")
-    offset = table.quantity("offset", wanted) if "offset" in table else 0.0
-    fill = table.choice("fill", FILLS, "drop")
-    return ChannelRule(_column(table), -factor if table.flag("reversed") else factor, offset, fill)
+    supply = table.choice("kind", CURRENTS, "motor") == "supply"
+    if supply and wanted != "A":
+        table.refuse("kind", f'= "supply" is of currents only; this channel is in {wanted}')
+    return ChannelRule(
+        column_of(table),
+        -factor if table.flag("reversed") else factor,
+        table.quantity("offset", wanted) if "offset" in table else 0.0,
+        table.choice("fill", FILLS, "linear" if supply else "drop"),
+        table.whole("signed", 2, 64) if "signed" in table else 0,
+        above_zero(table, "unwrap") if "unwrap" in table else 0.0,
+        supply,
+        source=table.text("from", ""),
+    )
 
 
-def _factor(table: Table, wanted: str) -> float:
-    """Worth of the column's unit in the unit that the plant declares."""
-    table.require("unit", f'"{wanted}"')
-    given = table.text("unit", "")
-    try:
-        return units.unit_scale(given, wanted)
-    except BadInput as error:
-        table.refuse("unit", f'= "{given[:60]}" cannot be used: {error}')
+def _constant(table: Table, wanted: str) -> ChannelRule:
+    """A channel that no column has: the same value throughout."""
+    if others := sorted(set(table.content) - {"constant"}):
+        table.refuse(others[0], "does not go with constant, which stands alone")
+    return ChannelRule(None, constant=table.quantity("constant", wanted))
+
+
+def _split(root: Table) -> Column | None:
+    if "split" in root and "split_at" in root:
+        root.refuse("split", "and split_at: expected one of the two")
+    return Column(name_or_number(root, "split")) if "split" in root else None
 
 
 def _ratio(table: Table, plant: Plant, wanted: str) -> float:
@@ -99,82 +129,6 @@ def _ratio(table: Table, plant: Plant, wanted: str) -> float:
     if not ratio > 0.0:
         table.refuse("ratio", f"= {ratio:g}: expected a number above zero")
     return ratio
-
-
-def _column(table: Table) -> Column:
-    table.require("column", '"name of the column", or its number')
-    name = _name_or_number(table, "column")
-    return Column(name, table.whole("index", 1, MOST_LINES) if "index" in table else 0)
-
-
-def _name_or_number(table: Table, key: str) -> str | int:
-    name = table.content[key]
-    if isinstance(name, int) and not isinstance(name, bool) and name >= 1:
-        return name
-    if not isinstance(name, str) or not name:
-        table.refuse(key, "must be the name of a column in quotes, or its number from 1")
-    return name
-
-
-def _place(root: Table, key: str) -> Column:
-    return Column(_name_or_number(root, key))
-
-
-def _time(root: Table) -> TimeRule:
-    root.require("time", '{ column = "t", unit = "s" }, or { sampling = "1 kHz" }')
-    table = root.table("time", TIME)
-    if ("column" in table) == ("sampling" in table):
-        table.refuse("column", "or sampling: expected one of the two, the clock of the recording")
-    for key in ("index", "unit", "format", "from_zero"):
-        if "sampling" in table and key in table:
-            table.refuse(key, "belongs to a time column, not to a sampling rate")
-    iso = table.choice("format", ("number", "iso"), "number") == "iso"
-    if iso and "unit" in table:
-        table.refuse("unit", 'does not go with format = "iso": such stamps carry their unit')
-    return TimeRule(
-        _column(table) if "column" in table else None,
-        1.0 if iso or "sampling" in table else _factor(table, "s"),
-        _rate(table, "sampling"),
-        iso,
-        iso or table.flag("from_zero"),
-        table.quantity("offset", "s") if "offset" in table else 0.0,
-        _rate(table, "resample"),
-    )
-
-
-def _rate(table: Table, key: str) -> float:
-    """Return a sampling rate [Hz], 0 where the key is absent."""
-    if key not in table:
-        return 0.0
-    rate = table.quantity(key, "Hz", "1 kHz")
-    if not 0.0 < rate <= FASTEST:
-        table.refuse(key, f"= {rate:g} Hz: expected more than 0 and at most {FASTEST:g} Hz")
-    return rate
-
-
-def _text(root: Table) -> TextRule:
-    table = root.table("text", TEXT)
-    header = table.whole("header", 0, MOST_LINES, 1)
-    first = table.whole("first", 1, MOST_LINES, header + 1)
-    if first <= header:
-        table.refuse("first", f"= {first}: numbers start below the header in line {header}")
-    decimal = table.choice("decimal", (".", ","), ".")
-    delimiter = _delimiter(table)
-    if decimal == delimiter == ",":
-        table.refuse("decimal", "and delimiter are both a comma: nothing distinguishes them")
-    encoding = table.choice("encoding", ENCODINGS, "utf-8")
-    return TextRule(delimiter, decimal, table.text("comment", ""), header, first, encoding)
-
-
-def _delimiter(table: Table) -> str:
-    given = table.content.get("delimiter", "")
-    if not isinstance(given, str):
-        table.refuse("delimiter", f"must be in quotes: one character, or {', '.join(DELIMITERS)}")
-    found = DELIMITERS.get(given, given)
-    if len(found) > 1 or found in ('"', "\n", "\r"):
-        hint = nearest(given, DELIMITERS)
-        table.refuse("delimiter", f"must be one character, or {', '.join(DELIMITERS)}{hint}")
-    return found
 
 
 def _missing(root: Table) -> tuple[str, ...]:

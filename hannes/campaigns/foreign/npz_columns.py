@@ -15,7 +15,7 @@ def open_npz(path: Path, missing: tuple[str, ...]) -> Arrays:
     if not path.is_file():
         raise BadInput(f"{path}: there is no such file")
     try:
-        with np.load(path, allow_pickle=False, mmap_mode=None) as content:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
             return _of_archive(path, content, missing)
     except (TypeError, AttributeError):
         return _of_array(path, missing)

@@ -7,9 +7,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.foreign.binary_columns import open_hdf5, open_mat
+from hannes.campaigns.foreign.binary_columns import open_hdf5
 from hannes.campaigns.foreign.json_columns import open_json
 from hannes.campaigns.foreign.mapping import Column, TextRule
+from hannes.campaigns.foreign.matlab_columns import open_mat
 from hannes.campaigns.foreign.message_columns import open_messages
 from hannes.campaigns.foreign.npz_columns import open_npz
 from hannes.campaigns.foreign.parquet_columns import is_lerobot, open_parquet
@@ -26,8 +27,14 @@ class Source(Protocol):
     def numbers(self, column: Column) -> FloatArray:
         """Values of a column in its own unit, shape (n,)."""
 
-    def stamps(self, column: Column) -> FloatArray:
+    def stamps(self, column: Column, pattern: str = "") -> FloatArray:
         """Times of a column, shape (n,), s."""
+
+    def labels(self, column: Column) -> FloatArray:
+        """A number for each distinct value of a column, shape (n,)."""
+
+    def breaks(self, kind: str) -> NDArray[np.intp]:
+        """Rows before which a blank line or a repeated header stands."""
 
     def place(self, row: int) -> str:
         """Where in the file a row stands, for messages."""

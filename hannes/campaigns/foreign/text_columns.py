@@ -5,6 +5,7 @@ missing values and to name the faulty line.
 """
 
 import csv
+import re
 from collections.abc import Iterator
 from datetime import datetime
 from functools import cached_property
@@ -27,22 +28,48 @@ class Delimited:
 
     def __init__(self, path: Path, rule: TextRule, missing: tuple[str, ...]) -> None:
         self.path, self.rule, self.missing = path, rule, {"", *missing}
+        self._skip = re.compile(rule.skip) if rule.skip else None
         lines = _decoded(path, rule.encoding)
-        kept = [
-            (number, line)
-            for number, line in enumerate(lines, start=1)
-            if number >= rule.first and not self._skipped(line)
-        ]
+        head = self._header(lines)
+        self._breaks: dict[str, list[int]] = {"blank": [], "header": []}
+        kept = list(self._kept(lines))
         if len(kept) < 2:
             raise BadInput(
                 f"{path}, line {len(lines)}: the file ends here; expected two or more lines of "
                 f"numbers from line {rule.first} on"
             )
         self.numbers_of_lines, self.rows = [n for n, _ in kept], [line for _, line in kept]
-        head = self._header(lines)
         self.delimiter = rule.delimiter or self._guessed(head or self.rows[0])
         self.names = [cell.strip() for cell in self._cells(head)] if head else []
         self._check_widths(len(self.names) or len(self._cells(self.rows[0])))
+
+    def _kept(self, lines: list[str]) -> Iterator[tuple[int, str]]:
+        """Lines of numbers with their numbers; blank lines and repeated headers are noted."""
+        head = lines[self.rule.header - 1] if self.rule.header else None
+        count = 0
+        for number, line in enumerate(lines, start=1):
+            if number < self.rule.first:
+                continue
+            if self._skipped(line):
+                if not line.strip():
+                    self._breaks["blank"].append(count)
+            elif line == head:
+                self._breaks["header"].append(count)
+            else:
+                count += 1
+                yield number, line
+
+    def breaks(self, kind: str) -> NDArray[np.intp]:
+        """Rows before which a blank line or a repeated header stands, as `kind` says."""
+        found = np.unique(np.array(self._breaks[kind], np.intp))
+        return found[(found > 0) & (found < len(self.rows))]
+
+    def labels(self, column: Column) -> FloatArray:
+        """A number for each distinct text of a column, shape (n,); an empty cell goes on."""
+        cells = list(self._column_cells(self._index(column)))
+        for row in range(1, len(cells)):
+            cells[row] = cells[row] or cells[row - 1]
+        return np.unique(cells, return_inverse=True)[1].astype(np.float64)
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -54,6 +81,10 @@ class Delimited:
     def numbers(self, column: Column) -> FloatArray:
         """Values of a column, shape (n,); BadInput with the line where one is no number."""
         index = self._index(column)
+        if column.index:
+            return self._of_lists(index, column.index)
+        if self.rule.ragged:
+            return self._of_cells(index)
         try:
             values = np.loadtxt(
                 self._dotted,
@@ -64,8 +95,7 @@ class Delimited:
                 ndmin=1,
             )
         except ValueError:
-            cells = self._column_cells(index)
-            values = np.array([self._number(row, cell) for row, cell in enumerate(cells)])
+            values = self._of_cells(index)
         for text in self.missing:
             values[values == _as_number(text)] = np.nan
         if np.isinf(values).any():
@@ -73,10 +103,13 @@ class Delimited:
             raise BadInput(f"{self.place(row)}: the value is not finite; list it under missing")
         return values
 
-    def stamps(self, column: Column) -> FloatArray:
-        """Seconds since the first stamp, shape (n,), of a column of ISO 8601 dates and times."""
+    def stamps(self, column: Column, pattern: str = "") -> FloatArray:
+        """Seconds since the first stamp, shape (n,), of a column of dates and times.
+
+        They are ISO 8601, or as `pattern` of strptime says.
+        """
         cells = self._column_cells(self._index(column))
-        found = [self._stamp(row, cell) for row, cell in enumerate(cells)]
+        found = [self._stamp(row, cell, pattern) for row, cell in enumerate(cells)]
         start = next((each for each in found if each is not None), None)
         try:
             return np.array([(x - start).total_seconds() if x and start else np.nan for x in found])
@@ -85,6 +118,8 @@ class Delimited:
 
     def _skipped(self, line: str) -> bool:
         mark = self.rule.comment
+        if self._skip is not None and self._skip.search(line):
+            return True
         return not line.strip() or bool(mark and line.lstrip().startswith(mark))
 
     def _header(self, lines: list[str]) -> str:
@@ -108,16 +143,19 @@ class Delimited:
 
     def _check_widths(self, width: int) -> None:
         """Every row has as many cells as there are names; one empty cell more ends a line."""
+        if self.rule.ragged:
+            return
         for row, line in enumerate(self.rows):
             plain = '"' not in line and self.delimiter != " "
             found = line.count(self.delimiter) + 1 if plain else len(self._cells(line))
             ended = found == width + 1 and line.rstrip(" \r").endswith(self.delimiter)
             if found != width and not ended:
-                raise BadInput(f"{self.place(row)}: expected {width} columns, got {found}")
+                raise BadInput(
+                    f"{self.place(row)}: expected {width} columns, got {found}; "
+                    "text.ragged = true reads rows of unequal length, text.skip leaves lines out"
+                )
 
     def _index(self, column: Column) -> int:
-        if column.index:
-            raise BadInput(f"{self.path}: index is for HDF5 and MATLAB files, not for columns")
         if isinstance(column.name, int):
             width = len(self._cells(self.rows[0]))
             if column.name > width:
@@ -144,7 +182,27 @@ class Delimited:
 
     def _column_cells(self, index: int) -> Iterator[str]:
         for line in self.rows:
-            yield self._cells(line)[index].strip()
+            cells = self._cells(line)
+            yield cells[index].strip() if index < len(cells) else ""
+
+    def _of_cells(self, index: int) -> FloatArray:
+        cells = self._column_cells(index)
+        return np.array([self._number(row, cell) for row, cell in enumerate(cells)])
+
+    def _of_lists(self, index: int, place: int) -> FloatArray:
+        """Numbers at `place` of lists in cells, such as `[0.1, 0.2]` or `0.1 0.2`."""
+        values = []
+        for row, cell in enumerate(self._column_cells(index)):
+            parts = [part for part in re.split(r"[\s,;]+", cell.strip("[](){} ")) if part]
+            if cell in self.missing:
+                values.append(np.nan)
+            elif len(parts) < place:
+                raise BadInput(
+                    f"{self.place(row)}: {cell!r:.60} has {len(parts)} values, no number {place}"
+                )
+            else:
+                values.append(self._number(row, parts[place - 1]))
+        return np.array(values)
 
     def _number(self, row: int, cell: str) -> float:
         if cell in self.missing:
@@ -157,14 +215,16 @@ class Delimited:
             raise BadInput(f"{self.place(row)}: {cell!r:.60} is not a number; {advice}")
         return number
 
-    def _stamp(self, row: int, cell: str) -> datetime | None:
+    def _stamp(self, row: int, cell: str, pattern: str) -> datetime | None:
         if cell in self.missing:
             return None
         try:
-            return datetime.fromisoformat(cell)
+            return datetime.strptime(cell, pattern) if pattern else datetime.fromisoformat(cell)
         except ValueError:
+            example = pattern or "2026-03-03 18:43:13.25"
             raise BadInput(
-                f"{self.place(row)}: {cell!r:.60} is no time stamp such as 2026-03-03 18:43:13.25"
+                f"{self.place(row)}: {cell!r:.60} is no time stamp such as {example}; "
+                'give its form, as time.format = "%d.%m.%Y %H:%M:%S.%f"'
             ) from None
 
 

@@ -7,7 +7,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.foreign.mapping import ChannelRule, ColumnMap, TimeRule
+from hannes.campaigns.foreign.mapping import ChannelRule, ColumnMap, FurtherFile, TimeRule
+from hannes.campaigns.foreign.raw_values import (
+    forward,
+    in_order,
+    motor_current,
+    restarts,
+    signed,
+    unwrapped,
+)
 from hannes.campaigns.foreign.resample import resampled
 from hannes.campaigns.foreign.sources import Source, open_source
 from hannes.core.errors import BadInput
@@ -28,38 +36,89 @@ class Run:
     rows: NDArray[np.intp]
     dropped: int
     filled: Mapping[str, int]
+    disordered: int = 0
 
 
 def read_runs(path: Path, mapping: ColumnMap) -> list[Run]:
     """Return the runs of a file, at least one; BadInput names the file and the line."""
     source = open_source(path, mapping.text, mapping.missing)
-    raw = {name: source.numbers(rule.column) for name, rule in mapping.channels.items()}
+    raw = _raw(path, source, mapping, "")
+    time = times_of(source, mapping.time, next(iter(raw.values())).size)
+    if time.size != next(iter(raw.values())).size:
+        lengths = {name: values.size for name, values in raw.items()}
+        raise BadInput(f"{path}: time has {time.size} samples, the channels {lengths}")
+    for name, further in mapping.files.items():
+        raw |= _beside(path, mapping, name, further, time)
+    parts = _parts(source, mapping, time)
+    return [_run(source, mapping, time, raw, rows) for rows in parts]
+
+
+def _raw(path: Path, source: Source, mapping: ColumnMap, which: str) -> dict[str, FloatArray]:
+    """Channels that one file has, in their own units, put right; all of one length."""
+    rules = {
+        name: rule
+        for name, rule in mapping.channels.items()
+        if rule.column is not None and rule.source == which
+    }
+    if not rules:
+        raise BadInput(f"{path}: no channel is mapped from this file")
+    raw = {name: _put_right(source, rule) for name, rule in rules.items()}
     lengths = {name: values.size for name, values in raw.items()}
     if len(set(lengths.values())) > 1:
         shown = ", ".join(f"{name} {size}" for name, size in lengths.items())
         raise BadInput(f"{path}: channels of unequal length ({shown}): map those of one logger")
-    time = _times(source, mapping.time, next(iter(lengths.values())))
-    if time.size != next(iter(lengths.values())):
-        raise BadInput(f"{path}: time has {time.size} samples, the channels {lengths}")
-    parts = _parts(source, mapping, time.size)
-    return [_run(source, mapping, time, raw, rows) for rows in parts]
+    return raw
 
 
-def _times(source: Source, rule: TimeRule, count: int) -> FloatArray:
+def _put_right(source: Source, rule: ChannelRule) -> FloatArray:
+    """Raw numbers of a channel: signed, unwrapped, in the channel's unit."""
+    assert rule.column is not None
+    values = source.numbers(rule.column)
+    if rule.bits:
+        values = signed(values, rule.bits)
+    if rule.turn:
+        values = unwrapped(values, rule.turn)
+    return rule.factor * values + rule.offset
+
+
+def times_of(source: Source, rule: TimeRule, count: int) -> FloatArray:
+    """Times of all rows [s], shape (n,); from zero where there is a sampling rate alone."""
     if rule.column is None:
         return np.arange(count) / rule.sampling
     if rule.iso:
-        return source.stamps(rule.column)
-    return rule.factor * source.numbers(rule.column)
+        return source.stamps(rule.column, rule.pattern)
+    ticks = source.numbers(rule.column)
+    return rule.factor * (forward(ticks, rule.turn) if rule.turn else ticks)
 
 
-def _parts(source: Source, mapping: ColumnMap, count: int) -> list[NDArray[np.intp]]:
-    """Rows of each run: successive rows with one value in the column `split`."""
-    rows = np.arange(count)
-    if mapping.split is None:
-        return [rows]
-    label = source.numbers(mapping.split)
-    return np.split(rows, 1 + np.flatnonzero(np.diff(label) != 0.0))
+def _beside(
+    path: Path, mapping: ColumnMap, name: str, further: FurtherFile, time: FloatArray
+) -> dict[str, FloatArray]:
+    """Channels of a further file at the times of the first: the last value known there."""
+    if further.replace not in path.name:
+        raise BadInput(f'{path}: files.{name}: its name has no "{further.replace}" to replace')
+    other = path.with_name(path.name.replace(further.replace, further.by))
+    source = open_source(other, mapping.text, mapping.missing)
+    raw = _raw(other, source, mapping, name)
+    own = times_of(source, further.time, next(iter(raw.values())).size)
+    known = np.isfinite(own)
+    order = np.argsort(own[known], kind="stable")
+    place = np.searchsorted(own[known][order], time, side="right") - 1
+    return {
+        channel: np.where(place >= 0, values[known][order][np.maximum(place, 0)], np.nan)
+        for channel, values in raw.items()
+    }
+
+
+def _parts(source: Source, mapping: ColumnMap, time: FloatArray) -> list[NDArray[np.intp]]:
+    """Rows of each run: between changes of the column `split`, or where `split_at` says."""
+    rows = np.arange(time.size)
+    if mapping.split is not None:
+        label = source.labels(mapping.split)
+        return np.split(rows, 1 + np.flatnonzero(np.diff(label) != 0.0))
+    if mapping.split_at == "restart":
+        return np.split(rows, restarts(time))
+    return np.split(rows, source.breaks(mapping.split_at)) if mapping.split_at else [rows]
 
 
 def _run(
@@ -74,22 +133,31 @@ def _run(
     known = np.isfinite(times)
     channels, filled = {}, {}
     for name, how in mapping.channels.items():
-        values = how.factor * raw[name][rows] + how.offset
+        values = _values(mapping, name, raw, rows)
         channels[name] = _filled(times, values, how)
         filled[name] = int(np.count_nonzero(np.isfinite(channels[name]) & ~np.isfinite(values)))
         known &= np.isfinite(channels[name])
     kept = rows[known]
     if kept.size < 2:
         raise BadInput(f"{source.place(int(rows[0]))}: fewer than two complete rows follow")
-    _require_increasing(source, times[known], kept)
-    run = Run(
-        times[known],
-        {name: values[known] for name, values in channels.items()},
-        kept,
-        rows.size - kept.size,
-        {name: count for name, count in filled.items() if count},
-    )
-    return _clocked(run, rule)
+    found = {name: values[known] for name, values in channels.items()}
+    ordered, found, kept = in_order(times[known], found, kept, rule.order)
+    _require_increasing(source, ordered, kept)
+    counts = {name: count for name, count in filled.items() if count}
+    dropped = rows.size - int(np.count_nonzero(known))
+    put_right = int(np.count_nonzero(known)) - kept.size
+    return _clocked(Run(ordered, found, kept, dropped, counts, put_right), rule)
+
+
+def _values(
+    mapping: ColumnMap, name: str, raw: Mapping[str, FloatArray], rows: NDArray[np.intp]
+) -> FloatArray:
+    """One channel of one run: of a column, of supply current and duty, or a constant."""
+    how = mapping.channels[name]
+    if how.column is None:
+        return np.full(rows.size, how.constant)
+    values = raw[name][rows]
+    return motor_current(values, raw["duty"][rows]) if how.supply else values
 
 
 def _filled(times: FloatArray, values: FloatArray, rule: ChannelRule) -> FloatArray:
@@ -110,8 +178,9 @@ def _require_increasing(source: Source, times: FloatArray, rows: NDArray[np.intp
         first = int(stalled[0])
         raise BadInput(
             f"{source.place(int(rows[first + 1]))}: time does not increase, {times[first]:.9g} s "
-            f"is followed by {times[first + 1]:.9g} s ({stalled.size} such rows); name the split "
-            "column of several runs, or give time.sampling instead of a clock that is too coarse"
+            f"is followed by {times[first + 1]:.9g} s ({stalled.size} such rows); several "
+            'runs in one file: split = "COLUMN" or split_at = "restart"; doubled or swapped rows: '
+            'time.order = "drop", "mean" or "sort"; a clock too coarse: time.sampling instead'
         )
 
 

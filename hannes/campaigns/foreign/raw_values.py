@@ -1,0 +1,81 @@
+"""Raw numbers put right: signs of integers, counters that begin anew, stamps out of order."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def signed(values: FloatArray, bits: int) -> FloatArray:
+    """Two's complement of integers of `bits` that were read as unsigned; NaN stays."""
+    return np.where(values >= 2.0 ** (bits - 1), values - 2.0**bits, values)
+
+
+def unwrapped(values: FloatArray, turn: float) -> FloatArray:
+    """A counter of which every jump by more than half a `turn` is one turn less; NaN stays."""
+    known = np.isfinite(values)
+    found = values.copy()
+    found[known] = np.unwrap(values[known], period=turn)
+    return found
+
+
+def forward(ticks: FloatArray, turn: float) -> FloatArray:
+    """A clock that begins anew after `turn` ticks, and never goes back otherwise; NaN stays."""
+    known = np.isfinite(ticks)
+    found = ticks.copy()
+    steps = np.diff(ticks[known])
+    found[known] += turn * np.concatenate(([0.0], np.cumsum(steps < 0.0)))
+    return found
+
+
+def in_order(
+    time: FloatArray, columns: dict[str, FloatArray], rows: NDArray[np.intp], order: str
+) -> tuple[FloatArray, dict[str, FloatArray], NDArray[np.intp]]:
+    """Strictly increasing times with their columns and rows, all (n,), by one of ORDERS.
+
+    drop: what does not come after all before it goes; sort: by time, of doubled ones the first;
+    mean: by time, of doubled ones the mean. `refuse` leaves all as it is.
+    """
+    if order == "refuse":
+        return time, columns, rows
+    if order == "drop":
+        latest = np.concatenate(([-np.inf], np.maximum.accumulate(time)[:-1]))
+        kept = np.flatnonzero(time > latest)
+        return time[kept], {name: x[kept] for name, x in columns.items()}, rows[kept]
+    times, first, places = np.unique(time, return_index=True, return_inverse=True)
+    if order == "sort":
+        return times, {name: x[first] for name, x in columns.items()}, rows[first]
+    counts = np.bincount(places)
+    means = {name: np.bincount(places, weights=x) / counts for name, x in columns.items()}
+    return times, means, rows[first]
+
+
+def restarts(time: FloatArray) -> NDArray[np.intp]:
+    """Rows at which a clock begins anew: it goes back by more than half of what had passed.
+
+    A stamp that is only out of order goes back a little, and comes back.
+    """
+    latest, start, found = -np.inf, 0.0, []
+    for row, now in enumerate(time):
+        if not np.isfinite(now):
+            continue
+        if latest == -np.inf:
+            latest = start = now
+        elif now < latest and latest - now > 0.5 * (latest - start):
+            if row + 1 >= time.size or not time[row + 1] > latest:
+                found.append(row)
+                latest = start = now
+        latest = max(latest, now)
+    return np.array(found, np.intp)
+
+
+def motor_current(supply: FloatArray, duty: FloatArray) -> FloatArray:
+    """Current in the winding of a current drawn from the supply: i_supply = |duty| i_motor.
+
+    Losses of the bridge are left out. NaN where the duty is too small to tell.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(np.abs(duty) > LEAST_DUTY, supply / duty, np.nan)
+
+
+LEAST_DUTY = 0.02
