@@ -83,8 +83,8 @@ def test_command_refuses_other_names(recording, tmp_path, capsys):
     assert "expected a recording named" in capsys.readouterr().err
 
 
-def test_a_missing_library_is_named_with_what_to_type(recording, monkeypatch):
-    from hannes.core.recording import frames
+def test_a_missing_library_is_named_with_what_to_type():
+    from hannes.core.io.optional import library
 
-    with pytest.raises(BadInput, match=r"pip install 'hannes\[export\]'"):
-        frames.library("no_such_library_here")
+    with pytest.raises(BadInput, match=r'pip install "hannes\[export\]"'):
+        library("no_such_library_here", "export")

@@ -1,9 +1,8 @@
 """A recording as tables of other libraries: pandas' DataFrame, xarray's Dataset."""
 
-import importlib
 from typing import TYPE_CHECKING, Any
 
-from hannes.core.errors import BadInput
+from hannes.core.io.optional import library
 
 if TYPE_CHECKING:
     from hannes.core.recording.recording import Recording
@@ -11,19 +10,9 @@ if TYPE_CHECKING:
 METADATA = ("plant", "experiment", "hand", "seed", "source", "schema")
 
 
-def library(name: str) -> Any:
-    """Import a library that hannes installs only on request; BadInput says how."""
-    try:
-        return importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        if error.name != name:
-            raise
-        raise BadInput(f"this needs {name}: pip install 'hannes[export]'") from None
-
-
 def data_frame(recording: "Recording") -> Any:
     """A DataFrame indexed by `time_s`, with columns such as `current_A`; metadata in `attrs`."""
-    pandas = library("pandas")
+    pandas = library("pandas", "export")
     columns = {f"{n}_{recording.units[n]}": recording.channels[n] for n in recording.names}
     frame = pandas.DataFrame(columns, index=pandas.Index(recording.time, name="time_s"))
     frame.attrs.update(metadata(recording))
@@ -32,7 +21,7 @@ def data_frame(recording: "Recording") -> Any:
 
 def dataset(recording: "Recording") -> Any:
     """A Dataset over `time`, with variables such as `current` and their unit in `attrs`."""
-    xarray = library("xarray")
+    xarray = library("xarray", "export")
     variables = {
         name: ("time", recording.channels[name], {"units": recording.units[name]})
         for name in recording.names

@@ -4,7 +4,8 @@ import io
 import json
 from typing import TYPE_CHECKING
 
-from hannes.core.recording.frames import library, metadata
+from hannes.core.io.optional import library
+from hannes.core.recording.frames import metadata
 
 if TYPE_CHECKING:
     from hannes.core.recording.recording import Recording
@@ -18,8 +19,7 @@ def dump(recording: "Recording") -> bytes:
 
     Each message has fields such as `current_A`; metadata stands in a record of that name.
     """
-    library("mcap")
-    mcap, buffer = library("mcap.writer"), io.BytesIO()
+    mcap, buffer = library("mcap.writer", "export"), io.BytesIO()
     writer = mcap.Writer(buffer, compression=mcap.CompressionType.NONE)
     writer.start(profile="", library="hannes")
     fields = {name: f"{name}_{recording.units[name]}" for name in recording.names}
