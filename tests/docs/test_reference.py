@@ -26,7 +26,7 @@ def documented(page, heading):
 def keys():
     """Page, heading, keys that the reader accepts."""
     from hannes.campaigns import campaign_file
-    from hannes.campaigns.foreign import mapping_file
+    from hannes.campaigns.foreign import mapping_clock, mapping_file
     from hannes.dataset import spec
     from hannes.identification.calibration import settings as calibrate
     from hannes.identification.diagnosis import settings as diagnose
@@ -46,9 +46,10 @@ def keys():
         (experiment, "size of a prism", reader.SIZE),
         (experiment, "\\[noise\\]", (*reader.NOISE, "seed")),
         (mapping, "Mapping", mapping_file.KEYS),
-        (mapping, "\\[text\\]", mapping_file.TEXT),
-        (mapping, "\\[time\\]", mapping_file.TIME),
+        (mapping, "\\[text\\]", mapping_clock.TEXT),
+        (mapping, "\\[time\\]", mapping_clock.TIME),
         (mapping, "\\[channels.NAME\\]", mapping_file.CHANNEL),
+        (mapping, "\\[files.NAME\\]", mapping_clock.FURTHER),
         (mapping, "\\[align\\]", mapping_file.ALIGN),
         (data, "Data set", spec.KEYS),
         (data, "\\[\\[grasps\\]\\]", spec.GROUP),
