@@ -276,7 +276,7 @@ def again(quick: bool) -> tuple[list[Row], list[Row]]:
                          **averages({key: 100 * evaluated[key] for key in SHARES}),
                          "off_%": force["median_error_percent"],
                          "interval_holds_%": 100 * force["interval_holds"],
-                         "told_from_%": 100 * model.sure})  # fmt: skip
+                         "sure_from_%": 100 * model.sure})  # fmt: skip
     return rows, []
 
 

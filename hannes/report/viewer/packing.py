@@ -1,4 +1,4 @@
-"""Arrays as text that a page carries: whole numbers of a grain, or floats, deflated."""
+"""Arrays as text that a page carries: whole multiples of a quantum, or floats, deflated."""
 
 import base64
 import zlib
@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 
 
-def whole(values: np.ndarray, grain: float) -> dict[str, Any]:
-    """Pack rows over time, shape (n, ...), as whole numbers of `grain`; error half a grain.
+def whole(values: np.ndarray, quantum: float) -> dict[str, Any]:
+    """Pack rows over time, shape (n, ...), as whole multiples of `quantum`; error half a quantum.
 
     Differences from row to row, byte planes apart: smooth motion deflates to little.
     """
-    counts = np.rint(values.reshape(len(values), -1) / grain).astype("<i4")
+    counts = np.rint(values.reshape(len(values), -1) / quantum).astype("<i4")
     steps = np.diff(counts, axis=0, prepend=np.zeros((1, counts.shape[1]), "<i4"))
     content = _deflated(steps.T.astype("<i4"))
-    return {"kind": "whole", "rows": len(values), "grain": grain, "data": content}
+    return {"kind": "whole", "rows": len(values), "quantum": quantum, "data": content}
 
 
 def exact(values: np.ndarray) -> dict[str, Any]:
@@ -31,7 +31,7 @@ def unpacked(packed: dict[str, Any]) -> np.ndarray:
     if packed["kind"] == "exact":
         return values
     steps = values.reshape(-1, packed["rows"])
-    return np.cumsum(steps, axis=1).T * packed["grain"]
+    return np.cumsum(steps, axis=1).T * packed["quantum"]
 
 
 def _deflated(values: np.ndarray) -> str:

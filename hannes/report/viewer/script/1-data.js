@@ -12,11 +12,11 @@ async function unpack(packed) {
   return summed(new Int32Array(mixed.buffer), packed);
 }
 
-function summed(steps, { rows, grain }) {
+function summed(steps, { rows, quantum }) {
   const columns = steps.length / rows, values = new Float64Array(steps.length);
   for (let column = 0; column < columns; column++)
     for (let row = 0, sum = 0; row < rows; row++)
-      values[column * rows + row] = grain * (sum += steps[column * rows + row]);
+      values[column * rows + row] = quantum * (sum += steps[column * rows + row]);
   return { rows, columns, values, at: (row, column) => values[column * rows + row] };
 }
 
