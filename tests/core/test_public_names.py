@@ -145,3 +145,36 @@ def test_a_command_line_shows_the_warning_without_being_asked_to(tmp_path):
     line = caught.splitlines()[0]
     assert line.startswith(str(tmp_path / "mine.py:1: "))
     assert line.endswith("write from hannes import Effect, Term, or hannes.core.effect")
+
+
+TYPED = """
+from hannes import Effect, Experiment, Hand, Parameter, Recording, Reference, Term
+from hannes import kernel, observe, simulate
+
+
+@kernel
+def drag(motor_speed: float, size: float) -> float:
+    return size * motor_speed
+
+
+own = Effect(
+    "drag", "A test.", "-", "none", (Parameter("size", 0.0, "N m s/rad", (0.0, 1.0), "", off=0.0),),
+    (Term(drag, ("gear_friction",)),),
+)
+hand = Hand([own]).with_values({"drag.size": 1e-6})
+run = simulate(hand, Experiment("a start", 0.1, Reference([[0.0, 0.1], [0.0, 1.0]])))
+recording: Recording = observe(hand, run)
+peaks: dict[str, float] = {name: float(values.max()) for name, values in recording.items()}
+wrong: int = recording.time
+"""
+
+
+@pytest.mark.slow
+def test_a_users_types_are_checked_against_those_of_hannes(tmp_path):
+    api = pytest.importorskip("mypy.api")
+    (tmp_path / "typed.py").write_text(TYPED, encoding="utf-8")
+    (tmp_path / "mypy.ini").write_text("[mypy]\nstrict = true\n", encoding="utf-8")
+    options = ["--config-file", str(tmp_path / "mypy.ini"), "--cache-dir", str(tmp_path / "cache")]
+    found, _, _ = api.run([*options, str(tmp_path / "typed.py")])
+    lines = [line for line in found.splitlines() if "typed.py" in line]
+    assert len(lines) == 1 and "Incompatible types in assignment" in lines[0]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hannes.core.by_value import ByValue
 from hannes.core.errors import BadInput
@@ -13,7 +14,7 @@ from hannes.core.errors import BadInput
 CONTROLLERS = ("continuous", "sampled")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, init=False)
 class Reference(ByValue):
     """Position reference at the output shaft: straight lines through knots, shape (2, n).
 
@@ -24,13 +25,14 @@ class Reference(ByValue):
     knots: np.ndarray
     kinked: bool = True
 
-    def __post_init__(self) -> None:
-        knots = np.asarray(self.knots, float)
+    def __init__(self, knots: ArrayLike, kinked: bool = True) -> None:
+        knots = np.asarray(knots, float)
         if knots.ndim != 2 or knots.shape[0] != 2 or knots.shape[1] < 2:
             raise BadInput(f"a reference needs two rows and two knots, got shape {knots.shape}")
         if not np.isfinite(knots).all() or (np.diff(knots[0]) < 0).any():
             raise BadInput("a reference needs finite knots at times that do not decrease")
         object.__setattr__(self, "knots", np.ascontiguousarray(knots))
+        object.__setattr__(self, "kinked", kinked)
 
     def __repr__(self) -> str:
         times, angles = self.knots
