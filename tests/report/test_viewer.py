@@ -156,7 +156,7 @@ def test_long_recordings_are_thinned_and_it_is_said(tmp_path):
     ("given", "words"),
     [
         ({"plant": "axis"}, "only the hand can be drawn"),
-        ({}, "nothing (tells|says) what"),
+        ({}, "neither a channel reference_rad nor an experiment"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused(tmp_path, given, words):

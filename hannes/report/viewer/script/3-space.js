@@ -34,16 +34,23 @@ function makeHand(parent, scene, look, most) {
   }));
   const slices = (scene.slices ? scene.slices.planes : []).map((z) => ({
     z, ring: new Zdog.Shape({ addTo: root, path: [{}], stroke: 0.7, color: solid ? "rgba(0,90,60,.75)" : "rgba(213,94,0,.5)" }) }));
-  return { place: (state) => placeHand(root, fingers, slices, state, solid, most) };
+  const all = [...slices.map((each) => each.ring), ...fingers.flatMap((f) => [...f.under, ...f.over, f.wire, ...f.arrows])];
+  const hand = { fingers, slices, all, pose: "" };
+  return { place: (state) => placeHand(hand, state, most) };
 }
 
-function placeHand(root, fingers, slices, state, solid, most) {
-  const all = [...slices.map((each) => each.ring), ...fingers.flatMap((f) => [...f.under, ...f.over, f.wire, ...f.arrows])];
-  if (!state) return all.forEach((each) => (each.visible = false));
+function placeHand(hand, state, most) {
+  for (const each of hand.all) each.visible = state !== null;
+  if (!state) return;
   const { scene, row } = state;
-  all.forEach((each) => (each.visible = true));
-  fingers.forEach((finger, f) => placeFinger(scene, row, f, finger, most));
-  const [x, y, turn] = [0, 1, 2].map((k) => scene.pose.at(row, k));
+  hand.fingers.forEach((finger, f) => placeFinger(scene, row, f, finger, most));
+  const pose = [0, 1, 2].map((k) => scene.pose.at(row, k));
+  if (pose.join() === hand.pose) return;  // most objects stand still
+  hand.pose = pose.join();
+  placeSlices(scene, pose, hand.slices);
+}
+
+function placeSlices(scene, [x, y, turn], slices) {
   const c = Math.cos(turn), s = Math.sin(turn);
   slices.forEach(({ z, ring }, k) => put(ring, scene.slices.points[k].filter((_, n) => n % 2 === 0).map(([u, v]) =>
     ({ x: MM * (c * u - s * v + x), y: -MM * (s * u + c * v + y), z: MM * z }))));

@@ -1,4 +1,4 @@
-// Channels over time by uPlot, one cursor for all; what was recorded is solid, simulations are dashed.
+// Channels over time by uPlot, one line for the time over all; what was recorded is solid, simulations are dashed.
 
 const TITLES = { leader_tension: "leader tension" };
 const ORDER = ["position", "current", "duty", "force", "sensor", "leader_tension", "supply"];
@@ -34,36 +34,45 @@ function makePlots(element, scenes, onSeek) {
     const joined = tables.length > 1 ? uPlot.join(tables) : tables[0];
     const lines = channel.series.map(({ look, kind, scene }) => ({ ...look, spanGaps: true, points: { show: false }, label: `${kind} ${scene}` }));
     const last = channel === shown[shown.length - 1];
-    charts.push(new uPlot(options(lines, last, onSeek), joined, box));
+    const chart = new uPlot(options(lines, last), joined, box);
+    scrubbing(chart, onSeek);
+    charts.push(chart);
   }
   const size = () => {
     const room = element.parentElement.clientHeight - document.getElementById("readout").offsetHeight - 8;
     const high = window.innerWidth > 900 ? Math.max(70, Math.floor(room / charts.length)) : 120;
     charts.forEach((each) => each.setSize({ width: element.clientWidth, height: high }));
   };
-  const cursor = (time) => charts.forEach((each) => each.setCursor({ left: each.valToPos(time, "x"), top: -10 }, false));
+  const line = element.appendChild(document.createElement("div"));
+  line.id = "cursor";
+  const cursor = (time) => {
+    const [first] = charts, left = first.valToPos(time, "x");
+    line.hidden = !(left >= 0 && left <= first.over.clientWidth);
+    line.style.transform = `translateX(${Math.round(left + first.over.offsetLeft)}px)`;
+  };
   const show = (visible) => charts.forEach((each, n) => shown[n].series.forEach(({ scene }, k) =>
     each.series[k + 1].show !== visible[scene] && each.setSeries(k + 1, { show: visible[scene] })));
   return { size, cursor, show, shown, charts };
 }
 
-function options(lines, last, onSeek) {
+function options(lines, last) {
   const axis = { stroke: "#444", grid: { stroke: "#e2e2e2" }, ticks: { stroke: "#bbb" }, font: "11px system-ui, sans-serif" };
   return {
     width: 400, height: 100, padding: [6, 8, 0, 0], legend: { show: false },
-    cursor: { x: true, y: false, drag: { x: false, y: false }, points: { show: false }, bind: scrubbing(onSeek) },
+    cursor: { show: false },
     scales: { x: { time: false } },
     axes: [{ ...axis, show: true, size: last ? 26 : 8, values: last ? undefined : () => [] }, { ...axis, size: 52 }],
     series: [{}, ...lines],
   };
 }
 
-// uPlot's own cursor stays where the page puts it; pressing and dragging moves the page's time.
-function scrubbing(onSeek) {
-  const seek = (u) => (event) => {
-    if (event.type === "mousedown" || event.buttons & 1)
-      onSeek(u.posToVal(event.clientX - u.over.getBoundingClientRect().left, "x"));
-  };
-  const still = () => () => null;
-  return { mousedown: seek, mousemove: seek, mouseup: still, mouseenter: still, mouseleave: still, dblclick: still, click: still };
+// Pressing and dragging on a chart moves the page's time; one line over all charts shows it.
+function scrubbing({ over, posToVal }, onSeek) {
+  const seek = (event) => onSeek(posToVal(event.clientX - over.getBoundingClientRect().left, "x"));
+  over.style.touchAction = "pan-y";
+  over.addEventListener("pointerdown", (event) => {
+    over.setPointerCapture(event.pointerId);
+    seek(event);
+  });
+  over.addEventListener("pointermove", (event) => over.hasPointerCapture(event.pointerId) && seek(event));
 }
