@@ -31,7 +31,8 @@ class Campaign:
 
     `shipped` is the plant without the campaign's `base`. `effects` maps a name to an effect: the
     name finds it again from any folder. `base` is what a hand.toml of this plant starts from.
-    `calibrate` and `diagnose` are the campaign's tables of these names, not yet read.
+    `calibrate` and `diagnose` are the campaign's tables of these names, not yet read. `inputs` are
+    the files that it was read from, which no result may replace.
     """
 
     plant: Plant
@@ -43,6 +44,7 @@ class Campaign:
     base: str = "hannes"
     calibrate: Table = field(default_factory=lambda: Table({}, "campaign", ()))
     diagnose: Table = field(default_factory=lambda: Table({}, "campaign", ()))
+    inputs: frozenset[Path] = field(default=frozenset(), repr=False)
 
     def __post_init__(self) -> None:
         numbered = (replace(each, number=k) for k, each in enumerate(self.entries))

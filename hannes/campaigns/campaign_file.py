@@ -1,7 +1,9 @@
 """Reads a campaign: which recordings, of which plant, under which conditions, in which role."""
 
+import os
 import re
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +13,10 @@ from hannes.campaigns.roles import with_roles
 from hannes.core.effect import Effect, joined
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.file_patterns import is_pattern, matching
+from hannes.core.io.inputs import is_file, note, noted
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.recording.recording import Recording
+from hannes.core.trust.consent import consenting
 from hannes.plants.plant_file import base_name, with_plant_file
 from hannes.plants.protocol import Plant, find_plant, require_usable
 from hannes.simulation.catalogue import effect, effects
@@ -24,19 +28,30 @@ RECORDING_KEYS = ("file", "runs", "experiment", "condition", "role")
 ROLES = ("fit", "select", "show")
 MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/campaigns/third_party.py
 SIMULATED = "simulated:"  # file = "simulated:mine.toml": see virtual_recordings.py
-_SLICE = re.compile(r"(\d*):(\d*)(?::(\d*))?")
+_SLICE = re.compile(r"(\d{0,9}):(\d{0,9})(?::(\d{0,9}))?")
 
 
-def read_campaign(path: str | Path, seed: int = 0) -> Campaign:
+def read_campaign(
+    path: str | Path,
+    seed: int = 0,
+    *,
+    plant: Plant | None = None,
+    effects: Iterable[Effect] = (),
+    trust: bool = False,
+) -> Campaign:
     """Read a campaign (a TOML file, or a shipped name) and its recordings.
 
-    Absent roles are assigned with `seed`. Raises BadInput with one line for whatever cannot be
-    used: nothing is computed before every recording is checked.
+    Absent roles are assigned with `seed`. `plant` stands for the one that the file names, `effects`
+    join those that it names; `trust`: Python that it names may run. Raises BadInput with one line
+    for whatever cannot be used: nothing is computed before every recording is checked.
     """
     if seed < 0:
         raise BadInput(f"seed = {seed}: expected 0 or more")
     path = campaign_file(path)
-    return _campaign(Table.parse(read_text(path), str(path), KEYS), path, seed)
+    with noted() as inputs, consenting(trust):
+        root = Table.parse(read_text(path), str(path), KEYS)
+        made = _campaign(root, path, seed, plant, {each.name: each for each in effects})
+        return replace(made, inputs=frozenset(inputs))
 
 
 def campaign_file(name: str | Path) -> Path:
@@ -52,9 +67,11 @@ def campaign_file(name: str | Path) -> Path:
     return shipped[str(name)]
 
 
-def _campaign(root: Table, path: Path, seed: int) -> Campaign:
+def _campaign(
+    root: Table, path: Path, seed: int, plant: Plant | None, own: Mapping[str, Effect]
+) -> Campaign:
     folder, name = path.parent, root.text("plant", "hand")
-    shipped = _plant(root, name, folder)
+    shipped = plant or _plant(root, name, path)
     plant = _at_base(root, shipped, base_name(name), folder)
     rows = root.items("recording")
     if not rows or not all(isinstance(row, dict) for row in rows):
@@ -71,7 +88,7 @@ def _campaign(root: Table, path: Path, seed: int) -> Campaign:
         shipped,
         with_roles(_with_distinct_names(root, found), seed),
         Path(root.text("out", f"results/{path.stem}")),  # in the current folder
-        _effects(root, folder, plant),
+        _effects(root, path, plant, own),
         root.text("title", path.stem),
         base_name(name),
         root.table("calibrate"),
@@ -92,9 +109,9 @@ def _with_distinct_names(root: Table, found: list[tuple[Path, str, Entry]]) -> l
     ]
 
 
-def _plant(root: Table, name: str, folder: Path) -> Plant:
+def _plant(root: Table, name: str, path: Path) -> Plant:
     try:
-        return find_plant(name, folder)
+        return find_plant(name, path.parent, path)
     except BadInput as error:
         root.refuse("plant", f'= "{name}": {error}')
 
@@ -106,21 +123,23 @@ def _at_base(root: Table, plant: Plant, base: str, folder: Path) -> Plant:
 
 
 def _existing(table: Table, key: str, path: Path) -> Path:
-    if path.is_file():
+    if is_file(path):
         return path
-    if path.is_dir():
+    if os.path.isdir(path):
         table.refuse(
             key, f"= {path}: a folder; expected a file, or a glob such as {path.name}/*.csv"
         )
-    near = nearest(path.name, [each.name for each in path.parent.glob("*")])
-    table.refuse(key, f"= {path}: there is no such file{near}")
+    beside = os.listdir(path.parent) if os.path.isdir(path.parent) else []
+    table.refuse(key, f"= {path}: there is no such file{nearest(path.name, beside)}")
 
 
-def _effects(root: Table, folder: Path, plant: Plant) -> dict[str, Effect]:
-    own = {}
+def _effects(
+    root: Table, path: Path, plant: Plant, given: Mapping[str, Effect]
+) -> dict[str, Effect]:
+    own = dict(given)
     for name in root.texts("effects"):
         try:
-            own[_rooted(name, folder)] = effect(name, folder)
+            own[_rooted(name, path.parent)] = effect(name, path.parent, path)
         except BadInput as error:
             root.refuse("effects", f"cannot be used: {error}")
     found = {**effects(), **own_catalogue(plant), **own}
@@ -162,7 +181,7 @@ def _recordings(
         wanted, paths = _wanted(row), _paths(row, name, folder)
         found = [(path, list(read_runs(path, plant).items())[wanted]) for path in paths]
         if not any(runs for _, runs in found):
-            row.refuse("runs", f'= "{row.text("runs", ":")}": selects no run of these files')
+            row.refuse("runs", f'= "{row.text("runs", ":"):.40}": selects no run of these files')
         return [(path, run, recording) for path, runs in found for run, recording in runs]
     from hannes.simulation.virtual_recordings import virtual_recordings
 
@@ -184,7 +203,9 @@ def _wanted(row: Table) -> slice:
     text = row.text("runs", ":")
     found = _SLICE.fullmatch(text)
     if not found or (found[3] and int(found[3]) == 0):
-        row.refuse("runs", f'= "{text}": expected start:stop:step, counted from 0, such as "1::5"')
+        row.refuse(
+            "runs", f'= "{text:.40}": expected start:stop:step, counted from 0, such as "1::5"'
+        )
     return slice(*(int(part) if part else None for part in found.groups()))
 
 
@@ -193,6 +214,7 @@ def read_runs(path: Path, plant: Plant) -> dict[str, Recording]:
 
     Most files hold one recording; a plant's own logger may write several runs into one.
     """
+    note(path)
     read = getattr(plant, "read", None)
     return read(path) if read is not None else {path.name: Recording.read(path)}
 

@@ -9,7 +9,7 @@ from hannes.campaigns.quality.finding import LEVELS, Finding
 from hannes.campaigns.quality.subject import Subject
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import SUFFIXES, Recording
-from hannes.plants.protocol import PLANTS, Plant, expectations, find_plant
+from hannes.plants.protocol import PLANTS, Plant, expectations, find_plant, shipped_plant
 from hannes.simulation.experiment.reader import experiment_text, parse_experiment
 
 
@@ -48,22 +48,27 @@ def _plan(recording: Recording) -> command.Plan | None:
 
 
 def subjects(
-    path: str | Path, plant: str | None = None, experiment: str | None = None
+    path: str | Path,
+    plant: str | None = None,
+    experiment: str | None = None,
+    *,
+    trust: bool = False,
 ) -> list[tuple[str, Recording, Plant]]:
     """Names, recordings and plants of a recording's file, or of a campaign (TOML, shipped name).
 
-    `plant` and `experiment` are names, for a recording that does not carry them itself. Raises
-    BadInput for what cannot be read.
+    `plant` and `experiment` are names, for a recording that does not carry them itself; a plant of
+    the user's own is looked for in the current folder. `trust`: Python that a campaign names may
+    run. Raises BadInput for what cannot be read.
     """
     from hannes.campaigns.campaign_file import read_campaign, read_runs
 
     if Path(path).suffix in (".toml", ""):
         if plant or experiment:
             raise BadInput(f"{path}: a campaign names plant and experiments itself: leave them out")
-        campaign = read_campaign(path)
+        campaign = read_campaign(path, trust=trust)
         return [(each.name, each.recording, campaign.plant) for each in campaign.entries]
     if plant:
-        found = find_plant(plant, Path(path).parent)
+        found = find_plant(plant)
         runs = read_runs(Path(path), found)
     else:
         found, runs = _without_plant(Path(path))
@@ -81,15 +86,25 @@ def _without_plant(path: Path) -> tuple[Plant, dict[str, Recording]]:
     """A recording and the plant that it names; other files by a shipped plant's own `read`."""
     if path.name.lower().endswith(SUFFIXES):
         recording = Recording.read(path)
-        return find_plant(recording.plant or "hand", path.parent), {"": recording}
+        return _named_by(recording, path), {"": recording}
     errors = []
-    for plant in (find_plant(name) for name in PLANTS):
+    for plant in (shipped_plant(name) for name in PLANTS):
         if (read := getattr(plant, "read", None)) is not None:
             try:
                 return plant, read(path)
             except BadInput as error:
                 errors.append(error)
     raise errors[0]
+
+
+def _named_by(recording: Recording, path: Path) -> Plant:
+    """The plant that a recording names: data chooses only among those that ship."""
+    if recording.plant and recording.plant not in PLANTS:
+        raise BadInput(
+            f'{path}: a recording of the plant "{recording.plant:.60}", which does not ship with '
+            "hannes: name its Python with --plant file.py:NAME"
+        )
+    return shipped_plant(recording.plant or "hand")
 
 
 def _expect(recording: Recording, plant: Plant, path: str | Path) -> None:

@@ -1,7 +1,7 @@
 """`hannes convert`: foreign files through a mapping into recordings, with a report of each."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,9 @@ from hannes.campaigns.foreign.mapping import ColumnMap
 from hannes.campaigns.foreign.mapping_file import read_mapping
 from hannes.campaigns.foreign.to_recordings import Run, read_runs
 from hannes.core.errors import BadInput
-from hannes.core.io import atomic_files
-from hannes.core.recording.recording import SUFFIXES, Recording, is_csv
-
-SIDECAR = ".conversion.json"  # beside a CSV, which cannot hold the report
+from hannes.core.io.outputs import reserved
+from hannes.core.recording.marked import results_at, write_marked
+from hannes.core.recording.recording import SUFFIXES, Recording
 
 
 @dataclass(frozen=True)
@@ -35,14 +34,17 @@ class Converted:
         return f"{stem}-{self.number:03d}" if self.number else stem
 
 
-def convert(paths: Sequence[str | Path], mapping: ColumnMap | str | Path) -> list[Converted]:
+def convert(
+    paths: Sequence[str | Path], mapping: ColumnMap | str | Path, *, trust: bool = False
+) -> list[Converted]:
     """Read foreign files through a mapping (or its TOML file); one recording for each run.
 
-    Raises BadInput with one line, naming file and line or the mapping's key, for whatever cannot
-    be used; ComputationFailed where the simulation that a run is aligned with fails.
+    `trust`: Python that the mapping's file names may run. Raises BadInput with one line, naming
+    file and line or the mapping's key, for whatever cannot be used; ComputationFailed where the
+    simulation that a run is aligned with fails.
     """
     if not isinstance(mapping, ColumnMap):
-        mapping = read_mapping(mapping)
+        mapping = read_mapping(mapping, trust=trust)
     from hannes.core.io.progress import progress_bar
 
     found = []
@@ -56,8 +58,24 @@ def convert(paths: Sequence[str | Path], mapping: ColumnMap | str | Path) -> lis
     return found
 
 
-def write(converted: Sequence[Converted], out: str | Path) -> list[Path]:
+def planned(paths: Sequence[str | Path], out: str | Path) -> list[Path]:
+    """Files that `write` would make of foreign files of one run each: what can be known before."""
+    if Path(out).name.lower().endswith(SUFFIXES):
+        return results_at(out, "convert")
+    return [Path(out) / f"{Path(each).name.split('.')[0]}.h5" for each in paths]
+
+
+def write(
+    converted: Sequence[Converted],
+    out: str | Path,
+    *,
+    reads: Iterable[str | Path] = (),
+    force: bool = False,
+) -> list[Path]:
     """Write one recording to the file `out`, or any number into the folder `out` as HDF5.
+
+    None is written over a foreign file that they come from, or over one of `reads`; `force`: files
+    that another command wrote are replaced, too.
 
     Each is written whole or not at all; returns the paths. A name with a recording's suffix is a
     file, and then BadInput where there are several recordings.
@@ -71,16 +89,12 @@ def write(converted: Sequence[Converted], out: str | Path) -> list[Path]:
         targets = [out / f"{each.name}.h5" for each in converted]
     if twice := next((path for path in targets if targets.count(path) > 1), None):
         raise BadInput(f"two files would become {twice}: convert them into different folders")
-    for each, target in zip(converted, targets, strict=True):
-        _write(each, target)
+    inputs = [*reads, *(each.file for each in converted)]
+    results = [each for target in targets for each in results_at(target, "convert")]
+    with reserved("convert", results, inputs, force=force):
+        for each, target in zip(converted, targets, strict=True):
+            write_marked(each.recording, target, "convert", each.report)
     return targets
-
-
-def _write(each: Converted, target: Path) -> None:
-    each.recording.write(target)
-    if is_csv(target):
-        text = json.dumps(each.report, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-        atomic_files.write_text(target.with_name(target.name + SIDECAR), text)
 
 
 def _converted(path: Path, number: int, run: Run, mapping: ColumnMap) -> Converted:

@@ -16,6 +16,7 @@ from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
+from hannes.core.io.outputs import reserved
 from hannes.identification.binned_run import BLOCKS_PER_PARAMETER, View
 from hannes.identification.calibration.data_check import DataIssues, data_issues
 from hannes.identification.calibration.heldout_prediction import prediction
@@ -37,19 +38,22 @@ Gap = dict[str, dict[str, float]]
 class Calibration(Fit):
     """The result of `calibrate`: see identification/calibration/result.py; it can be written."""
 
-    def write(self, folder: str | Path) -> Path:
-        """Write calibration.json, hand.toml, report.html into `folder`, whole or not at all."""
+    def write(self, folder: str | Path, force: bool = False) -> Path:
+        """Write calibration.json, hand.toml, report.html into `folder`, whole or not at all.
+
+        `force`: results of another command there are replaced, too.
+        """
         from hannes.report.calibration import page
 
-        with atomic_files.atomic_folder(folder) as temporary:
+        with atomic_files.atomic_folder(folder, "calibrate", force) as temporary:
             (temporary / "calibration.json").write_text(self.json(), encoding="utf-8")
-            (temporary / "hand.toml").write_text(self.toml(), encoding="utf-8")
+            (temporary / "hand.toml").write_text(self.toml(folder), encoding="utf-8")
             (temporary / "report.html").write_text(page(self), encoding="utf-8")
         return Path(folder)
 
-    def toml(self) -> str:
-        """Text of the hand.toml of the plant at the fitted values."""
-        return plant_toml(self.plant, self.campaign.shipped, self.campaign.base)
+    def toml(self, folder: str | Path | None = None) -> str:
+        """Text of the hand.toml of the plant at the fitted values, to lie in `folder`."""
+        return plant_toml(self.plant, self.campaign.shipped, self.campaign.base, folder)
 
 
 def calibrate(
@@ -60,17 +64,31 @@ def calibrate(
     plan: Plan | None = None,
     workers: int | None = None,
     progress: bool | None = None,
+    force: bool = False,
+    trust: bool = False,
 ) -> Calibration:
     """Calibrate by a campaign, or the TOML file of one; writes to `out` where given.
 
     `plan` replaces the campaign's table [calibrate]. `workers` threads simulate (default: one for
-    each processor), which changes no result. `progress`: a bar on standard error, by default where
-    that is a terminal. Interrupted (Ctrl-C), it returns the best so far. Raises BadInput for what
-    cannot be used, which includes what the data check finds and the plan does not accept;
-    ComputationFailed where no simulation succeeds or the fit does not converge.
+    each processor), which changes no result. `force`: results of another command in `out` are
+    replaced, too. `trust`: Python that the TOML file names may run. `progress`: a bar on standard
+    error, by default where that is a terminal. Interrupted (Ctrl-C), it returns the best so far.
+    Raises BadInput for what cannot be used, which includes what the data check finds and the plan
+    does not accept; ComputationFailed where no simulation succeeds or the fit does not converge.
     """
     if not isinstance(campaign, Campaign):
-        campaign = read_campaign(campaign, seed)
+        campaign = read_campaign(campaign, seed, trust=trust)
+    targets = [out] if out is not None else []
+    with reserved("calibrate", targets, campaign.inputs, folder=True, force=force):
+        result = _calibrated(campaign, seed, plan, workers, progress)
+        if out is not None:
+            result.write(out, force)
+    return result
+
+
+def _calibrated(
+    campaign: Campaign, seed: int, plan: Plan | None, workers: int | None, progress: bool | None
+) -> Calibration:
     entries = campaign.of("fit", "select") or campaign.entries
     recorded = {name for entry in entries for name in entry.recording.names}
     plan = plan or read_plan(campaign.calibrate, campaign.plant, recorded, seed)
@@ -81,10 +99,7 @@ def calibrate(
     workers = workers or os.cpu_count() or 1
     with _bar(progress) as report:
         found = Search(Model(campaign.plant, views), plan, level, workers, report).run()
-        result = _result(campaign, found, issues, workers, how, seed, report)
-    if out is not None:
-        result.write(out)
-    return result
+        return _result(campaign, found, issues, workers, how, seed, report)
 
 
 def _result(

@@ -2,21 +2,21 @@
 
 import argparse
 import json
-import os
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NoReturn
 
-from hannes.commands import cli_bench, cli_learning, cli_recordings, cli_views
+from hannes.commands import cli_bench, cli_learning, cli_recordings, cli_trust, cli_views
 from hannes.commands.cli_examples import EXAMPLES
-from hannes.commands.cli_output import add_json, print_json
-from hannes.core.errors import BadInput, HannesError, Interrupted, nearest
+from hannes.commands.cli_output import add_force, add_json, print_json
+from hannes.commands.cli_trust import add_trust
+from hannes.commands.edge import guarded
+from hannes.core.errors import BadInput, Interrupted, nearest
+from hannes.core.trust.consent import Consent, consenting
 from hannes.core.version import VERSION
 from hannes.simulation.compiler.kernel_error import blamed
-
-INTERRUPTED, PIPE_CLOSED = 130, 141  # what a shell reports for SIGINT and SIGPIPE
 
 DESCRIPTION = "A model of the Hannes prosthetic hand that says what it is missing."
 
@@ -36,40 +36,27 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; return its exit status (0 done, 2 bad input, 3 computation failed)."""
-    try:
-        return _run(arguments)
-    except HannesError as error:
-        print(f"hannes: {_one_line(error)}", file=sys.stderr)
-        return error.exit_status
-    except KeyboardInterrupt:
-        print("hannes: interrupted; earlier results are as they were", file=sys.stderr)
-        return INTERRUPTED
-    except BrokenPipeError:
-        # Whoever read us has gone; Python would complain once more when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return PIPE_CLOSED
+    """Run one command; return its exit status.
+
+    0 done, 2 bad input, 3 computation failed, 70 a fault that nobody foresaw, 130 interrupted.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    return guarded(lambda: _run(given), given)
 
 
-def _run(arguments: Sequence[str] | None) -> int:
+def _run(arguments: Sequence[str]) -> None:
     parser = make_parser()
     chosen = parser.parse_args(arguments)
     if chosen.command is None:
         parser.print_help()
-        return 0
+        return
     try:
-        chosen.call(chosen)
+        with consenting(Consent.GIVEN if getattr(chosen, "trust", False) else Consent.ASK):
+            chosen.call(chosen)
     except Exception as error:
         if (fault := blamed(error)) is None:
             raise
         raise fault from None
-    sys.stdout.flush()
-    return 0
-
-
-def _one_line(error: Exception) -> str:
-    text = " ".join(str(error).split())
-    return "".join(each if each.isprintable() else "?" for each in text)
 
 
 def make_parser() -> _Parser:
@@ -83,6 +70,7 @@ def make_parser() -> _Parser:
     _add_output(run, "results/<experiment>")
     run.add_argument("--method", default="Rodas", help="Rodas (default) or one of scipy's")
     run.add_argument("--rtol", type=float, default=1e-4, help="relative tolerance (default 1e-4)")
+    add_trust(run)
 
     _command(commands, "experiments", _experiments, "list the shipped experiments")
 
@@ -98,6 +86,7 @@ def make_parser() -> _Parser:
     hand.add_argument("--values", action="store_true", help="print every value with its source")
     hand.add_argument("--mjcf", action="store_true", help="print a MuJoCo model of its mechanics")
     hand.add_argument("--schematic", action="store_true", help="print a drawing of it, as SVG")
+    add_trust(hand)
 
     reproduce = _command(commands, "reproduce", _reproduce, "the paper's results beside ours")
     _add_output(reproduce, "results/reproduce")
@@ -114,15 +103,18 @@ def make_parser() -> _Parser:
     calibrate = _command(commands, "calibrate", _calibrate, "fit parameters, with intervals")
     calibrate.add_argument("campaign", help="a campaign's .toml file")
     _add_output(calibrate, "as the campaign says")
+    add_trust(calibrate)
 
     diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
     diagnose.add_argument("campaign", help="a campaign's .toml file")
     _add_output(diagnose, "as the campaign says")
+    add_trust(diagnose)
 
     cli_recordings.add(partial(_command, commands))
     cli_learning.add(partial(_command, commands))
     cli_bench.add(partial(_command, commands))
     cli_views.add(partial(_command, commands))
+    cli_trust.add(partial(_command, commands))
     return parser
 
 
@@ -146,13 +138,15 @@ def _with_examples(name: str) -> dict[str, Any]:
 
 def _add_output(parser: _Parser, default: str) -> None:
     parser.add_argument("--out", metavar="FOLDER", help=f"folder of the results ({default})")
+    add_force(parser)
     add_json(parser)
 
 
 def _run_experiment(chosen: argparse.Namespace) -> None:
     from hannes.commands.run import run
 
-    summary = run(chosen.experiment, chosen.out, method=chosen.method, rtol=chosen.rtol)
+    how = {"method": chosen.method, "rtol": chosen.rtol, "force": chosen.force}
+    summary = run(chosen.experiment, chosen.out, **how)
     if chosen.json:
         print_json(summary)
     else:
@@ -191,11 +185,19 @@ def _effects(chosen: argparse.Namespace) -> None:
 
 
 def _hand(chosen: argparse.Namespace) -> None:
-    from hannes.plants.plant_file import load_model
+    from hannes.plants.plant_file import load_model, own_python_described
     from hannes.simulation.hand.description import equations_of, plant_described, value_table
     from hannes.simulation.hand.hand import Hand
 
-    model = load_model(chosen.hand)
+    if not chosen.trust and (text := own_python_described(chosen.hand)):
+        if chosen.equations or chosen.values:
+            raise BadInput(
+                f"{chosen.hand} names Python of its own, which a look does not run: look at it, "
+                "then add --trust"
+            )
+        print(text)
+        return
+    model = load_model(chosen.hand, trust=chosen.trust)
     if chosen.equations:
         print(equations_of(model))
     elif chosen.values:
@@ -222,7 +224,7 @@ def _reproduce(chosen: argparse.Namespace) -> None:
 
     out = chosen.out or "results/reproduce"
     given = {"slack": chosen.slack, "taut": chosen.taut, "recognition": chosen.recognition}
-    found = reproduce(out, **given)
+    found = reproduce(out, force=chosen.force, **given)
     if chosen.json:
         print_json(found)
         return
@@ -242,7 +244,7 @@ def _calibrate(chosen: argparse.Namespace) -> None:
 
     campaign = read_campaign(chosen.campaign)
     out = chosen.out or campaign.out
-    result = calibrate(campaign, out=out)
+    result = calibrate(campaign, out=out, force=chosen.force)
     if chosen.json:
         print_json(result.plain())
     else:
@@ -257,7 +259,7 @@ def _diagnose(chosen: argparse.Namespace) -> None:
 
     campaign = read_campaign(chosen.campaign)
     out = chosen.out or campaign.out
-    result = diagnose(campaign, out=out)
+    result = diagnose(campaign, out=out, force=chosen.force)
     if chosen.json:
         print_json(json.loads(result.verdict.json()))
         return

@@ -1,6 +1,6 @@
 """Examples that `hannes COMMAND --help` shows, by command."""
 
-from hannes.commands import cli_bench, cli_learning, cli_recordings, cli_views
+from hannes.commands import cli_bench, cli_learning, cli_recordings, cli_trust, cli_views
 
 EXAMPLES = {
     "": """\
@@ -71,4 +71,5 @@ campaign.toml (docs/reference/campaign.md has all of it):
     **cli_learning.EXAMPLES,
     **cli_bench.EXAMPLES,
     **cli_views.EXAMPLES,
+    **cli_trust.EXAMPLES,
 }

@@ -4,7 +4,8 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
-from hannes.commands.cli_output import add_json, print_json
+from hannes.commands.cli_output import add_force, add_json, print_json
+from hannes.commands.cli_trust import add_trust
 
 EXAMPLES = {
     "dataset": """\
@@ -71,6 +72,8 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     dataset.add_argument(
         "--grasp", type=int, metavar="K", help="only this one, as a recording to --out"
     )
+    add_trust(dataset)
+    add_force(dataset)
     add_json(dataset)
 
     train = command("train", _train, "train rigid or soft, stiffness and force on a data set")
@@ -80,6 +83,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     train.add_argument("--seed", type=int, default=0, help="of what is drawn (default 0)")
     train.add_argument("--window", default="50 ms", help="length of a window (default 50 ms)")
     train.add_argument("--hop", default="10 ms", help="from window to window (default 10 ms)")
+    add_force(train)
     add_json(train)
 
     evaluate = command("evaluate", _evaluate, "score a model on recordings, or apply it to one")
@@ -91,6 +95,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
         metavar="DATASET.h5",
         help="also score models trained on more and more of these grasps (about a minute)",
     )
+    add_force(evaluate)
     add_json(evaluate)
 
 
@@ -98,6 +103,8 @@ def _dataset(chosen: argparse.Namespace) -> None:
     from pathlib import Path
 
     from hannes.core.errors import BadInput
+    from hannes.core.io.outputs import reserved
+    from hannes.core.recording.marked import results_at, write_marked
     from hannes.dataset.make import make
     from hannes.dataset.shard import recorded
     from hannes.dataset.spec import load_spec
@@ -107,11 +114,12 @@ def _dataset(chosen: argparse.Namespace) -> None:
         if chosen.backend != "local" or chosen.scheduler or chosen.workers:
             raise BadInput("--grasp makes one, here: leave out --backend, --scheduler, --workers")
         out = chosen.out or f"{stem}-{chosen.grasp}.h5"
-        recorded(spec, chosen.grasp).write(out)
+        with reserved("dataset", results_at(out, "dataset"), spec.inputs, force=chosen.force):
+            write_marked(recorded(spec, chosen.grasp), out, "dataset")
         result: dict[str, Any] = {"out": out, "grasp": chosen.grasp}
     else:
         how = {"backend": chosen.backend, "scheduler": chosen.scheduler, "workers": chosen.workers}
-        result = make(spec, chosen.out or f"{stem}.h5", **how)
+        result = make(spec, chosen.out or f"{stem}.h5", force=chosen.force, **how)
     if chosen.json:
         print_json(result)
     elif chosen.grasp is not None:
@@ -129,6 +137,7 @@ def _train(chosen: argparse.Namespace) -> None:
     from pathlib import Path
 
     from hannes.core.errors import BadInput
+    from hannes.core.io.outputs import reserved
     from hannes.core.io.units import quantity
     from hannes.recognition import model_file
     from hannes.recognition.train import TREES, train
@@ -140,9 +149,12 @@ def _train(chosen: argparse.Namespace) -> None:
     windowing = Windowing(
         quantity(chosen.window, "s", "--window"), quantity(chosen.hop, "s", "--hop")
     )
-    model, result = train(chosen.dataset, trees=trees, seed=chosen.seed, windowing=windowing)
     out = chosen.out or str(Path(chosen.dataset).with_suffix("")) + "-model.h5"
-    model_file.write(out, model)
+    if not out.lower().endswith((".h5", ".hdf5")):
+        raise BadInput(f"--out {out}: expected a file named .h5 or .hdf5 for the model")
+    with reserved("train", [out], [chosen.dataset], force=chosen.force):
+        model, result = train(chosen.dataset, trees=trees, seed=chosen.seed, windowing=windowing)
+        model_file.write(out, model)
     if chosen.json:
         print_json({"out": out, **result})
         return
@@ -160,7 +172,11 @@ def _train(chosen: argparse.Namespace) -> None:
 
 
 def _evaluate(chosen: argparse.Namespace) -> None:
+    from pathlib import Path
+
     from hannes.core.errors import BadInput
+    from hannes.core.io.inputs import noted
+    from hannes.core.io.outputs import reserved
     from hannes.core.recording.recording import Recording
     from hannes.recognition import model_file
     from hannes.recognition.evaluate import (
@@ -181,13 +197,17 @@ def _evaluate(chosen: argparse.Namespace) -> None:
         result = prediction_of(model, Recording.read(chosen.recordings))
         print_json(result) if chosen.json else print(_grasp(result))
         return
-    title, subjects = read_subjects(chosen.recordings)
-    result = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
-    if chosen.learning_curve:
-        models = curve(chosen.learning_curve, windowing=model.windowing)
-        result["learning_curve"] = learning_curve(models, subjects)
-    if chosen.out:
-        write(chosen.out, result)
+    targets, given = [chosen.out] if chosen.out else [], [chosen.model, chosen.learning_curve]
+    with noted() as inputs:
+        title, subjects = read_subjects(chosen.recordings)
+    inputs |= {Path(each) for each in given if each}
+    with reserved("evaluate", targets, inputs, folder=True, force=chosen.force):
+        result = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
+        if chosen.learning_curve:
+            models = curve(chosen.learning_curve, windowing=model.windowing)
+            result["learning_curve"] = learning_curve(models, subjects)
+        if chosen.out:
+            write(chosen.out, result, chosen.force)
     print_json(result) if chosen.json else print(_scores(result))
 
 

@@ -13,3 +13,10 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 def print_json(content: Any) -> None:
     """Print `content` as one JSON object; ValueError where a number is not finite."""
     print(json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
+
+
+def add_force(parser: argparse.ArgumentParser) -> None:
+    """Add the option --force."""
+    parser.add_argument(
+        "--force", action="store_true", help="replace results of another command, too"
+    )

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from hannes.commands.cli_output import add_json, print_json
+from hannes.commands.cli_output import add_force, add_json, print_json
+from hannes.commands.cli_trust import add_trust
 
 if TYPE_CHECKING:
     from hannes.campaigns.quality.finding import Finding
@@ -91,6 +92,8 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     convert.add_argument(
         "--out", required=True, metavar="FILE", help="a .csv or .h5 file, or a folder for several"
     )
+    add_trust(convert)
+    add_force(convert)
     add_json(convert)
 
     check = command("check", _check, "say what may be wrong with recordings, before any fit")
@@ -100,21 +103,25 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
         "--experiment", metavar="NAME", help="what was done, where the file does not say"
     )
     check.add_argument("--notes", action="store_true", help="print notes too: noise, resolution")
+    add_trust(check)
     add_json(check)
 
 
 def _convert(chosen: argparse.Namespace) -> None:
     from hannes.campaigns.check import check
-    from hannes.campaigns.convert import convert, write
+    from hannes.campaigns.convert import convert, planned, write
     from hannes.campaigns.foreign.mapping_file import read_mapping
+    from hannes.core.io.inputs import noted
+    from hannes.core.io.outputs import require_free
 
-    mapping = read_mapping(chosen.mapping)
-    made = convert(chosen.file, mapping)
+    for target in planned(chosen.file, chosen.out):
+        require_free("convert", target, [chosen.mapping, *chosen.file], force=chosen.force)
+    with noted() as inputs:
+        mapping = read_mapping(chosen.mapping)
+        made = convert(chosen.file, mapping)
+    paths = write(made, chosen.out, reads=inputs, force=chosen.force)
     found = [check(each.recording, mapping.plant) for each in made]
-    rows = [
-        {**each.report, "out": str(path)}
-        for each, path in zip(made, write(made, chosen.out), strict=True)
-    ]
+    rows = [{**each.report, "out": str(path)} for each, path in zip(made, paths, strict=True)]
     if chosen.json:
         for row, findings in zip(rows, found, strict=True):
             row["findings"] = [asdict(each) for each in findings]

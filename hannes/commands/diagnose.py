@@ -15,6 +15,7 @@ from hannes.campaigns.segments import split_campaign
 from hannes.campaigns.warnings import campaign_warnings
 from hannes.core.by_value import ByValue
 from hannes.core.io import atomic_files
+from hannes.core.io.outputs import reserved
 from hannes.identification.diagnosis.campaign_diagnosis import (
     Result,
     declares_uncertainty,
@@ -50,19 +51,22 @@ class Diagnosis(ByValue):
         found = ", ".join([self.verdict.verdict, *self.verdict.effects])
         return f"Diagnosis({found}; {len(self.campaign.entries)} recordings)"
 
-    def write(self, folder: str | Path) -> Path:
-        """Write verdict.json, hand.toml, report.html into `folder`, whole or not at all."""
+    def write(self, folder: str | Path, force: bool = False) -> Path:
+        """Write verdict.json, hand.toml, report.html into `folder`, whole or not at all.
+
+        `force`: results of another command there are replaced, too.
+        """
         from hannes.report.diagnosis import page
 
-        with atomic_files.atomic_folder(folder) as temporary:
+        with atomic_files.atomic_folder(folder, "diagnose", force) as temporary:
             (temporary / "verdict.json").write_text(self.verdict.json(), encoding="utf-8")
-            (temporary / "hand.toml").write_text(self.toml(), encoding="utf-8")
+            (temporary / "hand.toml").write_text(self.toml(folder), encoding="utf-8")
             (temporary / "report.html").write_text(page(self), encoding="utf-8")
         return Path(folder)
 
-    def toml(self) -> str:
-        """Text of the hand.toml of `plant`."""
-        return plant_toml(self.plant, self.campaign.shipped, self.campaign.base)
+    def toml(self, folder: str | Path | None = None) -> str:
+        """Text of the hand.toml of `plant`, to lie in `folder`."""
+        return plant_toml(self.plant, self.campaign.shipped, self.campaign.base, folder)
 
 
 def diagnose(
@@ -71,15 +75,27 @@ def diagnose(
     out: str | Path | None = None,
     seed: int = 0,
     progress: bool | None = None,
+    force: bool = False,
+    trust: bool = False,
 ) -> Diagnosis:
     """Diagnose a campaign, or the TOML file of one; writes to `out` where given.
 
-    `progress`: a bar on standard error, by default where that is a terminal. Raises BadInput for
-    what cannot be used, which includes every fault of the data check; ComputationFailed where a
-    simulation fails.
+    `force`: results of another command in `out` are replaced, too. `trust`: Python that the TOML
+    file names may run. `progress`: a bar on standard error, by default where that is a terminal.
+    Raises BadInput for what cannot be used, which includes every fault of the data check;
+    ComputationFailed where a simulation fails.
     """
     if not isinstance(campaign, Campaign):
-        campaign = read_campaign(campaign, seed)
+        campaign = read_campaign(campaign, seed, trust=trust)
+    targets = [out] if out is not None else []
+    with reserved("diagnose", targets, campaign.inputs, folder=True, force=force):
+        result = _diagnosed(campaign, seed, progress)
+        if out is not None:
+            result.write(out, force)
+    return result
+
+
+def _diagnosed(campaign: Campaign, seed: int, progress: bool | None) -> Diagnosis:
     settings = read_settings(campaign.diagnose, campaign.plant)
     warnings = campaign_warnings(campaign)
     complete = not lacking(campaign, split_campaign(campaign)[0], ())
@@ -89,10 +105,7 @@ def diagnose(
         else:
             result = _by_holdout(campaign, seed, report)
     warnings += result.verdict.cautions
-    result = replace(result, verdict=replace(result.verdict, cautions=warnings))
-    if out is not None:
-        result.write(out)
-    return result
+    return replace(result, verdict=replace(result.verdict, cautions=warnings))
 
 
 def _by_fits(campaign: Campaign, settings: Settings, seed: int, report: Progress) -> Diagnosis:

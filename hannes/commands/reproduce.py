@@ -11,6 +11,7 @@ from hannes.campaigns.campaign_file import read_campaign
 from hannes.commands.diagnose import Diagnosis, diagnose
 from hannes.core.errors import BadInput, HannesError, MissingRecording
 from hannes.core.io.atomic_files import atomic_folder
+from hannes.core.io.outputs import reserved
 from hannes.identification.residuals import Traces
 from hannes.identification.verdict import Verdict
 from hannes.report.paper import table_3
@@ -32,17 +33,31 @@ def reproduce(
     taut: str | Path | None = None,
     recognition: str | Path | None = None,
     progress: bool | None = None,
+    force: bool = False,
 ) -> dict[str, Any]:
     """Write the page to `out`, with the diagnosis of the real axis under `out`/emps.
 
     `slack` and `taut` are results folders of diagnoses of closures with hidden slack and of the
-    same closures without it, `recognition` one of `hannes evaluate`. Returns `rows`, `must_show`
+    same closures without it, `recognition` one of `hannes evaluate`. `force`: results
+    of another command in `out` are replaced, too. Returns `rows`, `must_show`
     and `out`. Raises BadInput where a folder cannot be used, ComputationFailed where a simulation
     fails; a recording that is missing is named on the page instead.
     """
+    given = [each for each in (slack, taut, recognition) if each is not None]
+    with reserved("reproduce", [out], given, folder=True, force=force):
+        return _reproduced(out, slack, taut, recognition, progress)
+
+
+def _reproduced(
+    out: str | Path,
+    slack: str | Path | None,
+    taut: str | Path | None,
+    recognition: str | Path | None,
+    progress: bool | None,
+) -> dict[str, Any]:
     hidden, rows = _hidden(slack, taut, Path(out))
     evaluation = table_3.read(recognition) if recognition is not None else None
-    with atomic_folder(out) as folder:
+    with atomic_folder(out, "reproduce", force=True) as folder:
         emps, more = _emps(folder / "emps", progress)
         found: dict[str, Any] = {"emps": emps, "slack": hidden}
         if evaluation is not None:

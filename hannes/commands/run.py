@@ -11,6 +11,8 @@ import numpy as np
 
 from hannes.core.errors import BadInput
 from hannes.core.io.atomic_files import atomic_folder
+from hannes.core.io.inputs import noted
+from hannes.core.io.outputs import reserved
 from hannes.core.io.provenance import provenance
 from hannes.core.model import differences
 from hannes.core.recording.recording import Recording
@@ -38,16 +40,27 @@ def run(
     *,
     method: str = "Rodas",
     rtol: float = 1e-4,
+    force: bool = False,
+    trust: bool = False,
 ) -> dict[str, Any]:
     """Simulate an experiment and write its results to `out` (default: results/<experiment>).
 
-    Returns the content of summary.json. Raises BadInput for an experiment or folder that cannot
-    be used, ComputationFailed where a simulation does not end; then nothing is written.
+    `force`: results of another command there are replaced, too; `trust`: Python that the experiment
+    names may run. Returns the content of summary.json. Raises BadInput for an experiment or folder
+    that cannot be used, ComputationFailed where a simulation does not end; then nothing is written.
     """
-    asked, stem = load(name), Path(name).stem
+    with noted() as inputs:
+        asked, stem = load(name, trust=trust), Path(name).stem
     target = Path(out) if out is not None else Path("results") / stem
-    if isinstance(asked, FrictionCurve):
-        return _curve(asked, stem, target)
+    with reserved("run", [target], inputs, folder=True, force=force):
+        if isinstance(asked, FrictionCurve):
+            return _curve(asked, stem, target)
+        return _variants(asked, stem, target, method, rtol)
+
+
+def _variants(
+    asked: list[Variant], stem: str, target: Path, method: str, rtol: float
+) -> dict[str, Any]:
     done = [_simulated(each, method, rtol) for each in asked]
     recordings = {each.name: observe(each.hand, ran) for each, ran in zip(asked, done, strict=True)}
     summary = {
@@ -160,7 +173,7 @@ def _written(
     target: Path, recordings: Mapping[str, Recording], summary: dict[str, Any], svg: str
 ) -> dict[str, Any]:
     """Write the results folder, whole or not at all; return the summary."""
-    with atomic_folder(target) as folder:
+    with atomic_folder(target, "run", force=True) as folder:
         for file, recording in recordings.items():
             recording.to_hdf5(folder / file)
         text = json.dumps(summary, indent=1, ensure_ascii=False, allow_nan=False)

@@ -16,6 +16,10 @@ class BadInput(HannesError):
     exit_status = 2
 
 
+class NotTrusted(BadInput):
+    """Nobody consented to the Python that a file names."""
+
+
 class MissingRecording(BadInput):
     """A third-party recording is neither on this machine nor downloadable."""
 

@@ -14,7 +14,9 @@ from typing import Any
 
 from hannes.core.errors import BadInput, ComputationFailed, Interrupted
 from hannes.core.io.atomic_files import write_bytes
-from hannes.core.recording.hdf5 import text_attribute
+from hannes.core.io.outputs import reserved
+from hannes.core.io.parent import end_with
+from hannes.core.trust.consent import grant, granted
 from hannes.dataset import hdf5_file
 from hannes.dataset.sampling import sample_grasp
 from hannes.dataset.shard import SIZE, Shard, count, simulated
@@ -33,20 +35,24 @@ def make(
     scheduler: str = "",
     workers: int | None = None,
     progress: bool | None = None,
+    force: bool = False,
 ) -> dict[str, Any]:
     """Write the data set to `out`; return counts: grasps, shards, shards simulated now, failures.
 
     `workers` are local processes (default: all cores); backend "dask" uses the cluster of the
     scheduler at that address. The bytes are the same for any of them. `progress` shows a bar on
-    standard error, by default on a terminal. Raises BadInput for what cannot be made or written,
-    ComputationFailed where workers keep dying.
+    standard error, by default on a terminal. `force`: a file that another command wrote is
+    replaced, too. Raises BadInput for what cannot be made or written, ComputationFailed where
+    workers keep dying.
     """
-    target = _target(Path(out))
-    _check_cells(spec)
-    shards = Shards(target, spec)
-    if missing := shards.missing():
-        _simulate(spec, shards, missing, _how(backend, scheduler, workers), progress)
-    shards.finish()
+    if Path(out).suffix not in (".h5", ".hdf5"):
+        raise BadInput(f"{out}: expected a file named .h5 or .hdf5 for the data set")
+    with reserved("dataset", [out], spec.inputs, force=force):
+        _check_cells(spec)
+        shards = Shards(Path(os.path.realpath(out)), spec)
+        if missing := shards.missing():
+            _simulate(spec, shards, missing, _how(backend, scheduler, workers), progress)
+        shards.finish()
     return {
         "out": str(out),
         "grasps": spec.count,
@@ -54,31 +60,6 @@ def make(
         "shards_simulated": len(missing),
         "failed": shards.failed,
     }
-
-
-def _target(out: Path) -> Path:
-    """The real path; BadInput where it holds something that is no data set, whole or damaged."""
-    if out.suffix not in (".h5", ".hdf5"):
-        raise BadInput(f"{out}: expected a file named .h5 or .hdf5 for the data set")
-    target = Path(os.path.realpath(out))
-    if target.exists():
-        if not target.is_file() or not _may_be_ours(target):
-            raise BadInput(f"{out}: holds something else than a data set; choose another name")
-    return target
-
-
-def _may_be_ours(path: Path) -> bool:
-    """Whether a file is a data set, or too damaged to say: then it begins as HDF5 does."""
-    import h5py
-
-    with path.open("rb") as stream:
-        if stream.read(4) not in (b"\x89HDF", b""):
-            return False
-    try:
-        with h5py.File(path) as found:
-            return text_attribute(found, "schema") == hdf5_file.SCHEMA
-    except Exception:  # a damaged file raises nearly anything from inside the library
-        return True
 
 
 def _check_cells(spec: Spec) -> None:
@@ -192,12 +173,18 @@ def _quiet(progress: bool | None) -> bool | None:
 def _tasks(spec: Spec, numbers: list[int]) -> Iterator[Any]:
     from joblib import delayed
 
-    wanted = hdf5_file.fingerprint(spec)
-    return (delayed(numbered)(spec.text, k, wanted) for k in numbers)
+    wanted, may_run = hdf5_file.fingerprint(spec), granted()
+    return (delayed(numbered)(spec.text, k, wanted, may_run) for k in numbers)
 
 
-def numbered(text: str, number: int, wanted: str) -> tuple[int, bytes]:
-    """A shard with its number; BadInput where this process is of another version than `wanted`."""
+def numbered(
+    text: str, number: int, wanted: str, may_run: tuple[str, ...] = ()
+) -> tuple[int, bytes]:
+    """A shard with its number; BadInput where this process is of another version than `wanted`.
+
+    `may_run`: digests of Python that the user consented to.
+    """
+    grant(may_run)
     if _fingerprint(text) != wanted:
         raise BadInput(
             "a worker has another version of hannes, Python or a package than this machine: "
@@ -249,7 +236,13 @@ def _local(workers: int | None) -> Iterator[Any]:
     from joblib.externals.loky import get_reusable_executor
 
     try:
-        yield Parallel(n_jobs=workers or -1, batch_size=1, return_as="generator_unordered")
+        yield Parallel(
+            n_jobs=workers or -1,
+            batch_size=1,
+            return_as="generator_unordered",
+            initializer=end_with,
+            initargs=(os.getpid(),),
+        )
     except BaseException:  # an interrupt too: nobody waits for what is still under way
         get_reusable_executor().shutdown(kill_workers=True)
         raise

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from hannes.core.errors import BadInput
+from hannes.core.io.inputs import is_file, note
 from hannes.core.recording.hdf5 import OWN_FILTERS, text_attribute
 from hannes.dataset.hdf5_file import SCHEMA
 from hannes.dataset.shard import STORED
@@ -96,7 +97,8 @@ def _check(found: DataSet) -> None:
 def _opened(path: Path) -> Iterator[Any]:
     import h5py
 
-    if not path.is_file():
+    note(path)
+    if not is_file(path):
         raise BadInput(f"{path}: expected a data set, there is no such file")
     try:
         with h5py.File(path, "r") as file:

@@ -3,16 +3,18 @@
 import fnmatch
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from hannes.contact.shapes import SHAPES
 from hannes.core.errors import BadInput, nearest
+from hannes.core.io.inputs import noted
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.io.units import quantity
 from hannes.core.model import differences
+from hannes.core.trust.consent import consenting
 from hannes.dataset.distributions import Distribution, read_distribution
 from hannes.simulation.experiment import shipped
 from hannes.simulation.experiment.experiment import CONTROLLERS, Experiment, Reference
@@ -77,7 +79,10 @@ class Group:
 
 @dataclass(frozen=True)
 class Spec:
-    """All grasps of a data set; `text` is the specification resolved, without other files."""
+    """All grasps of a data set; `text` is the specification resolved, without other files.
+
+    `inputs` are the files that it was read from, which no result may replace.
+    """
 
     title: str
     text: str
@@ -88,6 +93,7 @@ class Spec:
     border: float
     channels: tuple[str, ...]
     groups: tuple[Group, ...]
+    inputs: frozenset[Path] = field(default=frozenset(), repr=False, compare=False)
 
     @property
     def count(self) -> int:
@@ -114,10 +120,15 @@ class Spec:
         raise BadInput(f"no grasp {number}: the data set has {self.count}, counted from 0")
 
 
-def load_spec(name: str | Path) -> Spec:
-    """Read a shipped specification by name, or a .toml file; BadInput otherwise."""
+def load_spec(name: str | Path, *, trust: bool = False) -> Spec:
+    """Read a shipped specification by name, or a .toml file; BadInput otherwise.
+
+    `trust`: Python that the file names may run.
+    """
     path = find(name)
-    return read_spec(read_text(path), str(name), path.parent)
+    with noted() as inputs, consenting(trust):
+        made = read_spec(read_text(path), str(name), path.parent)
+        return replace(made, inputs=frozenset(inputs))
 
 
 def find(name: str | Path) -> Path:

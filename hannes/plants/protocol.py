@@ -5,19 +5,20 @@ docs/how-to/write-a-plant.md lists what it may have; `PlainPlant` saves writing 
 """
 
 import importlib
-import sys
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Protocol, Self, runtime_checkable
+from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
 from hannes.core.effect import Effect
-from hannes.core.errors import BadInput, nearest
+from hannes.core.errors import BadInput, NotTrusted, nearest
 from hannes.core.parameter import ParameterSet
 from hannes.core.recording.channel_limits import Expected
 from hannes.core.recording.recording import Recording
+from hannes.core.trust.consent import own_object
+from hannes.core.trust.python_source import is_own
 
 
 @runtime_checkable
@@ -123,22 +124,42 @@ PLANTS = {
 }
 
 
-def find_plant(name: str, folder: Path | None = None) -> Plant:
-    """Return a plant by name, or the user's own by `package.module:object`.
+def find_plant(name: str, folder: Path | None = None, toml: str | Path | None = None) -> Plant:
+    """Return a shipped plant by name, or the user's own by `file.py:NAME` or `module:NAME`.
 
-    The user's module is also looked for in `folder`. Raises BadInput where there is none.
+    The user's is looked for in `folder` (default: the current one), a module also among those
+    installed; `toml` is the file that names it, which needs consent (docs/explanation/trust.md).
+    Raises BadInput where there is none, or where it raises by itself.
     """
-    place = PLANTS.get(name, name)
-    module, _, attribute = place.partition(":")
-    if not attribute:
-        hint = nearest(name, PLANTS) or f"; expected {', '.join(PLANTS)} or package.module:object"
-        raise BadInput(f'unknown plant "{name}"{hint}')
-    found = _imported(module, attribute, folder)
-    plant = found() if isinstance(found, type) else found
-    if not isinstance(plant, Plant):
-        raise BadInput(f"{place} is no plant: it lacks {', '.join(_lacks(plant))}")
-    if fault := _fault(plant):
-        raise BadInput(f"plant {place}: {fault}")
+    if name in PLANTS or not is_own(name):
+        return shipped_plant(name)
+    try:
+        found = own_object(name, folder or Path.cwd(), toml)
+    except NotTrusted:
+        raise
+    except BadInput as error:
+        raise BadInput(f"plant {name} cannot be loaded: {error}") from None
+    try:
+        plant: Plant = found() if isinstance(found, type) else found
+        lacking = _lacks(plant)
+        fault = "" if lacking else _fault(plant)
+    except (Exception, SystemExit) as error:  # of the user's own code
+        what = f"{type(error).__name__}: {error}"
+        raise BadInput(f"plant {name} raises when it is made or looked at: {what}") from None
+    if lacking:
+        raise BadInput(f"{name} is no plant: it lacks {', '.join(lacking)}")
+    if fault:
+        raise BadInput(f"plant {name}: {fault}")
+    return plant
+
+
+def shipped_plant(name: str) -> Plant:
+    """Return a plant that ships with hannes: all that data may choose from; BadInput otherwise."""
+    if name not in PLANTS:
+        expected = f"; expected {', '.join(PLANTS)}, file.py:NAME or module:NAME"
+        raise BadInput(f'unknown plant "{name:.80}"{nearest(name, PLANTS) or expected}')
+    module, _, attribute = PLANTS[name].partition(":")
+    plant: Plant = getattr(importlib.import_module(module), attribute)()
     return plant
 
 
@@ -158,27 +179,6 @@ def _fault(plant: Plant) -> str:
         if not size >= 0.0:
             return f"free: {name} has the standard deviation {size!r}, expected zero or more"
     return "" if plant.block > 0.0 else f"block = {plant.block!r}: expected seconds above zero"
-
-
-def _imported(module: str, attribute: str, folder: Path | None) -> Any:
-    before = list(sys.path)
-    if folder is not None:
-        sys.path.insert(0, str(folder))
-        _forget_namesake(module, folder)
-    try:
-        return getattr(importlib.import_module(module), attribute)
-    except (Exception, SystemExit) as error:  # the user's module may do anything
-        raise BadInput(f"plant {module}:{attribute} cannot be loaded: {error}") from None
-    finally:
-        sys.path[:] = before
-
-
-def _forget_namesake(module: str, folder: Path) -> None:
-    """Let a module of this folder be loaded although one of the same name is, from elsewhere."""
-    own = (folder / f"{module.replace('.', '/')}.py").resolve()
-    loaded = sys.modules.get(module)
-    if own.is_file() and loaded is not None and Path(loaded.__file__ or "").resolve() != own:
-        del sys.modules[module]
 
 
 def _lacks(plant: object) -> list[str]:

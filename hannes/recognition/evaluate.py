@@ -240,8 +240,11 @@ def prediction_of(model: Model, recording: Recording) -> dict[str, Any]:
     }
 
 
-def write(out: str | Path, predicted: dict[str, Any]) -> None:
-    """Write evaluation.json to a folder, whole or not at all."""
-    with atomic_folder(out) as folder:
+def write(out: str | Path, predicted: dict[str, Any], force: bool = False) -> None:
+    """Write evaluation.json to a folder, whole or not at all.
+
+    `force`: results of another command there are replaced, too.
+    """
+    with atomic_folder(out, "evaluate", force) as folder:
         text = json.dumps(predicted, indent=1, ensure_ascii=False, allow_nan=False)
         (folder / "evaluation.json").write_text(text + "\n", encoding="utf-8")

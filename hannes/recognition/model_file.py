@@ -16,6 +16,7 @@ import numpy as np
 
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
+from hannes.core.io.inputs import is_file, note
 from hannes.core.recording.hdf5 import OWN_FILTERS, set_attribute, text_attribute
 from hannes.recognition import gaussian_process
 from hannes.recognition.features import NAMES
@@ -73,7 +74,8 @@ def read(path: str | Path) -> Model:
     """Read a model; BadInput in one line where the file is damaged, foreign or out of bounds."""
     import h5py
 
-    if not Path(path).is_file():
+    note(path)
+    if not is_file(path):
         raise BadInput(f"{path}: expected a model, there is no such file")
     try:
         with h5py.File(path, "r") as file:

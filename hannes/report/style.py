@@ -53,7 +53,7 @@ RC: dict[str, Any] = {
     "path.simplify": True,
     "svg.fonttype": "none",
     "svg.hashsalt": "hannes",
-    "mathtext.default": "regular",
+    "text.parse_math": False,  # a title may hold dollars
 }
 
 # Verdana has the widths of DejaVu Sans; the rest is for systems that lack both.

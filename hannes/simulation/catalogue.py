@@ -1,19 +1,16 @@
 """The catalogue of effects: every module under dynamics, contact and control with an EFFECT."""
 
 import functools
-import hashlib
 import importlib
-import importlib.util
 import pkgutil
-import sys
 from pathlib import Path
-from types import ModuleType
 
 from hannes import contact, control, dynamics
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, nearest
-
-_OWN = "hannes_own_"  # starts the module name of a user's file
+from hannes.core.trust.consent import own_object
+from hannes.core.trust.loader import own_modules, place
+from hannes.core.trust.python_source import is_own
 
 
 @functools.cache
@@ -52,15 +49,18 @@ def _found(attribute: str) -> dict[str, Effect]:
     return dict(sorted(found.items()))
 
 
-def effect(name: str, folder: Path | None = None) -> Effect:
-    """Return a catalogue effect or law, or the user's own from `path/to/file.py:EFFECT`.
+def effect(name: str, folder: Path | None = None, toml: str | Path | None = None) -> Effect:
+    """Return a catalogue effect or law, or the user's own by `file.py:NAME` or `module:NAME`.
 
-    Relative paths start at `folder` (the file that names the effect). Raises BadInput when the
-    name is unknown or the file does not hold an Effect.
+    Relative paths start at `folder`; `toml` is the file that names it, which needs consent
+    (docs/explanation/trust.md). Raises BadInput when the name is unknown or no Effect is there.
     """
-    if ".py:" in name:
-        path, _, attribute = name.rpartition(":")
-        return _own_effect((folder or Path.cwd()) / path, attribute)
+    if is_own(name):
+        found = own_object(name, folder or Path.cwd(), toml)
+        if not isinstance(found, Effect):
+            place, _, attribute = name.rpartition(":")
+            raise BadInput(f"{place} has no Effect named {attribute}")
+        return found
     if name not in named():
         raise BadInput(f'unknown effect "{name}"{nearest(name, named())}')
     return named()[name]
@@ -69,37 +69,8 @@ def effect(name: str, folder: Path | None = None) -> Effect:
 def own_effects() -> dict[str, Effect]:
     """The user's own effects that this process has loaded, by `path/to/file.py:EFFECT`."""
     return {
-        f"{Path(str(module.__file__)).resolve()}:{name}": value
-        for known, module in list(sys.modules.items())
-        if known.startswith(_OWN)
+        f"{place(module)}:{name}": value
+        for module in own_modules()
         for name, value in vars(module).items()
         if isinstance(value, Effect)
     }
-
-
-def _own_effect(path: Path, attribute: str) -> Effect:
-    found = getattr(_own_module(path), attribute, None)
-    if not isinstance(found, Effect):
-        raise BadInput(f"{path} has no Effect named {attribute}")
-    return found
-
-
-def _own_module(path: Path) -> ModuleType:
-    """Load a user's file once for each content, under a name that depends on nothing else."""
-    try:
-        source = path.read_bytes()
-    except OSError as error:
-        raise BadInput(f"cannot read effect file {path}: {error.strerror}") from None
-    name = f"{_OWN}{path.stem}_{hashlib.sha256(source).hexdigest()[:16]}"
-    if name in sys.modules:
-        return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module  # where kept machine code looks for the kernels' globals
-    try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:
-        del sys.modules[name]
-        raise BadInput(f"effect file {path} does not run: {error}") from None
-    return module

@@ -11,11 +11,12 @@ import pytest
 import scipy.io
 
 from hannes.campaigns import third_party
-from hannes.campaigns.convert import SIDECAR, convert, write
+from hannes.campaigns.convert import convert, write
 from hannes.campaigns.foreign.mapping_file import read_mapping
 from hannes.commands.cli import main
 from hannes.commands.cli_recordings import EXAMPLES
 from hannes.core.errors import BadInput, MissingRecording
+from hannes.core.io.result_marks import CONVERTED
 from hannes.core.recording.recording import Recording
 from hannes.plants.axis.matlab_file import load as load_emps
 from hannes.simulation.experiment.reader import parse_experiment
@@ -206,7 +207,7 @@ def test_trials_of_a_real_finger_by_a_mapping(tmp_path):
         unit = "N"
         offset = "18 mN"
         """
-    made = convert(files, saved(tmp_path, mapping))
+    made = convert(files, saved(tmp_path, mapping), trust=True)
     assert len(made) == 20 and all(each.recording.plant == "finger" for each in made)
     assert all(each.recording["angle"].max() <= 1000.0 for each in made)
     peak = max(each.recording["force"].max() for each in made)
@@ -362,7 +363,7 @@ def test_the_command_reports_the_conversion_and_keeps_it(tmp_path, capsys):
         assert row.pop("out") == str(out)
         assert {"level", "kind", "channel", "text"} <= set(row.pop("findings")[0])
         kept = Recording.read(out)
-        sidecar = tmp_path / f"{name}{SIDECAR}"
+        sidecar = tmp_path / f"{name}{CONVERTED}"
         stored = kept.conversion or sidecar.read_text(encoding="utf-8")
         assert json.loads(stored) == row and sidecar.exists() == (name != "run.h5")
         assert ("duration" in kept.experiment) == (name == "run.h5")

@@ -2,14 +2,18 @@
 
 import argparse
 import json
+import re
 import shlex
+from pathlib import Path
 
 import pytest
 
 from hannes import __version__
 from hannes.commands import cli
-from hannes.commands.cli import INTERRUPTED, main
+from hannes.commands.cli import main
 from hannes.commands.cli_examples import EXAMPLES
+from hannes.commands.edge import INTERRUPTED, UNFORESEEN
+from hannes.core.io.atomic_files import atomic_folder
 
 SHORT = """
 duration = "20 ms"
@@ -134,8 +138,8 @@ def test_effects_and_experiments_list_what_there_is(capsys):
 def test_ctrl_c_is_one_line_and_keeps_earlier_results(tmp_path, monkeypatch, capsys):
     import hannes.commands.run
 
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "summary.json").write_text("{}")
+    with atomic_folder(tmp_path / "out", "run") as folder:
+        (folder / "summary.json").write_text("{}")
 
     def stopped(*_, **__):
         raise KeyboardInterrupt
@@ -149,10 +153,15 @@ def test_ctrl_c_is_one_line_and_keeps_earlier_results(tmp_path, monkeypatch, cap
     assert (tmp_path / "out" / "summary.json").read_text() == "{}"
 
 
-def test_an_error_of_our_own_keeps_its_traceback(monkeypatch):
-    """Only what a user can act on becomes a line."""
+def test_an_error_that_nobody_foresaw_is_one_line_and_keeps_its_details(monkeypatch, capsys):
+    """What was done, where the traceback is, what to do with it; exit status 70."""
     from hannes.simulation.experiment import shipped
 
     monkeypatch.setattr(shipped, "names", lambda: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        main(["experiments"])
+    assert main(["experiments"]) == UNFORESEEN
+    told = capsys.readouterr()
+    assert told.out == "" and told.err.count("\n") == 1
+    assert "`hannes experiments`" in told.err and "please report it" in told.err
+    kept = Path(re.search(r"details are in (\S+):", told.err)[1])
+    assert "ZeroDivisionError" in kept.read_text() and "Traceback" in kept.read_text()
+    kept.unlink()

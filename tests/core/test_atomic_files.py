@@ -11,13 +11,13 @@ import pytest
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
 from hannes.core.io.atomic_files import (
-    MARKER,
     atomic_file,
     atomic_folder,
     settled,
     write_bytes,
     write_text,
 )
+from hannes.core.io.result_marks import MARKER
 
 
 def tree(folder: Path) -> dict[str, str]:

@@ -91,7 +91,7 @@ def campaign(folder, runs, asked=ASKED, plant="hand"):
     rows = '[[recording]]\nfile = "run*.csv"\ncondition = "void"\nrole = "fit"\n'
     text = f'plant = "{plant}"\n{rows}[calibrate]\n{asked}\n'
     (folder / "campaign.toml").write_text(text, encoding="utf-8")
-    return ["calibrate", str(folder / "campaign.toml"), "--out", str(folder / "out")]
+    return ["calibrate", str(folder / "campaign.toml"), "--trust", "--out", str(folder / "out")]
 
 
 def refused(capsys, words, status=2):

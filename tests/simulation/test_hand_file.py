@@ -57,16 +57,18 @@ def test_two_effects_of_one_name_are_refused(tmp_path):
     text = "from dataclasses import replace\nfrom hannes.dynamics.capstan import EFFECT\n"
     written(tmp_path, text + 'MINE = replace(EFFECT, meaning="another")\n', "mine.py")
     with pytest.raises(BadInput, match='another effect has the name "capstan"'):
-        load_hand(written(tmp_path, 'effects = ["capstan", "mine.py:MINE"]'))
+        load_hand(written(tmp_path, 'effects = ["capstan", "mine.py:MINE"]'), trust=True)
 
 
 def test_an_effect_of_the_users_own_is_found_again(tmp_path):
     code = "@kernel\ndef rub(motor_speed, size):\n    return size * motor_speed\n"
     written(tmp_path, EFFECT.format(code=code), "mine.py")
-    hand = load_hand(written(tmp_path, 'effects = ["mine.py:EFFECT"]'))
+    hand = load_hand(written(tmp_path, 'effects = ["mine.py:EFFECT"]'), trust=True)
     assert f'"{tmp_path / "mine.py"}:EFFECT"' in hand_toml(hand)
     (tmp_path / "elsewhere").mkdir()
-    back = load_hand(written(tmp_path / "elsewhere", hand_toml(hand)))
+    near = hand_toml(hand, folder=tmp_path / "elsewhere")
+    assert '"../mine.py:EFFECT"' in near
+    back = load_hand(written(tmp_path / "elsewhere", near), trust=True)
     assert back.effects == hand.effects
 
 

@@ -48,7 +48,7 @@ def with_effect(folder, fault, name, text):
 
 def refused(folder, capsys, fault, *arguments):
     """Run a command that must end in the one line."""
-    assert main([*arguments, "--out", str(folder / "out")]) == 2
+    assert main([*arguments, "--trust", "--out", str(folder / "out")]) == 2
     told = capsys.readouterr()
     (line,) = [each for each in told.err.splitlines() if "compiling" not in each]
     assert line.startswith(f"hannes: {folder / 'mine.py'}: kernel rub cannot be compiled: ")

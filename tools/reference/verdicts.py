@@ -2,7 +2,7 @@
 
 from dataclasses import fields
 
-from hannes.commands.cli import INTERRUPTED, PIPE_CLOSED
+from hannes.commands.edge import INTERRUPTED, PIPE_CLOSED, UNFORESEEN
 from hannes.core.errors import BadInput, ComputationFailed
 from hannes.identification.verdict import SENTENCES, Verdict
 from tools.reference.markdown import code, table
@@ -59,7 +59,8 @@ STATUSES = (
         ComputationFailed.exit_status,
         "the computation failed (solver, fit): one line says what to try",
     ),
-    (INTERRUPTED, "stopped by Ctrl-C; earlier results are as they were"),
+    (UNFORESEEN, "a fault that nobody foresaw: one line says where its details are kept"),
+    (INTERRUPTED, "stopped by Ctrl-C, SIGTERM or SIGHUP; earlier results are as they were"),
     (PIPE_CLOSED, "whoever read the output has gone"),
 )
 

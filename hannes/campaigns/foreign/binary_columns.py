@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.mapping import Column
 from hannes.core.errors import BadInput, nearest
+from hannes.core.io.inputs import is_file, note
 from hannes.core.recording.hdf5 import OWN_FILTERS
 
 FloatArray = NDArray[np.float64]
@@ -145,7 +146,8 @@ def _harmless(dataset: Any) -> bool:
 
 def require_file(path: Path) -> None:
     """Raise BadInput where there is no such file, with the nearest name beside it."""
-    if not path.is_file():
+    note(path)
+    if not is_file(path):
         near = nearest(path.name, [each.name for each in path.parent.glob("*")])
         raise BadInput(f"{path}: there is no such file{near}")
 

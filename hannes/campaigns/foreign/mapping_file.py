@@ -26,6 +26,7 @@ from hannes.campaigns.foreign.mapping_clock import (
 from hannes.core.errors import BadInput
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.io.units import quantity
+from hannes.core.trust.consent import consenting
 from hannes.plants.protocol import Plant, expectations, find_plant
 
 KEYS = (
@@ -41,13 +42,20 @@ SIDES = ("output", "motor")
 RATIO = "gear.ratio"  # parameter of a plant that has a reducer
 
 
-def read_mapping(path: str | Path) -> ColumnMap:
-    """Read a mapping; BadInput with file, key and what to do for whatever cannot be used."""
-    path = Path(path)
+def read_mapping(path: str | Path, *, trust: bool = False) -> ColumnMap:
+    """Read a mapping; BadInput with file, key and what to do for whatever cannot be used.
+
+    `trust`: Python that it names may run.
+    """
+    with consenting(trust):
+        return _mapping(Path(path))
+
+
+def _mapping(path: Path) -> ColumnMap:
     root = Table.parse(read_text(path), str(path), KEYS)
     name = root.text("plant", "hand")
     try:
-        plant = find_plant(name, path.parent)
+        plant = find_plant(name, path.parent, path)
     except BadInput as error:
         root.refuse("plant", f'= "{name[:60]}" cannot be used: {error}')
     return ColumnMap(

@@ -7,7 +7,6 @@ next write or call of `settled(path)` restores it.
 
 import ctypes
 import errno
-import json
 import os
 import shutil
 import sys
@@ -17,8 +16,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from hannes.core.errors import BadInput
+from hannes.core.io.result_marks import changed, folder_mark, foreign, mark_folder
 
-MARKER = ".hannes-results"  # lists what a results folder holds, so that nothing else is replaced
 _STALE = 7 * 86400  # s, age at which the leftover of a killed command is removed
 
 _REASONS = {
@@ -53,7 +52,7 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
 
     On any exception the temporary file is removed and `path` keeps what it had.
     """
-    target = _real(path)
+    target = real_path(path)
     with _explained(target):
         _require_regular(target)
         temporary = _temporary(target)
@@ -69,30 +68,61 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
 
 
 @contextmanager
-def atomic_folder(path: str | Path) -> Iterator[Path]:
+def atomic_folder(path: str | Path, verb: str = "", force: bool = False) -> Iterator[Path]:
     """Yield an empty temporary folder that takes the place of `path` on success.
 
-    Earlier results are replaced as a whole; other files that lie beside them are kept. A folder
-    that hannes did not write is refused with BadInput unless it is empty.
+    Earlier results of the same verb are replaced as a whole, with `force` those of any; other files
+    that lie among them are kept. A folder that hannes did not write is refused with BadInput unless
+    it is empty, and so is one in which results were changed since.
     """
     with _explained(Path(path)):
         target = settled(path)
-        kept = _foreign(target)
+        require_replaceable(target, verb, force)
         temporary = _temporary(target)
         temporary.mkdir()
     try:
         with _explained(target, BODY_FAULTS):
             yield temporary
         with _explained(target):
-            _finish(temporary, target, kept)
+            _finish(temporary, target, verb)
             _swap(temporary, target)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
+def require_replaceable(target: Path, verb: str, force: bool) -> None:
+    """Raise BadInput unless results of `verb` may take the place of what stands at `target`."""
+    if not os.path.lexists(target):
+        return
+    if not target.is_dir():
+        raise BadInput(f"cannot write {target}: it is a file; give the name of a folder")
+    if not any(target.iterdir()):
+        return
+    mark = folder_mark(target)
+    if mark is None:
+        raise BadInput(
+            f"cannot write {target}: the folder holds files that are not earlier results; "
+            "choose a new or an empty folder"
+        )
+    if mark.verb not in (None, verb) and not force:
+        raise BadInput(
+            f"cannot write {target}: it holds results of {_named(mark.verb)}; choose another "
+            "folder, or replace them with --force"
+        )
+    if edited := changed(target, mark):
+        raise BadInput(
+            f"cannot write {target}: {edited[0]} in it was changed since it was written; "
+            "move it away, or choose another folder"
+        )
+
+
+def _named(verb: str | None) -> str:
+    return f"`hannes {verb}`" if verb else "another program"
+
+
 def settled(path: str | Path) -> Path:
     """Return the real path of a results folder, restored first if a swap was interrupted."""
-    target = _real(path)
+    target = real_path(path)
     aside = _aside(target)
     if aside.is_dir() and not target.exists():
         os.rename(aside, target)
@@ -111,7 +141,8 @@ def _explained(target: Path, only: tuple[int, ...] = ()) -> Iterator[None]:
         raise BadInput(f"cannot write {target}: {reason}") from error
 
 
-def _real(path: str | Path) -> Path:
+def real_path(path: str | Path) -> Path:
+    """Return the path without links; BadInput for a name that no file can have."""
     if "\0" in str(path):
         raise BadInput(f"cannot write {str(path)!r}: the name holds a NUL character")
     return Path(os.path.realpath(path))
@@ -146,40 +177,32 @@ def _remove(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _foreign(target: Path) -> list[str]:
-    """Return the files in `target` beside earlier results; raise BadInput without such results."""
-    if not target.exists():
-        return []
-    names = {each.name for each in target.iterdir()}
-    if names and MARKER not in names:
-        raise BadInput(
-            f"cannot write {target}: the folder holds files that are not earlier results; "
-            "choose a new or an empty folder"
-        )
-    return sorted(names - _listed(target / MARKER) - {MARKER})
-
-
-def _listed(marker: Path) -> set[str]:
-    with suppress(OSError, ValueError, TypeError):
-        return {str(name) for name in json.loads(marker.read_text())}
-    return set()
-
-
-def _finish(temporary: Path, target: Path, kept: list[str]) -> None:
-    """List the new results in the marker, copy the files that are kept, flush all to the disk."""
-    written = sorted(each.name for each in temporary.iterdir())
-    (temporary / MARKER).write_text(json.dumps(written) + "\n")
-    for name in set(kept) - set(written):
-        _copy(target / name, temporary / name)
+def _finish(temporary: Path, target: Path, verb: str) -> None:
+    """Mark the new results, copy over what is kept, flush all to the disk."""
+    mark_folder(temporary, verb)
+    mark = folder_mark(target)
+    for name in foreign(target, mark) if mark else []:
+        _keep(target, temporary, name)
     for each in temporary.rglob("*"):
         if each.is_file() and not each.is_symlink():
             _flush(each)
     _flush(temporary)
 
 
-def _copy(old: Path, new: Path) -> None:
+def _keep(target: Path, temporary: Path, name: str) -> None:
+    """Copy what lies among old results to the new ones; BadInput where one has that name."""
+    old, new = target / name, temporary / name
+    if os.path.lexists(new) and not (old.is_dir() and new.is_dir()):
+        raise BadInput(
+            f"cannot write {target}: {name} in it was not written by hannes and has the name of a "
+            "result; move it away, or choose another folder"
+        )
+    try:
+        new.parent.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadInput(f"cannot write {target}: {name} in it lies where a result goes") from None
     if old.is_dir() and not old.is_symlink():
-        shutil.copytree(old, new, symlinks=True)
+        new.mkdir(exist_ok=True)
     else:
         shutil.copy2(old, new, follow_symlinks=False)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from hannes.core.errors import BadInput, nearest
+from hannes.core.io.inputs import note
 from hannes.core.io.units import quantity
 
 LARGEST = 16_000_000  # bytes; far above any real experiment, with a recorded reference
@@ -14,6 +15,7 @@ LARGEST = 16_000_000  # bytes; far above any real experiment, with a recorded re
 
 def read_text(path: Path) -> str:
     """Return the text of a TOML file; BadInput where it cannot be read."""
+    note(path)
     try:
         if path.stat().st_size > LARGEST:
             raise BadInput(f"{path}: larger than {LARGEST // 1_000_000} MB, this is no TOML file")
@@ -21,6 +23,8 @@ def read_text(path: Path) -> str:
     except OSError as error:
         raise BadInput(f"{path}: cannot be read ({error.strerror or error})") from None
     except ValueError:
+        if "\0" in str(path):
+            raise BadInput(f"{str(path)!r:.200}: is no name of a file") from None
         raise BadInput(f"{path}: is not UTF-8 text; expected a TOML file") from None
 
 
@@ -117,8 +121,8 @@ class Table:
     def texts(self, key: str) -> list[str]:
         """Return a list of texts; empty where the key is absent."""
         values = self.items(key)
-        if not all(isinstance(each, str) for each in values):
-            self.refuse(key, "must be a list of texts, each in quotes")
+        if not all(isinstance(each, str) and each.isprintable() for each in values):
+            self.refuse(key, "must be a list of texts of one line, each in quotes")
         return values
 
     def table(self, key: str, allowed: tuple[str, ...] = ()) -> "Table":

@@ -14,8 +14,14 @@ from typing import Any
 
 import numba
 
+from hannes.core.kernels import kept_code
+
 # What is overridden or called below, as `module:attribute`.
 PARTS = (
+    "numba.core.caching:IndexDataCacheFile._data_name",
+    "numba.core.caching:IndexDataCacheFile._data_path",
+    "numba.core.caching:IndexDataCacheFile._dump",
+    "numba.core.caching:IndexDataCacheFile._open_for_write",
     "numba.core.codegen:JITCodeLibrary._optimize_final_module",
     "numba.core.codegen:JITCodeLibrary._finalize_final_module",
     "numba.core.codegen:JITCodeLibrary._finalize_dynamic_globals",
@@ -83,7 +89,8 @@ def compiled(dispatcher: Any, method: Callable[..., Any], signature: Any) -> Any
     if missing():
         return method(signature)
     lock = pkgutil.resolve_name("numba.core.compiler_lock:global_compiler_lock")
-    with lock, _no_collection():
+    kept_code.checked(dispatcher)
+    with lock, kept_code.one_process(dispatcher), _no_collection():
         level, generator = numba.config.OPT, _generator()
         library = generator._library_class
         numba.config.OPT = type(level)(min(int(level), 2))

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.core.errors import BadInput
+from hannes.core.io.inputs import is_file, note
 
 FloatArray = NDArray[np.float64]
 
@@ -45,7 +46,8 @@ def dump(channels: Mapping[str, FloatArray], units: Mapping[str, str], packed: b
 
 def read_bytes(path: Path) -> bytes:
     """Return a file's bytes, unpacked where its name ends in .gz; BadInput if that fails."""
-    if not path.is_file():
+    note(path)
+    if not is_file(path):
         raise BadInput(f"{path}: expected a CSV file, there is no such file")
     try:
         with gzip.open(path) if path.suffix.lower() == ".gz" else path.open("rb") as file:

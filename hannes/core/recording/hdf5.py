@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.core.errors import BadInput
+from hannes.core.io.inputs import is_file, note
 
 FloatArray = NDArray[np.float64]
 
@@ -45,7 +46,8 @@ def load(path: Path) -> dict[str, Any]:
     """Return channels, units and metadata as `Recording` takes them; BadInput otherwise."""
     import h5py
 
-    if not path.is_file():
+    note(path)
+    if not is_file(path):
         raise BadInput(f"{path}: expected an HDF5 file, there is no such file")
     try:
         with h5py.File(path, "r") as file:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from hannes.core.errors import BadInput
+from hannes.core.io.inputs import note
 from hannes.core.recording.recording import Recording
 
 # MATLAB name -> channel, unit. The file says `pulses_N`; they are volts added to the output.
@@ -21,6 +22,7 @@ def load(path: str | Path) -> Recording:
     """Read DATA_EMPS.mat or DATA_EMPS_PULSES.mat; BadInput where it is no such file."""
     from scipy.io import loadmat
 
+    note(path)
     try:
         content = loadmat(path)
     except OSError as error:

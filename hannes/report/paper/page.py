@@ -21,7 +21,7 @@ def reproduce(
     out: str | Path, progress: bool | None = None, *, quick: bool = False
 ) -> dict[str, Any]:
     """Write the page without any diagnosis to `out`, whole or not at all; see `write_page`."""
-    with atomic_folder(out) as folder:
+    with atomic_folder(out, "reproduce") as folder:
         content = write_page(folder, progress, quick=quick)
     return {**content, "out": str(out)}
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from hannes.core.errors import BadInput
 from hannes.core.io.toml_table import Table, read_text
+from hannes.core.trust.consent import consenting
 from hannes.simulation.experiment import shipped
 from hannes.simulation.experiment.clearance import require_clear
 from hannes.simulation.experiment.friction_curve import FrictionCurve
@@ -15,16 +16,23 @@ from hannes.simulation.hand.hand_file import changed, load_hand
 KINDS = {"grasp": KEYS, "friction-curve": (*COMMON, "joint_speed", "cart_speed")}
 
 
-def load(name: str | Path) -> list[Variant] | FrictionCurve:
-    """Return what an experiment, shipped or from a .toml file, asks for; BadInput otherwise."""
+def load(name: str | Path, *, trust: bool = False) -> list[Variant] | FrictionCurve:
+    """Return what an experiment, shipped or from a .toml file, asks for; BadInput otherwise.
+
+    `trust`: Python that the file names may run.
+    """
     path = shipped.find(name)
     where = str(path) if str(name).endswith(".toml") else path.name
-    return read(read_text(path), where, path.parent)
+    with consenting(trust):
+        return read(read_text(path), where, path.parent)
 
 
-def load_experiment(name: str | Path) -> list[Variant]:
-    """Return the simulations of an experiment, shipped or from a .toml file, at least one."""
-    found = load(name)
+def load_experiment(name: str | Path, *, trust: bool = False) -> list[Variant]:
+    """Return the simulations of an experiment, shipped or from a .toml file, at least one.
+
+    `trust`: Python that the file names may run.
+    """
+    found = load(name, trust=trust)
     if isinstance(found, FrictionCurve):
         raise BadInput(f"{name}: needs no simulation; see it with `hannes run {name}`")
     return found

@@ -36,6 +36,8 @@ def parse_experiment(
     This is for the experiment text of a recording: sweep and scatter are refused.
     """
     root = Table.parse(text, where, KEYS)
+    if folder is None and "path" in root.table("reference"):
+        root.refuse("reference.path", "names a file: a recording's own text has points instead")
     for key in ("sweep", "scatter"):
         if key in root:
             root.refuse(key, "stands for several experiments; expected one")

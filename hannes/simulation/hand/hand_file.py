@@ -4,6 +4,7 @@ Reading and writing serve any model with named values and effects; `base` names 
 """
 
 import inspect
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -15,6 +16,7 @@ from hannes.core.io.units import quantity, text
 from hannes.core.kernels.jit import plain
 from hannes.core.model import Model, differences
 from hannes.core.parameter import Parameter
+from hannes.core.trust.consent import consenting
 from hannes.simulation import catalogue
 from hannes.simulation.hand.hand import Hand
 
@@ -26,17 +28,19 @@ DEEPEST = 8  # hand files that build on one another
 M = TypeVar("M", bound=Model)
 
 
-def load_hand(name: str | Path, folder: Path | None = None) -> Hand:
+def load_hand(name: str | Path, folder: Path | None = None, *, trust: bool = False) -> Hand:
     """Return a shipped hand by name, or the one of a hand.toml (relative to `folder`).
 
-    Raises BadInput for an unknown name or a file that is not a hand's.
+    `trust`: Python that the file names may run. Raises BadInput for an unknown name, a file that is
+    not a hand's, Python that nobody consented to.
     """
     if str(name) not in SHIPPED and not str(name).endswith(".toml"):
         raise BadInput(
             f'no hand named "{name}"{nearest(str(name), SHIPPED)} (shipped: {", ".join(SHIPPED)}; '
             "or give the path of a hand.toml)"
         )
-    return load(str(name), folder or Path(), SHIPPED)
+    with consenting(trust):
+        return load(str(name), folder or Path(), SHIPPED)
 
 
 def load(name: str, folder: Path, bases: Mapping[str, Callable[[], M]]) -> M:
@@ -98,7 +102,7 @@ def own_catalogue(plant: object) -> Mapping[str, Effect]:
 
 def _effect(name: str, table: Table, folder: Path | None, known: Mapping[str, Effect]) -> Effect:
     try:
-        return known[name] if name in known else catalogue.effect(name, folder)
+        return known[name] if name in known else catalogue.effect(name, folder, table.where)
     except BadInput as error:
         table.refuse("effects", f"cannot be used: {error}")
 
@@ -134,16 +138,22 @@ def declared(name: str, model: Model, table: Table) -> Parameter:
         raise BadInput(f"{table.where}: {table.prefix[:-1]}: {error}") from None
 
 
-def hand_toml(model: Model, shipped: Model | None = None, base: str = "hannes") -> str:
+def hand_toml(
+    model: Model,
+    shipped: Model | None = None,
+    base: str = "hannes",
+    folder: str | Path | None = None,
+) -> str:
     """Return the text of the hand.toml that makes `model` from `shipped`, known as `base`.
 
-    Without `shipped` every value that is not the declared one is written.
+    Without `shipped` every value that is not the declared one is written. A user's own effects are
+    named from `folder`, where the file will lie; without it by their whole path.
     """
     import tomli_w
 
     content = {
         "base": base,
-        "effects": effect_names(model),
+        "effects": effect_names(model, folder),
         "parameters": texts(model, differences(model, shipped)),
     }
     return tomli_w.dumps(content)
@@ -154,9 +164,22 @@ def texts(model: Model, numbers: Mapping[str, float]) -> dict[str, str]:
     return {name: text(x, model.parameters.require(name).unit) for name, x in numbers.items()}
 
 
-def effect_names(model: Model) -> list[str]:
-    """Names under which a model's effects are found again: catalogue, or `file.py:EFFECT`."""
-    return [_effect_name(each, own_catalogue(model)) for each in model.effects]
+def effect_names(model: Model, folder: str | Path | None = None) -> list[str]:
+    """Names under which a model's effects are found again: catalogue, or `file.py:EFFECT`.
+
+    Files are named from `folder`, without it by their whole path.
+    """
+    names = [_effect_name(each, own_catalogue(model)) for each in model.effects]
+    return [_seen_from(folder, name) if folder is not None else name for name in names]
+
+
+def _seen_from(folder: str | Path, name: str) -> str:
+    path, _, attribute = name.rpartition(":")
+    try:
+        near = os.path.relpath(path, os.path.realpath(folder)) if attribute and path else path
+    except ValueError:  # on another drive
+        near = path
+    return f"{Path(near).as_posix()}:{attribute}" if attribute and path else name
 
 
 def _effect_name(effect: Effect, known: Mapping[str, Effect]) -> str:

@@ -1,0 +1,1 @@
+"""Which Python may run besides hannes' own, and how it is loaded: docs/explanation/trust.md."""
