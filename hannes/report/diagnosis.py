@@ -73,7 +73,7 @@ def _tried(diagnosis: "Diagnosis") -> Table:
     evidence, level = "Size / its deviation", "Each tested at a false-alarm rate of"
     if diagnosis.details is not None:
         evidence = "√ of Δχ²"
-        level = "A machine that lacks nothing gets a name with a probability of"
+        level = "A machine that lacks nothing should get a name with a probability of at most"
     for attempt in diagnosis.verdict.tried:
         if attempt["effect"] in unfit:
             continue

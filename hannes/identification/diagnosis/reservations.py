@@ -121,6 +121,7 @@ def significant_trend(
 
 
 def trend_text(found: SearchResult, trend: Trend) -> str:
+    """A trend across runs in words."""
     name = trend.effect.replace("_", " ")
     further = trend.delta_chi2 / found.variance_factor
     return f"{further:.0f} would go with {name} that grows from run to run"

@@ -73,6 +73,7 @@ def may_be_named(found: SearchResult) -> bool:
 
 
 def best_first(pairs: Sequence[Trial]) -> list[Trial]:
+    """The trials by their reduction, the largest first."""
     return sorted(pairs, key=lambda each: -each.delta_chi2)
 
 
@@ -87,15 +88,16 @@ def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
 def with_confusable(
     baseline: Linearisation, guesses: Sequence[Guess], trials: list[Trial]
 ) -> list[Trial]:
-    columns = {guess.effect: guess.signature for guess in guesses}
+    """The trials, each with the effects whose signatures are hardly separated from its own."""
+    signatures = {guess.effect: guess.signature for guess in guesses}
     return [
         replace(
             each,
             confusable=tuple(
                 name
-                for name in columns
+                for name in signatures
                 if name != each.effects[0]
-                and cosine_similarity(baseline, columns[each.effects[0]], columns[name])
+                and cosine_similarity(baseline, signatures[each.effects[0]], signatures[name])
                 > SEARCH.confusable_cosine
             ),
         )
