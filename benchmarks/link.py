@@ -125,7 +125,7 @@ def _worn(kind: str, count: int, seed: int) -> Row:
 
 
 def _board(pipe: "multiprocessing.connection.Connection", how: Misbehaviour) -> None:
-    """Run a board on a pseudo-terminal until told to end; sends its name, then when it stopped."""
+    """Run a board on a pseudo-terminal until a stop; sends its name, then when it stopped."""
     far = Terminal()
     pipe.send(far.address)
     board = VirtualBoard(Shaft, far, Settings(), how)

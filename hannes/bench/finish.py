@@ -1,7 +1,7 @@
 """From a raw log to a recording: one row a frame, the board's clock, gaps kept as gaps.
 
 Time is the board's, from the start of the profile (or the first sample where there was none).
-Every frame counts once; one that never came is a gap, and nothing is put in its place. The map
+Every frame counts once; one that never came is a gap, which nothing fills. The map
 from the board's clock to the host's, and the gaps, stand in the recording's `conversion`.
 """
 

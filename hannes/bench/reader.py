@@ -51,7 +51,7 @@ class Link:
 class Reader:
     """Handle on the reader's process: send bytes to the board, end it.
 
-    Raises BadInput at birth where the port cannot be opened. `notes` tells priority and latency.
+    Raises BadInput on creation where the port cannot be opened. `notes`: priority and latency.
     """
 
     def __init__(self, link: Link, log: str | Path) -> None:
@@ -134,7 +134,7 @@ class _Loop:
         self.ending, self.stopped = 0, False
 
     def run(self) -> bool:
-        """Go on until told to end, the parent is gone, or the link is lost for good."""
+        """Go on until stopped, the parent is gone, or the link is lost for good."""
         while True:
             try:
                 self._once()

@@ -75,7 +75,7 @@ def _completion(chosen: argparse.Namespace) -> None:
 
 
 def _complete(action: argparse.Action, experiments: Sequence[str]) -> None:
-    """Tell shtab what an argument is: a folder, an experiment, or a file."""
+    """Declare to shtab what an argument is: a folder, an experiment, or a file."""
     import shtab
 
     if action.metavar == "FOLDER":

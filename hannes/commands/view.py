@@ -66,7 +66,7 @@ def _few(files: Sequence[str | Path]) -> Sequence[str | Path]:
 
 
 def _names(files: Sequence[Path]) -> list[str]:
-    """Names that tell the files apart: their own, with the folder where these are alike."""
+    """Distinct names of the files: their own, with the folder where these are equal."""
     stems = [each.name.split(".")[0] for each in files]
     if len(set(stems)) == len(stems):
         return stems

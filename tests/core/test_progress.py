@@ -10,7 +10,7 @@ from hannes.core.io.progress import in_notebook, progress_bar
 
 
 class ZMQInteractiveShell:
-    """Stands for the shell of a notebook's kernel, which tells itself by its class."""
+    """Stands for the shell of a notebook's kernel, known by its class."""
 
     config: dict = {}  # noqa: RUF012
 

@@ -87,7 +87,7 @@ def test_schematic_names_every_part_and_every_effect():
     assert "leader.stiffness = 1.234e+04 N/m" in titles["leader"] or "1.235e+04" in titles["leader"]
     declared = {name.split(".")[0] for name in hand.parameters.declared} - {"gravity"}
     assert declared == {prefix for each in PARAMETERS.values() for prefix in each}
-    told = "\n".join(titles.values())
+    shown = "\n".join(titles.values())
     for name, effect in effects().items():
         assert parts_of(effect), name
-        assert name in told
+        assert name in shown

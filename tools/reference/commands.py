@@ -25,8 +25,8 @@ def _command(name: str, parser: argparse.ArgumentParser) -> str:
     shown = f"{table(('argument', 'is'), rows)}\n\n" if rows else ""
     examples = (parser.epilog or "").removeprefix("examples:\n")
     lines = "\n".join(line.removeprefix("  ") for line in examples.splitlines())
-    told = (parser.description or "").strip()
-    return f"## hannes {name}\n\n{told[:1].upper()}{told[1:]}.\n\n{shown}```text\n{lines}\n```\n"
+    about = (parser.description or "").strip()
+    return f"## hannes {name}\n\n{about[:1].upper()}{about[1:]}.\n\n{shown}```text\n{lines}\n```\n"
 
 
 def _row(action: argparse.Action) -> tuple[str, str]:

@@ -17,9 +17,9 @@ MEANINGS = {
         "the same, and something else is left",
         "the page's map says where it is left",
     ),
-    "one_of": ("one of `effects`; these recordings cannot tell which", NEXT_RUN),
+    "one_of": ("one of `effects`; these recordings do not decide which", NEXT_RUN),
     "unknown": (
-        "something is missing, and which effect cannot be told",
+        "something is missing, and which effect is not decidable",
         f"{NEXT_RUN}; look at the map of the gap; write an effect of your own",
     ),
     "recalibrated": (
@@ -47,7 +47,7 @@ FIELDS = {
     "floor_from": "where the noise floor comes from",
     "cut": "how records were cut into segments",
     "cautions": "what the data check, and the diagnosis itself, warn of",
-    "next_run": "the run that would tell the two best explanations apart, or null",
+    "next_run": "the run that best separates the two best explanations, or null",
     "smallest_detectable": "effect -> parameter -> smallest size seen with 80 % power",
     "confusability": "`effects` and their `cosines`: how similar the signatures of two are here",
     "versions": "of the libraries",

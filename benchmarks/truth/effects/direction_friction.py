@@ -3,7 +3,7 @@
     T_friction = T_dry (1 + dry) closing, T_dry (1 - dry) opening
                + f |w| (1 + viscous) closing, (1 - viscous) opening
 
-T_dry: `motor.dry_friction`; f: `motor.viscous_friction`. Each side smooths the passage through
+T_dry: `motor.dry_friction`; f: `motor.viscous_friction`. Each side smooths the transition through
 standstill as it likes; here the share goes with tanh(w / w_s).
 Source: Janot, Gautier & Brunot (2019), asymmetric friction of a screw drive. Range: 1 % to 40 % of
 either part, both signs.

@@ -20,6 +20,6 @@ def progress_bar(*args: Any, **options: Any) -> Any:
 
 
 def in_notebook() -> bool:
-    """Tell whether a notebook's kernel runs this process."""
+    """Return whether a notebook's kernel runs this process."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return type(shell).__name__ == "ZMQInteractiveShell"

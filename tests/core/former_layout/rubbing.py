@@ -1,4 +1,4 @@
-"""An effect of a user's own on the hand, as docs told to write it before the packages."""
+"""An effect of a user's own on the hand, as docs described it before the packages."""
 
 from hannes._jit import kernel
 from hannes.effect import Effect, Term
