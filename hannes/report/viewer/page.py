@@ -85,7 +85,7 @@ def _packed(scene: Scene) -> dict[str, Any]:
         "tension": whole(scene.tension, FORCE),
         "stretch": whole(scene.stretch, FINE),
         "recorded": {name: exact(each) for name, each in scene.recorded.items()},
-        "simulated": {name: whole(each, _step(each)) for name, each in scene.simulated.items()},
+        "simulated": {name: whole(each, _quantum(each)) for name, each in scene.simulated.items()},
         "units": dict(scene.units),
         "mounts": [
             [values[f"{finger}.{name}"] for name in ("mount_x", "mount_y", "mount_z", "facing")]
@@ -98,7 +98,7 @@ def _packed(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _step(values: np.ndarray) -> float:
+def _quantum(values: np.ndarray) -> float:
     """A millionth of the largest value, the quantum of simulated traces."""
     return max(float(np.abs(values).max()), 1e-9) * 1e-6
 
