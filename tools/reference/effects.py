@@ -2,7 +2,7 @@
 
 from hannes.core.effect import Effect
 from hannes.plants.protocol import PLANTS, find_plant
-from hannes.simulation.catalogue import effects, laws_of_objects
+from hannes.simulation.catalogue import effects, laws
 from hannes.simulation.hand.hand_file import own_catalogue
 from tools.reference.markdown import code, number, table
 
@@ -16,19 +16,33 @@ It is not compiled then.
 """
 
 
+SYMBOLS = {  # of the equations, as on the page of physics
+    "th, w, i": "angle, speed and current of the motor",
+    "N, r_p": "gear ratio; radius of the pulley that winds the leader wire",
+    "tl": "load of the wire at the motor side",
+    "T_dry, w_s, f": "dry friction of motor and gear, the width of its tanh, viscous friction",
+    "R, k_t": "winding resistance and torque constant",
+    "V_0, V_bus": "bus voltage without and with load",
+    "q": "angle of a joint",
+    "s_L, x_A, x_B, l_thumb": "stretch of the leader wire; carts; wire that the thumb takes up",
+    "k, x, F, beta": "stiffness, depth, force and damping of a contact",
+    "m": "what is logged; of a floating object its mass",
+    "z": "a bristle between -1 and 1",
+}
+
+
 def page() -> str:
     """Text of the page."""
     shared = effects()
-    parts = [HEAD, *(_effect(each) for each in shared.values())]
+    symbols = table(("symbol", "is"), [(code(name), said) for name, said in SYMBOLS.items()])
+    parts = [f"{HEAD}\n{symbols}\n", *(_effect(each) for each in shared.values())]
     for name in PLANTS:
         own = [each for key, each in own_catalogue(find_plant(name)).items() if key not in shared]
         if own:
             parts.append(f'# Effects of the plant "{name}" alone\n')
             parts += [_effect(each) for each in own]
-    laws = [each for key, each in laws_of_objects().items() if key not in shared]
-    if laws:
-        parts.append("# Laws\n\nThese are never tried by a diagnosis.\n")
-        parts += [_effect(each) for each in laws]
+    parts.append("# Laws\n\nThese are never tried by a diagnosis.\n")
+    parts += [_effect(each) for each in laws().values()]
     return "\n".join(parts)
 
 
