@@ -64,7 +64,17 @@ def make_parser() -> _Parser:
     parser = _Parser(prog="hannes", description=DESCRIPTION, **_with_examples(""))
     parser.add_argument("--version", action="version", version=f"hannes {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
+    _add_models(commands)
+    _add_results(commands)
+    cli_recordings.add(partial(_command, commands))
+    cli_learning.add(partial(_command, commands))
+    cli_bench.add(partial(_command, commands))
+    cli_views.add(partial(_command, commands), parser)
+    cli_trust.add(partial(_command, commands))
+    return parser
 
+
+def _add_models(commands: Any) -> None:
     run = _command(commands, "run", _run_experiment, "simulate an experiment and write its results")
     run.add_argument("experiment", help="a shipped experiment's name, or a .toml file")
     _add_output(run, "results/<experiment>")
@@ -88,6 +98,8 @@ def make_parser() -> _Parser:
     hand.add_argument("--schematic", action="store_true", help="print a drawing of it, as SVG")
     add_trust(hand)
 
+
+def _add_results(commands: Any) -> None:
     reproduce = _command(commands, "reproduce", _reproduce, "the paper's results beside ours")
     _add_output(reproduce, "results/reproduce")
     reproduce.add_argument(
@@ -109,13 +121,6 @@ def make_parser() -> _Parser:
     diagnose.add_argument("campaign", help="a campaign's .toml file")
     _add_output(diagnose, "as the campaign says")
     add_trust(diagnose)
-
-    cli_recordings.add(partial(_command, commands))
-    cli_learning.add(partial(_command, commands))
-    cli_bench.add(partial(_command, commands))
-    cli_views.add(partial(_command, commands))
-    cli_trust.add(partial(_command, commands))
-    return parser
 
 
 def _command(

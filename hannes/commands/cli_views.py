@@ -22,8 +22,8 @@ hannes completion zsh > ~/.zfunc/_hannes              a folder of $fpath""",
 FORMATS = {".mat": "to_mat", ".mcap": "to_mcap"}
 
 
-def add(command: Callable[..., argparse.ArgumentParser]) -> None:
-    """Add the command; `command(name, call, description)` makes its parser."""
+def add(command: Callable[..., argparse.ArgumentParser], whole: argparse.ArgumentParser) -> None:
+    """Add the commands; `command(name, call, description)` makes the parser of one of `whole`."""
     view = command("view", _view, "show one recording, or two, as a hand in motion")
     view.add_argument("recording", nargs="+", help="one or two recordings of the hand")
     view.add_argument(
@@ -47,6 +47,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
 
     completion = command("completion", _completion, "print what completes commands in a shell")
     completion.add_argument("shell", choices=("bash", "zsh", "tcsh"), help="bash, zsh or tcsh")
+    completion.set_defaults(whole=whole)
 
 
 def _export(chosen: argparse.Namespace) -> None:
@@ -62,16 +63,14 @@ def _export(chosen: argparse.Namespace) -> None:
 def _completion(chosen: argparse.Namespace) -> None:
     import shtab
 
-    from hannes.commands.cli import make_parser
     from hannes.simulation.experiment import shipped
 
-    parser = make_parser()
-    for commands in parser._actions:
+    for commands in chosen.whole._actions:
         if isinstance(commands, argparse._SubParsersAction):
             for command in commands.choices.values():
                 for action in command._actions:
                     _complete(action, shipped.names())
-    print(shtab.complete(parser, chosen.shell))
+    print(shtab.complete(chosen.whole, chosen.shell))
 
 
 def _complete(action: argparse.Action, experiments: Sequence[str]) -> None:

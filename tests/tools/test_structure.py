@@ -6,9 +6,6 @@ from tools import structure
 
 KNOWN = {
     "hannes/simulation/compiler/entry_points.py:grasp: 53 lines",
-    "hannes/plants/hand/plant.py: 312 lines",
-    "hannes/identification/diagnosis/linearisation.py: 319 lines",
-    "hannes/identification/diagnosis/effect_search.py: 326 lines",
 }
 
 

@@ -1,16 +1,36 @@
 """A recording as tables of other libraries: pandas' DataFrame, xarray's Dataset."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
 
 from hannes.core.io.optional import library
-
-if TYPE_CHECKING:
-    from hannes.core.recording.recording import Recording
 
 METADATA = ("plant", "experiment", "hand", "seed", "source", "schema")
 
 
-def data_frame(recording: "Recording") -> Any:
+class Samples(Protocol):
+    """What of a recording stands in a table: channels over one time, each with its unit."""
+
+    @property
+    def channels(self) -> Mapping[str, np.ndarray]:
+        """Values by name, time among them, shape (n,) each."""
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Unit by name."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of all channels but time."""
+
+    @property
+    def time(self) -> np.ndarray:
+        """Times of the samples, shape (n,), s."""
+
+
+def data_frame(recording: Samples) -> Any:
     """A DataFrame indexed by `time_s`, with columns such as `current_A`; metadata in `attrs`."""
     pandas = library("pandas", "export")
     columns = {f"{n}_{recording.units[n]}": recording.channels[n] for n in recording.names}
@@ -19,7 +39,7 @@ def data_frame(recording: "Recording") -> Any:
     return frame
 
 
-def dataset(recording: "Recording") -> Any:
+def dataset(recording: Samples) -> Any:
     """A Dataset over `time`, with variables such as `current` and their unit in `attrs`."""
     xarray = library("xarray", "export")
     variables = {
@@ -31,7 +51,7 @@ def dataset(recording: "Recording") -> Any:
     return made
 
 
-def metadata(recording: "Recording") -> dict[str, Any]:
+def metadata(recording: Samples) -> dict[str, Any]:
     """What is known of a recording beside its channels; unknown fields are left out."""
     found = {name: getattr(recording, name) for name in METADATA}
     return {name: value for name, value in found.items() if value not in ("", None)}

@@ -2,19 +2,15 @@
 
 import io
 import re
-from typing import TYPE_CHECKING
 
 from hannes.core.errors import BadInput
-from hannes.core.recording.frames import metadata
-
-if TYPE_CHECKING:
-    from hannes.core.recording.recording import Recording
+from hannes.core.recording.frames import Samples, metadata
 
 HEADER = 116  # bytes of text at the head, where a date would stand
 LONGEST = 63  # letters of a MATLAB name
 
 
-def dump(recording: "Recording") -> bytes:
+def dump(recording: Samples) -> bytes:
     """The file (version 5); the same recording gives the same bytes.
 
     Letters that MATLAB's names cannot have become `_`. Raises BadInput where two channels would

@@ -2,19 +2,15 @@
 
 import io
 import json
-from typing import TYPE_CHECKING
 
 from hannes.core.io.optional import library
-from hannes.core.recording.frames import metadata
-
-if TYPE_CHECKING:
-    from hannes.core.recording.recording import Recording
+from hannes.core.recording.frames import Samples, metadata
 
 TOPIC = "/hannes/recording"
 NANOSECONDS = 1e9
 
 
-def dump(recording: "Recording") -> bytes:
+def dump(recording: Samples) -> bytes:
     """The file, not compressed; log time is the recording's time in ns from its own zero.
 
     Each message has fields such as `current_A`; metadata stands in a record of that name.
