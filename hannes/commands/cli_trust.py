@@ -40,4 +40,4 @@ def _trust(chosen: argparse.Namespace) -> None:
         print(f"{file} names no Python of its own: there is nothing to trust")
     for path, sources in found.items():
         print(f"{path} may run, until a byte of it or of these changes:")
-        print("\n".join(f"  {each.name}, from {each.told}" for each in sources))
+        print("\n".join(f"  {each.name}, from {each.origin}" for each in sources))

@@ -66,8 +66,8 @@ def _system(error: OSError, arguments: Sequence[str]) -> int:
 def _unforeseen(error: Exception, arguments: Sequence[str]) -> int:
     """Keep the details in a file; say what was done, where they are and what to do with them."""
     command = " ".join(["hannes", *arguments])
-    told = "".join(traceback.format_exception(error))
-    place = _kept(f"{command}\n{sys.version}\n\n{told}")
+    details = "".join(traceback.format_exception(error))
+    place = _kept(f"{command}\n{sys.version}\n\n{details}")
     what = f"{type(error).__name__}: {error}"
     _say(
         f"`{command:.200}` failed in a way that nobody foresaw ({what:.200}); details are in "

@@ -159,9 +159,9 @@ def test_an_error_that_nobody_foresaw_is_one_line_and_keeps_its_details(monkeypa
 
     monkeypatch.setattr(shipped, "names", lambda: 1 / 0)
     assert main(["experiments"]) == UNFORESEEN
-    told = capsys.readouterr()
-    assert told.out == "" and told.err.count("\n") == 1
-    assert "`hannes experiments`" in told.err and "please report it" in told.err
-    kept = Path(re.search(r"details are in (\S+):", told.err)[1])
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.count("\n") == 1
+    assert "`hannes experiments`" in printed.err and "please report it" in printed.err
+    kept = Path(re.search(r"details are in (\S+):", printed.err)[1])
     assert "ZeroDivisionError" in kept.read_text() and "Traceback" in kept.read_text()
     kept.unlink()

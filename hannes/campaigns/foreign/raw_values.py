@@ -72,7 +72,7 @@ def restarts(time: FloatArray) -> NDArray[np.intp]:
 def motor_current(supply: FloatArray, duty: FloatArray) -> FloatArray:
     """Current in the winding of a current drawn from the supply: i_supply = |duty| i_motor.
 
-    Losses of the bridge are left out. NaN where the duty is too small to tell.
+    Losses of the bridge are left out. NaN where the duty is too small.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(np.abs(duty) > LEAST_DUTY, supply / duty, np.nan)

@@ -114,7 +114,7 @@ def plain(function: Any) -> Callable[..., Any]:
 
 
 def compiles() -> bool:
-    """Tell whether kernels become machine code here (not under NUMBA_DISABLE_JIT=1)."""
+    """Return whether kernels become machine code here (not under NUMBA_DISABLE_JIT=1)."""
     return not numba.config.DISABLE_JIT
 
 

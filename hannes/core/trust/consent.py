@@ -30,7 +30,7 @@ class Consent(Enum):
     """How much is taken for consent to Python that a TOML names."""
 
     NEVER = "never"  # a mere look
-    REMEMBERED = "remembered"  # what `hannes trust` was told
+    REMEMBERED = "remembered"  # by `hannes trust`
     ASK = "ask"  # that, or a yes at the terminal
     GIVEN = "given"  # --trust, trust=True
 
@@ -82,10 +82,10 @@ def remember(toml: Path) -> dict[Path, list[Source]]:
     for path in reached(toml):
         if sources := named(path):
             kept = _kept(digest(path, sources))
-            told = {"file": str(path.resolve()), "python": [each.told for each in sources]}
+            content = {"file": str(path.resolve()), "python": [each.origin for each in sources]}
             try:
                 kept.parent.mkdir(parents=True, exist_ok=True)
-                kept.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+                kept.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
             except OSError as error:
                 why = error.strerror or error
                 raise BadInput(f"cannot remember this in {kept.parent}: {why}") from None
@@ -151,7 +151,7 @@ def _content(toml: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(read_text(toml))
     except (ValueError, RecursionError):
-        return {}  # told by who reads it in earnest
+        return {}  # reported by its own reader
 
 
 def _kept(name: str) -> Path:
@@ -181,7 +181,7 @@ def _require(toml: Path, source: Source) -> None:
                 grant(each.digest for each in sources)
                 return
     raise NotTrusted(
-        f"{toml} names Python of its own, which would run with your rights ({source.told}): look "
+        f"{toml} names Python of its own, which would run with your rights ({source.origin}): look "
         f"at it, then add --trust (in Python trust=True) or run `hannes trust {toml}` once"
     )
 
@@ -197,7 +197,7 @@ def _yes(toml: Path, sources: Iterable[Source]) -> bool:
     if not (sys.stdin and sys.stdin.isatty() and sys.stderr and sys.stderr.isatty()):
         return False
     lines = [f"{toml} names Python of its own, which would run with your rights:"]
-    lines += [f"  {each.name}, from {each.told}" for each in sources]
+    lines += [f"  {each.name}, from {each.origin}" for each in sources]
     print(
         "\n".join("".join(c if c.isprintable() else "?" for c in x) for x in lines), file=sys.stderr
     )

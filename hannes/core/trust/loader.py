@@ -41,7 +41,7 @@ def load(source: Source) -> Any:
     try:
         return getattr(found, source.attribute)
     except AttributeError:
-        where = f"{source.told} has nothing named {source.attribute}"
+        where = f"{source.origin} has nothing named {source.attribute}"
         raise BadInput(f"{source.name} cannot be loaded: {where}") from None
 
 

@@ -58,7 +58,7 @@ class Source:
         return found.hexdigest()
 
     @property
-    def told(self) -> str:
+    def origin(self) -> str:
         """Where it comes from, for a person."""
         if self.folder is None:
             return f"the installed module {self.module}"
@@ -135,7 +135,7 @@ def _imported(file: File, module: str) -> Iterator[str]:
     try:
         tree = ast.parse(file.content)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return  # told when it is loaded
+        return  # reported when it is loaded
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             found = [alias.name for alias in node.names]
