@@ -101,9 +101,14 @@ def effect_words(name: str) -> str:
     return name.rpartition(":")[2].replace("_", " ")
 
 
+def readable_unit(unit: str) -> tuple[str, float]:
+    """The unit in which a person is given a value, and the factor to it from SI."""
+    return _SMALLER.get(unit, (unit, 1.0))
+
+
 def size_text(parameter: dict[str, Any]) -> str:
     """`3.1 mm (2.9 to 3.3)`."""
-    unit, factor = _SMALLER.get(parameter["unit"], (parameter["unit"], 1.0))
+    unit, factor = readable_unit(parameter["unit"])
     value, low, high = (factor * parameter[key] for key in ("value", "low", "high"))
     shown = f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
     return f"{shown} ({low:.3g} to {high:.3g})"

@@ -1,29 +1,46 @@
-"""The page of a diagnosis: the sentence first, then traces, the map of residuals, the ranking."""
+"""The page of a diagnosis.
+
+The sentence; what the effect is and where it sits; before and after; where it disagreed; rivals.
+"""
 
 from typing import TYPE_CHECKING
 
-from hannes.identification.verdict import effect_words, indistinguishable
+from hannes.identification.verdict import (
+    effect_words,
+    indistinguishable,
+    readable_unit,
+    size_text,
+)
+from hannes.report.effect_section import explained_effects, marked_schematic
 from hannes.report.figure_diagnosis import figures
 from hannes.report.formats import decimals, number
 from hannes.report.page import render
+from hannes.report.residual_map import constant_part, residual_map
 from hannes.report.table import Table
 
 if TYPE_CHECKING:
     from hannes.report.diagnosed import Diagnosis
 
 STAGES = ("as_given", "before", "after")
+WHERE, RANKING = "diagnosis-where", "diagnosis-ranking"  # names of figures
 MANY = 24  # recordings, beyond which a list of them is not readable
 
 
 def page(diagnosis: "Diagnosis") -> str:
     """Return report.html: self-contained, no script, no network."""
     verdict = diagnosis.verdict
+    drawn = figures(diagnosis)
     return render(
         "diagnosis.html.j2",
         {
             "title": diagnosis.campaign.title,
             "verdict": verdict,
-            "figures": figures(diagnosis),
+            "effects": explained_effects(diagnosis),
+            "schematic": marked_schematic(diagnosis),
+            "figures": [each for each in drawn if each.name not in (WHERE, RANKING)],
+            "worst": [each for each in drawn if each.name == WHERE],
+            "rivals": [each for each in drawn if each.name == RANKING],
+            "map": residual_map(diagnosis),
             "gaps": _gaps(diagnosis),
             "sizes": _sizes(diagnosis),
             "tried": _tried(diagnosis),
@@ -36,10 +53,16 @@ def page(diagnosis: "Diagnosis") -> str:
 def _gaps(diagnosis: "Diagnosis") -> Table:
     rows = []
     for name, gap in diagnosis.verdict.gap.items():
-        sizes = [f"{number(gap[key])} ({number(gap[f'{key}_percent'])} %)" for key in STAGES]
-        label = name if gap["unit"] == "1" else f"{name} [{gap['unit']}]"
-        rows.append((label, *sizes, number(gap["floor"], 2)))
-    columns = ("RMS gap", "As given", "Before: baseline refitted", "After", "Noise floor")
+        unit, factor = readable_unit(gap["unit"])
+        shares = [number(gap[f"{key}_percent"]) for key in STAGES]
+        sizes = [
+            f"{number(factor * gap[key])} ({share} %)"
+            for key, share in zip(STAGES, shares, strict=True)
+        ]
+        label = name if unit == "1" else f"{name} [{unit}]"
+        floor = number(factor * gap["floor"], 2)
+        rows.append((label, *sizes, floor, _meaning(diagnosis, name)))
+    columns = ("RMS gap", "As given", "Baseline refitted", "After", "Noise floor", "What is left")
     note = (
         f"On {diagnosis.verdict.gap_on}. In brackets: relative to the recorded signal, "
         f"100 |simulated − measured| / |measured|. "
@@ -48,20 +71,26 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
     return Table("gaps", "The gap before and after", columns, tuple(rows), note)
 
 
+def _meaning(diagnosis: "Diagnosis", name: str) -> str:
+    """What the gap that is left of a channel means."""
+    gap = diagnosis.verdict.gap[name]
+    times = gap["after"] / gap["floor"]
+    if times <= 1.0:
+        return "below the noise floor: no more than repeats differ by"
+    if offset := constant_part(diagnosis, name):
+        unit, factor = readable_unit(gap["unit"])
+        size = number(factor * offset) + (f" {unit}" if unit != "1" else "")
+        return f"nearly all of it a constant, {size}: check that sensor's zero"
+    return f"{number(times, 2)} times the noise floor"
+
+
 def _sizes(diagnosis: "Diagnosis") -> Table:
     parameters = diagnosis.verdict.parameters
     vague = indistinguishable(parameters)
     rows = [
-        (
-            name,
-            number(p["value"]),
-            f"{number(p['low'])} to {number(p['high'])}",
-            p["unit"],
-            "no" if name in vague else "yes",
-        )
-        for name, p in parameters.items()
+        (name, size_text(p), "no" if name in vague else "yes") for name, p in parameters.items()
     ]
-    columns = ("Parameter", "Value", "95 % interval", "Unit", "Distinguishable from no effect")
+    columns = ("Parameter", "Value (95 % interval)", "Distinguishable from no effect")
     note = "The interval contains the value at which it does nothing."
     return Table("sizes", "Size of the effect", columns, tuple(rows), note if vague else "")
 

@@ -14,6 +14,7 @@ from hannes.report.paper.energy import energy_row
 from hannes.report.paper.figures import figures
 from hannes.report.paper.runs import Runs, measured, run_all
 from hannes.report.paper.summary import summary
+from hannes.report.schematic import schematic
 from hannes.report.verdict_summary import Finding, findings
 
 
@@ -64,6 +65,7 @@ def _content(
         "must_show": tables.must_show_table(must_show),
         "holding": holding(must_show),
         "figures": drawings,
+        "schematic": schematic(runs.hand),
         "findings": found,
         "table1": tables.table_1(runs.hand),
         "table2": tables.table_2(measured(runs.rigid)),

@@ -1,0 +1,94 @@
+"""Where simulation and recordings disagree: by condition and phase, channel by channel."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hannes.report.formats import number
+
+if TYPE_CHECKING:
+    from hannes.identification.residuals import Traces
+    from hannes.report.diagnosed import Diagnosis
+
+LEVELS = (1.5, 3.0, 6.0)  # noise floors, at which a cell's shade deepens
+Key = tuple[str, str]  # condition, phase
+
+
+@dataclass(frozen=True)
+class Cell:
+    """`text` such as `5.2 → 1.1`, in noise floors; `shade` 0 to 3 by what the baseline leaves."""
+
+    text: str
+    shade: int
+
+
+@dataclass(frozen=True)
+class ResidualMap:
+    """`rows`: condition, phase, one cell a channel."""
+
+    channels: tuple[str, ...]
+    rows: tuple[tuple[str, str, tuple[Cell, ...]], ...]
+    recordings: int
+
+
+def residual_map(diagnosis: "Diagnosis") -> ResidualMap:
+    """RMS that the refitted baseline leaves, and what is left with the effect, in noise floors."""
+    channels = tuple(diagnosis.noise_floors)
+    squares: dict[Key, dict[str, list[np.ndarray]]] = {}
+    for traces in diagnosis.traces:
+        for phase, inside in _phases(diagnosis, traces):
+            cell = squares.setdefault((traces.entry.condition, phase), {})
+            for name in channels:
+                if name in traces.measured and inside.any():
+                    cell.setdefault(name, []).append(_misses(traces, name, inside))
+    named = bool(diagnosis.verdict.effects)
+    rows = tuple(
+        (
+            condition,
+            phase,
+            tuple(_cell(found.get(n), diagnosis.noise_floors[n], named) for n in channels),
+        )
+        for (condition, phase), found in squares.items()
+        if found
+    )
+    return ResidualMap(channels, rows, len(diagnosis.traces))
+
+
+def _phases(diagnosis: "Diagnosis", traces: "Traces") -> list[tuple[str, np.ndarray]]:
+    """Samples of each phase that count, by the plant's own division."""
+    phases = diagnosis.plant.phases(traces.entry.recording)
+    return [(name, mask & traces.mask) for name, mask in phases.items()]
+
+
+def _misses(traces: "Traces", name: str, inside: np.ndarray) -> np.ndarray:
+    """Squared residuals before and after, shape (2, samples)."""
+    measured = traces.measured[name][inside]
+    both = [traces.before[name][inside] - measured, traces.after[name][inside] - measured]
+    return np.array(both) ** 2
+
+
+def _cell(parts: Sequence[np.ndarray] | None, floor: float, named: bool) -> Cell:
+    if not parts:
+        return Cell("–", 0)
+    before, after = np.sqrt(np.concatenate(parts, axis=1).mean(axis=1)) / floor
+    text = f"{number(before, 2)} → {number(after, 2)}" if named else number(before, 2)
+    return Cell(text, sum(before > level for level in LEVELS))
+
+
+def constant_part(diagnosis: "Diagnosis", name: str) -> float:
+    """Mean residual that is left of a channel where it is nearly all that is left, else 0.
+
+    In the channel's unit, simulated minus measured, over the recordings that are drawn.
+    """
+    left = [
+        (each.after[name] - each.measured[name])[each.mask]
+        for each in diagnosis.traces
+        if name in each.measured
+    ]
+    if not left:
+        return 0.0
+    every = np.concatenate(left)
+    mean, size = float(every.mean()), float(np.sqrt(np.mean(every**2)))
+    return mean if abs(mean) > 0.9 * size > diagnosis.noise_floors[name] else 0.0
