@@ -1,0 +1,126 @@
+"""The page of a diagnosis: what stands on it, in which order, on the screen and on paper."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from browser import browser, opened
+
+from hannes import Hand, Recording
+from hannes.campaigns.campaign import Campaign, Entry
+from hannes.identification.residuals import Traces
+from hannes.identification.verdict import Verdict
+from hannes.plants.hand.plant import HandPlant
+from hannes.report.diagnosis import page
+from hannes.report.residual_map import residual_map
+
+FLOORS = {"current": 0.01, "supply": 0.02}
+TIME = np.linspace(0.0, 1.0, 101)
+WAVE = np.where(np.arange(101) % 2, 1.0, -1.0)
+
+
+def traces(name, condition, before, after):
+    """One recording; `before` and `after` are residuals by channel."""
+    reference = 9.0 * np.sin(np.pi * TIME)
+    measured = {"current": np.sin(TIME), "supply": np.full(101, 12.0)}
+    recording = Recording(
+        {"time": TIME, "reference": reference, **measured},
+        {"time": "s", "reference": "rad", "current": "A", "supply": "V"},
+    )
+    stages = [{n: measured[n] + left[n] for n in measured} for left in (before, before, after)]
+    return Traces(
+        Entry(name, recording, condition, "show"), TIME, np.ones(101, bool), measured, *stages
+    )
+
+
+@pytest.fixture(scope="module")
+def diagnosis(tmp_path_factory):
+    """Slack that was found; afterwards the supply is still off by a constant."""
+    left = {"current": 0.08 * WAVE, "supply": np.full(101, 0.05)}
+    gone = {"current": 0.004 * WAVE, "supply": np.full(101, 0.05)}
+    plant = HandPlant(Hand(["leader_slack"]).with_values({"leader_slack.length": 3.1e-3}))
+    drawn = tuple(traces(f"run_{k}.csv", ("void", "grasp")[k], left, gone) for k in range(2))
+    gap = {
+        "current": {"unit": "A", "as_given": 0.09, "before": 0.057, "after": 0.003, "floor": 0.01},
+        "supply": {"unit": "V", "as_given": 0.05, "before": 0.05, "after": 0.05, "floor": 0.02},
+    }
+    for each in gap.values():
+        each |= {f"{key}_percent": 10.0 for key in ("as_given", "before", "after")}
+    size = {"value": 3.1e-3, "unit": "m", "low": 2.9e-3, "high": 3.3e-3, "off": 0.0}
+    rows = [
+        {"effect": name, "evidence": 9.0 - k, "gain_select": 0.9 / (1 + k), "confusable_with": []}
+        for k, name in enumerate(("leader_slack", "gear_load"))
+    ]
+    tried = [
+        {"effect": row["effect"], "applicable": True, "accepted": k == 0, "why": "accepted"}
+        for k, row in enumerate(rows)
+    ]
+    where = [{"channel": "current", "phase": "closing", "t0": 0.0, "t1": 0.5, "rms": 0.06,
+              "times_floor": 6.0, "recordings": ["run_0.csv"]}]  # fmt: skip
+    verdict = Verdict(
+        "named", ["leader_slack"], {"leader_slack.length": size}, gap, where, rows,
+        "it explains it", tried, 0.01, {"fit": ["a.csv"], "show": ["run_0.csv"]}, 1,
+        "the test recordings", "repeats",
+    )  # fmt: skip
+    campaign = Campaign(
+        plant, plant, tuple(t.entry for t in drawn), tmp_path_factory.mktemp("out"), {}, "Closures"
+    )
+    return SimpleNamespace(
+        campaign=campaign, verdict=verdict, plant=plant, traces=drawn, noise_floors=FLOORS,
+        trials=(), details=None,
+    )  # fmt: skip
+
+
+def test_page_tells_in_order_what_it_is_what_it_does_where_and_who_else(diagnosis):
+    text = page(diagnosis)
+    marks = (
+        "Leader slack, length 3.1 mm (2.9 to 3.3)",  # the sentence
+        "The leader wire has come loose",
+        "s_L = r_p th/N - length",
+        'id="schematic"',
+        "Before and after",
+        "Where it disagreed",
+        "Rivals",
+    )
+    places = [text.index(each) for each in marks]
+    assert places == sorted(places)
+    assert 'class="leader marked"' in text
+    assert "3.1 mm (2.9 to 3.3)</td>" in text  # the table's unit is the sentence's
+
+
+def test_what_is_left_is_said_in_words(diagnosis):
+    text = page(diagnosis)
+    assert "below the noise floor: no more than repeats differ by" in text
+    assert "nearly all of it a constant, 0.0500 V: check that sensor" in text
+
+
+def test_map_tells_condition_and_phase_before_and_after(diagnosis):
+    found = residual_map(diagnosis)
+    assert found.channels == ("current", "supply") and found.recordings == 2
+    assert {row[0] for row in found.rows} == {"void", "grasp"}
+    for _, _, (current, supply) in found.rows:
+        before, after = (float(x) for x in current.text.split(" → "))
+        assert before > 3.0 > 1.0 > after and current.shade >= 2
+        assert supply.text == "2.5 → 2.5" and supply.shade == 1
+
+
+def test_without_an_effect_there_is_no_section_of_one(diagnosis):
+    verdict = replace(diagnosis.verdict, verdict="unknown", effects=[], parameters={})
+    text = page(SimpleNamespace(**{**vars(diagnosis), "verdict": verdict}))
+    assert 'id="effect"' not in text and 'id="schematic"' not in text
+    assert "Something is missing" in text and "Where it disagreed" in text
+
+
+def test_page_prints_without_cut_tables(diagnosis, tmp_path):
+    path = tmp_path / "report.html"
+    path.write_text(page(diagnosis), encoding="utf-8")
+    with browser() as running:
+        narrow, messages = opened(running, path, 600, 900)
+        assert narrow.evaluate("document.documentElement.scrollWidth") <= 600
+        sheet, more = opened(running, path, 688, 1000)  # A4 less its margins, at 96 dots an inch
+        sheet.emulate_media(media="print")
+        every = "[...document.querySelectorAll('table, svg')]"
+        rights = f"{every}.map((each) => each.getBoundingClientRect().right)"
+        assert max(sheet.evaluate(rights)) <= 690
+        assert messages + more == []
