@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hannes.commands.cli_output import add_json, print_json
+from hannes.commands.cli_output import add_force, add_json, print_json
 from hannes.core.errors import BadInput
 
 if TYPE_CHECKING:
@@ -55,6 +55,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     record.add_argument("--reconnect", type=float, default=0.0, metavar="SECONDS",
                         help="wait so long for a link that was lost (0: end)")  # fmt: skip
     record.add_argument("--recover", metavar="RAWLOG", help="make a recording of a raw log")
+    add_force(record)
     add_json(record)
 
     port = command("port", _port, "list serial ports, or measure the link to a board")
@@ -103,19 +104,29 @@ def _board(chosen: argparse.Namespace) -> None:
 
 
 def _record(chosen: argparse.Namespace) -> None:
-    from hannes.bench.record import RAW, record, recover
+    from hannes.bench.record import RAW
+    from hannes.core.io.outputs import reserved
+    from hannes.core.recording.marked import results_at
 
-    out = Path(chosen.out)
+    out, raw = Path(chosen.out), Path(chosen.out + RAW)
+    reads = [chosen.recover] if chosen.recover else []
+    with reserved("record", results_at(out, "record"), reads, force=chosen.force):
+        _recorded(chosen, out, raw)
+
+
+def _recorded(chosen: argparse.Namespace, out: Path, raw: Path) -> None:
+    from hannes.bench.record import record, recover
+    from hannes.core.recording.marked import write_marked
+
     if chosen.recover:
         made = recover(chosen.recover)
-        made.write(out)
+        write_marked(made, out, "record")
         _said(chosen, {"out": str(out), "samples": made.time.size, "raw": chosen.recover})
         return
     if not chosen.experiment:
         raise BadInput("no experiment given; `hannes experiments` lists them")
-    raw = out.with_name(out.name + RAW)
     done = record(chosen.experiment, _link(chosen), raw, progress=_say)
-    done.recording.write(out)
+    write_marked(done.recording, out, "record")
     said = {"out": str(out), "raw": str(raw), "samples": done.recording.time.size}
     _said(chosen, said | {"stop_seen": done.stopped})
 

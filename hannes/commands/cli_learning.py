@@ -176,7 +176,7 @@ def _evaluate(chosen: argparse.Namespace) -> None:
 
     from hannes.core.errors import BadInput
     from hannes.core.io.inputs import noted
-    from hannes.core.io.outputs import reserved
+    from hannes.core.io.outputs import require_free, reserved
     from hannes.core.recording.recording import Recording
     from hannes.recognition import model_file
     from hannes.recognition.evaluate import (
@@ -188,6 +188,10 @@ def _evaluate(chosen: argparse.Namespace) -> None:
     )
     from hannes.recognition.train import curve
 
+    targets = [chosen.out] if chosen.out else []
+    given = [each for each in (chosen.model, chosen.recordings, chosen.learning_curve) if each]
+    for out in targets:
+        require_free("evaluate", out, given, folder=True, force=chosen.force)
     model = model_file.read(chosen.model)
     if not chosen.recordings.endswith(".toml"):
         if chosen.out or chosen.learning_curve:
@@ -197,10 +201,9 @@ def _evaluate(chosen: argparse.Namespace) -> None:
         result = prediction_of(model, Recording.read(chosen.recordings))
         print_json(result) if chosen.json else print(_grasp(result))
         return
-    targets, given = [chosen.out] if chosen.out else [], [chosen.model, chosen.learning_curve]
     with noted() as inputs:
         title, subjects = read_subjects(chosen.recordings)
-    inputs |= {Path(each) for each in given if each}
+    inputs |= set(map(Path, given))
     with reserved("evaluate", targets, inputs, folder=True, force=chosen.force):
         result = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
         if chosen.learning_curve:

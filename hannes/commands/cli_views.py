@@ -3,7 +3,8 @@
 import argparse
 from collections.abc import Callable, Sequence
 
-from hannes.commands.cli_output import add_json, print_json
+from hannes.commands.cli_output import add_force, add_json, print_json
+from hannes.commands.cli_trust import add_trust
 
 EXAMPLES = {
     "view": """\
@@ -37,6 +38,8 @@ def add(command: Callable[..., argparse.ArgumentParser], whole: argparse.Argumen
         "--still", action="append", default=[], type=float, metavar="TIME",
         help="also write an SVG and a PNG of this moment [s]; may be given again",
     )  # fmt: skip
+    add_trust(view)
+    add_force(view)
     add_json(view)
 
     export = command("export", _export, "write a recording in another program's format")
@@ -44,6 +47,7 @@ def add(command: Callable[..., argparse.ArgumentParser], whole: argparse.Argumen
     export.add_argument(
         "--out", required=True, metavar="FILE", help=".mat, .mcap, .csv, .csv.gz, .h5 or .hdf5"
     )
+    add_force(export)
 
     completion = command("completion", _completion, "print what completes commands in a shell")
     completion.add_argument("shell", choices=("bash", "zsh", "tcsh"), help="bash, zsh or tcsh")
@@ -53,10 +57,18 @@ def add(command: Callable[..., argparse.ArgumentParser], whole: argparse.Argumen
 def _export(chosen: argparse.Namespace) -> None:
     from pathlib import Path
 
+    from hannes.core.io.outputs import reserved
+    from hannes.core.recording.marked import results_at, write_marked
     from hannes.core.recording.recording import Recording
 
-    recording = Recording.read(chosen.recording)
-    getattr(recording, FORMATS.get(Path(chosen.out).suffix.lower(), "write"))(chosen.out)
+    other = FORMATS.get(Path(chosen.out).suffix.lower())
+    targets = [chosen.out] if other else results_at(chosen.out, "export")
+    with reserved("export", targets, [chosen.recording], force=chosen.force):
+        recording = Recording.read(chosen.recording)
+        if other:
+            getattr(recording, other)(chosen.out)
+        else:
+            write_marked(recording, chosen.out, "export")
     print(f"wrote {chosen.out}")
 
 
@@ -88,7 +100,8 @@ def _complete(action: argparse.Action, experiments: Sequence[str]) -> None:
 def _view(chosen: argparse.Namespace) -> None:
     from hannes.commands.view import view
 
-    made = view(chosen.recording, chosen.out, hands=chosen.hand, stills=chosen.still)
+    given = {"hands": chosen.hand, "stills": chosen.still, "force": chosen.force}
+    made = view(chosen.recording, chosen.out, **given)
     if chosen.json:
         print_json(made)
         return

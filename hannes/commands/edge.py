@@ -1,7 +1,6 @@
 """The command's edge: however a command ends, it says so in one line and an exit status."""
 
 import datetime
-import errno
 import os
 import signal
 import sys
@@ -20,14 +19,13 @@ from hannes.core.io.cache import cache_home
 OUT_OF_MEMORY, UNFORESEEN = 3, 70
 INTERRUPTED, PIPE_CLOSED = 130, 141  # what a shell reports for SIGINT and SIGPIPE
 BAD_INPUT = 2
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
 def guarded(work: Callable[[], Any], arguments: Sequence[str]) -> int:
     """Do `work`, the command of `arguments`; return its exit status, whatever happens in it."""
     _fill_standard_streams()
     try:
-        with _ended_like_interrupts():
+        with _ended_like_interrupts(), _watched_output():
             work()
             sys.stdout.flush()
         return 0
@@ -41,6 +39,10 @@ def guarded(work: Callable[[], Any], arguments: Sequence[str]) -> int:
         # Whoever read us has gone; Python would complain once more when it flushes at exit.
         _silence()
         return PIPE_CLOSED
+    except _OutputLost as error:
+        _silence()
+        _say(f"cannot write to standard output: {error}")
+        return BAD_INPUT
     except MemoryError:
         _say("there is not enough memory for this; earlier results are as they were")
         return OUT_OF_MEMORY
@@ -51,14 +53,9 @@ def guarded(work: Callable[[], Any], arguments: Sequence[str]) -> int:
 
 
 def _system(error: OSError, arguments: Sequence[str]) -> int:
-    """A fault of the system: of standard output, or of a file that it names."""
-    reason = error.strerror or str(error)
-    if error.errno in FULL and not error.filename and not _prints():
-        _silence()
-        _say(f"cannot write to standard output: {reason}")
-        return BAD_INPUT
+    """A fault of the system, about a file that it names."""
     if error.filename and error.errno:
-        _say(f"{os.fsdecode(error.filename):.300}: {reason}")
+        _say(f"{os.fsdecode(error.filename):.300}: {error.strerror or error}")
         return BAD_INPUT
     return _unforeseen(error, arguments)
 
@@ -92,12 +89,45 @@ def _say(text: str) -> None:
         print(f"hannes: {line}", file=sys.stderr, flush=True)
 
 
-def _prints() -> bool:
+class _OutputLost(Exception):
+    """Standard output takes no more."""
+
+
+class _Watched:
+    """A stream that tells its own faults from those of other files."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        return self._told(self._stream.write, text)
+
+    def flush(self) -> None:
+        self._told(self._stream.flush)
+
+    @staticmethod
+    def _told(call: Callable[..., Any], *given: str) -> Any:
+        try:
+            return call(*given)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise _OutputLost(error.strerror or error) from None
+
+
+@contextmanager
+def _watched_output() -> Iterator[None]:
+    stream = sys.stdout
+    watched: Any = _Watched(stream)
+    sys.stdout = watched
     try:
-        sys.stdout.flush()
-    except (OSError, ValueError):
-        return False
-    return True
+        yield
+    finally:
+        if sys.stdout is watched:
+            sys.stdout = stream
 
 
 def _silence() -> None:

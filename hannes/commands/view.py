@@ -7,6 +7,7 @@ from typing import Any
 
 from hannes.core.errors import BadInput
 from hannes.core.io.atomic_files import write_bytes, write_text
+from hannes.core.io.outputs import reserved
 from hannes.core.recording.recording import Recording
 from hannes.report.viewer.page import page
 from hannes.report.viewer.replay import Replay, replay, without_effects
@@ -24,15 +25,30 @@ def view(
     *,
     hands: Sequence[str | Path] = (),
     stills: Sequence[float] = (),
+    force: bool = False,
 ) -> dict[str, Any]:
     """Write a page that shows one recording, or two of them in one picture; return what it shows.
 
     A recording has no joint angles: it is drawn by a simulation of its experiment with its own
     hand, or with `hands` (hand.toml files, one for all recordings or one for each). A hand with
     effects is simulated without them too. stills: times [s] of which to write an SVG and a PNG
-    beside the page. Raises BadInput for what is no recording of a hand, ComputationFailed where a
-    simulation does not end.
+    beside the page. `force`: files of another command are replaced, too. Raises BadInput for what
+    is no recording of a hand, ComputationFailed where a simulation does not end.
     """
+    target = Path(out)
+    if target.suffix.lower() != ".html":
+        raise BadInput(f"{out}: expected a file named .html for the page")
+    stilled = [_still_place(target, time, each) for time in stills for each in (".svg", ".png")]
+    with reserved("view", [target, *stilled], [*files, *hands], force=force):
+        return _viewed(files, target, hands, stills)
+
+
+def _viewed(
+    files: Sequence[str | Path],
+    target: Path,
+    hands: Sequence[str | Path],
+    stills: Sequence[float],
+) -> dict[str, Any]:
     recordings = [Recording.read(each) for each in _few(files)]
     chosen: list[Hand | None] = [load_hand(each) for each in hands]
     if len(chosen) not in (0, 1, len(recordings)):
@@ -46,7 +62,6 @@ def view(
     bare = without_effects(replays[-1])
     without = _bare(bare, names[-1]) if bare else None
     _check_times(stills, scenes[0])
-    target = Path(out)
     text = page(", ".join(names), scenes, without)
     target.parent.mkdir(parents=True, exist_ok=True)
     write_text(target, text)
@@ -117,11 +132,15 @@ def _check_times(stills: Sequence[float], first: Scene) -> None:
             )
 
 
+def _still_place(target: Path, time: float, suffix: str) -> Path:
+    return target.with_name(f"{target.stem}-{time:.4g}s{suffix}")
+
+
 def _still(target: Path, scenes: Sequence[Scene], time: float) -> list[str]:
     """Write one moment beside the page; return the names of the files."""
     found = []
     for suffix, content in still_files(scenes[:2], time).items():
-        path = target.with_name(f"{target.stem}-{time:.4g}s{suffix}")
+        path = _still_place(target, time, suffix)
         write_bytes(path, content)
         found.append(str(path))
     return found

@@ -27,6 +27,15 @@ TELLING = {
 SCHEMAS = {b"hannes-dataset-": "dataset", b"hannes-recogniser-": "train"}
 # What a damaged file is known by: its schema, or a column that only data sets have.
 REMAINS = {**SCHEMAS, b"noise_seed": "dataset"}
+VIEW = "hannes view"
+# What files of other kinds begin with where hannes wrote them, and by which verb.
+SIGNS = {
+    ".html": (VIEW.encode(), "view"),
+    ".svg": (VIEW.encode(), "view"),
+    ".png": (VIEW.encode(), "view"),
+    ".mat": (b"written by hannes", "export"),
+    ".mcap": (b"hannes", "export"),
+}
 _HEAD = 1 << 22  # bytes in which that is looked for
 
 
@@ -109,6 +118,8 @@ def file_verb(path: Path) -> str | None:
             return _hdf5_verb(path)
         if name.endswith((".csv", ".csv.gz")):
             return _csv_verb(path)
+        if path.suffix.lower() in SIGNS:
+            return _signed_verb(path)
         if name.endswith((CONVERTED, BESIDE)):
             return _beside_verb(path)
     return None
@@ -117,6 +128,12 @@ def file_verb(path: Path) -> str | None:
 def beside(path: Path, verb: str) -> Path:
     """The file beside a CSV that says which verb wrote it."""
     return path.with_name(path.name + (CONVERTED if verb == "convert" else BESIDE))
+
+
+def _signed_verb(path: Path) -> str | None:
+    sign, verb = SIGNS[path.suffix.lower()]
+    with path.open("rb") as file:
+        return verb if sign in file.read(2048) else None
 
 
 def _hdf5_verb(path: Path) -> str | None:
@@ -143,9 +160,14 @@ def _hdf5_verb(path: Path) -> str | None:
 
 
 def _recording_verb(file: Any) -> str | None:
-    """A recording is of `convert` where it says how it was converted, of `dataset` if simulated."""
+    """A recording says which verb wrote it.
+
+    Without that it is of `convert` where it says how it was converted, of `dataset` if simulated.
+    """
     from hannes.core.recording.hdf5 import text_attribute
 
+    if "written_by" in file.attrs:
+        return text_attribute(file, "written_by")
     if "conversion" in file.attrs and text_attribute(file, "conversion"):
         return "convert"
     simulated = "source" in file.attrs and text_attribute(file, "source") == "simulated"
@@ -153,15 +175,15 @@ def _recording_verb(file: Any) -> str | None:
 
 
 def _csv_verb(path: Path) -> str | None:
-    for verb in ("convert", "dataset"):
-        told = _told_beside(beside(path, verb))
+    for end in (CONVERTED, BESIDE):
+        told = _told_beside(path.with_name(path.name + end))
         if told is None:
             continue
         if "sha256" in told:
             if digest(path) in told["sha256"]:
-                return verb
-        elif verb == "convert" and told.get("samples") == _rows(path):
-            return verb  # of an earlier version
+                return str(told["verb"])
+        elif end == CONVERTED and told.get("samples") == _rows(path):
+            return "convert"  # of an earlier version
     return None
 
 
@@ -170,7 +192,7 @@ def _beside_verb(path: Path) -> str | None:
     told = _told_beside(path)
     if told is None:
         return None
-    return "convert" if path.name.endswith(CONVERTED) else "dataset"
+    return str(told.get("verb", "convert"))
 
 
 def _told_beside(path: Path) -> dict[str, Any] | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from hannes.core.io import atomic_files
 from hannes.core.io.result_marks import beside, digest
-from hannes.core.recording import csv
+from hannes.core.recording import csv, hdf5
 from hannes.core.recording.recording import Recording, is_csv
 
 
@@ -26,7 +26,7 @@ def write_marked(
     killed in between leaves a CSV that is known, old or new.
     """
     if not is_csv(path):
-        recording.write(path)
+        _write_hdf5(recording, path, verb)
         return
     data = csv.dump(recording.channels, recording.units, str(path).lower().endswith(".gz"))
     digests = [hashlib.sha256(data).hexdigest()]
@@ -36,3 +36,12 @@ def write_marked(
     text = json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     atomic_files.write_text(beside(Path(path), verb), text)
     atomic_files.write_bytes(path, data)
+
+
+def _write_hdf5(recording: Recording, path: str | Path, verb: str) -> None:
+    """Write HDF5, with the verb where the recording does not tell it by itself."""
+    if verb in ("convert", "dataset"):
+        recording.to_hdf5(path)
+        return
+    metadata = recording.metadata() | {"written_by": verb}
+    atomic_files.write_bytes(path, hdf5.dump(recording.channels, recording.units, metadata))

@@ -99,9 +99,12 @@ class Recording(Mapping[str, FloatArray]):
         from hannes.core.io import atomic_files
         from hannes.core.recording import hdf5
 
-        metadata = {each.name: getattr(self, each.name) for each in fields(self)[2:]}
-        metadata["conversion"] = self.conversion or None  # left out of files that hannes wrote
-        atomic_files.write_bytes(path, hdf5.dump(self.channels, self.units, metadata))
+        atomic_files.write_bytes(path, hdf5.dump(self.channels, self.units, self.metadata()))
+
+    def metadata(self) -> dict[str, Any]:
+        """All but the channels and their units, by name; None for what a file leaves out."""
+        found = {each.name: getattr(self, each.name) for each in fields(self)[2:]}
+        return found | {"conversion": self.conversion or None}
 
     def to_mat(self, path: str | Path) -> None:
         """Write a MATLAB file: a column vector a channel, units and metadata beside them."""

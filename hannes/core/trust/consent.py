@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from hannes.core.errors import BadInput, NotTrusted
+from hannes.core.io.atomic_files import real_path
 from hannes.core.io.toml_table import read_text
 from hannes.core.trust.loader import load
 from hannes.core.trust.python_source import Source, is_own, located
@@ -95,7 +96,7 @@ def remember(toml: Path) -> dict[Path, list[Source]]:
 
 def forget(toml: Path) -> int:
     """Forget what was remembered of a TOML at this place, whatever its content; how many there."""
-    place, gone = str(toml.resolve()), 0
+    place, gone = str(real_path(toml)), 0
     for kept in _kept("x").parent.glob("*"):
         with suppress(OSError, ValueError, AttributeError):
             if json.loads(kept.read_text(encoding="utf-8")).get("file") == place:
@@ -118,9 +119,9 @@ def reached(toml: Path) -> list[Path]:
     found, waiting = dict[Path, None](), [toml]
     while waiting and len(found) < MOST_FILES:
         path = waiting.pop(0)
+        content = _content(path)
         if path.resolve() in {each.resolve() for each in found}:
             continue
-        content = _content(path)
         found[path] = None
         rows = content.get("recording", [])
         tables = [content, *(row for row in (rows if _is_list(rows) else []) if _is_dict(row))]

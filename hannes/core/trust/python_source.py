@@ -74,14 +74,14 @@ def is_own(name: str) -> bool:
 def located(name: str, folder: Path) -> Source:
     """Return what `name` means to a file in `folder`; BadInput where it cannot be read."""
     place, _, attribute = name.rpartition(":")
-    if not attribute.isidentifier():
-        raise BadInput(f'"{name}" names no Python: expected file.py:NAME or module:NAME')
+    if not attribute.isidentifier() or not place.isprintable():
+        raise BadInput(f"{name!r:.200} names no Python: expected file.py:NAME or module:NAME")
     if place.endswith(".py"):
         path = (folder / place).resolve()
         module = re.sub(r"\W", "_", path.stem)
         return Source(name, module, attribute, path.parent, _closure(path.parent, module, path))
     if not _MODULE.fullmatch(place):
-        raise BadInput(f'"{name}" names no Python: expected file.py:NAME or module:NAME')
+        raise BadInput(f"{name!r:.200} names no Python: expected file.py:NAME or module:NAME")
     beside = _beside(folder.resolve(), place)
     if beside is None:
         return Source(name, place, attribute, None, {})

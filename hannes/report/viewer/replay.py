@@ -7,6 +7,7 @@ import numpy as np
 from hannes.core.errors import BadInput
 from hannes.core.io.toml_table import Table
 from hannes.core.recording.recording import Recording
+from hannes.core.trust.python_source import is_own
 from hannes.plants.hand.plant import TOLERANCE, HandPlant
 from hannes.plants.hand.recorded_experiment import experiment_of
 from hannes.simulation.experiment.experiment import Experiment
@@ -102,7 +103,7 @@ def own_hand(recording: Recording) -> Hand:
         return Hand()
     table = Table.parse(recording.hand, "the recording's hand", KEYS)
     for name in table.texts("effects"):
-        if ".py" in name:
+        if is_own(name):
             table.refuse("effects", f'has "{name}" of a file: name the hand with --hand HAND.toml')
     return changed(Hand(), table, None)
 

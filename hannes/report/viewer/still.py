@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hannes.core.io.result_marks import VIEW
 from hannes.report import style
 from hannes.report.viewer.scene import Scene
 from hannes.simulation.hand.anatomy import FINGERS
@@ -52,8 +53,9 @@ def still_files(scenes: Sequence[Scene], time: float) -> dict[str, bytes]:
     """The same as files by suffix: `.svg` and `.png`."""
     with style.styled():
         figure, png = still(scenes, time), io.BytesIO()
-        figure.savefig(png, format="png", dpi=200, metadata={"Software": None})
-        return {".svg": style.svg(figure, "still").encode(), ".png": png.getvalue()}
+        figure.savefig(png, format="png", dpi=200, metadata={"Software": VIEW})
+        text = style.svg(figure, "still").replace("<svg", f"<!-- {VIEW} -->\n<svg", 1)
+        return {".svg": text.encode(), ".png": png.getvalue()}
 
 
 def _title(scenes: Sequence[Scene], rows: Sequence[int]) -> str:
