@@ -47,9 +47,9 @@ def frame(turn: float, tilt_x: float, tilt_y: float) -> tuple[float, float, floa
     run_x, run_y = math.tan(tilt_x), math.tan(tilt_y)
     up = 1.0 / math.sqrt(1.0 + run_x**2 + run_y**2)
     axis_x, axis_y = run_x * up, run_y * up
-    bent = axis_x * axis_y / (1.0 + up)
-    first = (1.0 - axis_x**2 / (1.0 + up) + axis_x * run_x, axis_x * run_y - bent)
-    second = (axis_y * run_x - bent, 1.0 - axis_y**2 / (1.0 + up) + axis_y * run_y)
+    tilted = axis_x * axis_y / (1.0 + up)
+    first = (1.0 - axis_x**2 / (1.0 + up) + axis_x * run_x, axis_x * run_y - tilted)
+    second = (axis_y * run_x - tilted, 1.0 - axis_y**2 / (1.0 + up) + axis_y * run_y)
     cosine, sine = math.cos(turn), math.sin(turn)
     return (
         cosine * first[0] + sine * second[0],

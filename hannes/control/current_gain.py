@@ -1,4 +1,4 @@
-"""Current-sensor gain: the sensor tells too much or too little of every current."""
+"""Current-sensor gain: the sensor reports too much or too little of every current."""
 
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
@@ -13,7 +13,7 @@ def exaggerated(delayed_current, error):
 
 EFFECT = Effect(
     name="current_gain",
-    meaning="The current sensor tells a few percent too much or too little.",
+    meaning="The current sensor reports a few percent too much or too little.",
     equation="i_measured += error i",
     source="Ziegler, Woodward, Iu & Borle (2009), errors of current sensors",
     parameters=(Parameter("error", 0.0, "1", (-0.4, 0.4), "of the gain", off=0.0),),

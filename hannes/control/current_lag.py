@@ -8,7 +8,7 @@ from hannes.core.parameter import Parameter
 
 @kernel
 def trailing(motor_current, smoothed, time):
-    """What the reading lacks [A], and the rate of what it tells [A/s]."""
+    """The reading less the current [A], and the rate of the reading [A/s]."""
     if time <= 0.0:
         return 0.0, 0.0
     behind = smoothed - motor_current

@@ -1,4 +1,4 @@
-"""Current-sensor offset: the sensor tells a current where there is none."""
+"""Current-sensor offset: the sensor reports a current where there is none."""
 
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel

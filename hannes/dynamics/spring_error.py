@@ -1,4 +1,4 @@
-"""Return-spring error: re-opening springs stronger or weaker than told."""
+"""Return-spring error: re-opening springs stronger or weaker than nominal."""
 
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
@@ -14,7 +14,7 @@ def stronger(joint_angle, rest, joint_spring_stiffness, joint_spring_preload, sh
 
 EFFECT = Effect(
     name="spring_error",
-    meaning="The springs that open the hand are stronger or weaker than told.",
+    meaning="The springs that open the hand are stronger or weaker than nominal.",
     equation="T_open += share (preload + k (q - q_rest))",
     source="Hooke's law off its nominal rate; EN 13906-3 (2014), torsion springs",
     parameters=(

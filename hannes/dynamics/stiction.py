@@ -1,7 +1,7 @@
-"""Stiction: dry friction with a memory, so that what stands still is held and does not creep.
+"""Stiction: dry friction with a memory, so that a body at rest is held and does not creep.
 
-Equations 1 and 2 let friction vanish with speed, as does that between finger and object; a load
-then creeps. Here the same levels are reached through a bristle that bends first, and stays bent.
+In equations 1 and 2 friction vanishes with speed, as it does between finger and object; a load
+then creeps. Here the same levels are reached through a bristle that deflects first, and stays so.
 """
 
 from hannes.core.effect import Effect, Term

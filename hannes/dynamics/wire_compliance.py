@@ -19,7 +19,7 @@ def softer_follower(follower):
 
 EFFECT = Effect(
     name="wire_compliance",
-    meaning="The wires give more under load than their stiffness tells.",
+    meaning="The wires give more under load than their nominal stiffness.",
     equation="1/k_leader += leader, 1/k_follower += follower",
     source="Palli, Borghesan & Melchiorri (2012), elastic tendons",
     parameters=(

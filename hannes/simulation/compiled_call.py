@@ -156,6 +156,6 @@ def ended(counts: np.ndarray) -> tuple[Outcome, str]:
 
 @functools.cache
 def say_when_compiling(compiled: Compiled, entry: str) -> None:
-    """Tell once on standard error that an entry point is about to be compiled."""
+    """Say once on standard error that an entry point is about to be compiled."""
     if compiles() and not compiled.is_warm(entry):
         print("hannes: compiling the model, once (10 s to a minute)", file=sys.stderr, flush=True)

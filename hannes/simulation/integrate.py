@@ -67,7 +67,10 @@ class Initial:
         done = (self.compiled, self.method) in _ready
         if done or not self._sets_out(self._rates(knots), 0.0):
             return
-        with suppress(ValueError), np.errstate(all="ignore"):  # it is told when it is in earnest
+        with (
+            suppress(ValueError),
+            np.errstate(all="ignore"),
+        ):  # a failure is reported by the real run
             self._solve(knots, (0.0, moment), np.array([moment]))
         _ready.add((self.compiled, self.method))
 
@@ -162,7 +165,7 @@ class Initial:
         return lambda t, y: rates(t, y, p, knots, hold)
 
     def _sets_out(self, rates: Callable[..., np.ndarray], start: float) -> bool:
-        """Tell whether the rates are finite: scipy's methods would step on the spot."""
+        """Return whether the rates are finite: else scipy's methods would not advance."""
         return self.method == "Rodas" or bool(np.isfinite(rates(start, self.state)).all())
 
     def _parts(self) -> int:

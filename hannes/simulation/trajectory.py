@@ -115,7 +115,7 @@ class Grasp(ByValue):
     """One grasp of a batch: `number` counts from 0, `grasp[name]` is a channel asked for.
 
     Channels have the shape (n,) or (n, size), n the samples in `time` [s]. Where the outcome is
-    not COMPLETED they end before the failure, which `message` tells in the solver's words.
+    not COMPLETED they end before the failure, which `message` states in the solver's words.
     """
 
     number: int

@@ -1,4 +1,4 @@
-"""Recordings of an experiment that nobody made: simulated, and told as a bench would tell them."""
+"""Virtual recordings of an experiment: simulated, and logged as a bench would log them."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -53,7 +53,7 @@ WARM = Effect(
 )
 STIFF = Effect(
     name="stiff_springs",
-    meaning="The re-opening springs are stiffer than told.",
+    meaning="The re-opening springs are stiffer than their nominal values.",
     equation="T_spring += share k (q - q_rest)",
     source="a test",
     parameters=(Parameter("share", 0.0, "1", (-0.9, 9.0), "of the stiffness", off=0.0),),

@@ -44,28 +44,28 @@ def rows(columns, count=COUNT):
 
 
 def same(found, run):
-    """Tell whether a grasp has the bits of a trajectory."""
+    """Return whether a grasp has the bits of a trajectory."""
     equal = [np.array_equal(found[name], run[name]) for name in CHANNELS]
     return all(equal) and np.array_equal(found.time, run.time)
 
 
 def test_progress_counts_every_grasp(monkeypatch):
-    told = []
+    calls = []
 
     class Bar:
         def __init__(self, *, total, disable, **how):
-            told.append((total, disable))
+            calls.append((total, disable))
 
         def update(self, count):
-            told.append(count)
+            calls.append(count)
 
         def close(self):
-            told.append("closed")
+            calls.append("closed")
 
     monkeypatch.setattr("tqdm.tqdm", Bar)
     given = Hand(), grasp(duration=0.05), COLUMNS
     list(simulate_many(*given, channels=CHANNELS, workers=2, progress=True))
-    assert told[0] == (COUNT, False) and told[-1] == "closed" and sum(told[1:-1]) == COUNT
+    assert calls[0] == (COUNT, False) and calls[-1] == "closed" and sum(calls[1:-1]) == COUNT
 
 
 # --- the same bits ----------------------------------------------------------------------------

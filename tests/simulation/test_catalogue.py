@@ -32,7 +32,7 @@ def test_at_off_the_whole_catalogue_changes_nothing_even_where_it_is_compiled_in
         assert np.abs(bare[name] - dressed[name]).max() <= 2e-5 * max(np.ptp(bare[name]), 1e-9)
 
 
-GRAIN = 3e-6  # of a peak; so much runs differ by their steps
+SOLVER_ERROR = 3e-6  # of a peak; so much runs differ by their steps
 
 
 @pytest.mark.parametrize("name", AMPLITUDES)
@@ -47,7 +47,7 @@ def test_a_small_amplitude_does_little(name):
     for channel in ("current", "force", "position", "duty", "motor_current"):
         peak = np.abs(bare[channel]).max()
         whole, part = (np.abs(run[channel] - bare[channel]).mean() for run in (large, small))
-        assert part <= whole / 6.0 + GRAIN * peak, channel
+        assert part <= whole / 6.0 + SOLVER_ERROR * peak, channel
 
 
 # --- energy -------------------------------------------------------------------------------------

@@ -104,9 +104,9 @@ def test_an_account_of_hours_is_refused():
 
 
 def test_run_writes_the_ledger_and_names_its_cost(tmp_path, capsys):
-    told = run("void-closure", tmp_path / "out")
+    summary = run("void-closure", tmp_path / "out")
     (row,) = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["runs"]
-    assert row["energy"] == told["runs"][0]["energy"]
+    assert row["energy"] == summary["runs"][0]["energy"]
     assert abs(row["energy"]["residual"]["value"]) < 1e-3
     assert row["energy"]["copper"]["unit"] == "J" and row["energy"]["copper"]["value"] > 0.0
     assert set(row["cost"]) == {"evaluations", "jacobians", "jacobian", "smooth_parts", "seconds"}

@@ -27,13 +27,13 @@ def section(text, title):
     return rest.split("\n\n", 1)[0].splitlines()[1:]
 
 
-def test_print_tells_the_stages_in_the_order_of_the_equations():
-    told = str(Hand())
-    assert told == str(Hand())
-    shown = [line.split()[0] for line in section(told, "Stages") if re.match(r"  \w", line)]
+def test_print_shows_the_stages_in_the_order_of_the_equations():
+    text = str(Hand())
+    assert text == str(Hand())
+    shown = [line.split()[0] for line in section(text, "Stages") if re.match(r"  \w", line)]
     assert tuple(shown) == STAGES
     for formula in ("eq. 1", "eq. 2", "eq. 3", "m_c x'' = 2 T_L - 2 T_F - F(x')"):
-        assert formula in told
+        assert formula in text
 
 
 def test_nothing_is_wider_than_a_terminal():
@@ -52,19 +52,19 @@ def test_nothing_is_wider_than_a_terminal():
     ],
 )
 def test_an_effect_stands_in_the_stage_that_it_joins(name, stage, value):
-    told = str(Hand().with_effects(name).with_values(value))
-    lines = section(told, "Stages")
+    text = str(Hand().with_effects(name).with_values(value))
+    lines = section(text, "Stages")
     start = next(k for k, line in enumerate(lines) if line.startswith(f"  {stage} "))
     end = next(k for k in range(start + 1, len(lines)) if re.match(r"  \w", lines[k]))
     assert f"+ effect {name}" in "\n".join(lines[start:end])
-    effect = "\n".join(section(told, "Effects"))
+    effect = "\n".join(section(text, "Effects"))
     assert name in effect and effects()[name].equation in effect and "source: " in effect
     assert "off" not in effect
 
 
 def test_an_effect_that_is_off_says_so():
-    told = str(Hand().with_effects("leader_slack"))
-    assert "leader_slack (off" in told and "+ effect leader_slack" not in told
+    text = str(Hand().with_effects("leader_slack"))
+    assert "leader_slack (off" in text and "+ effect leader_slack" not in text
 
 
 def test_changed_values_stand_beside_the_shipped_ones():
@@ -93,12 +93,12 @@ def test_values_without_a_published_source_are_called_a_choice():
     assert any("gear.ratio" in line for line in sources)
 
 
-def test_another_plant_is_told_by_effects_and_values():
+def test_another_plant_is_described_by_effects_and_values():
     axis = Axis().with_effects(effects()["direction_friction"]).with_values({"axis.mass": 96.5})
-    told = plant_described(axis, "axis")
-    assert "axis.mass = 96.5 kg" in told and "direction_friction (off" in told
+    text = plant_described(axis, "axis")
+    assert "axis.mass = 96.5 kg" in text and "direction_friction (off" in text
     for name in axis.parameters:
-        assert f"  {name.partition('.')[2]} " in told
+        assert f"  {name.partition('.')[2]} " in text
 
 
 def test_equations_are_printed_or_refused():

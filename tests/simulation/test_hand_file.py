@@ -128,8 +128,8 @@ def test_only_what_differs_from_the_given_plant_is_written(tmp_path):
 def test_hand_prints_the_file_of_another_plant(tmp_path, capsys):
     file = written(tmp_path, plant_toml(rubbing(), Axis(), "axis"))
     assert main(["hand", str(file)]) == 0
-    told = capsys.readouterr().out
-    assert 'The plant "axis"' in told and "direction_friction.viscous = -0.18" in told
+    printed = capsys.readouterr().out
+    assert 'The plant "axis"' in printed and "direction_friction.viscous = -0.18" in printed
     assert main(["hand", str(file), "--equations"]) == 0
     assert "direction_friction__asymmetry(" in capsys.readouterr().out
     assert main(["hand", str(file), "--values"]) == 0

@@ -166,7 +166,7 @@ KNOTS, HELD = reference(GRASP).knots, np.zeros(HOLD)
 
 @functools.cache
 def posed(names):
-    """Hand with the named effects at an amplitude that is felt."""
+    """Hand with the named effects at an amplitude that matters."""
     hand = Hand().with_effects(*(OWN.get(name, name) for name in names))
     values = {
         effect.full_name(each.name): min(0.9, 0.05 * each.bounds[1])
@@ -331,8 +331,8 @@ def test_fingers_are_differenced_only_where_nothing_else_helps(names, derived):
 def test_what_does_not_fit_is_said():
     kind = posed(("coupled",)).compiled().jacobian_kind
     assert kind == "dense differences, because coupled reads all of joint_angle"
-    told = " ".join(str(posed(("coupled",))).split())
-    assert f"slower to simulate: {kind}" in told
+    text = " ".join(str(posed(("coupled",))).split())
+    assert f"slower to simulate: {kind}" in text
     assert "slower to simulate" not in str(posed(("bristle",)))
 
 

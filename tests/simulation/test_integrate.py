@@ -34,7 +34,7 @@ def test_the_states_are_what_solve_ivp_returned(solved, method):
     assert named == "LSODA" if method == "LSODA" else issubclass(named, scipy.integrate.OdeSolver)
 
 
-def test_what_solve_ivp_returns_is_not_worked_out_again(monkeypatch):
+def test_what_solve_ivp_returns_is_not_computed_again(monkeypatch):
     original = scipy.integrate.solve_ivp
 
     def shifted(*arguments, **options):

@@ -28,7 +28,7 @@ def test_command_prints_a_model_that_says_what_it_leaves_out(capsys, model):
 
 
 def test_inverse_inertias_are_mujocos_own(model):
-    """They scale constraints, and are worked out here without MuJoCo."""
+    """They scale constraints, and are computed here without MuJoCo."""
     for k in range(model.njnt):
         wanted = model.dof_invweight0[k]
         found = inverse_inertia(Hand().parameters, model.joint(k).name)

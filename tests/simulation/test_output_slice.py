@@ -47,9 +47,9 @@ def test_what_is_added_to_counts_as_read_only_by_who_reads_it():
     assert stages(needed, "z") == [0, 1, 3]
 
 
-@pytest.mark.parametrize("told", ["out[0] = whole(c)", "out[0] = c[k]", "out[0] = c.sum()"])
-def test_an_array_taken_as_a_whole_needs_all_that_writes_to_it(told):
-    assert stages(of("c[0] = 1.0", "c[4] = 2.0", told, "out[6] = 0.0"), "a") == [0, 1, 2]
+@pytest.mark.parametrize("line", ["out[0] = whole(c)", "out[0] = c[k]", "out[0] = c.sum()"])
+def test_an_array_taken_as_a_whole_needs_all_that_writes_to_it(line):
+    assert stages(of("c[0] = 1.0", "c[4] = 2.0", line, "out[6] = 0.0"), "a") == [0, 1, 2]
 
 
 def test_an_array_that_is_handed_to_who_knows_whom_may_be_written_there():
@@ -68,7 +68,7 @@ def filled(*chosen: Effect) -> str:
         ["v = c[2:5]", "v[0] = 1.0", "out[0] = c[2 + 1]"],
         ["hold[9] = 2.0", "out[0] = hold[9]"],
         ["t = t + 1.0", "out[0] = t"],
-        ["x = y[0]", "out[0] = told(t, k=x)"],
+        ["x = y[0]", "out[0] = logged(t, k=x)"],
         ["named(y, c)", "out[0] = c[2]"],
         ["unknown(c[2:5])", "out[0] = c[2]"],
         ["c[2:5].fill(0.0)", "out[0] = c[2]"],
@@ -77,7 +77,7 @@ def filled(*chosen: Effect) -> str:
     ],
 )
 def test_text_that_is_not_followed_runs_as_a_whole(lines):
-    others = "def named(y, chan):\n    chan[2] = 1.0\n\n\ndef told(t, k):\n    return k\n"
+    others = "def named(y, chan):\n    chan[2] = 1.0\n\n\ndef logged(t, k):\n    return k\n"
     assert of(*lines, others=others).statements == ()
     body = "\n".join("    " + line for line in lines)
     text = f"def equations(t, y, dy, p, c, reference, hold, out):\n{body}\n\n\n{others}"

@@ -49,21 +49,21 @@ def with_effect(folder, fault, name, text):
 def refused(folder, capsys, fault, *arguments):
     """Run a command that must end in the one line."""
     assert main([*arguments, "--trust", "--out", str(folder / "out")]) == 2
-    told = capsys.readouterr()
-    (line,) = [each for each in told.err.splitlines() if "compiling" not in each]
+    printed = capsys.readouterr()
+    (line,) = [each for each in printed.err.splitlines() if "compiling" not in each]
     assert line.startswith(f"hannes: {folder / 'mine.py'}: kernel rub cannot be compiled: ")
     assert REFUSED[fault][2] in line and "Failed in" not in line
-    assert told.out == "" and not (folder / "out").exists()
+    assert printed.out == "" and not (folder / "out").exists()
 
 
 @pytest.mark.slow
-def test_run_tells_it_in_one_line(tmp_path, capsys):
+def test_run_reports_it_in_one_line(tmp_path, capsys):
     fault = "an undefined name"
     refused(tmp_path, capsys, fault, "run", with_effect(tmp_path, fault, "my.toml", EXPERIMENT))
 
 
 @pytest.mark.parametrize("fault", REFUSED)
-def test_diagnose_tells_it_in_one_line(tmp_path, capsys, fault):
+def test_diagnose_reports_it_in_one_line(tmp_path, capsys, fault):
     t = np.arange(0.0, 0.4, 1e-3)
     rows = np.column_stack([t, 0.1 * t**2, 0.1 * t**2, t])
     head = "time_s,reference_m,position_m,drive_V"

@@ -266,7 +266,7 @@ def test_bad_arguments_are_refused(bad):
         solve_ivp(decay, (0.0, 1.0), [0.0], Rodas, first_step=2.0)
 
 
-def test_a_jacobian_of_another_shape_is_told_of():
+def test_a_jacobian_of_another_shape_is_refused():
     with pytest.raises(ValueError, match=r"shape \(1, 1\), but has \(2, 2\)"):
         solve_ivp(decay, (0.0, 1.0), [0.0], Rodas, jac=np.eye(2))
 
@@ -277,7 +277,7 @@ def test_nowhere_to_go():
 
 
 @pytest.mark.parametrize("rate", [np.inf, -np.inf, np.nan, 1e308])
-def test_rates_beyond_all_bounds_at_the_start_are_told(rate):
+def test_rates_beyond_all_bounds_at_the_start_end_it(rate):
     found = solve_ivp(lambda t, y: rate * (1.0 + y), (0.0, 1.0), [1.0], Rodas)
     assert found.status == -1 and found.t.size == 1
 
@@ -294,7 +294,7 @@ def test_odd_arguments_are_warned_of():
         solve_ivp(lambda t, y: 0.0 * y, (0.0, 1.0), [0.0], Rodas, rtol=0.0)
 
 
-def test_blowing_up_is_told():
+def test_blowing_up_ends_it():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         found = solve_ivp(lambda t, y: y**2, (0.0, 2.0), [1.0], Rodas)
@@ -303,7 +303,7 @@ def test_blowing_up_is_told():
     assert found.t[-1] == pytest.approx(1.0, abs=1e-2)
 
 
-def test_rates_that_are_not_numbers_are_told():
+def test_rates_that_are_not_numbers_end_it():
     def rates(t, y):
         return y * (np.nan if t > 0.5 else 1.0)
 

@@ -129,7 +129,7 @@ def test_an_effect_compiled_in_at_off_changes_no_bit():
 # --- cost -------------------------------------------------------------------------------------
 
 
-def test_steps_without_end_are_told(monkeypatch):
+def test_steps_without_end_are_reported(monkeypatch):
     monkeypatch.setattr("hannes.simulation.integrate.MOST", 20)
     found = simulate(Hand(), grasp(), rtol=1e-6)
     assert found.outcome is Outcome.SOLVER_GAVE_UP and "More steps" in found.message
@@ -189,7 +189,7 @@ def test_no_sample_lies_beyond_the_duration(duration, last):
     assert angle == pytest.approx(longer["motor_angle"][: angle.size], abs=1e-3 * angle.max())
 
 
-def test_the_controller_is_told_once():
+def test_the_controller_is_set_once():
     with pytest.raises(BadInput, match='controller = "sampled"'):
         replace(grasp(), values={"controller.sampled": 1.0})
     with pytest.raises(BadInput, match='controller = "sampled"'):

@@ -1,4 +1,4 @@
-"""A kernel of the user's own that numba cannot compile, told in one line instead of sixty."""
+"""A kernel of the user's own that numba cannot compile: one line instead of sixty."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -52,13 +52,13 @@ def _kernels() -> list[_Own]:
 
 
 def _mentions(text: str, own: _Own) -> bool:
-    """Tell whether numba's text has the function, its call in the model, or a line of its file."""
+    """Whether numba's text has the function, its call in the model, or a line of its file."""
     signs = (f"<function {own.name} at", f"{own.effect}__{own.name}", f'{own.path.name}"')
     return any(sign in text for sign in signs)
 
 
 def _refuses(kernel: Callable[..., Any]) -> bool:
-    """Tell whether numba refuses a kernel by itself, all its arguments being numbers."""
+    """Whether numba refuses a kernel by itself, all its arguments being numbers."""
     import inspect
 
     from hannes.core.kernels import jit

@@ -42,7 +42,7 @@ def open_channels(equations: Equations) -> Iterator[Open]:
 
 
 def _bound(equations: Equations, stage: str) -> list[str]:
-    """Numbers that a stage is given or works out, in the order of its text."""
+    """Numbers that a stage receives or computes, in the order of its text."""
     function = next(
         node
         for node in ast.parse(equations.source()).body

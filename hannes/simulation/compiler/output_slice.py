@@ -65,8 +65,8 @@ def gated(text: str) -> str:
     statements, odd = _statements(equations), _odd(_touched(text))
     equations.args.args.append(ast.arg("needed"))
     if not odd:
-        told = equations.body[: len(equations.body) - len(statements)]
-        equations.body = [*told, *(_gate(n, each) for n, each in enumerate(statements))]
+        kept = equations.body[: len(equations.body) - len(statements)]
+        equations.body = [*kept, *(_gate(n, each) for n, each in enumerate(statements))]
     lines[first:last] = ast.unparse(equations).splitlines()
     return "\n".join(lines) + "\n"
 

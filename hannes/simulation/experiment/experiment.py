@@ -18,8 +18,8 @@ CONTROLLERS = ("continuous", "sampled")
 class Reference(ByValue):
     """Position reference at the output shaft: straight lines through knots, shape (2, n).
 
-    Row 0 holds times [s], row 1 angles [rad]; two knots at one time make a step. `kinked` tells
-    that the integrator restarts at every knot; a recorded reference has too many for that.
+    Row 0 holds times [s], row 1 angles [rad]; two knots at one time make a step. `kinked` makes
+    the integrator restart at every knot; a recorded reference has too many for that.
     """
 
     knots: np.ndarray

@@ -20,7 +20,7 @@ PLACE = ("object.x", "object.y", "object.z")
 
 @dataclass(frozen=True)
 class Variant:
-    """One simulation that an experiment asks for; `name` tells it from its siblings, or is ""."""
+    """One simulation of an experiment; `name` distinguishes it from its siblings, or is ""."""
 
     name: str
     hand: Hand

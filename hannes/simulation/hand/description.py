@@ -1,6 +1,6 @@
-"""A hand told in 80 columns: stages with their equations, effects, changed values, sources.
+"""A hand described in 80 columns: stages with their equations, effects, changed values, sources.
 
-Another plant is told by its effects and values.
+Another plant is described by its effects and values.
 """
 
 import inspect
@@ -50,11 +50,11 @@ def plant_described(plant: Model, name: str) -> str:
 
 
 def equations_of(model: Model) -> str:
-    """Text of the assembled equations; BadInput where a user's own plant does not tell them."""
-    told = getattr(model, "equations", None)
-    if told is None:
+    """Text of the assembled equations; BadInput where a user's own plant has none."""
+    text = getattr(model, "equations", None)
+    if text is None:
         raise BadInput("this plant does not print its equations; leave out --equations")
-    return str(told())
+    return str(text())
 
 
 def value_table(hand: Model) -> str:
@@ -98,9 +98,9 @@ def _headline(function: Callable[..., object]) -> str:
 
 def _laws(stage: str) -> list[str]:
     """Formulas of dynamics, contact and control that a stage calls, but for its own over again."""
-    told = (_headline(each) for each in _called(stage))
+    text = (_headline(each) for each in _called(stage))
     own = _headline(getattr(equations, stage))
-    return [each for each in told if _FORMULA.search(each) and each[:7] not in own]
+    return [each for each in text if _FORMULA.search(each) and each[:7] not in own]
 
 
 def _called(stage: str) -> list[Callable[..., object]]:
@@ -114,9 +114,9 @@ def _called(stage: str) -> list[Callable[..., object]]:
     return list(found.values())
 
 
-def _entry(name: str, told: str) -> list[str]:
+def _entry(name: str, text: str) -> list[str]:
     head = f"  {name.replace('position_reference', 'reference'):<12}"
-    return textwrap.wrap(told, COLUMNS, initial_indent=head, subsequent_indent=" " * 14)
+    return textwrap.wrap(text, COLUMNS, initial_indent=head, subsequent_indent=" " * 14)
 
 
 def _effects(hand: Model) -> list[str]:
@@ -130,9 +130,9 @@ def _effects(hand: Model) -> list[str]:
     return lines
 
 
-def _wrapped(told: str, indent: int) -> list[str]:
+def _wrapped(text: str, indent: int) -> list[str]:
     return textwrap.wrap(
-        told, COLUMNS, initial_indent=" " * indent, subsequent_indent=" " * (indent + 2)
+        text, COLUMNS, initial_indent=" " * indent, subsequent_indent=" " * (indent + 2)
     )
 
 

@@ -125,7 +125,7 @@ def checked(given: object, parameter: Parameter, table: Table) -> float:
 
 
 def declared(name: str, model: Model, table: Table) -> Parameter:
-    """Return a parameter's declaration; BadInput tells an absent effect from a misspelling."""
+    """Return a parameter's declaration; BadInput separates an absent effect from a misspelling."""
     prefix = name.partition(".")[0]
     if name == "controller.sampled":
         table.refuse(name, 'is not set here: write controller = "sampled" in the experiment')

@@ -88,7 +88,7 @@ class Plain:
 
     def advance(self, *arguments: Any) -> int:
         """See step.advance."""
-        with np.errstate(all="ignore"):  # what is not finite is told in its own way
+        with np.errstate(all="ignore"):  # a value that is not finite ends the run
             return step.advance(self, *arguments)
 
 

@@ -154,7 +154,7 @@ def _triangles(full):
 
 
 def _entry(i, j, pattern, takes, seen, count):
-    """One entry of the matrix: the unit or shift on the diagonal minus what `core` tells."""
+    """One entry of the matrix: the unit or shift on the diagonal minus the entry of `core`."""
     parts = []
     if i == j:
         parts.append("1.0" if i < TENSIONS else "shift")
