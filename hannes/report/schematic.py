@@ -15,19 +15,20 @@ from hannes.simulation.catalogue import effects
 from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.hand import Hand
 
+# Under one class, for a page's other drawings have text and classes of their own.
 STYLE = (
-    "text{font:13px 'DejaVu Sans',Verdana,sans-serif;fill:#1a1a1a}"
-    "text.small{font-size:11px;fill:#555}"
-    ".part{stroke:#1a1a1a;stroke-width:1.5;fill:#e8ecf0}"
-    ".spring{fill:none;stroke:#1a1a1a;stroke-width:1.3}"
-    ".wire{fill:none;stroke:#0072B2;stroke-width:2.5}"
-    ".follower .wire{stroke:#009E73;stroke-dasharray:9 2}"
-    ".hidden{fill:none;stroke:transparent;stroke-width:14}"
-    ".marked .part,.marked .wire{stroke:#D55E00;stroke-width:4}"
-    ".marked text{fill:#a83c00;font-weight:700}"
-    "g[tabindex]:hover .part,g[tabindex]:focus .part{fill:#ffe9b0}"
-    "g[tabindex]:hover .wire,g[tabindex]:focus .wire{stroke-width:5}"
-    "g[tabindex]:focus{outline:none}"
+    ".schematic text{font:13px 'DejaVu Sans',Verdana,sans-serif;fill:#1a1a1a}"
+    ".schematic text.small{font-size:11px;fill:#555}"
+    ".schematic .part{stroke:#1a1a1a;stroke-width:1.5;fill:#e8ecf0}"
+    ".schematic .spring{fill:none;stroke:#1a1a1a;stroke-width:1.3}"
+    ".schematic .wire{fill:none;stroke:#0072B2;stroke-width:2.5}"
+    ".schematic .follower .wire{stroke:#009E73;stroke-dasharray:9 2}"
+    ".schematic .hidden{fill:none;stroke:transparent;stroke-width:14}"
+    ".schematic .marked .part,.schematic .marked .wire{stroke:#D55E00;stroke-width:4}"
+    ".schematic .marked text{fill:#a83c00;font-weight:700}"
+    ".schematic g:hover>.part,.schematic g:focus>.part{fill:#ffe9b0}"
+    ".schematic g:hover>.wire,.schematic g:focus>.wire{stroke-width:5}"
+    ".schematic g:focus{outline:none}"
 )
 
 
@@ -48,9 +49,9 @@ def schematic(hand: Hand | None = None, marked: Sequence[str] = ()) -> str:
         label += f". Marked: {', '.join(sorted(ringed))}"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {at.WIDTH} {at.HEIGHT}" '
-        f'role="img" aria-label="{label}">\n<style>{STYLE}</style>\n'
+        f'role="img" aria-label="{label}">\n<style>{STYLE}</style>\n<g class="schematic">\n'
         + "\n".join(body)
-        + "\n</svg>\n"
+        + "\n</g>\n</svg>\n"
     )
 
 

@@ -14,6 +14,7 @@ from hannes.identification.verdict import Verdict
 from hannes.plants.hand.plant import HandPlant
 from hannes.report.diagnosis import page
 from hannes.report.residual_map import residual_map
+from hannes.report.schematic import STYLE
 
 FLOORS = {"current": 0.01, "supply": 0.02}
 TIME = np.linspace(0.0, 1.0, 101)
@@ -110,6 +111,13 @@ def test_without_an_effect_there_is_no_section_of_one(diagnosis):
     text = page(SimpleNamespace(**{**vars(diagnosis), "verdict": verdict}))
     assert 'id="effect"' not in text and 'id="schematic"' not in text
     assert "Something is missing" in text and "Where it disagreed" in text
+
+
+def test_the_schematic_restyles_no_other_drawing():
+    rules = [each for each in STYLE.split("}") if each]
+    assert all(
+        part.startswith(".schematic") for each in rules for part in each.split("{")[0].split(",")
+    )
 
 
 def test_page_prints_without_cut_tables(diagnosis, tmp_path):
