@@ -13,6 +13,14 @@ if TYPE_CHECKING:
     from hannes.campaigns.quality.finding import Finding
 
 EXAMPLES = {
+    "begin": """\
+hannes begin logs/*.csv
+hannes begin logs/*.mat --out my-hand
+hannes begin run.mcap --plant axis --json
+
+It writes my-hand/mapping.toml. What the logs do not say is marked "?" there:
+fill it in and run the same command again. Then it writes recordings and
+campaign.toml, and says what `hannes check` finds.""",
     "convert": """\
 hannes convert log.csv --mapping rig.toml --out void_01.csv
 hannes convert logs/*.mat --mapping rig.toml --out recordings
@@ -96,6 +104,12 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     add_force(convert)
     add_json(convert)
 
+    begin = command("begin", _begin, "from unknown logs to a mapping and a campaign")
+    begin.add_argument("file", nargs="+", help="logs of any kind, all of one layout")
+    begin.add_argument("--out", default="bench", metavar="FOLDER", help="where to write (bench)")
+    begin.add_argument("--plant", default="hand", help="hand (default), axis, finger, your own")
+    add_json(begin)
+
     check = command("check", _check, "say what may be wrong with recordings, before any fit")
     check.add_argument("file", nargs="+", help="recordings, or a campaign's .toml file")
     check.add_argument("--plant", help="hand (default), axis, or module:object of your own")
@@ -129,6 +143,44 @@ def _convert(chosen: argparse.Namespace) -> None:
         return
     for row, findings in zip(rows, found, strict=True):
         print("\n".join([_summary_text(row), *_lines(findings, notes=False)]))
+
+
+def _begin(chosen: argparse.Namespace) -> None:
+    from hannes.campaigns.begin.begin import CAMPAIGN, begin, counted
+    from hannes.core.errors import BadInput
+
+    begun = begin(chosen.file, chosen.out, chosen.plant)
+    if chosen.json:
+        print_json(
+            {
+                "out": str(begun.out),
+                "seen": begun.seen,
+                "missing": begun.missing,
+                "conditions": [
+                    {"name": each.name, "files": list(map(str, each.files))}
+                    for each in begun.conditions
+                ],
+                "next": begun.next,
+            }
+        )
+        return
+    for line in begun.seen:
+        print(f"  saw      {line}")
+    for line in begun.missing:
+        print(f"  missing  {line}")
+    for each in begun.conditions:
+        print(f"  {counted(len(each.files), 'run')}   {each.name} (by {each.why})")
+    if begun.recordings:
+        checked = argparse.Namespace(
+            file=[str(begun.out / CAMPAIGN)], plant=None, experiment=None, notes=False, json=False
+        )
+        try:
+            _check(checked)
+        except BadInput as error:
+            print(f"  missing  {error}")
+            print(f"next: edit {begun.out / CAMPAIGN}, then: hannes check {begun.out / CAMPAIGN}")
+            return
+    print(f"next: {begun.next}")
 
 
 def _check(chosen: argparse.Namespace) -> None:

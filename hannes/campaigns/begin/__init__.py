@@ -1,0 +1,1 @@
+"""From a folder of unknown logs to a mapping and a campaign, to be edited."""

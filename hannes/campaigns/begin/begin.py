@@ -1,0 +1,198 @@
+"""`hannes begin`: from unknown logs to a mapping, recordings and a campaign."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hannes.campaigns.begin.column_guess import Guess, guesses, label_column
+from hannes.campaigns.begin.conditions import Condition, conditions
+from hannes.campaigns.begin.mapping_text import FILL_IN, Draft, draft
+from hannes.campaigns.begin.text_layout import TextLayout, is_number, text_layout
+from hannes.campaigns.convert import Converted, convert
+from hannes.campaigns.convert import write as write_recordings
+from hannes.campaigns.foreign.binary_columns import Arrays
+from hannes.campaigns.foreign.mapping import Column, TextRule
+from hannes.campaigns.foreign.sources import open_source
+from hannes.campaigns.foreign.text_columns import Delimited
+from hannes.core.errors import BadInput
+from hannes.core.io import atomic_files
+from hannes.plants.protocol import Plant, find_plant
+
+FloatArray = NDArray[np.float64]
+
+MAPPING, CAMPAIGN, RECORDINGS = "mapping.toml", "campaign.toml", "recordings"
+
+
+@dataclass
+class Begun:
+    """What was seen, what is to be filled in, and what was written."""
+
+    out: Path
+    seen: list[str] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)
+    recordings: list[Path] = field(default_factory=list)
+    conditions: list[Condition] = field(default_factory=list)
+
+    @property
+    def next(self) -> str:
+        """What to type or to edit next."""
+        if self.missing:
+            return f"fill in {self.out / MAPPING}, then run the same command again"
+        return f"look at {self.out / CAMPAIGN}, then: hannes diagnose {self.out / CAMPAIGN}"
+
+
+def begin(files: Sequence[str | Path], out: str | Path, plant: str = "hand") -> Begun:
+    """Look at logs; write a mapping into the folder `out`, and where it is complete a campaign.
+
+    A mapping that is there already, edited or not, is used as it is. Raises BadInput for files
+    that cannot be read, or whose layouts differ.
+    """
+    paths = [Path(each) for each in files]
+    if not paths:
+        raise BadInput("no files given; expected logs, such as logs/*.csv")
+    begun, machine = Begun(Path(out)), find_plant(plant)
+    begun.out.mkdir(parents=True, exist_ok=True)
+    mapping = begun.out / MAPPING
+    if not mapping.exists():
+        made = look(paths, machine)
+        begun.seen, begun.missing = made.seen, made.missing
+        atomic_files.write_text(mapping, made.text)
+    elif left := _left(mapping):
+        begun.missing = left
+    if not begun.missing:
+        _converted(begun, paths, mapping, plant)
+    return begun
+
+
+def look(paths: Sequence[Path], plant: Plant) -> Draft:
+    """The mapping that fits the first file, as far as can be told; the others must be alike."""
+    first = paths[0]
+    source = None if _is_text(first) else open_source(first, TextRule(), ())
+    layout = text_layout(first) if source is None else None
+    names, units, columns = _columns(first, source, layout)
+    known = tuple(name for name in plant.channels if name != "time")
+    chosen, doubtful = _chosen(guesses(names, units, columns, known))
+    split = label_column(layout.names, layout.rows) if layout is not None else ""
+    made = draft(
+        paths, plant.name, layout, chosen, doubtful, dict(columns), split, _required(plant, chosen)
+    )
+    if layout is not None:
+        for path in paths[1:]:
+            if text_layout(path).names != layout.names:
+                raise BadInput(f"{path}: has other columns than {first.name}; begin with it alone")
+    return made
+
+
+def _is_text(path: Path) -> bool:
+    """Whether a file is read as text; BadInput where it is of a kind that is not read."""
+    if not path.exists():
+        raise BadInput(f"{path}: there is no such file")
+    try:
+        return isinstance(
+            open_source(path, TextRule(header=0, first=1, ragged=True), ()), Delimited
+        )
+    except BadInput as error:
+        if "expected two or more lines" in str(error) or ", line" in str(error):
+            return True
+        raise
+
+
+def _columns(
+    path: Path, source: object, layout: TextLayout | None
+) -> tuple[list[str], list[str], dict[str, FloatArray]]:
+    """Names, units and numbers of all columns."""
+    if layout is not None:
+        width = len(layout.rows[0])
+        names = list(layout.names) or [""] * width
+        cells = {
+            name or str(k + 1): [row[k] if k < len(row) else "" for row in layout.rows]
+            for k, name in enumerate(names)
+        }
+        numeric = {
+            name: np.array([float(c) if is_number(c) else np.nan for c in column])
+            for name, column in cells.items()
+        }
+        known = {name: x for name, x in numeric.items() if np.isfinite(x).any()}
+        return names, list(layout.units), known
+    if not isinstance(source, Arrays):
+        raise BadInput(f"{path}: cannot be looked at; write a mapping (docs/reference/mapping.md)")
+    columns = {}
+    for name in source.names:
+        try:
+            columns[name] = source.numbers(Column(name))
+        except BadInput:
+            continue
+    return list(columns), [], columns
+
+
+def _chosen(found: Sequence[Guess]) -> tuple[dict[str, Guess], list[Guess]]:
+    """The surest guess for each channel, and the others."""
+    chosen: dict[str, Guess] = {}
+    doubtful: list[Guess] = []
+    for guess in sorted(found, key=lambda each: not each.sure):
+        if guess.channel not in chosen:
+            chosen[guess.channel] = guess
+        elif chosen[guess.channel].sure == guess.sure:
+            doubtful.append(guess)
+    order = ["time", *(each.channel for each in found)]
+    return {name: chosen[name] for name in dict.fromkeys(order) if name in chosen}, doubtful
+
+
+def _required(plant: Plant, chosen: dict[str, Guess]) -> list[str]:
+    """Channels to be asked for: those that the plant requires, and one measured at least."""
+    needed = [name for name in plant.required if name != "time"]
+    if not set(plant.judged) & chosen.keys():
+        needed.append(plant.judged[0])
+    return list(dict.fromkeys(needed))
+
+
+def _left(mapping: Path) -> list[str]:
+    """Lines of an edited mapping that are still to be filled in."""
+    lines = mapping.read_text(encoding="utf-8").splitlines()
+    return [
+        f"line {number}: {line.split('#')[0].strip()}"
+        for number, line in enumerate(lines, start=1)
+        if f'"{FILL_IN}"' in line.split("#")[0]
+    ]
+
+
+def _converted(begun: Begun, paths: Sequence[Path], mapping: Path, plant: str) -> None:
+    """Convert, group, write recordings and campaign."""
+    converted = convert(paths, mapping)
+    begun.recordings = write_recordings(converted, begun.out / RECORDINGS)
+    begun.conditions = conditions(begun.recordings, [each.recording for each in converted])
+    begun.seen.append(
+        f"{counted(len(converted), 'run')} under {counted(len(begun.conditions), 'command')}"
+    )
+    campaign = begun.out / CAMPAIGN
+    if not campaign.exists():
+        atomic_files.write_text(campaign, campaign_text(begun.conditions, converted, plant))
+
+
+def counted(count: int, noun: str) -> str:
+    """A number with its noun."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def campaign_text(found: Sequence[Condition], converted: Sequence[Converted], plant: str) -> str:
+    """A campaign of all conditions, commented, to be edited."""
+    lines = [
+        "# Recordings by the command under which they were made. Made by `hannes begin`: edit it.",
+        "# All keys: docs/reference/campaign.md",
+        f'plant = "{plant}"',
+        'out = "results"',
+    ]
+    for condition in found:
+        lines.append(f"\n# {counted(len(condition.files), 'run')}, grouped by {condition.why}")
+        for file in condition.files:
+            lines += ["[[recording]]", f'file = "{RECORDINGS}/{file.name}"']
+            lines.append(f'condition = "{condition.name}"')
+            if plant == "hand" and not converted[0].recording.experiment:
+                lines.append('# experiment = "void-closure"  # what was done; `hannes experiments`')
+    few = [each.name for each in found if len(each.files) < 3]
+    if few:
+        lines.insert(2, f"# Fewer than three repeats of: {', '.join(few)}. Repeats tell most.")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,248 @@
+"""A mapping as text to be edited: what was seen, and in words what has to be filled in."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hannes.campaigns.begin.column_guess import Guess
+from hannes.campaigns.begin.text_layout import TextLayout
+
+FloatArray = NDArray[np.float64]
+
+FILL_IN = "?"  # where only a person knows
+TURNS = (256.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0, 32768.0, 65536.0, 360.0)
+NEAR = 0.03  # of a turn: how close to it a jump must be
+
+
+@dataclass
+class Draft:
+    """Lines of a mapping, what was seen, and what is to be filled in."""
+
+    lines: list[str] = field(default_factory=list)
+    seen: list[str] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        """The mapping's TOML."""
+        return "\n".join(self.lines) + "\n"
+
+    def ask(self, what: str) -> None:
+        """Note what only a person knows."""
+        self.missing.append(what)
+
+
+def draft(
+    files: Sequence[Path],
+    plant: str,
+    layout: TextLayout | None,
+    chosen: dict[str, Guess],
+    doubtful: Sequence[Guess],
+    columns: Mapping[str, FloatArray],
+    split: str,
+    required: Sequence[str],
+) -> Draft:
+    """Write the mapping of files that share one layout (None: a binary format).
+
+    chosen: guess by channel, `time` among them; doubtful: other guesses for the same channels;
+    columns: numbers (n,) by name or number; required: channels without which nothing can be done.
+    """
+    made = Draft()
+    add = made.lines.append
+    add(f"# How {files[0].name} and its like become recordings; made by `hannes begin`")
+    add(f'# Lines with "{FILL_IN}" are to be filled in; all keys: docs/reference/mapping.md')
+    add(f'plant = "{plant}"')
+    if layout is not None and layout.missing:
+        add(f"missing = {_texts(layout.missing)}")
+    _runs(
+        made, layout, split, columns.get(str(chosen["time"].column)) if "time" in chosen else None
+    )
+    if layout is not None:
+        _text(made, layout)
+    _time(made, chosen.get("time"), columns)
+    for channel, guess in chosen.items():
+        if channel != "time":
+            _channel(made, channel, guess, columns.get(str(guess.column)), doubtful, layout)
+    if set(required) - chosen.keys():
+        made.seen.append(f"columns: {', '.join(map(str, columns))[:300]}")
+    for channel in required:
+        if channel not in chosen:
+            made.ask(f"which column is {channel}? ([channels.{channel}])")
+            add(f'\n[channels.{channel}]\ncolumn = "{FILL_IN}"  # none has a name that says so')
+            add(f'unit = "{FILL_IN}"')
+    return made
+
+
+def _texts(texts: Sequence[str]) -> str:
+    return "[" + ", ".join(_quoted(each) for each in texts) + "]"
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _runs(made: Draft, layout: TextLayout | None, split: str, clock: FloatArray | None) -> None:
+    """Where one run ends and the next begins."""
+    if split:
+        made.lines.append(f"split = {_quoted(split)}  # a new run wherever it changes")
+        made.seen.append(f'runs by the column "{split}"')
+    elif layout is not None and layout.headers:
+        made.lines.append('split_at = "header"  # the line of names stands before every run')
+        made.seen.append("a run after each repeated header")
+    elif clock is not None and _begins_anew(clock) and not wrapped(clock):
+        made.lines.append('split_at = "restart"  # its time begins anew')
+        made.seen.append("a run wherever time begins anew")
+    elif layout is not None and layout.blanks:
+        made.lines.append('split_at = "blank"  # a blank line stands between runs')
+        made.seen.append("a run after each blank line")
+
+
+def _begins_anew(clock: FloatArray) -> bool:
+    """Whether a clock goes back by most of what had passed, more often than a stamp is late."""
+    from hannes.campaigns.foreign.raw_values import restarts
+
+    return restarts(clock).size > 0
+
+
+def _text(made: Draft, layout: TextLayout) -> None:
+    add = made.lines.append
+    add("\n[text]")
+    add(f'delimiter = "{layout.delimiter}"')
+    add(f'decimal = "{layout.decimal}"')
+    if layout.comment:
+        add(f'comment = "{layout.comment}"')
+    add(f"header = {layout.header}  # line with the names, 0 for none")
+    add(f"first = {layout.first}  # line of the first numbers")
+    if layout.encoding != "utf-8":
+        add(f'encoding = "{layout.encoding}"')
+    if odd := [
+        line for line in layout.odd if not (layout.comment and line.startswith(layout.comment))
+    ]:
+        add(f"skip = {_quoted(_expression(odd))}  # lines such as {odd[0].strip()[:40]!r}")
+        made.seen.append(f"{len(odd)} lines that are no samples, left out")
+    if layout.ragged:
+        add("ragged = true  # rows are of unequal length")
+    delimiter = {"tab": "tabs", "space": "spaces"}.get(layout.delimiter, layout.delimiter + "s")
+    names = f"names in line {layout.header}" if layout.header else "no line of names"
+    made.seen.append(f"text, divided by {delimiter}, decimal {layout.decimal!r}, {names}")
+
+
+def _expression(odd: Sequence[str]) -> str:
+    """A regular expression of the beginnings of lines."""
+    import re
+
+    starts = sorted({re.escape(line.split()[0][:8]) for line in odd})
+    return f"^\\s*({'|'.join(starts[:10])})"
+
+
+def _time(made: Draft, guess: Guess | None, columns: Mapping[str, FloatArray]) -> None:
+    add = made.lines.append
+    add("\n[time]")
+    if guess is None:
+        add(f'sampling = "{FILL_IN}"  # no column says when; at which rate were samples taken?')
+        made.ask('the sampling rate, as sampling = "1 kHz" under [time]')
+        return
+    add(f"column = {_name(guess)}  # {guess.why}")
+    values = columns.get(str(guess.column))
+    if values is None:
+        add('format = "iso"')
+        made.seen.append("time as dates and times")
+        return
+    unit = guess.unit if guess.unit not in ("", "counts") else FILL_IN
+    add(f'unit = "{unit}"')
+    steps = np.diff(values[np.isfinite(values)])
+    step = float(np.median(steps)) if steps.size else 0.0
+    if unit == FILL_IN:
+        made.ask(f'the unit of time: its steps are {step:.6g} (ms, us, s?), as unit = "ms"')
+    if turn := wrapped(values):
+        add(f"wrap = {turn:.0f}  # the counter begins anew")
+    if values.size and abs(float(values[0])) > 0.0:
+        add("from_zero = true")
+    if steps.size and (steps <= 0.0).any() and not _begins_anew(values) and not wrapped(values):
+        add('order = "mean"  # some stamps are doubled or out of order; or "drop", "sort"')
+        made.seen.append(f"{int((steps <= 0.0).sum())} stamps doubled or out of order")
+    made.seen.append(f'time in "{guess.column}", steps of {step:.6g} {unit}')
+    if unit != FILL_IN and step > 0.0:
+        from hannes.core.io.units import unit_scale
+
+        made.seen[-1] += f" ({1.0 / (step * unit_scale(unit, 's')):.4g} Hz)"
+
+
+def _channel(
+    made: Draft,
+    channel: str,
+    guess: Guess,
+    values: FloatArray | None,
+    doubtful: Sequence[Guess],
+    layout: TextLayout | None,
+) -> None:
+    add = made.lines.append
+    add(f"\n[channels.{channel}]")
+    others = [str(each.column) for each in doubtful if each.channel == channel]
+    note = f"; or {', '.join(others)}?" if others else ""
+    add(f"column = {_name(guess)}  # {guess.why}{note}")
+    if others:
+        made.ask(f'which of "{guess.column}", {", ".join(others)} is {channel}?')
+    if layout is not None and _holds_lists(layout, guess.column):
+        add(f'index = "{FILL_IN}"  # its cells are lists; the place, from 1, without quotes')
+        made.ask(f"which place of the lists in {guess.column} is {channel}?")
+    if guess.unit == "counts":
+        add(f'unit = "{FILL_IN}"  # raw counts: the unit of one count, and how much it is')
+        add(f'scale = "{FILL_IN}"')
+        made.ask(f"unit and scale of one count of {channel} ({guess.column})")
+    elif not guess.unit:
+        add(f'unit = "{FILL_IN}"')
+        made.ask(f'the unit of {channel} ("{guess.column}")')
+    else:
+        add(f'unit = "{guess.unit}"')
+    if values is not None:
+        _raw(made, channel, values)
+    made.seen.append(f'{channel}: "{guess.column}" [{guess.unit or FILL_IN}]')
+
+
+def _holds_lists(layout: TextLayout, column: str | int) -> bool:
+    """Whether the cells of a column are lists."""
+    if column not in layout.names:
+        return False
+    cell = layout.rows[0][layout.names.index(str(column))]
+    return cell[:1] in ("[", "(")
+
+
+def _raw(made: Draft, channel: str, values: FloatArray) -> None:
+    """Signs and wraps that the numbers themselves show."""
+    known = values[np.isfinite(values)]
+    if known.size and np.all(known == np.round(known)) and known.min() >= 0.0:
+        for bits in (16, 32):
+            high = known > 2.0 ** (bits - 1)
+            if known.max() < 2.0**bits and high.any() and (known[~high] < 2.0 ** (bits - 2)).all():
+                made.lines.append(
+                    f"signed = {bits}  # values near {known.max():.0f} are below zero"
+                )
+                made.seen.append(f"{channel}: {bits}-bit numbers without their sign")
+                return
+    if turn := wrapped(values):
+        made.lines.append(f"unwrap = {turn:g}  # jumps by one turn")
+        made.seen.append(f"{channel}: a counter that begins anew after {turn:g}")
+
+
+def wrapped(values: FloatArray) -> float:
+    """The turn after which a counter begins anew, 0 where there is no such jump."""
+    known = values[np.isfinite(values)]
+    if known.size < 3:
+        return 0.0
+    steps = np.diff(known)
+    jumps = steps[np.abs(steps) > 20.0 * max(float(np.median(np.abs(steps))), 1e-12)]
+    for turn in TURNS:
+        if known.max() > turn or known.min() < 0.0 or not jumps.size:
+            continue
+        if np.all(np.abs(np.abs(jumps) - turn) < NEAR * turn):
+            return turn
+    return 0.0
+
+
+def _name(guess: Guess) -> str:
+    return str(guess.column) if isinstance(guess.column, int) else _quoted(guess.column)

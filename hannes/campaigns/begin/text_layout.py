@@ -1,0 +1,197 @@
+"""How an unknown text file is laid out: encoding, delimiter, decimal mark, header, numbers."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from hannes.campaigns.begin.spelled_units import unit_of
+from hannes.core.errors import BadInput
+from hannes.core.recording.csv import read_bytes
+
+LOOKED_AT = 5000  # lines
+FEWEST = 3  # lines of numbers
+DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "|": "|", "space": " "}
+MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--"}
+NUMBER = re.compile(r"[+-]?(\d+([.]\d*)?|[.]\d+)([eE][+-]?\d+)?|[+-]?inf|0[xX][0-9a-fA-F]+")
+STAMP = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:]\d{1,4}([ T]\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?)?Z?")
+LIST = re.compile(r"[\[(]\s*[+-]?[\d.].*[\])]")
+MARKS = ("#", "%", "//", ";", "[")
+
+
+@dataclass(frozen=True)
+class TextLayout:
+    """Layout of a text file; line numbers from 1.
+
+    names, units: of the columns, as far as header lines tell; rows: some lines of numbers, as
+    cells; blanks, headers: whether blank lines or repeated headers stand between numbers; odd:
+    other lines there; ragged: whether rows have unequal length; missing: texts for no value.
+    """
+
+    encoding: str
+    delimiter: str
+    decimal: str
+    comment: str
+    header: int
+    first: int
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...] = field(repr=False)
+    blanks: bool
+    headers: bool
+    odd: tuple[str, ...]
+    ragged: bool
+    missing: tuple[str, ...]
+
+
+def text_layout(path: Path) -> TextLayout:
+    """Look at the beginning of a text file; BadInput where it holds no rows of numbers."""
+    text, encoding = _decoded(read_bytes(path))
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[:LOOKED_AT]
+    delimiter, decimal = _cut(lines, path)
+    cells = [_cells(line, DELIMITERS[delimiter], decimal) for line in lines]
+    places = [k for k, row in enumerate(cells) if _is_numbers(row)]
+    width = Counter(len(cells[k]) for k in places).most_common(1)[0][0]
+    first = next(k for k in places if len(cells[k]) == width)
+    header, comment = _header(lines, cells, first, width)
+    between = range(first, places[-1] + 1)
+    odd = [lines[k] for k in between if lines[k].strip() and not _is_numbers(cells[k])]
+    again = lines[header - 1] if header else None
+    widths = {len(_ended(cells[k], width)) for k in places if k >= first}
+    rows = [tuple(_ended(cells[k], width)) for k in places if k >= first]
+    names, units = _names(cells, header, first, comment)
+    return TextLayout(
+        encoding,
+        delimiter,
+        decimal,
+        comment,
+        header,
+        first + 1,
+        names,
+        units,
+        tuple(rows),
+        any(not lines[k].strip() for k in between),
+        again in odd,
+        tuple(line for line in odd if line != again),
+        len(widths) > 1,
+        tuple(sorted({cell for row in rows for cell in row if _is_missing(cell) and cell})),
+    )
+
+
+def _decoded(data: bytes) -> tuple[str, str]:
+    for encoding, mark in (("utf-16", b"\xff\xfe"), ("utf-16", b"\xfe\xff")):
+        if data.startswith(mark):
+            return data.decode(encoding, "replace"), encoding
+    try:
+        return data.decode("utf-8-sig"), "utf-8"
+    except UnicodeDecodeError:
+        return data.decode("latin-1"), "latin-1"
+
+
+def _cut(lines: Sequence[str], path: Path) -> tuple[str, str]:
+    """Delimiter and decimal mark by which most lines become equally long rows of numbers."""
+    best, found = 0.0, ("", "")
+    for name, mark in DELIMITERS.items():
+        for decimal in (".", ",") if mark != "," else (".",):
+            rows = [_cells(line, mark, decimal) for line in lines]
+            widths = Counter(len(row) for row in rows if _is_numbers(row))
+            if not widths:
+                continue
+            width, count = widths.most_common(1)[0]
+            score = count * (1.0 + 0.1 * min(width, 5)) if width > 1 else 0.5 * count
+            if score > 1.05 * best and count >= FEWEST:
+                best, found = score, (name, decimal)
+    if not best:
+        raise BadInput(f"{path}: no {FEWEST} lines of numbers in it; is it a log of samples?")
+    return found
+
+
+def _cells(line: str, delimiter: str, decimal: str) -> list[str]:
+    """Cells of a line, as numbers are written with a point."""
+    if delimiter == " ":
+        cells = line.split()
+    elif '"' in line:
+        import csv
+
+        try:
+            cells = next(csv.reader([line], delimiter=delimiter), [])
+        except csv.Error:
+            cells = line.split(delimiter)
+    else:
+        cells = line.split(delimiter)
+    cells = [cell.strip() for cell in cells]
+    if decimal == ",":
+        return [cell.replace(",", ".") if _german(cell) else cell for cell in cells]
+    return cells
+
+
+def _german(cell: str) -> bool:
+    return bool(re.fullmatch(r"[+-]?\d*,\d+([eE][+-]?\d+)?|[+-]?\d+", cell))
+
+
+def _is_missing(cell: str) -> bool:
+    return cell.lower() in MISSING
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number."""
+    return bool(NUMBER.fullmatch(cell))
+
+
+def _is_numbers(cells: Sequence[str]) -> bool:
+    """Whether a row holds samples: numbers and stamps, more than half of it, and one at least."""
+    numbers = sum(is_number(c) or bool(STAMP.fullmatch(c) or LIST.fullmatch(c)) for c in cells)
+    known = numbers + sum(_is_missing(cell) for cell in cells)
+    return numbers > 0 and (known == len(cells) or (numbers >= 2 and 2 * known > len(cells)))
+
+
+def _ended(cells: Sequence[str], width: int) -> Sequence[str]:
+    """Without the empty cell that a delimiter at the line's end leaves."""
+    return cells[:width] if len(cells) == width + 1 and not cells[-1] else cells
+
+
+def _header(
+    lines: Sequence[str], cells: Sequence[Sequence[str]], first: int, width: int
+) -> tuple[int, str]:
+    """Number of the line with the names (0: none), and the mark with which it begins.
+
+    Names, symbols and units may stand in lines one above the other: names are the longest.
+    """
+    found: list[tuple[int, int]] = []
+    for k in range(first - 1, max(first - 6, -1), -1):
+        words = [cell for cell in cells[k] if cell]
+        fits = max(2 if width > 1 else 1, 0.6 * width) <= len(words) <= width + 2
+        if not fits or any(is_number(cell) for cell in words):
+            if found and words:
+                break
+            continue
+        found.append((sum(map(len, words)) if not _are_units(cells[k], "") else 0, -k))
+    if not found:
+        return 0, ""
+    k = -max(found)[1]
+    mark = next((m for m in MARKS if lines[k].lstrip().startswith(m)), "")
+    return k + 1, mark if mark not in ("[", ";") else ""
+
+
+def _names(
+    cells: Sequence[Sequence[str]], header: int, first: int, comment: str
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of the columns, and units from a line between names and numbers."""
+    if not header:
+        return (), ()
+    names = list(cells[header - 1])
+    if comment and names:
+        names[0] = names[0].removeprefix(comment).strip()
+        names = names[1:] if not names[0] and len(names) > len(cells[first]) else names
+    for k in range(header, first):
+        if len(cells[k]) >= len(names) and _are_units(cells[k], comment):
+            units = [cell.removeprefix(comment).strip(" ()[]") for cell in cells[k]]
+            return tuple(names), tuple(units[: len(names)])
+    return tuple(names), ()
+
+
+def _are_units(cells: Sequence[str], comment: str) -> bool:
+    """Whether most cells of a line are units."""
+    words = [cell.removeprefix(comment).strip(" ()[]") for cell in cells if cell.strip(" ()[]")]
+    return bool(words) and sum(unit_of(word) is not None for word in words) * 2 > len(words)

@@ -1,0 +1,152 @@
+"""From unknown logs to a campaign: what is seen, what is asked for, and what comes out."""
+
+import numpy as np
+import pytest
+
+from hannes.campaigns.begin.begin import CAMPAIGN, MAPPING, begin
+from hannes.campaigns.begin.column_guess import split_name
+from hannes.campaigns.begin.text_layout import text_layout
+from hannes.campaigns.campaign_file import read_campaign
+from hannes.campaigns.convert import convert
+from hannes.commands.cli import main
+from hannes.core.errors import BadInput
+
+TIME = np.round(0.005 * np.arange(200), 6)
+COMMAND = np.minimum(8.0 * TIME, 5.0)
+POSITION = np.round(np.interp(TIME - 0.03, TIME, COMMAND, left=0.0), 6)
+CURRENT = np.round(0.3 + 0.02 * np.sin(40.0 * TIME), 6)
+
+
+def log(folder, name, columns, header, join=",", decimal=".", before=(), end="\n"):
+    rows = [
+        join.join(f"{x:.6f}".replace(".", decimal) for x in row)
+        for row in zip(*columns, strict=True)
+    ]
+    text = end.join([*before, *([header] if header else []), *rows]) + end
+    (folder / name).write_text(text, encoding="utf-8")
+    return folder / name
+
+
+FOUR = (TIME, COMMAND, POSITION, CURRENT)
+
+
+@pytest.mark.parametrize(
+    ("header", "join", "decimal", "before"),
+    [
+        ("time_s,reference_rad,position_rad,current_A", ",", ".", ()),
+        ("Time [s];Goal (rad);Encoder (rad);Motor Current [A]", ";", ",", ()),
+        ("t\tsetpoint [rad]\tangle [rad]\tcurrent [A]", "\t", ".", ("rig 3", "")),
+        ("# t (s) ref (rad) pos (rad) i (A)".replace(" (", "("), " ", ".", ("# by hand",)),
+        (
+            "Timestamp (s),Cmd Position (rad),Present Position (rad),Present Current (A)",
+            ",",
+            ".",
+            (),
+        ),
+    ],
+)
+def test_logs_that_say_all_become_a_campaign(tmp_path, header, join, decimal, before):
+    files = [log(tmp_path, f"void_{k}.csv", FOUR, header, join, decimal, before) for k in (1, 2, 3)]
+    begun = begin(files, tmp_path / "bench")
+    assert begun.missing == []
+    assert [len(each.files) for each in begun.conditions] == [3]
+    campaign = read_campaign(tmp_path / "bench" / CAMPAIGN)
+    recording = campaign.entries[0].recording
+    assert recording.time == pytest.approx(TIME, abs=1e-9)
+    for name, values in (("reference", COMMAND), ("position", POSITION), ("current", CURRENT)):
+        assert recording[name] == pytest.approx(values, abs=1e-5), name
+
+
+def test_units_below_the_names(tmp_path):
+    lines = ["t,ref,pos,cur", "ms,deg,deg,mA"]
+    lines += [
+        f"{1e3 * t:.3f},{np.degrees(r):.6f},{np.degrees(p):.6f},{1e3 * i:.4f}"
+        for t, r, p, i in zip(*FOUR, strict=True)
+    ]
+    (tmp_path / "a.csv").write_text("\n".join(lines))
+    begun = begin([tmp_path / "a.csv"], tmp_path / "bench")
+    assert begun.missing == []
+    (made,) = convert([tmp_path / "a.csv"], tmp_path / "bench" / MAPPING)
+    assert made.recording["position"] == pytest.approx(POSITION, abs=1e-5)
+    assert made.recording.time == pytest.approx(TIME, abs=1e-6)
+
+
+def test_runs_of_one_file_by_the_command_they_repeat(tmp_path):
+    slow = np.minimum(3.0 * TIME, 2.0)
+    moved = np.interp(TIME - 0.03, TIME, slow, left=0.0)
+    runs = [FOUR, (TIME, slow, moved, CURRENT), FOUR]
+    joined = [np.concatenate(each) for each in zip(*runs, strict=True)]
+    header = "time_s,reference_rad,position_rad,current_A"
+    begun = begin([log(tmp_path, "all.csv", joined, header)], tmp_path / "bench")
+    assert [len(each.files) for each in begun.conditions] == [2, 1]
+
+
+def test_what_is_not_said_is_asked_for_by_name(tmp_path, capsys):
+    columns = (TIME, 1000.0 * COMMAND, 1000.0 * POSITION, CURRENT)
+    file = log(tmp_path, "a.csv", columns, "t,goal,pos_counts,cur")
+    out = tmp_path / "bench"
+    assert main(["begin", str(file), "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    for word in ("unit of reference", "one count of position", "unit of current", "fill in"):
+        assert word in said
+    text = (out / MAPPING).read_text()
+    with pytest.raises(BadInput, match="unit"):
+        convert([file], out / MAPPING)
+    text = text.replace('column = "goal"', 'scale = "0.001"\ncolumn = "goal"')
+    text = text.replace('scale = "?"', 'scale = "0.001"')
+    head, current = text.split("[channels.current]")
+    (out / MAPPING).write_text(
+        head.replace('unit = "?"', 'unit = "rad"')
+        + "[channels.current]"
+        + current.replace("?", "A")
+    )
+    assert main(["begin", str(file), "--out", str(out)]) == 0
+    assert "hannes diagnose" in capsys.readouterr().out
+    assert read_campaign(out / CAMPAIGN).entries
+
+
+def test_signs_and_wraps_that_numbers_show(tmp_path):
+    counts = np.round(POSITION * 900.0 + 3000.0) % 4096
+    milliamperes = np.round((CURRENT - 0.3) * 1000.0).astype(int) % 65536
+    file = log(tmp_path, "a.csv", (TIME, counts, milliamperes), "t,position_cnt,current_mA")
+    begin([file], tmp_path / "bench")
+    text = (tmp_path / "bench" / MAPPING).read_text()
+    assert "unwrap = 4096" in text and "signed = 16" in text
+
+
+def test_an_edited_mapping_is_never_written_over(tmp_path):
+    file = log(tmp_path, "a.csv", FOUR, "t,goal,pos,cur")
+    begin([file], tmp_path / "bench")
+    (tmp_path / "bench" / MAPPING).write_text(
+        "# mine\n" + (tmp_path / "bench" / MAPPING).read_text()
+    )
+    begin([file], tmp_path / "bench")
+    assert (tmp_path / "bench" / MAPPING).read_text().startswith("# mine\n")
+
+
+def test_files_of_another_layout_are_refused(tmp_path):
+    one = log(tmp_path, "a.csv", FOUR, "time_s,reference_rad,position_rad,current_A")
+    other = log(tmp_path, "b.csv", FOUR, "t,a,b,c")
+    with pytest.raises(BadInput, match="other columns"):
+        begin([one, other], tmp_path / "bench")
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "unit"),
+    [
+        ("Motor Current [mA]", ["motor", "current"], "mA"),
+        ("pos_rad", ["pos"], "rad"),
+        ("CURRENT_MA", ["current"], "mA"),
+        ("Realtime Tick(ms)", ["realtime", "tick"], "ms"),
+        ("encoderCounts", ["encoder"], "counts"),
+        ("t", ["t"], ""),
+    ],
+)
+def test_words_and_unit_of_a_name(name, words, unit):
+    assert split_name(name) == (words, unit)
+
+
+def test_no_numbers_is_one_line(tmp_path):
+    (tmp_path / "a.csv").write_text("hello\nworld\n")
+    with pytest.raises(BadInput, match="lines of numbers"):
+        text_layout(tmp_path / "a.csv")
