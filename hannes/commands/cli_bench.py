@@ -105,7 +105,6 @@ def _board(chosen: argparse.Namespace) -> None:
 
 
 def _record(chosen: argparse.Namespace) -> None:
-<<<<<<< HEAD
     from hannes.bench.record import RAW
     from hannes.core.io.outputs import reserved
     from hannes.core.recording.marked import results_at
@@ -131,27 +130,6 @@ def _recorded(chosen: argparse.Namespace, out: Path, raw: Path) -> None:
     write_marked(done.recording, out, "record")
     said = {"out": str(out), "raw": str(raw), "samples": done.recording.time.size}
     _said(chosen, said | {"stop_seen": done.stopped})
-=======
-    from hannes.bench.record import RAW, record, recover
-    from hannes.core.io.outputs import reserved
-    from hannes.core.recording.marked import results_at, write_marked
-
-    out = Path(chosen.out)
-    results, reads = results_at(out, "record"), [chosen.recover] if chosen.recover else []
-    with reserved("record", results, reads, force=chosen.force):
-        if chosen.recover:
-            made = recover(chosen.recover)
-            write_marked(made, out, "record")
-            _said(chosen, {"out": str(out), "samples": made.time.size, "raw": chosen.recover})
-            return
-        if not chosen.experiment:
-            raise BadInput("no experiment given; `hannes experiments` lists them")
-        raw = out.with_name(out.name + RAW)
-        done = record(chosen.experiment, _link(chosen), raw, progress=_say)
-        write_marked(done.recording, out, "record")
-    report = {"out": str(out), "raw": str(raw), "samples": done.recording.time.size}
-    _said(chosen, report | {"stop_seen": done.stopped})
->>>>>>> 02cff4e (record writes through the same guard as all verbs; reference pages anew)
 
 
 def _said(chosen: argparse.Namespace, report: dict[str, Any]) -> None:
