@@ -54,7 +54,6 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     record.add_argument("--out", required=True, metavar="FILE", help="a .h5 or .csv file")
     record.add_argument("--reconnect", type=float, default=0.0, metavar="SECONDS",
                         help="wait so long for a link that was lost (0: end)")  # fmt: skip
-    record.add_argument("--force", action="store_true", help="replace what another command wrote")
     record.add_argument("--recover", metavar="RAWLOG", help="make a recording of a raw log")
     add_force(record)
     add_json(record)
