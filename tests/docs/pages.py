@@ -10,6 +10,7 @@ import runpy
 import shlex
 import subprocess
 import sys
+import tomllib
 from dataclasses import dataclass
 from glob import glob
 from pathlib import Path
@@ -70,12 +71,31 @@ def run(page, folder):
         if block.file:
             (folder / block.file).parent.mkdir(parents=True, exist_ok=True)
             (folder / block.file).write_text(block.text, encoding="utf-8")
+        elif block.language == "toml":
+            fragment(block.text, where)
         elif block.language == "python":
             exec(compile("\n" * block.line + block.text, name(page), "exec"), names)
         else:
             assert block.language == "sh", f"{where}: {block.language} is not run; is it output?"
             for line in block.text.splitlines():
                 command(line, where)
+
+
+def fragment(content, where):
+    """Read a table [calibrate] or [diagnose] as of a campaign of the hand."""
+    from hannes.core.io.toml_table import Table
+    from hannes.identification.calibration.settings import KEYS as CALIBRATE
+    from hannes.identification.calibration.settings import read_plan
+    from hannes.identification.diagnosis.settings import KEYS as DIAGNOSE
+    from hannes.identification.diagnosis.settings import read_settings
+    from hannes.plants.hand.plant import HandPlant
+
+    tables = tomllib.loads(content)
+    assert tables and tables.keys() <= {"calibrate", "diagnose"}, f"{where}: of which file is it?"
+    if "calibrate" in tables:
+        read_plan(Table(tables["calibrate"], where, CALIBRATE), HandPlant(), ("current",))
+    if "diagnose" in tables:
+        read_settings(Table(tables["diagnose"], where, DIAGNOSE), HandPlant())
 
 
 def command(line, where):

@@ -10,6 +10,7 @@ CHECKOUT = "docs/how-to/add-an-effect.md"  # writes into a copy of the project
 # What a diagnosis of a hand takes, or training, or models of one's own: run by `make test-all`.
 SLOW = {
     "README.md",
+    "docs/how-to/hold-and-move-objects.md",
     "docs/tutorials/classifier.md",
     "docs/tutorials/your-effect.md",
     "docs/tutorials/your-recordings.md",
