@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from hannes.core.io.atomic_files import write_text
+from hannes.core.io.locks import alone
 from hannes.core.kernels.jit import cache_folder, entry, folded, inner, plain, provider, routine
 
 # Functions that Python calls, and long ones that compiled code calls from several places.
@@ -112,10 +113,20 @@ def module(
     numbers = b"".join(sorted(_constants(given.items())))
     digest = hashlib.sha256((body + origin).encode() + numbers).hexdigest()[:16]
     path = cache_folder() / f"{kind}_{digest}.py"
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_text(path, body)
+    if not _holds(path, body):
+        with alone(f"write {path}", wait=True):  # who waits finds it, its date unchanged
+            if not _holds(path, body):
+                path.parent.mkdir(parents=True, exist_ok=True)
+                write_text(path, body)
     return _loaded(f"hannes_{kind}_{digest}", path, given)
+
+
+def _holds(path: Path, text: str) -> bool:
+    """Whether a file is there and whole."""
+    try:
+        return path.read_bytes() == text.encode()
+    except OSError:
+        return False
 
 
 def _loaded(name: str, path: Path, given: dict[str, Any]) -> ModuleType:
@@ -126,7 +137,11 @@ def _loaded(name: str, path: Path, given: dict[str, Any]) -> ModuleType:
         given, inner=inner, routine=routine, provider=provider, folded=folded, entry=entry
     )
     sys.modules[name] = loaded
-    spec.loader.exec_module(loaded)
+    try:
+        spec.loader.exec_module(loaded)
+    except (EOFError, ImportError, TypeError, ValueError):  # its compiled copy is damaged
+        Path(str(spec.cached)).unlink(missing_ok=True)
+        spec.loader.exec_module(loaded)
     return loaded
 
 
