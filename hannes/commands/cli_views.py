@@ -16,6 +16,9 @@ hannes view grasp.h5 --still 0.64                            an SVG and a PNG of
 hannes export void_01.h5 --out void_01.mat            MATLAB
 hannes export results/dynamometer/recording.h5 --out grasp.mcap     Foxglove, ROS
 hannes export void_01.csv --out void_01.h5""",
+    "fmu": """\
+hannes fmu dynamometer --out hand.fmu
+hannes fmu my.toml --out my.fmu                       for any tool that co-simulates""",
     "completion": """\
 hannes completion bash > ~/.local/share/bash-completion/completions/hannes
 hannes completion zsh > ~/.zfunc/_hannes              a folder of $fpath""",
@@ -49,6 +52,12 @@ def add(command: Callable[..., argparse.ArgumentParser], whole: argparse.Argumen
     )
     add_force(export)
 
+    fmu = command("fmu", _fmu, "write a hand as an FMU for co-simulation")
+    fmu.add_argument("experiment", help="a shipped experiment's name, or a .toml file")
+    fmu.add_argument("--out", default="results/hand.fmu", metavar="FILE", help="(results/hand.fmu)")
+    add_trust(fmu)
+    add_force(fmu)
+
     completion = command("completion", _completion, "print what completes commands in a shell")
     completion.add_argument("shell", choices=("bash", "zsh", "tcsh"), help="bash, zsh or tcsh")
     completion.set_defaults(whole=whole)
@@ -70,6 +79,13 @@ def _export(chosen: argparse.Namespace) -> None:
         else:
             write_marked(recording, chosen.out, "export")
     print(f"wrote {chosen.out}")
+
+
+def _fmu(chosen: argparse.Namespace) -> None:
+    from hannes.commands.fmu import fmu
+
+    made = fmu(chosen.experiment, chosen.out, force=chosen.force)
+    print(f"wrote {made['out']}; step in multiples of {1e3 * made['step']:g} ms")
 
 
 def _completion(chosen: argparse.Namespace) -> None:

@@ -12,7 +12,7 @@ from hannes import Hand, Recording, load_experiment, observe, simulate
 from hannes.commands.view import view
 from hannes.core.errors import BadInput
 from hannes.report.viewer.packing import exact, unpacked, whole
-from hannes.report.viewer.replay import own_hand, replay
+from hannes.report.viewer.replay import replay
 from hannes.simulation.hand.hand_file import hand_toml
 
 FINGERS = ("index", "middle", "ring", "little", "thumb")
@@ -177,7 +177,7 @@ def test_looking_at_a_recording_runs_no_code_that_came_with_it(tmp_path):
         {"time": time, "position": time}, {"time": "s", "position": "rad"}, hand=hand
     )
     with pytest.raises(BadInput, match="--hand"):
-        own_hand(recording)
+        replay(recording)
 
 
 def test_arrays_come_back_as_they_were_packed():

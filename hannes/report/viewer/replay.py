@@ -5,15 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hannes.core.errors import BadInput
-from hannes.core.io.toml_table import Table
 from hannes.core.recording.recording import Recording
-from hannes.core.trust.python_source import is_own
 from hannes.plants.hand.plant import TOLERANCE, HandPlant
 from hannes.plants.hand.recorded_experiment import experiment_of
+from hannes.plants.hand.recorded_hand import hand_of
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.experiment.reader import parse_experiment
 from hannes.simulation.hand.hand import Hand
-from hannes.simulation.hand.hand_file import KEYS, changed
 from hannes.simulation.simulate import simulate
 from hannes.simulation.trajectory import Trajectory
 
@@ -68,7 +66,7 @@ def replay(recording: Recording, hand: Hand | None = None) -> Replay:
         raise BadInput(
             f'the recording is of the plant "{recording.plant}": only the hand can be drawn'
         )
-    chosen = hand or own_hand(recording)
+    chosen = hand or hand_of(recording.hand)
     experiment, start = _experiment(recording, chosen)
     ran = simulate(chosen, experiment, rtol=TOLERANCE).require()
     return Replay(recording, chosen, experiment, ran, start)
@@ -91,21 +89,6 @@ def without_effects(shown: Replay) -> Replay | None:
     hand = shown.hand.with_values(off)
     ran = simulate(hand, shown.experiment, rtol=TOLERANCE).require()
     return replace(shown, hand=hand, trajectory=ran)
-
-
-def own_hand(recording: Recording) -> Hand:
-    """The hand whose TOML text a recording carries; the shipped one where it carries none.
-
-    Raises BadInput where that text names an effect of a file: looking at a recording runs no code
-    that came with it.
-    """
-    if not recording.hand:
-        return Hand()
-    table = Table.parse(recording.hand, "the recording's hand", KEYS)
-    for name in table.texts("effects"):
-        if is_own(name):
-            table.refuse("effects", f'has "{name}" of a file: name the hand with --hand HAND.toml')
-    return changed(Hand(), table, None)
 
 
 def _experiment(recording: Recording, hand: Hand) -> tuple[Experiment, float]:

@@ -1,0 +1,60 @@
+"""The FMU of a hand: it passes FMPy's validation, and its trace is that of `simulate`."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hannes import load_experiment, simulate
+from hannes.commands.cli import main
+from hannes.plants.hand.fmu_slave import OUTPUTS
+
+pytest.importorskip("pythonfmu")
+fmpy = pytest.importorskip("fmpy")
+
+STEP, END = 1e-3, 0.35  # s
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    path = tmp_path_factory.mktemp("fmu") / "hand.fmu"
+    assert main(["fmu", "dynamometer", "--out", str(path)]) == 0
+    return path
+
+
+def run(made, **options):
+    times = {"start_time": 0.0, "stop_time": END, "step_size": STEP, "output_interval": STEP}
+    return fmpy.simulate_fmu(str(made), **times, **options)
+
+
+def test_description_is_valid(made):
+    from fmpy.validation import validate_fmu
+
+    assert validate_fmu(str(made)) == []
+
+
+def test_trace_is_that_of_simulate_to_the_bit(made):
+    asked = load_experiment("dynamometer")[0]
+    ran = simulate(asked.hand, replace(asked.experiment, controller="sampled", noise={}))
+    found = run(made)
+    assert len(found) == round(END / STEP) + 1
+    for name in OUTPUTS:
+        assert np.array_equal(found[name], ran[name][: len(found)]), name
+
+
+def test_reference_comes_from_outside_where_that_is_asked_for(made):
+    """The same command through the input gives nearly the same; another gives another."""
+    times = np.arange(0.0, END + STEP, STEP)
+    rows = [(t, 9.84 * t / 0.637) for t in times]
+    ramp = np.array(rows, [("time", float), ("reference", float)])
+    given = run(made, start_values={"own_reference": False}, input=ramp)
+    own = run(made)
+    assert 0.0 < np.abs(given["position"] - own["position"]).max() < 0.03  # a tick late
+    still = run(made, start_values={"own_reference": False, "reference": 0.0})
+    assert np.abs(still["position"]).max() < 0.01 < own["position"].max()
+
+
+def test_several_simulations_are_refused(tmp_path, capsys):
+    assert main(["fmu", "stiffness-sweep", "--out", str(tmp_path / "no.fmu")]) == 2
+    assert "an FMU is one hand" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
