@@ -7,24 +7,24 @@ from hannes.core.parameter import Parameter
 
 
 @kernel
-def trailing(told, lagging, time):
+def trailing(force, lagging, time):
     """What the log lacks of a force [N], and the rate of what it has [N/s]."""
     if time <= 0.0:
         return 0.0, 0.0
-    behind = lagging - told
+    behind = lagging - force
     return behind, -behind / time
 
 
 @kernel
-def grip(told_force, lagging_force, time):
+def grip(logged_force, lagging_force, time):
     """Of a finger's normal forces."""
-    return trailing(told_force, lagging_force, time)
+    return trailing(logged_force, lagging_force, time)
 
 
 @kernel
-def face(told_sensor, lagging_sensor, time):
+def face(logged_sensor, lagging_sensor, time):
     """Of a finger's push on the dynamometer's sensing face."""
-    return trailing(told_sensor, lagging_sensor, time)
+    return trailing(logged_sensor, lagging_sensor, time)
 
 
 EFFECT = Effect(
@@ -34,8 +34,8 @@ EFFECT = Effect(
     source="Doebelin (2003), first-order instrument",
     parameters=(Parameter("time", 0.0, "s", (0.0, 0.5), "constant of the sensor", off=0.0),),
     terms=(
-        Term(grip, writes=("told_force",), states=("lagging_force",)),
-        Term(face, writes=("told_sensor",), states=("lagging_sensor",)),
+        Term(grip, writes=("logged_force",), states=("lagging_force",)),
+        Term(face, writes=("logged_sensor",), states=("lagging_sensor",)),
     ),
     states=(
         Slot("lagging_force", "N", "a finger's share of the logged force", "finger", 5, 1e-2),

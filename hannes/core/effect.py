@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from hannes.core import former_names
 from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import plain
 from hannes.core.layout import Slot
@@ -31,10 +32,14 @@ class Term:
     states: tuple[str, ...] = ()
     unit: str = ""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "writes", tuple(map(former_names.channel, self.writes)))
+
     @property
     def arguments(self) -> tuple[str, ...]:
         """Names of the kernel's arguments, in order."""
-        return tuple(inspect.signature(plain(self.kernel)).parameters)
+        names = inspect.signature(plain(self.kernel)).parameters
+        return tuple(map(former_names.channel, names))
 
     def __repr__(self) -> str:
         rates = f", states={self.states!r}" if self.states else ""

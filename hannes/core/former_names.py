@@ -42,6 +42,8 @@ MOVED = {
     "verdict": "identification.verdict",
 }
 
+CHANNELS = {"told_force": "logged_force", "told_sensor": "logged_sensor"}
+
 
 class MovedWarning(DeprecationWarning):
     """A file imports hannes by a name that the next release will not know."""
@@ -88,6 +90,14 @@ def _advice(today: str) -> str:
     public = sorted(name for name, home in homes.items() if home == today)
     also = f"from hannes import {', '.join(public)}, or " if public else ""
     return f"write {also}hannes.{today}"
+
+
+def channel(name: str) -> str:
+    """Return the present name of a channel that an effect reads or adds to; warn on a former one."""
+    if name in CHANNELS:
+        advice = f"the channel {name} goes with the next release: write {CHANNELS[name]}"
+        warnings.warn(advice, MovedWarning, 2)
+    return CHANNELS.get(name, name)
 
 
 def install() -> None:

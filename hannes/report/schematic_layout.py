@@ -21,7 +21,7 @@ CHANNELS = dict.fromkeys(("follower_compliance", "follower_loss", "tendon_tensio
 STAGES = {
     **dict.fromkeys(("position_reference", "probe", "sense", "control", "sample"), "controller"),
     **{"drive": "motor", "gear": "gear", "leader": "leader", "carts": "cart", "joints": "joint"},
-    **dict.fromkeys(("contact", "press", "tell"), "object"),
+    **dict.fromkeys(("contact", "press", "sense_forces"), "object"),
 }
 # Parameters of each part, by what their names begin with.
 PARAMETERS = {

@@ -18,7 +18,7 @@ REFUSED = {
     ),
     "a quantity that is filled later": (
         {"arguments": "joint_torque, size", "writes": "spring_torque"},
-        "is not worked out yet where spring_torque is open",
+        "is not yet assigned where spring_torque is open",
     ),
     "an undefined name": ({"returned": "size * nowhere"}, "cannot be compiled: NameError"),
     "two values for one channel": (

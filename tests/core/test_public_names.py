@@ -13,6 +13,7 @@ import pytest
 
 import hannes
 from hannes.core import former_names
+from hannes.core.effect import Term
 from hannes.core.former_names import MOVED, MovedWarning
 from hannes.plants.protocol import find_plant
 from hannes.simulation.catalogue import effect
@@ -178,3 +179,12 @@ def test_a_users_types_are_checked_against_those_of_hannes(tmp_path):
     found, _, _ = api.run([*options, str(tmp_path / "typed.py")])
     lines = [line for line in found.splitlines() if "typed.py" in line]
     assert len(lines) == 1 and "Incompatible types in assignment" in lines[0]
+
+
+def test_an_effect_on_a_channel_by_its_former_name_adds_to_the_present_one():
+    def shifted(told_force, size):
+        return size * told_force
+
+    with pytest.warns(MovedWarning, match="write logged_force"):
+        term = Term(shifted, writes=("told_force",))
+        assert term.writes == ("logged_force",) and term.arguments == ("logged_force", "size")

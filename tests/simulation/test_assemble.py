@@ -149,11 +149,11 @@ def adding(channel, *names):
 @pytest.mark.parametrize(
     "channel, name, why",
     [
-        ("resistance", "excursion", "is not worked out yet"),  # filled by a stage to come
-        ("reading_age", "excursion", "is not worked out yet"),  # a tick of its own
-        ("spring_torque", "joint_torque", "is not worked out yet"),  # further on in its stage
-        ("gear_friction", "tendon_tension", "is not worked out yet"),  # but for the thumb's
-        ("told_force", "torque_mcp", "is not worked out yet"),  # only where something touches
+        ("resistance", "excursion", "is not yet assigned"),  # filled by a stage to come
+        ("reading_age", "excursion", "is not yet assigned"),  # a tick of its own
+        ("spring_torque", "joint_torque", "is not yet assigned"),  # further on in its stage
+        ("gear_friction", "tendon_tension", "is not yet assigned"),  # but for the thumb's
+        ("logged_force", "torque_mcp", "is not yet assigned"),  # only where something touches
         ("gear_friction", "voltage", "is not at hand"),  # a local of another stage
         ("gear_friction", "leader_tension", "is not at hand"),
         ("joint_friction", "leader_stretch", "is not at hand"),
@@ -171,11 +171,11 @@ def test_an_effect_reads_nothing_from_before(channel, name, why):
         ("gear_friction", ["leader_pull", "excursion_rate", "load", "torque_constant"]),
         ("joint_torque", ["tendon_tension", "stop_torque", "joint_torque"]),
         ("normal_force", ["penetration", "normal_x", "slip_speed"]),
-        ("told_force", ["normal_force", "place"]),
+        ("logged_force", ["normal_force", "place"]),
         ("leader_tension", ["stiffness", "rate"]),
     ],
 )
-def test_an_effect_reads_what_is_worked_out(channel, names):
+def test_an_effect_reads_what_is_assigned(channel, names):
     assert EQUATIONS.accepts(adding(channel, *names)) == ""
 
 
@@ -210,7 +210,7 @@ BAD = Effect(
     [
         ("leader_slak", "leader_slack"),
         ("nowhere.py:EFFECT", "nowhere.py"),
-        ("own.py:NONE", "no Effect named NONE"),
+        ("own.py:NONE", "has nothing named NONE"),
         ("broken.py:EFFECT", "does not run"),
     ],
 )

@@ -38,7 +38,7 @@ def test_everything_listed_may_be_read_together(plant):
         ("slack", {"excursion"}, {"leader_tension", "leader_pull"}),
     ],
 )
-def test_what_is_worked_out_later_is_not_listed(channel, known, unknown):
+def test_what_is_assigned_later_is_not_listed(channel, known, unknown):
     listed = {*HAND[channel].arrays, *HAND[channel].numbers}
     assert known <= listed and not unknown & listed
 

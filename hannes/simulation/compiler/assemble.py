@@ -24,7 +24,7 @@ from hannes.simulation.compiler import dense_jacobian, module_cache
 from hannes.simulation.compiler import entry_points as entries
 from hannes.simulation.compiler import output_entry as observed
 from hannes.simulation.compiler.autodiff.rules import LANES
-from hannes.simulation.compiler.definite_assignment import worked_out
+from hannes.simulation.compiler.definite_assignment import assigned_channels
 from hannes.simulation.compiler.expansion import HOOK, Layouts, without_outputs
 from hannes.simulation.compiler.output_slice import Needed, gated
 from hannes.simulation.rodas import source as method
@@ -95,8 +95,8 @@ class Equations:
         if name in own or name == "t" or name in self.parameters or name in self.states:
             return ""
         if name in self.channels and self.channels.slot(name).axis:
-            late = name not in self._worked_out[channel]
-            return f"is not worked out yet where {channel} is open" if late else ""
+            late = name not in self._assigned[channel]
+            return f"is not yet assigned where {channel} is open" if late else ""
         if name in self._locals(channel):
             return ""
         if name in self.channels:
@@ -104,8 +104,8 @@ class Equations:
         return "this plant does not have"
 
     @functools.cached_property
-    def _worked_out(self) -> dict[str, set[str]]:
-        return worked_out(self.source(), self.channels)
+    def _assigned(self) -> dict[str, set[str]]:
+        return assigned_channels(self.source(), self.channels)
 
     def _locals(self, channel: str) -> set[str]:
         """Names bound in the stage of `channel` before its hook."""
@@ -138,7 +138,7 @@ class Compiled:
         return Problem(self.fast.steps_on, self.fast.look_up, (p, reference, hold))
 
     def is_warm(self, entry: str = "rates") -> bool:
-        """Tell whether machine code of a former run can be used for an entry point."""
+        """Whether machine code of a former run can be used for an entry point."""
         folder = Path(str(self.fast.__file__)).parent / "__pycache__"
         stem = Path(str(self.fast.__file__)).stem
         return any(folder.glob(f"{stem}.{entry}*.nbi"))

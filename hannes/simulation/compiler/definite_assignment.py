@@ -1,4 +1,4 @@
-"""Which array channels a plant's equations have surely worked out where an effect joins.
+"""Array channels that a plant's equations have definitely assigned where an effect joins.
 
 The equations are followed in the order in which they run, from one stage into those it calls. A
 channel that is filled later, or only where a condition holds, still has what an evaluation before
@@ -12,7 +12,7 @@ from hannes.core.layout import Layout
 from hannes.simulation.compiler.expansion import HOOK
 
 
-def worked_out(source: str, channels: Layout) -> dict[str, set[str]]:
+def assigned_channels(source: str, channels: Layout) -> dict[str, set[str]]:
     """Array channels known at every hook of the equations in `source`, by open channel."""
     walk = _Walk(source, channels)
     walk.stage("equations", set())
@@ -33,7 +33,7 @@ class _Walk:
         self.ends = dict(zip(self.stages, [*starts[1:], len(source.splitlines()) + 1], strict=True))
 
     def stage(self, name: str, done: set[str]) -> set[str]:
-        """What is worked out after a stage that `done` was worked out before."""
+        """Channels assigned after a stage, where those in `done` were assigned before."""
         self.entered.add(name)
         stage = self.stages[name]
         return self._block(stage.body, (stage.lineno, self.ends[name]), done)

@@ -1,4 +1,4 @@
-"""The hand's equations of motion, stage by stage, as the paper's section II tells them.
+"""The hand's equations of motion, stage by stage, as in section II of the paper.
 
 This text is the model. `p.name`, `y.name`, `c.name` and `out.name` stand for slots of plain
 arrays (parameters, states, channels, outputs; see variables.py); `assemble` fills in the
@@ -465,7 +465,7 @@ def press(t, y, dy, p, c, out):
     # effects: palm_force, object_power
     out.palm_force = palm_force
     out.power_object = object_power
-    tell(t, y, dy, p, c, touching, out)
+    sense_forces(t, y, dy, p, c, touching, out)
 
 
 def slide(y, c, phalanx, mcp_speed, pip_speed):
@@ -498,20 +498,20 @@ def push(p, c, out):
         out.power_contact_tangential += drag * c.slip_speed[phalanx]
 
 
-def tell(t, y, dy, p, c, touching, out):
-    """What force sensors tell: of all fingers together, and of the dynamometer's face."""
+def sense_forces(t, y, dy, p, c, touching, out):
+    """Forces that sensors log: of all fingers together, and of the dynamometer's face."""
     for f in range(5):
-        c.told_force[f], c.told_sensor[f] = 0.0, 0.0
+        c.logged_force[f], c.logged_sensor[f] = 0.0, 0.0
     if touching > 0:
         for phalanx in range(10):
             normal, drag = c.normal_force[phalanx], c.drag[phalanx]
-            c.told_force[phalanx // 2] += normal
-            c.told_sensor[phalanx // 2] += sensed(
+            c.logged_force[phalanx // 2] += normal
+            c.logged_sensor[phalanx // 2] += sensed(
                 normal, drag, c.normal_x[phalanx], c.normal_y[phalanx]
             )
-    # effects: told_force, told_sensor
-    out.force = c.told_force.sum()
-    out.sensor = c.told_sensor.sum()
+    # effects: logged_force, logged_sensor
+    out.force = c.logged_force.sum()
+    out.sensor = c.logged_sensor.sum()
 
 
 def inertia(t, y, dy, p, c, out):

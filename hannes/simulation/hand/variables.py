@@ -64,8 +64,8 @@ CHANNELS = (
         sensed_current    | A | in the current sensor
         delayed_position  | rad | when it reaches the controller and the log
         delayed_current   | A | when it reaches the controller and the log
-        measured_position | rad | what the encoder tells, at the output shaft
-        measured_current  | A | what the current sensor tells
+        measured_position | rad | reading of the encoder, at the output shaft
+        measured_current  | A | reading of the current sensor
         duty              | 1 | of the PWM drive, as it reaches the motor
         supply            | V | bus voltage
         voltage           | V | at the motor's terminals
@@ -108,8 +108,8 @@ CHANNELS = (
         excursion      | m | flexor wire taken up by the finger
         excursion_rate | m/s | of the flexor wire
         tendon_tension | N | flexor wire at the finger
-        told_force     | N | sum of the normal forces on the finger, as it is logged
-        told_sensor    | N | on the dynamometer's sensing face by the finger, as it is logged
+        logged_force     | N | sum of the normal forces on the finger, as it is logged
+        logged_sensor    | N | on the dynamometer's sensing face by the finger, as it is logged
         """,
     )
     + _slots(

@@ -13,7 +13,7 @@ from hannes.simulation.compiler.autodiff.values import (
     Underivable,
     Value,
     Written,
-    is_felt,
+    is_active,
     results,
     tree,
 )
@@ -50,7 +50,7 @@ class Calls(Arithmetic, ABC):
         if not hasattr(function, "__code__"):
             raise Underivable(ast.unparse(called))
         outermost = names is self.names
-        if outermost and not any(is_felt(each) for each in given):
+        if outermost and not any(is_active(each) for each in given):
             return self._plainly(ast.unparse(called), function, given)
         lines, before, cells = self.lines, list(self.lines), dict(self.cells)
         try:
@@ -68,16 +68,16 @@ class Calls(Arithmetic, ABC):
         if len(names) != len(given):
             raise Underivable("arguments left out")
         given = [self.held(each) for each in given]
-        felt = [n for n, each in enumerate(given) if is_felt(each)]
-        if not all(isinstance(given[n], Value) for n in felt):
+        active = [n for n, each in enumerate(given) if is_active(each)]
+        if not all(isinstance(given[n], Value) for n in active):
             return self._follow(function, given)
         rule = self.written.get(function)
-        if rule and {names[n] for n in felt} <= set(rule.by):
+        if rule and {names[n] for n in active} <= set(rule.by):
             return self._by_rule(function, rule, dict(zip(names, given, strict=True)))
-        if len({column for n in felt for column in given[n].slopes}) <= len(felt):
+        if len({column for n in active for column in given[n].slopes}) <= len(active):
             return self._follow(function, given)
         local = [
-            Value(each.text, {n: "1.0"}) if n in felt else each for n, each in enumerate(given)
+            Value(each.text, {n: "1.0"}) if n in active else each for n, each in enumerate(given)
         ]
         found = self._follow(function, local)
         if isinstance(found, tuple):

@@ -58,10 +58,10 @@ def number(value: float) -> Value:
     return Value(repr(known), {}, known)
 
 
-def is_felt(value: Any) -> bool:
-    """Tell whether something may hang on what is derived by."""
+def is_active(value: Any) -> bool:
+    """Whether a value may depend on the inputs of the differentiation."""
     if isinstance(value, tuple):
-        return any(map(is_felt, value))
+        return any(map(is_active, value))
     return not isinstance(value, Value) or bool(value.slopes)
 
 

@@ -10,7 +10,7 @@ takes up, and its rate:
 The core's blocks are derived from its stages' text (drivetrain_block.py), the fingers' come in
 closed form (finger_blocks.py), or, where effects are in their stages that have none, from
 differences of one state at a time with what they receive held (finger_differences.py). sparsity.py
-tells which of the two, which states an effect adds to a finger or to the core, what it reads, and
+decides which of the two, which states an effect adds to a finger or to the core, what it reads, and
 when this shape does not hold. Arrays over fingers have the finger last, so that the five are worked
 on at once.
 """

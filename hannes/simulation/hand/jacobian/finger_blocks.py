@@ -153,12 +153,12 @@ def solve_columns(y, dy, p, c, f, blocks):
     rods = (inverse * m_11, inverse * m_12, inverse * inertia_2)
     w_1, w_2 = y.joint_speed[mcp], y.joint_speed[pip]
     a_1, a_2 = dy.joint_speed[mcp], dy.joint_speed[pip]
-    bent_1 = along * (2.0 * w_1 + w_2) * w_2 + across * (2.0 * a_1 + a_2)
-    bent_2 = across * a_1 - along * w_1 * w_1
+    by_bend_1 = along * (2.0 * w_1 + w_2) * w_2 + across * (2.0 * a_1 + a_2)
+    by_bend_2 = across * a_1 - along * w_1 * w_1
     first = c.mcp_angle_slope[mcp] + c.own_angle_slope[mcp]
     solve_column(blocks, 0, f, rods, first, c.mcp_angle_slope[pip])
-    second = c.pip_angle_slope[pip] + c.own_angle_slope[pip] + bent_2
-    solve_column(blocks, 1, f, rods, c.pip_angle_slope[mcp] + bent_1, second)
+    second = c.pip_angle_slope[pip] + c.own_angle_slope[pip] + by_bend_2
+    solve_column(blocks, 1, f, rods, c.pip_angle_slope[mcp] + by_bend_1, second)
     first = c.mcp_speed_slope[mcp] + c.own_speed_slope[mcp] + 2.0 * across * w_2
     solve_column(blocks, 2, f, rods, first, c.mcp_speed_slope[pip] - 2.0 * across * w_1)
     first = c.pip_speed_slope[mcp] + 2.0 * across * (w_1 + w_2)

@@ -1,7 +1,7 @@
 """Derivatives of what effects add to joints and contacts, as text for finger_blocks.py.
 
 For kernels of one joint or phalanx that read its motion or its contact and their own states, and
-for those of what force sensors tell; with any other in them fingers are differenced.
+for those of force sensors. With any other kernel in them, fingers are differenced.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ from hannes.simulation.compiler.autodiff.values import Value
 from hannes.simulation.compiler.expansion import Layouts
 from hannes.simulation.hand.jacobian.drivetrain_block import WRITTEN
 
-# By what a kernel of each stage may be felt, and under which name.
+# By what a kernel of each stage may be differentiated, and under which name.
 _OF_JOINT = {
     "joint_angle": "angle",
     "lane_angle": "angle",
@@ -27,15 +27,15 @@ _INPUTS = {
     "spring_torque": _OF_JOINT,
     "joint_friction": _OF_JOINT,
     "normal_force": _OF_PHALANX,
-    "told_force": {"told_force": "told"},
-    "told_sensor": {"told_sensor": "told"},
+    "logged_force": {"logged_force": "logged"},
+    "logged_sensor": {"logged_sensor": "logged"},
 }
-_PLACED = {"object_x", "object_y", "object_angle"}  # nothing to derive where the object stands
-_TOLD = ("told_force", "told_sensor")
+_PLACED = {"object_x", "object_y", "object_angle"}  # no derivatives where the object is fixed
+_LOGGED = ("logged_force", "logged_sensor")
 
 
 @dataclass(frozen=True)
-class Felt:
+class DifferentiatedTerm:
     """A kernel in the fingers, and the first row among a finger's states of each of its own."""
 
     effect: Effect
@@ -49,22 +49,22 @@ class Felt:
 
     @property
     def of_joint(self) -> bool:
-        """Tell whether it adds to a joint's torque, not to a contact."""
+        """Whether it adds to a joint's torque, not to a contact."""
         return _INPUTS.get(self.channel) is _OF_JOINT
 
     @property
     def pressed(self) -> bool:
-        """Tell whether it adds to a phalanx' normal force."""
+        """Whether it adds to a phalanx' normal force."""
         return self.channel == "normal_force"
 
     @property
-    def told(self) -> bool:
-        """Tell whether it adds to what a force sensor tells."""
-        return self.channel in _TOLD
+    def logged(self) -> bool:
+        """Whether it adds to the reading of a force sensor."""
+        return self.channel in _LOGGED
 
 
 def fits(effect: Effect, term: Term, layouts: Layouts) -> bool:
-    """Tell whether what a kernel adds in the fingers is derived here."""
+    """Whether the terms of a kernel in the fingers are differentiated here."""
     inputs = _INPUTS.get(term.writes[0], {}) if len(term.writes) == 1 else {}
     own = {each.name for each in effect.parameters}
     states = {each.name: each.axis for each in effect.states}
@@ -76,18 +76,20 @@ def fits(effect: Effect, term: Term, layouts: Layouts) -> bool:
                 return False
         elif name not in own and name not in inputs and name not in layouts.p and name != "t":
             return False
-    if term.writes[0] in _TOLD:
+    if term.writes[0] in _LOGGED:
         return len(term.states) == 1
     return bool(inputs) or (set(term.writes) <= _PLACED and not term.states)
 
 
-def text(felt: Sequence[Felt], size: int, layouts: Layouts, names: Mapping[str, Any]) -> str:
+def text(
+    terms: Sequence[DifferentiatedTerm], size: int, layouts: Layouts, names: Mapping[str, Any]
+) -> str:
     """Functions `joint_effects` and `contact_effects`; `size`: of a finger's own states."""
     parts = (
         "def joint_effects(t, y, p, c, blocks):",
         '    """Torque of a joint by its own motion and states, these by each other."""',
         *[f"    blocks[2:4, 4:{size}] = 0.0", f"    blocks[4:{size}] = 0.0"] * (size > 4),
-        *_loop(10, _of_joints(_Loop([each for each in felt if each.of_joint], layouts, names))),
+        *_loop(10, _of_joints(_Loop([each for each in terms if each.of_joint], layouts, names))),
         "",
         "",
         "def contact_effects(t, y, p, c, blocks):",
@@ -96,9 +98,12 @@ def text(felt: Sequence[Felt], size: int, layouts: Layouts, names: Mapping[str, 
         "    for k in range(p.rest.size):",
         "        c.pressing[k] = 0.0",
         *_loop(
-            10, _of_phalanges(_Loop([each for each in felt if each.pressed], layouts, names), felt)
+            10,
+            _of_phalanges(_Loop([each for each in terms if each.pressed], layouts, names), terms),
         ),
-        *_loop(5, _of_sensors(_Loop([each for each in felt if each.told], layouts, names), felt)),
+        *_loop(
+            5, _of_sensors(_Loop([each for each in terms if each.logged], layouts, names), terms)
+        ),
         "    return moves",
     )
     return layouts.fill("\n".join(parts))
@@ -115,47 +120,51 @@ def _loop(count: int, lines: Sequence[str]) -> list[str]:
 class _Loop:
     """Kernels in one loop over joints, phalanges or fingers, and the lines that derive them."""
 
-    def __init__(self, felt: Sequence[Felt], layouts: Layouts, names: Mapping[str, Any]) -> None:
-        self.felt, self._layouts, self._found = felt, layouts, Derivation({}, names, WRITTEN)
+    def __init__(
+        self, terms: Sequence[DifferentiatedTerm], layouts: Layouts, names: Mapping[str, Any]
+    ) -> None:
+        self.terms, self._layouts, self._found = terms, layouts, Derivation({}, names, WRITTEN)
         self.lines = self._found.lines
 
-    def derived(self, felt: Felt) -> tuple[Mapping[str, str], dict[str, Mapping[str, str]]]:
+    def derived(
+        self, part: DifferentiatedTerm
+    ) -> tuple[Mapping[str, str], dict[str, Mapping[str, str]]]:
         """Derivatives of what is added, and of the rate of each state."""
-        axis, inputs = self._layouts.c.slot(felt.channel).axis, _INPUTS[felt.channel]
-        columns = {**inputs, **{name: name for name in felt.rows}}
+        axis, inputs = self._layouts.c.slot(part.channel).axis, _INPUTS[part.channel]
+        columns = {**inputs, **{name: name for name in part.rows}}
         given = [
             Value(
-                self._layouts.argument(name, felt.effect, axis),
+                self._layouts.argument(name, part.effect, axis),
                 {columns[name]: "1.0"} if name in columns else {},
             )
-            for name in felt.term.arguments
+            for name in part.term.arguments
         ]
-        result = self._found.kernel(felt.effect.kernel_name(felt.term), given)
+        result = self._found.kernel(part.effect.kernel_name(part.term), given)
         added, *rates = result if isinstance(result, tuple) else (result,)
-        slopes = {name: rate.slopes for name, rate in zip(felt.term.states, rates, strict=True)}
+        slopes = {name: rate.slopes for name, rate in zip(part.term.states, rates, strict=True)}
         return added.slopes, slopes
 
 
 def _of_joints(loop: _Loop) -> list[str]:
-    for felt in loop.felt:
-        added, rates = loop.derived(felt)
+    for part in loop.terms:
+        added, rates = loop.derived(part)
         for by, slope in added.items():
-            target = f"c.own_{by}_slope[k]" if by not in felt.rows else ""
+            target = f"c.own_{by}_slope[k]" if by not in part.rows else ""
             loop.lines.append(
-                f"{target or f'blocks[2 + link, {felt.rows[by]} + link, f]'} -= {slope}"
+                f"{target or f'blocks[2 + link, {part.rows[by]} + link, f]'} -= {slope}"
             )
         for state, slopes in rates.items():
             for by, slope in slopes.items():
-                column = {"angle": 0, "speed": 2}.get(by, felt.rows.get(by))
+                column = {"angle": 0, "speed": 2}.get(by, part.rows.get(by))
                 loop.lines.append(
-                    f"blocks[{felt.rows[state]} + link, {column} + link, f] = {slope}"
+                    f"blocks[{part.rows[state]} + link, {column} + link, f] = {slope}"
                 )
     return alive(loop.lines)
 
 
-def _of_phalanges(loop: _Loop, felt: Sequence[Felt]) -> list[str]:
-    told = [each for each in felt if each.told]
-    if not told and not loop.felt:
+def _of_phalanges(loop: _Loop, terms: Sequence[DifferentiatedTerm]) -> list[str]:
+    logged = [each for each in terms if each.logged]
+    if not logged and not loop.terms:
         return []
     loop.lines += [
         "pushes = 1.0 if c.normal_force[k] > 0.0 else 0.0",
@@ -166,94 +175,104 @@ def _of_phalanges(loop: _Loop, felt: Sequence[Felt]) -> list[str]:
         "on_pip = c.normal_arm_pip[k] - drag * c.slip_arm_pip[k]",
         "on_sensor = faces * (c.normal_x[k] + drag * c.normal_y[k])",
     ]
-    for each in loop.felt:
-        _press(loop, each, told)
+    for each in loop.terms:
+        _press(loop, each, logged)
     loop.lines += [
         "ramp = smoothstep(c.penetration[k] / p.object_onset)",
         "rise = pushes * p.object_damping * ramp + c.pressing[k]",
         "slip = p.object_friction * c.normal_force[k] * (1.0 - turned * turned)",
         "slip *= faces * c.normal_y[k] / p.object_slip_speed",
-    ] * bool(told)
-    for each in told:
+    ] * bool(logged)
+    for each in logged:
         row = next(iter(each.rows.values()))
         for column, joint in ((2, "mcp"), (3, "pip")):
             by = f"-rise * c.normal_arm_{joint}[k]"
-            if each.channel == "told_sensor":
+            if each.channel == "logged_sensor":
                 by += f" * on_sensor + slip * c.slip_arm_{joint}[k]"
             loop.lines.append(f"blocks[{row}, {column}, f] += {by}")
     return alive(loop.lines)
 
 
-def _press(loop: _Loop, felt: Felt, told: Sequence[Felt]) -> None:
+def _press(loop: _Loop, part: DifferentiatedTerm, logged: Sequence[DifferentiatedTerm]) -> None:
     """What one kernel adds to a normal force; by the depth finger_blocks.py differences it."""
-    added, rates = loop.derived(felt)
+    added, rates = loop.derived(part)
     for by, slope in added.items():
         if by == "rate":
             loop.lines.append(f"c.pressing[k] += pushes * {slope}")
-        elif by in felt.rows:
-            place = f"{felt.rows[by]} + link, f"
+        elif by in part.rows:
+            place = f"{part.rows[by]} + link, f"
             loop.lines.append(f"blocks[2, {place}] += pushes * {slope} * on_mcp")
             loop.lines.append(f"blocks[3, {place}] += pushes * {slope} * on_pip")
-            for each in told:
+            for each in logged:
                 (row,) = each.rows.values()
-                share = " * on_sensor" if each.channel == "told_sensor" else ""
+                share = " * on_sensor" if each.channel == "logged_sensor" else ""
                 loop.lines.append(f"blocks[{row}, {place}] += pushes * {slope}{share}")
     for state, slopes in rates.items():
-        at = f"{felt.rows[state]} + link"
+        at = f"{part.rows[state]} + link"
         for by, slope in slopes.items():
-            if by not in felt.rows:
+            if by not in part.rows:
                 loop.lines.append(f"moves += abs({slope})")
             if by == "rate":
                 loop.lines.append(f"blocks[{at}, 2, f] = -{slope} * c.normal_arm_mcp[k]")
                 loop.lines.append(f"blocks[{at}, 3, f] = -{slope} * c.normal_arm_pip[k]")
-            elif by in felt.rows:
-                loop.lines.append(f"blocks[{at}, {felt.rows[by]} + link, f] = {slope}")
+            elif by in part.rows:
+                loop.lines.append(f"blocks[{at}, {part.rows[by]} + link, f] = {slope}")
 
 
-def _of_sensors(loop: _Loop, felt: Sequence[Felt]) -> list[str]:
-    for each in loop.felt:
+def _of_sensors(loop: _Loop, terms: Sequence[DifferentiatedTerm]) -> list[str]:
+    for each in loop.terms:
         (state, row), (_, rates) = *each.rows.items(), loop.derived(each)
-        columns = [2, 3, *_pressed(felt)]
+        columns = [2, 3, *_pressed(terms)]
         loop.lines += [
-            f"blocks[{row}, {column}, k] *= {rates[state].get('told', '0.0')}" for column in columns
+            f"blocks[{row}, {column}, k] *= {rates[state].get('logged', '0.0')}"
+            for column in columns
         ]
         loop.lines.append(f"blocks[{row}, {row}, k] = {rates[state].get(state, '0.0')}")
     return alive(loop.lines)
 
 
-def _pressed(felt: Sequence[Felt]) -> list[int]:
+def _pressed(terms: Sequence[DifferentiatedTerm]) -> list[int]:
     """Rows of the states that normal forces depend on."""
     return [
-        row + link for each in felt if each.pressed for row in each.rows.values() for link in (0, 1)
+        row + link
+        for each in terms
+        if each.pressed
+        for row in each.rows.values()
+        for link in (0, 1)
     ]
 
 
-def touched(felt: Sequence[Felt]) -> list[int]:
+def touched(terms: Sequence[DifferentiatedTerm]) -> list[int]:
     """Rows of the states whose rates depend on where contacts lie."""
-    return _pressed(felt) + [row for each in felt if each.told for row in each.rows.values()]
+    return _pressed(terms) + [row for each in terms if each.logged for row in each.rows.values()]
 
 
-def pattern(felt: Sequence[Felt], size: int) -> list[list[bool]]:
+def pattern(terms: Sequence[DifferentiatedTerm], size: int) -> list[list[bool]]:
     """Where the rates of a finger's own states may depend on these."""
     full = [[i == j for j in range(size)] for i in range(size)]
     full[0][2] = full[1][3] = True
     for i in (2, 3):
         full[i][:4] = [True] * 4
-    for each in felt:
+    for each in terms:
         for row in each.rows.values():
-            _join(full, each, row, felt)
+            _join(full, each, row, terms)
     return full
 
 
-def _join(full: list[list[bool]], felt: Felt, row: int, all_felt: Sequence[Felt]) -> None:
-    """Note by what the rate of a state goes, and what goes by it."""
-    if felt.told:
-        for column in (0, 1, 2, 3, *_pressed(all_felt)):
+def _join(
+    full: list[list[bool]],
+    part: DifferentiatedTerm,
+    row: int,
+    all_terms: Sequence[DifferentiatedTerm],
+) -> None:
+    """Note what the rate of a state depends on, and what depends on it."""
+    if part.logged:
+        for column in (0, 1, 2, 3, *_pressed(all_terms)):
             full[row][column] = True
         return
     for link in (0, 1):
         full[2][row + link] = full[3][row + link] = True
-        for column in (link, 2 + link) if felt.of_joint else range(4):
+        for column in (link, 2 + link) if part.of_joint else range(4):
             full[row + link][column] = True
-        for other in felt.rows.values():
+        for other in part.rows.values():
             full[row + link][other + link] = True

@@ -26,11 +26,11 @@ PARTS = {
         ("position_reference", "probe", "sense", "sample", "control", "drive"), "motor"
     ),
     **dict.fromkeys(("leader", "gear", "carts"), "wires"),
-    **dict.fromkeys(("joints", "contact", "press", "tell", "inertia"), "fingers"),
+    **dict.fromkeys(("joints", "contact", "press", "sense_forces", "inertia"), "fingers"),
 }
 PER_FINGER = {"joint": 2, "phalanx": 2, "finger": 1}
-_TOLD = ("told_force", "told_sensor")
-_SHARED = {"joint_torque", *_TOLD}  # by both joints of a finger
+_LOGGED = ("logged_force", "logged_sensor")
+_SHARED = {"joint_torque", *_LOGGED}  # by both joints of a finger
 _TAKEN_UP = ("excursion", "excursion_rate")
 _WHOLE = ("y", "dy", "c", "out", "reference", "hold")
 _OF_CART = ("leader_pull", "cart_friction", "follower_slip", "follower_loss")
@@ -48,10 +48,10 @@ class Arrow:
     held: bool = True
     plain_fingers: bool = True  # finger_blocks.py holds
     broken: str = ""
-    felt: list[finger_effect_terms.Felt] = field(default_factory=list)
+    terms: list[finger_effect_terms.DifferentiatedTerm] = field(default_factory=list)
     kinds: list[tuple[str, int]] = field(default_factory=list)  # own states: name, which of two
     apart: set[str] = field(default_factory=set)  # of joints or phalanges, each for itself
-    trailing: set[str] = field(default_factory=set)  # that nothing reads but what sensors tell
+    trailing: set[str] = field(default_factory=set)  # that only force sensors read
 
     def constants(self, pattern: sparse_lu.Pattern) -> dict[str, str]:
         """Text of the constants by name."""
@@ -65,7 +65,7 @@ class Arrow:
             "KINKS": "30",
             "ROWS": str(5 + len(self.core)),
             "ENTRIES": str(sparse_lu.entries(pattern)),
-            "TOUCHED": f"np.array({finger_effect_terms.touched(self.felt)}, np.int64)",
+            "TOUCHED": f"np.array({finger_effect_terms.touched(self.terms)}, np.int64)",
         }
 
     def pattern(self, core: drivetrain_block.Core) -> sparse_lu.Pattern:
@@ -82,12 +82,12 @@ class Arrow:
         """What finger_blocks.py needs beside itself."""
         if not self.plain_fingers:
             return []
-        return [finger_effect_terms.text(self.felt, len(self.kinds), layouts, names)]
+        return [finger_effect_terms.text(self.terms, len(self.kinds), layouts, names)]
 
     def own_pattern(self) -> sparse_lu.Pattern:
         """Where the rates of a finger's own states may depend on these."""
         if self.plain_fingers:
-            return finger_effect_terms.pattern(self.felt, len(self.kinds))
+            return finger_effect_terms.pattern(self.terms, len(self.kinds))
         return [
             [self._depends(i, j) for j in range(len(self.kinds))] for i in range(len(self.kinds))
         ]
@@ -112,8 +112,8 @@ def shape(
         for term in effect.terms:
             _join(found, effect, term, layouts, stages[term.writes[0]])
     found.trailing = set(_trailing(effects))
-    told = [each.channel for each in found.felt if each.told]
-    found.plain_fingers &= len(set(told)) == len(told)  # else one tells of what another tells
+    logged = [each.channel for each in found.terms if each.logged]
+    found.plain_fingers &= len(set(logged)) == len(logged)  # else one reads what another adds
     if found.broken:
         return Shape((arrowhead,), {}, "", found.broken)
     found.seen.sort()
@@ -156,10 +156,10 @@ def _homes(effects: tuple[Effect, ...], stages: dict[str, str]) -> dict[str, str
 
 
 def _trailing(effects: tuple[Effect, ...]) -> Iterator[str]:
-    """Full names of states that only their own term reads, which only adds to what is told."""
+    """Full names of states that only their own term reads, which only adds to logged forces."""
     terms = [(effect, term) for effect in effects for term in effect.terms]
     for effect, term in terms:
-        if set(term.writes) <= set(_TOLD) and len(term.states) == 1:
+        if set(term.writes) <= set(_LOGGED) and len(term.states) == 1:
             others = {name for _, each in terms if each is not term for name in each.arguments}
             if not others & {*term.states, *term.writes}:
                 yield f"{effect.name}.{term.states[0]}"
@@ -191,7 +191,7 @@ def _join(found: Arrow, effect: Effect, term: Term, layouts: Layouts, stage: str
             for name in term.states
             if not found.broken
         }
-        found.felt.append(finger_effect_terms.Felt(effect, term, rows))
+        found.terms.append(finger_effect_terms.DifferentiatedTerm(effect, term, rows))
         found.timed |= "t" in arguments
         found.apart |= own_states if PER_FINGER.get(axis) == 2 and not names & _SHARED else set()
         found.held &= not names & {"tendon_tension", "joint_torque"}
