@@ -94,7 +94,7 @@ class _OutputLost(Exception):
 
 
 class _Watched:
-    """A stream that tells its own faults from those of other files."""
+    """A stream that separates its own faults from those of other files."""
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream
@@ -103,13 +103,13 @@ class _Watched:
         return getattr(self._stream, name)
 
     def write(self, text: str) -> int:
-        return self._told(self._stream.write, text)
+        return self._guarded(self._stream.write, text)
 
     def flush(self) -> None:
-        self._told(self._stream.flush)
+        self._guarded(self._stream.flush)
 
     @staticmethod
-    def _told(call: Callable[..., Any], *given: str) -> Any:
+    def _guarded(call: Callable[..., Any], *given: str) -> Any:
         try:
             return call(*given)
         except BrokenPipeError:

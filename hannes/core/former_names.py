@@ -93,7 +93,7 @@ def _advice(today: str) -> str:
 
 
 def channel(name: str) -> str:
-    """Return the present name of a channel that an effect reads or adds to; warn on a former one."""
+    """Return the present name of a channel of effects; warn on a former one."""
     if name in CHANNELS:
         advice = f"the channel {name} goes with the next release: write {CHANNELS[name]}"
         warnings.warn(advice, MovedWarning, 2)

@@ -51,8 +51,8 @@ def folder(tmp_path, monkeypatch):
 )
 def test_names_that_no_file_can_have_are_one_line(capsys, arguments):
     assert main(arguments) == 2
-    told = capsys.readouterr()
-    assert told.out == "" and told.err.count("\n") == 1 and told.err.isprintable() is False
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.count("\n") == 1 and printed.err.isprintable() is False
 
 
 @pytest.mark.parametrize(
@@ -75,8 +75,8 @@ def test_a_campaign_with_impossible_names_is_one_line(capsys, text):
     Path("c.toml").write_text(text)
     for verb in ("diagnose", "calibrate", "check"):
         assert main([verb, "c.toml", *["--trust"] * (verb != "x")]) == 2
-        told = capsys.readouterr()
-        assert told.out == "" and told.err.count("\n") == 1 and len(told.err) < 2000
+        printed = capsys.readouterr()
+        assert printed.out == "" and printed.err.count("\n") == 1 and len(printed.err) < 2000
     assert main(["trust", "c.toml"]) in (0, 2)
 
 
@@ -123,9 +123,9 @@ def test_signals_end_a_command_as_ctrl_c_does(name):
     )
     assert run.stdout is not None and run.stdout.readline() == "at work\n"
     run.send_signal(getattr(signal, name))
-    _, told = run.communicate(timeout=10)
+    _, printed = run.communicate(timeout=10)
     assert run.returncode == INTERRUPTED
-    (line,) = [each for each in told.splitlines() if "compiling" not in each]
+    (line,) = [each for each in printed.splitlines() if "compiling" not in each]
     assert line == "hannes: interrupted; earlier results are as they were"
     assert sorted(os.listdir()) == ["log.csv", "r.csv", "short.toml"]
 

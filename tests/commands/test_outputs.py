@@ -109,12 +109,12 @@ def test_what_is_read_or_foreign_stays(folder, capsys, verb, name, force):
         os.symlink(target, link)
     before = tree(folder)
     status = main([*arguments, "--out", name, *["--force"] * force])
-    told = capsys.readouterr().err
+    printed = capsys.readouterr().err
     harmless = verb == "convert" and name in ("in", "notes", ".")  # new files beside the others
     after = tree(folder)
     assert {each: after.get(each) for each in before} == before
     if not harmless:
-        assert status == 2 and told.count("\n") == 1 and after == before, told
+        assert status == 2 and printed.count("\n") == 1 and after == before, printed
 
 
 @pytest.mark.parametrize("verb", ["run", "convert", "export", "grasp"])
@@ -156,7 +156,9 @@ def test_files_among_results_are_kept_and_never_replaced(folder):
     assert Path("out/b").read_text() == "edited"
 
 
-@pytest.mark.parametrize(("file", "verb"), [*result_marks.TELLING.items(), ("anything", None)])
+@pytest.mark.parametrize(
+    ("file", "verb"), [*result_marks.FILES_OF_FORMER_VERBS.items(), ("anything", None)]
+)
 def test_folders_of_earlier_versions_are_known(tmp_path, file, verb):
     (tmp_path / file).write_text("x")
     (tmp_path / MARKER).write_text(json.dumps([file]) + "\n")
@@ -170,8 +172,8 @@ def test_folders_of_earlier_versions_are_known(tmp_path, file, verb):
 def test_converted_csv_of_an_earlier_version_is_known(folder):
     assert main([*VERBS["convert"][0], "--out", "out.csv"]) == 0
     beside = Path("out.csv.conversion.json")
-    told = json.loads(beside.read_text())
-    beside.write_text(json.dumps({k: v for k, v in told.items() if k not in ("verb", "sha256")}))
+    content = json.loads(beside.read_text())
+    beside.write_text(json.dumps({k: v for k, v in content.items() if k not in ("verb", "sha256")}))
     assert file_verb(Path("out.csv")) == "convert"
     assert main([*VERBS["convert"][0], "--out", "out.csv"]) == 0
     Path("out.csv").write_text(Path("out.csv").read_text() + "9,9,9\n")

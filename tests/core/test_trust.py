@@ -127,10 +127,10 @@ def test_a_terminal_is_asked(monkeypatch, capsys, answer, runs):
             return True
 
     monkeypatch.setattr(sys, "stdin", Terminal(answer))
-    told = Terminal()
-    monkeypatch.setattr(sys, "stderr", told)
+    printed = Terminal()
+    monkeypatch.setattr(sys, "stderr", printed)
     assert main(["run", "experiment.toml", "--out", "out"]) == (0 if runs else 2)
-    assert "own.py:MINE" in told.getvalue() and "[y/N]" in told.getvalue()
+    assert "own.py:MINE" in printed.getvalue() and "[y/N]" in printed.getvalue()
     assert ran() == runs
 
 
@@ -155,8 +155,8 @@ def test_a_recording_chooses_only_among_plants_that_ship(plant, capsys):
     recording = Recording.read("r.h5")
     Recording(recording.channels, recording.units, plant=plant).write("stranger.h5")
     assert main(["check", "stranger.h5"]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1 and "does not ship" in told and "--plant" in told
+    printed = capsys.readouterr().err
+    assert printed.count("\n") == 1 and "does not ship" in printed and "--plant" in printed
     assert not ran()
 
 
@@ -249,5 +249,5 @@ def test_a_plant_that_raises_when_made_or_looked_at_is_one_line(body, capsys):
     head = "from hannes.plants.plain import PlainPlant\nclass Mine(PlainPlant):\n"
     Path("mine.py").write_text(head + body + "\n")
     assert main(["check", "r.h5", "--plant", "mine.py:Mine"]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1 and "plant mine.py:Mine raises" in told
+    printed = capsys.readouterr().err
+    assert printed.count("\n") == 1 and "plant mine.py:Mine raises" in printed

@@ -73,7 +73,7 @@ def diagnosis(tmp_path_factory):
     )  # fmt: skip
 
 
-def test_page_tells_in_order_what_it_is_what_it_does_where_and_who_else(diagnosis):
+def test_page_has_in_order_what_it_is_what_it_does_where_and_who_else(diagnosis):
     text = page(diagnosis)
     marks = (
         "Leader slack, length 3.1 mm (2.9 to 3.3)",  # the sentence
@@ -96,7 +96,7 @@ def test_what_is_left_is_said_in_words(diagnosis):
     assert "nearly all of it a constant, 0.0500 V: check that sensor" in text
 
 
-def test_map_tells_condition_and_phase_before_and_after(diagnosis):
+def test_map_shows_condition_and_phase_before_and_after(diagnosis):
     found = residual_map(diagnosis)
     assert found.channels == ("current", "supply") and found.recordings == 2
     assert {row[0] for row in found.rows} == {"void", "grasp"}

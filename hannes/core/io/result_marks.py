@@ -17,7 +17,7 @@ from typing import Any
 MARKER = ".hannes-results"
 CONVERTED, BESIDE = ".conversion.json", ".hannes.json"  # after a CSV's name: convert's, others'
 # Verbs of folders of earlier versions, by a file that only they have.
-TELLING = {
+FILES_OF_FORMER_VERBS = {
     "verdict.json": "diagnose",
     "calibration.json": "calibrate",
     "evaluation.json": "evaluate",
@@ -58,22 +58,27 @@ class Mark:
 def folder_mark(folder: Path) -> Mark | None:
     """The mark of a folder of results, None where it has none."""
     try:
-        told = json.loads((folder / MARKER).read_text(encoding="utf-8"))
+        content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    if isinstance(told, list):
-        names = {str(name): "" for name in told}
-        return Mark(next((verb for file, verb in TELLING.items() if file in names), None), names)
-    if isinstance(told, dict) and isinstance(told.get("files"), dict):
-        return Mark(str(told.get("verb", "")), {str(k): str(v) for k, v in told["files"].items()})
+    if isinstance(content, list):
+        names = {str(name): "" for name in content}
+        return Mark(
+            next((verb for file, verb in FILES_OF_FORMER_VERBS.items() if file in names), None),
+            names,
+        )
+    if isinstance(content, dict) and isinstance(content.get("files"), dict):
+        return Mark(
+            str(content.get("verb", "")), {str(k): str(v) for k, v in content["files"].items()}
+        )
     return None
 
 
 def mark_folder(folder: Path, verb: str) -> None:
     """Mark a folder of fresh results, all of them by one verb."""
     files = {name: digest(folder / name) for name in files_below(folder)}
-    told = json.dumps({"verb": verb, "files": files}, indent=0, sort_keys=True)
-    (folder / MARKER).write_text(told + "\n", encoding="utf-8")
+    content = json.dumps({"verb": verb, "files": files}, indent=0, sort_keys=True)
+    (folder / MARKER).write_text(content + "\n", encoding="utf-8")
 
 
 def files_below(folder: Path) -> list[str]:
@@ -176,34 +181,36 @@ def _recording_verb(file: Any) -> str | None:
 
 def _csv_verb(path: Path) -> str | None:
     for end in (CONVERTED, BESIDE):
-        told = _told_beside(path.with_name(path.name + end))
-        if told is None:
+        content = _beside(path.with_name(path.name + end))
+        if content is None:
             continue
-        if "sha256" in told:
-            if digest(path) in told["sha256"]:
-                return str(told["verb"])
-        elif end == CONVERTED and told.get("samples") == _rows(path):
+        if "sha256" in content:
+            if digest(path) in content["sha256"]:
+                return str(content["verb"])
+        elif end == CONVERTED and content.get("samples") == _rows(path):
             return "convert"  # of an earlier version
     return None
 
 
 def _beside_verb(path: Path) -> str | None:
     """Verb of a file that stands beside a CSV."""
-    told = _told_beside(path)
-    if told is None:
+    content = _beside(path)
+    if content is None:
         return None
-    return str(told.get("verb", "convert"))
+    return str(content.get("verb", "convert"))
 
 
-def _told_beside(path: Path) -> dict[str, Any] | None:
+def _beside(path: Path) -> dict[str, Any] | None:
     """What a file beside a CSV says, None where it is none of hannes'."""
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    ours = isinstance(told, dict) and isinstance(told.get("sha256", []), list)
-    known = ours and ({"verb", "sha256"} <= told.keys() or {"samples", "channels"} <= told.keys())
-    return told if known else None
+    ours = isinstance(content, dict) and isinstance(content.get("sha256", []), list)
+    known = ours and (
+        {"verb", "sha256"} <= content.keys() or {"samples", "channels"} <= content.keys()
+    )
+    return content if known else None
 
 
 def _rows(path: Path) -> int:

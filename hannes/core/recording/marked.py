@@ -32,14 +32,14 @@ def write_marked(
     digests = [hashlib.sha256(data).hexdigest()]
     if Path(path).is_file():
         digests.append(digest(Path(path)))
-    told = {**(report or {}), "verb": verb, "sha256": digests}
-    text = json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    content = {**(report or {}), "verb": verb, "sha256": digests}
+    text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     atomic_files.write_text(beside(Path(path), verb), text)
     atomic_files.write_bytes(path, data)
 
 
 def _write_hdf5(recording: Recording, path: str | Path, verb: str) -> None:
-    """Write HDF5, with the verb where the recording does not tell it by itself."""
+    """Write HDF5, with the verb where the recording does not carry it itself."""
     if verb in ("convert", "dataset"):
         recording.to_hdf5(path)
         return

@@ -225,7 +225,7 @@ def _reads_channel(slot: Slot, axis: str, part: str) -> str:
 
 
 def _own(slot: Slot, axis: str) -> bool:
-    """Tell whether a kernel called along `axis` gets its own finger's element of a slot."""
+    """Whether a kernel called along `axis` gets its own finger's element of a slot."""
     if axis not in PER_FINGER or slot.axis not in PER_FINGER:
         return False
     return slot.axis == "finger" or PER_FINGER[slot.axis] == PER_FINGER[axis]
