@@ -6,8 +6,6 @@ Each runs in a process of its own. The page is written when all named by default
 import argparse
 import ast
 import json
-import os
-import platform
 import subprocess
 import sys
 import tempfile
@@ -15,15 +13,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.harness import Row, table
+from benchmarks.harness import Row, processor, table
 from hannes.core.io.atomic_files import write_text
 
-NAMES = ("accuracy_work", "parts", "peers", "batch", "start", "recognition")
+NAMES = ("accuracy_work", "parts", "calls", "processors", "peers", "batch", "start", "recognition")
 FOLDER = Path(__file__).parent
 HEAD = """# Benchmarks
 
 Written by `make bench`, on {machine}. One benchmark alone: `python -m benchmarks.NAME [--quick]
-[--json FILE|-]`. A bound holds for the value itself; low and high are its 95 % interval.
+[--json FILE|-]`. A bound holds for the value itself; low and high are its 95 % interval. Ratios
+of times differ from one processor to another.
 """
 
 
@@ -50,7 +49,7 @@ def main() -> int:
 
 def page(found: dict[str, Any]) -> str:
     """Text of the page: of each benchmark what it does, its bounds, its rows."""
-    parts = [HEAD.format(machine=machine())]
+    parts = [HEAD.format(machine=processor())]
     for name, tables in found.items():
         doc = ast.get_docstring(ast.parse((FOLDER / f"{name}.py").read_text(encoding="utf-8")))
         parts += [f"## {name}\n\n{doc}\n", markdown(tables["must_show"])]
@@ -68,15 +67,6 @@ def markdown(rows: Sequence[Row]) -> str:
             f"| {row['name']} | {row['value']:.4g} | {spread} | {row['bound']:g} | {holds} |"
         )
     return "\n".join(lines) + "\n"
-
-
-def machine() -> str:
-    """Model of the processor and number of cores."""
-    known = Path("/proc/cpuinfo")
-    lines = known.read_text(encoding="utf-8").splitlines() if known.exists() else []
-    models = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    model = models[0] if models else platform.processor() or platform.machine()
-    return f"{model}, {os.cpu_count()} cores"
 
 
 if __name__ == "__main__":

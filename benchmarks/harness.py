@@ -2,6 +2,8 @@
 
 import argparse
 import json
+import os
+import platform
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -27,6 +29,17 @@ def peak_mib() -> float:
     import resource  # macOS counts in bytes
 
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+
+
+def processor() -> str:
+    """Model, family and model number of the processor, and how many cores there are."""
+    known = Path("/proc/cpuinfo")
+    lines = known.read_text(encoding="utf-8").splitlines() if known.exists() else []
+    told = {key.strip(): value.strip() for key, _, value in (each.partition(":") for each in lines)}
+    model = told.get("model name") or platform.processor() or platform.machine()
+    if "cpu family" in told:
+        model += f" (family {told['cpu family']}, model {told['model']})"
+    return f"{model}, {os.cpu_count()} cores"
 
 
 def interval(samples: Sequence[float]) -> dict[str, float]:
@@ -93,7 +106,8 @@ def main(
     with threadpool_limits(1, "blas"):
         rows, bounds = measure(asked.quick, asked.only) if parts else measure(asked.quick)
     stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(table(rows), "\n", table(aligned(bounds)), sep="\n", file=stream)
+    print(table(rows), "\n", table(aligned(bounds)), "\n", sep="\n", file=stream)
+    print(f"On {processor()}; ratios of times differ from one processor to another.", file=stream)
     if asked.json:
         text = json.dumps({"rows": rows, "must_show": bounds}, indent=1)
         if asked.json == "-":

@@ -28,12 +28,13 @@ ROUNDS = 20  # through all states in one turn
 def turns(compiled: Compiled) -> Any:
     """Compile a loop that takes each state through the first parts of a step, `depth` of them."""
     fast = compiled.fast
-    workspace, slope, linearise = fast.workspace, fast.slope, fast.linearise
+    kind, prepare, slope, linearise = fast.WORKSPACE, fast.prepare, fast.slope, fast.linearise
     decompose, resolve = fast.decompose, fast.resolve
 
     @kernel
-    def run(depth, times, states, p, knots, hold, rounds):
-        data = workspace(states[0], p, knots, hold)
+    def within(room, depth, times, states, p, knots, hold, rounds):
+        data = room[0]
+        prepare(data, p, knots, hold)
         rates, drift = np.zeros(states.shape[1]), np.zeros(states.shape[1])
         total = 0.0
         for _ in range(rounds):
@@ -47,6 +48,11 @@ def turns(compiled: Compiled) -> Any:
                     resolve(rates, data)
                 total += rates[0] + drift[0]
         return total
+
+    @kernel
+    def run(depth, times, states, p, knots, hold, rounds):
+        room = np.zeros(1, kind)
+        return within(room, depth, times, states, p, knots, hold, rounds)
 
     return run
 

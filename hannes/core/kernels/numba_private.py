@@ -43,6 +43,7 @@ PARTS = (
 OF_GENERATOR = ("_opt_level",)
 OF_LIBRARY = ("_codegen", "_final_module", "_finalized")
 
+LEVEL = 2  # of LLVM, at most
 WRAPPED = "_ZN7cpython"  # how numba's names of what Python calls begin
 
 
@@ -93,7 +94,7 @@ def compiled(dispatcher: Any, method: Callable[..., Any], signature: Any) -> Any
     with lock, kept_code.one_process(dispatcher), _no_collection():
         level, generator = numba.config.OPT, _generator()
         library = generator._library_class
-        numba.config.OPT = type(level)(min(int(level), 2))
+        numba.config.OPT = type(level)(min(int(level), LEVEL))
         generator._library_class = _library()
         try:
             made = method(signature)

@@ -9,8 +9,8 @@ import ast
 import functools
 import inspect
 import re
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -19,8 +19,9 @@ import numpy as np
 
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
+from hannes.core.kernels.pointers import address
 from hannes.core.layout import Layout
-from hannes.simulation.compiler import dense_jacobian, module_cache
+from hannes.simulation.compiler import dense_jacobian, module_cache, workspace
 from hannes.simulation.compiler import entry_points as entries
 from hannes.simulation.compiler import output_entry as observed
 from hannes.simulation.compiler.autodiff.rules import LANES
@@ -28,6 +29,7 @@ from hannes.simulation.compiler.definite_assignment import assigned_channels
 from hannes.simulation.compiler.expansion import HOOK, Layouts, without_outputs
 from hannes.simulation.compiler.output_slice import Needed, gated
 from hannes.simulation.rodas import source as method
+from hannes.simulation.rodas.linear_algebra import copy_to
 from hannes.simulation.rodas.problem import Problem
 
 
@@ -36,20 +38,23 @@ class Shape:
     """How a plant's Jacobian is differenced and solved.
 
     `modules` hold the text; `constants` its constants; `written` further text; `broken` says why
-    the shape does not hold with these effects, or nothing.
+    the shape does not hold with these effects, or nothing; `fields` are its arrays in the
+    workspace (workspace.py).
     """
 
     modules: tuple[ModuleType, ...]
     constants: dict[str, str]
     written: str
     broken: str
+    fields: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
     """A plant's written equations: the module that holds them and what its slots mean.
 
-    `entries` is the text of further entry points of its own, like entry_points.py.
+    `entries` is the text of further entry points of its own, like entry_points.py; `memory`: how
+    many numbers its firmware holds from tick to tick.
     `shape(layouts, source, names, stage_of)` finds the Shape of a plant that has one.
     """
 
@@ -59,6 +64,7 @@ class Equations:
     channels: Layout
     outputs: Layout
     entries: str = ""
+    memory: int = 10
     shape: Callable[..., Shape] | None = None
 
     def source(self) -> str:
@@ -158,7 +164,8 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
         if why := plant.accepts(effect):
             raise BadInput(f"effect {effect.name} does not fit: {why}")
     layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, effects)
-    text, sizes = layouts.fill(plant.source()), layouts.sizes()
+    text = layouts.fill(plant.source())
+    sizes = layouts.sizes() | {"MEMORY": str(plant.memory)}
     solution, kind = _solution(plant, layouts, text)
     names = _names(plant, solution.modules, effects)
     origin = module_cache.fingerprint(names)
@@ -171,7 +178,9 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     names |= {name: value for name, value in vars(entries).items() if name.isupper()}
     names["fill_outputs"] = seen.fill_outputs
     origin += seen.__name__
-    fast = module_cache.module("fast", quick, names, origin, sizes | solution.constants)
+    sizes |= solution.constants
+    sizes["WORKSPACE"] = workspace.text(solution.fields)
+    fast = module_cache.module("fast", quick, names, origin, sizes)
     return Compiled(text, layouts.p, layouts.y, layouts.out, fast, seen, needed, kind, effects)
 
 
@@ -188,12 +197,15 @@ def _names(
     """What the written texts and the calls of effects go by."""
     kernels = {effect.kernel_name(term): term.kernel for effect in effects for term in effect.terms}
     known = {name: value for each in solution for name, value in vars(each).items()}
-    return {**vars(plant.module), **known, **method.NAMES, **LANES, **kernels}
+    return {
+        **vars(plant.module), **known, **method.NAMES, **LANES, **kernels,
+        "record": workspace.record, "address": address, "copy_to": copy_to,
+    }  # fmt: skip
 
 
 def _solution(plant: Equations, layouts: Layouts, text: str) -> tuple[Shape, str]:
     """How to difference and solve, and what to call it; `text` has the calls of effects."""
-    dense = Shape((dense_jacobian,), {}, "", "")
+    dense = Shape((dense_jacobian,), {}, "", "", dense_jacobian.FIELDS)
     if plant.shape is None:
         return dense, "dense differences"
     names = _names(plant, (), layouts.effects)

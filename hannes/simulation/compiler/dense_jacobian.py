@@ -7,23 +7,28 @@ from typing import Any
 
 import numpy as np
 
+from hannes.core.kernels.pointers import numbers_at
 from hannes.simulation.rodas.linear_algebra import copy_to, factor, substitute
 
 equations: Any = None  # the plant's own, filled in by assemble.py
 CHANNELS, OUTPUTS = 1, 1  # sizes and steps of the plant come from the assembly
 steps = np.full(31, 1e-3)
 
+# What these functions pass around in the workspace, beside what any plant's do.
+FIELDS = {"matrix": "(STATES, STATES)", "factors": "(STATES, STATES)", "exchanges": "(STATES,)"}
+
 
 def slope(t, y, dy, data):
     """Fill dy with f(t, y)."""
-    p, reference, hold, c, out, _, _ = data[0]
-    equations(t, y, dy, p, c, reference, hold, out)
+    reference = numbers_at(data.reference[0], (data.reference[1], data.reference[2]))
+    equations(t, y, dy, data.p, data.c, reference, data.hold, data.out)
 
 
 def linearise(t, y, rates, drift, data):
     """Keep df/dy, one column a state; fill drift with df/dt."""
-    p, reference, hold, c, out, dy, moved = data[0]
-    matrix = data[1]
+    p, hold, c, out, dy, moved = data.p, data.hold, data.c, data.out, data.dy, data.moved
+    reference = numbers_at(data.reference[0], (data.reference[1], data.reference[2]))
+    matrix = data.matrix
     copy_to(moved, y)
     for j in range(y.size):
         moved[j] += 1e-7 * max(abs(y[j]), steps[j])
@@ -39,12 +44,12 @@ def linearise(t, y, rates, drift, data):
 
 def decompose(shift, data):
     """Factor shift - df/dy."""
-    factor(data[1], shift, data[2], data[3])
+    factor(data.matrix, shift, data.factors, data.exchanges)
 
 
 def resolve(b, data):
     """Replace b by the solution x of (shift - df/dy) x = b."""
-    substitute(data[2], data[3], b)
+    substitute(data.factors, data.exchanges, b)
 
 
 def mark(y, data):
@@ -59,11 +64,4 @@ def crossing(y, data):
 def gather(data, columns):
     """Copy df/dy."""
     for i in range(columns.shape[0]):
-        copy_to(columns[i], data[1][i])
-
-
-def workspace(y, p, reference, hold):
-    """Everything that these functions pass around."""
-    n = y.size
-    scratch = (p, reference, hold, np.zeros(CHANNELS), np.zeros(OUTPUTS), np.zeros(n), np.zeros(n))
-    return (scratch, np.zeros((n, n)), np.zeros((n, n)), np.zeros(n, np.int64))
+        copy_to(columns[i], data.matrix[i])

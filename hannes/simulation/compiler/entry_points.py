@@ -8,12 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from hannes.simulation.compiler.dense_jacobian import gather, linearise, slope, workspace
+from hannes.core.kernels.pointers import address, pointer, shaped, unknown
+from hannes.simulation.compiler.dense_jacobian import gather, linearise, slope
+from hannes.simulation.compiler.workspace import RUN
 from hannes.simulation.rodas.linear_algebra import copy_to
 from hannes.simulation.rodas.step import NOT_FINITE, TOO_MANY, WORK
 
 # Filled in by assemble.py; the functions are the plant's, the method's and those of `OBSERVED`.
 STATES, CHANNELS, OUTPUTS = 1, 1, 1
+WORKSPACE: Any = None  # type of a record, see workspace.py
 steps = np.full(31, 1e-3)
 equations: Any = None
 sample: Any = None
@@ -22,7 +25,6 @@ sample_pieces: Any = None
 fill_outputs: Any = None
 
 LONGEST = 0.03  # s, of a step: a longer one may miss a contact that comes and goes
-RUN = 16  # steps whose dense output is kept until it is sampled
 MOST = 1_000_000  # steps of one grasp: seconds, where an ordinary one takes a few hundred
 PATH = 20_000  # steps of a grasp that others follow, at most
 APART = 20  # times as many steps: a grasp that needs them is not near the one it follows
@@ -38,12 +40,28 @@ def rates(t, y, p, reference, hold):
 
 def jacobian(t, y, p, reference, hold):
     """df/dy as the integrator has it, shape (states, states)."""
-    data, base = workspace(y, p, reference, hold), np.zeros(STATES)
-    slope(t, y, base, data)
-    linearise(t, y, base, np.zeros(STATES), data)
     columns = np.zeros((STATES, STATES))
-    gather(data, columns)
+    fill_jacobian(np.zeros(1, WORKSPACE), t, y, p, reference, hold, columns)
     return columns
+
+
+def fill_jacobian(room, t, y, p, reference, hold, columns):
+    """The same into `columns`."""
+    data = room[0]
+    prepare(data, p, reference, hold)
+    slope(t, y, data.work[0], data)
+    linearise(t, y, data.work[0], data.work[1], data)
+    gather(data, columns)
+
+
+def prepare(data, p, reference, hold):
+    """Begin anew with these parameters, reference and numbers that firmware holds."""
+    data.everything[:] = 0.0
+    data.reference[0] = address(reference)
+    data.reference[1], data.reference[2] = reference.shape
+    copy_to(data.p, p)
+    for i in range(hold.size):
+        data.hold[i] = hold[i]
 
 
 def differences(t, y, p, reference, hold):
@@ -66,7 +84,14 @@ def tick(t, y, p, reference, hold):
 
 def steps_on(given, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
     """Take steps, see rodas/step.py. given: parameters, reference, hold."""
-    data = workspace(y, given[0], given[1], given[2])
+    room = np.zeros(1, WORKSPACE)
+    return step_on(room, given, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+
+
+def step_on(room, given, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
+    """The same in a workspace."""
+    data = room[0]
+    prepare(data, given[0], given[1], given[2])
     return advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
 
 
@@ -92,17 +117,24 @@ def grasps(
     `needed` (see output_slice.py). counts (m, 6): evaluations, Jacobians,
     factorings, rejected steps, failure or 0, samples before it. Ends early where stop[0].
     """
-    wanted = columns.size > 0 and columns.min() < OUTPUTS
+    wanted = False
+    for column in columns:
+        wanted |= column < OUTPUTS
     outputs = np.zeros((times.size if wanted else 0, OUTPUTS))
     path, none = np.zeros(PATH if alike else 1), np.zeros(1)
+    room, prompt = np.zeros(1, WORKSPACE), np.zeros((1, STATES))
     for k in range(vectors.shape[0]):
         if stop[0]:
             return
-        data = workspace(starts[k], vectors[k], reference, np.zeros(holds.shape[1]))
-        own, way = counts[k], path if k == 0 or path[0] > 0.0 else none
+        own, way, seen = counts[k], path if k == 0 or path[0] > 0.0 else none, prompt
+        if periods[k] > 0.0:
+            age = reading_age(room, starts[k], vectors[k], reference)
+            if age > 0.0:
+                seen = np.ones((int(age / periods[k]) + 2, 1)) * starts[k]
         reached = grasp(
-            data, starts[k], bounds, periods[k], times, rtol, atol, stop, way, rows, holds, own
-        )
+            room, starts[k], vectors[k], reference, bounds, periods[k], times, seen,
+            rtol, atol, stop, way, rows, holds, own,
+        )  # fmt: skip
         counts[k, 5] = finite(rows, reached)
         if counts[k, 5] < reached:
             counts[k, 4] = NOT_FINITE
@@ -111,41 +143,53 @@ def grasps(
         keep(vectors[k], reference, times, asked, rows, holds, outputs, kept[k], filled)
 
 
-def grasp(data, y, bounds, period, times, rtol, atol, stop, path, rows, holds, counts):
+def reading_age(room, y, p, reference):
+    """How old the readings of the firmware's first tick are [s]."""
+    data = room[0]
+    prepare(data, p, reference, data.hold[:0])
+    sample(0.0, y, data.dy, data.p, data.c, reference, data.hold, data.out)
+    return data.hold[9]
+
+
+def grasp(
+    room, y, p, reference, bounds, period, times, seen,
+    rtol, atol, stop, path, rows, holds, counts,
+):  # fmt: skip
     """Smooth part after smooth part, or tick after tick; returns how many samples were reached.
 
+    seen (m, states): what the firmware reads at ticks to come, where its readings are old.
     path (n,): how many steps another grasp took, and their ends, which are followed; where none
     is known the grasp's own are noted there, as far as there is room.
     """
-    p, reference, hold, c, out, dy, _ = data[0]
-    ends, pieces = np.zeros(RUN + 1), np.zeros((RUN + 1, 3, y.size))
-    work, clock = np.zeros((WORK, y.size)), np.ones(5)
+    data = room[0]
+    prepare(data, p, reference, data.hold[:0])
+    hold, ends, clock, ahead = data.hold, data.ends, data.clock, data.ahead
+    work = shaped(pointer(data.work), (WORK, unknown(STATES)))
+    pieces = shaped(pointer(data.pieces), (RUN + 1, 3, unknown(STATES)))
     last, end, filled = bounds[bounds.size - 1], 0.0, 0
-    clock[0], clock[1], clock[2], clock[3] = 0.0, 0.0, bounds[0], LONGEST
-    seen, turn = np.zeros((1, y.size)), np.ones(2)
-    place, follow, ahead = 0, path[0] > 0.0 and period == 0.0, np.zeros(1)
+    clock[0], clock[1], clock[2], clock[3], clock[4] = 0.0, 0.0, bounds[0], LONGEST, 1.0
+    data.turn[:] = 1.0
+    place, follow, goal = 0, path[0] > 0.0 and period == 0.0, bounds
     parts = 1 if period == 0.0 else int(np.ceil(last / period - 1e-9))
     for part in range(parts):
         start, end = end, last if period == 0.0 else min((part + 1) * period, last)
         if period > 0.0:
-            bounds = np.full(1, end)
+            goal, ahead[0] = ahead[:], end
             clock[0], clock[1], clock[2] = start, end - start, end
             then = seen[part % seen.shape[0]] if hold[9] > 0.0 else y
-            sample(start, then, dy, p, c, reference, hold, out)
-            if part == 0 and hold[9] > 0.0:
-                seen = np.ones((int(hold[9] / period) + 2, 1)) * y
+            sample(start, then, data.dy, data.p, data.c, reference, hold, data.out)
         while clock[0] != end:
             if follow:
+                goal = ahead[:]
                 if place == 0 or clock[0] == path[place]:
                     place += 1
                     ahead[0] = path[place]
                     clock[1], clock[2] = ahead[0] - clock[0], ahead[0]
-                taken = advance(data, y, rtol, atol, clock, counts, ahead, ends, pieces, work)
-            else:
-                taken = advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+            taken = advance(data, y, rtol, atol, clock, counts, goal, ends, pieces, work)
+            if not follow:
                 place = noted(ends, taken, path, place)
             if hold[9] > 0.0:
-                read_ahead(hold[9], period, ends[: taken + 1], pieces, turn, seen)
+                read_ahead(hold[9], period, ends[: taken + 1], pieces, data.turn, seen)
             before = ends[taken] if period == 0.0 else ends[taken] * (1.0 - 1e-12)
             first = filled
             while filled < times.size and times[filled] < before:

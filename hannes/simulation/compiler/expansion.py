@@ -38,7 +38,10 @@ class Layouts:
     def sizes(self) -> dict[str, str]:
         """Text of sizes by name, and of the least size of each state for a difference step."""
         steps = [slot.tolerance * 1e3 for slot in self.y.slots for _ in range(slot.size)]
-        counts = {"STATES": self.y.size, "CHANNELS": self.c.size, "OUTPUTS": self.out.size}
+        counts = {
+            "PARAMETERS": self.p.size, "STATES": self.y.size,
+            "CHANNELS": self.c.size, "OUTPUTS": self.out.size,
+        }  # fmt: skip
         return {"steps": f"np.array({steps})", **{name: str(n) for name, n in counts.items()}}
 
     def fill(self, source: str) -> str:

@@ -16,17 +16,19 @@ import numpy as np
 from hannes.core.io.atomic_files import write_text
 from hannes.core.io.locks import alone
 from hannes.core.kernels.jit import cache_folder, entry, folded, inner, plain, provider, routine
+from hannes.core.kernels.pointers import pointer, shaped, unknown
+from hannes.simulation.compiler.calling import by_address
 
 # Functions that Python calls, and long ones that compiled code calls from several places.
 OPEN = "rates|jacobian|differences|tick|steps_on|look_up|grasps|observe"
 CLOSED = (
-    "equations|linearise|decompose|resolve|"
-    "joints|contact|press|inertia|factor_rest|"
-    "advance|first_step|sample_pieces"
+    "equations|linearise|decompose|resolve|sample|"
+    "joints|contact|press|inertia|factor_rest|advance|first_step|sample_pieces|"
+    "fill_jacobian|step_on|reading_age|grasp"
 )
-PROVIDING = "workspace|fill_outputs"  # what allocates
+PROVIDING = "fill_outputs"  # what allocates
 # Functions with one caller: a level of calls less is optimised once less.
-FOLDED = "grasp|step|attempt|keep_piece|finite|keep"
+FOLDED = "step|attempt|keep_piece|finite|keep"
 
 
 def fingerprint(names: Mapping[str, Any]) -> str:
@@ -134,7 +136,15 @@ def _loaded(name: str, path: Path, given: dict[str, Any]) -> ModuleType:
     assert spec is not None and spec.loader is not None
     loaded = importlib.util.module_from_spec(spec)
     vars(loaded).update(
-        given, inner=inner, routine=routine, provider=provider, folded=folded, entry=entry
+        given,
+        inner=inner,
+        routine=routine,
+        provider=provider,
+        folded=folded,
+        entry=entry,
+        pointer=pointer,
+        shaped=shaped,
+        unknown=unknown,
     )
     sys.modules[name] = loaded
     try:
@@ -151,4 +161,4 @@ def _decorated(text: str) -> str:
     for mark, names in marks.items():
         text = re.sub(rf"^def ({names})\(", rf"@{mark}\ndef \1(", text, flags=re.MULTILINE)
     bare = r"^(?<!@entry\n)(?<!@routine\n)(?<!@provider\n)(?<!@folded\n)def "
-    return re.sub(bare, "@inner\ndef ", text, flags=re.MULTILINE)
+    return by_address(re.sub(bare, "@inner\ndef ", text, flags=re.MULTILINE))

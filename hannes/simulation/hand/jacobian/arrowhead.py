@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from hannes.core.kernels.jit import fused
+from hannes.core.kernels.pointers import numbers_at, pointer, shaped, unknown
 from hannes.simulation.hand.equations import equations
 from hannes.simulation.rodas.linear_algebra import copy_to
 
@@ -28,7 +29,7 @@ CORE = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10])  # places of the core's stat
 OWN = np.array([[11 + k + 2 * f for f in range(5)] for k in (0, 1, 10, 11)])  # of each finger's
 SEEN = np.array([0])[:0]  # which of CORE the finger stages read
 SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, CORE, SEEN; tensions and core
-CHANNELS, OUTPUTS = 1, 1
+PARAMETERS, STATES, CHANNELS, OUTPUTS = 1, 1, 1, 1
 KINKS, ENTRIES = 30, 110
 factor_fingers: Any = None  # these six written out by sparse_lu.py
 solve_fingers: Any = None
@@ -39,21 +40,41 @@ solve_rest: Any = None
 finger_columns: Any = None  # of finger_blocks.py or finger_differences.py
 core_columns: Any = None  # written out by drivetrain_block.py
 
+# What these functions pass around in the workspace, beside what any plant's do.
+FIELDS = {
+    "blocks": "(SIZE, SIZE + 1 + SEEING, 5)",  # by own states, tension, SEEN
+    "core": "(COUNT + 10, ROWS)",  # columns by core states, wire taken up, its rate
+    "tensions": "(5,)",
+    "lifts": "(SIZE, SIZE + 1 + SEEING, 5)",  # factors of the fingers, what acts solved
+    "rest": "(ENTRIES,)",  # factors of the rest
+    "takes": "(2, 1 + SEEING, 5)",  # wire taken up for what acts, its rate
+    "own": "(SIZE, 5)",  # own states of the fingers
+    "taken": "(5,)",  # wire taken up
+    "rate": "(5,)",  # its rate
+    "pulls": "(5,)",  # tensions that solve
+    "depths": "(KINKS,)",  # at the start of a step
+    "depths_now": "(KINKS,)",  # at a stage
+}
+
 
 def slope(t, y, dy, data):
     """Fill dy with f(t, y)."""
-    p, reference, hold, c, out, _, _ = data[0]
-    equations(t, y, dy, p, c, reference, hold, out)
+    reference = numbers_at(data.reference[0], (data.reference[1], data.reference[2]))
+    equations(t, y, dy, data.p, data.c, reference, data.hold, data.out)
 
 
 def linearise(t, y, rates, drift, data):
     """Fill the blocks of df/dy, and df/dt; `rates` = f(t, y) was the last evaluation."""
-    p, reference, hold, c, out, dy, moved = data[0]
-    blocks, core, tensions = data[1], data[2], data[3]
+    hold, out, dy = data.hold, data.out, shaped(pointer(data.dy), (unknown(STATES),))
+    c = shaped(pointer(data.c), (CHANNELS,))
+    reference = numbers_at(data.reference[0], (data.reference[1], data.reference[2]))
+    tensions = data.tensions
+    p = shaped(pointer(data.p), (unknown(PARAMETERS),))
+    moved = shaped(pointer(data.moved), (unknown(STATES),))
     copy_to(moved, y)
     copy_to(tensions, c.tendon_tension)
-    finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks)
-    core_columns(t, y, rates, dy, drift, p, c, reference, hold, out, core)
+    finger_columns(t, y, moved, rates, dy, p, c, out, tensions, data.blocks)
+    core_columns(t, y, rates, dy, drift, p, c, reference, hold, out, data.core)
 
 
 def difference_time(t, y, rates, dy, drift, p, c, reference, hold, out):
@@ -66,28 +87,27 @@ def difference_time(t, y, rates, dy, drift, p, c, reference, hold, out):
 
 def decompose(shift, data):
     """Factor shift - df/dy: all fingers, then what is left of tensions and core."""
-    p = data[0][0]
-    blocks, core, lifts, takes = data[1], data[2], data[4], data[6]
-    factor_fingers(shift, blocks, lifts)
+    p, lifts, takes = data.p, data.lifts, data.takes
+    factor_fingers(shift, data.blocks, lifts)
     for n in range(1 + SEEING):
         solve_fingers(lifts, lifts[:, SIZE + n])
         for kind in range(2):
             for f in range(5):
                 takes[kind, n, f] = p.joint_moment_arm[0] * lifts[2 * kind, SIZE + n, f]
                 takes[kind, n, f] += p.joint_moment_arm[1] * lifts[2 * kind + 1, SIZE + n, f]
-    factor_rest(shift, core, takes, data[5])
+    factor_rest(shift, data.core, takes, data.rest)
 
 
 def resolve(b, data):
     """Replace b by the solution x of (shift - df/dy) x = b."""
-    p = data[0][0]
-    lifts, own, taken, rate, pulls = data[4], data[7], data[8], data[9], data[10]
+    p, lifts, own, pulls = data.p, data.lifts, data.own, data.pulls
+    taken, rate = data.taken, data.rate
     take_fingers(b, own)
     solve_fingers(lifts, own)
     for f in range(5):
         taken[f] = p.joint_moment_arm[0] * own[0, f] + p.joint_moment_arm[1] * own[1, f]
         rate[f] = p.joint_moment_arm[0] * own[2, f] + p.joint_moment_arm[1] * own[3, f]
-    solve_rest(b, taken, rate, data[2], data[5], pulls)
+    solve_rest(b, taken, rate, data.core, data.rest, pulls)
     for i in range(SIZE):
         for n in range(SEEING):
             for f in range(5):
@@ -99,20 +119,20 @@ def resolve(b, data):
 
 def mark(y, data):
     """Keep the depths of all one-sided contacts."""
-    depths(y, data[0][0], data[0][3], data[11])
+    depths(y, data.p, data.c, data.depths)
 
 
 def crossing(y, data):
     """How far on the way to y the first contact is made or lost; 1 where none is."""
-    depths(y, data[0][0], data[0][3], data[12])
+    depths(y, data.p, data.c, data.depths_now)
     crossed = 0
-    for k in range(data[11].size):
-        crossed += data[11][k] * data[12][k] < 0.0
+    for k in range(KINKS):
+        crossed += data.depths[k] * data.depths_now[k] < 0.0
     if crossed == 0:
         return 1.0
     first = 1.0
     for k in range(KINKS):
-        before, after = data[11][k], data[12][k]
+        before, after = data.depths[k], data.depths_now[k]
         if before * after < 0.0:
             first = min(first, before / (before - after))
     return first
@@ -131,7 +151,7 @@ def depths(y, p, c, found):
 
 def gather(data, columns):
     """Fill columns (n, n) with df/dy from the blocks that `linearise` left."""
-    p, blocks, core = data[0][0], data[1], data[2]
+    p, blocks, core = data.p, data.blocks, data.core
     columns[:] = 0.0
     for i in range(COUNT):
         for j in range(COUNT):
@@ -151,23 +171,3 @@ def gather(data, columns):
                     columns[OWN[i, g], OWN[j, f]] += blocks[i, SIZE, g] * arm * core[column, g]
             for i in range(COUNT):
                 columns[CORE[i], OWN[j, f]] = arm * core[column, 5 + i]
-
-
-def workspace(y, p, reference, hold):
-    """Everything that these functions pass around."""
-    n = y.size
-    return (
-        (p, reference, hold, np.zeros(CHANNELS), np.zeros(OUTPUTS), np.zeros(n), np.zeros(n)),
-        np.zeros((SIZE, SIZE + 1 + SEEING, 5)),  # blocks: by own states, tension, SEEN
-        np.zeros((COUNT + 10, ROWS)),  # core: columns by core states, wire taken up, its rate
-        np.zeros(5),  # tensions
-        np.zeros((SIZE, SIZE + 1 + SEEING, 5)),  # lifts: factors of the fingers, what acts solved
-        np.zeros(ENTRIES),  # factors of the rest
-        np.zeros((2, 1 + SEEING, 5)),  # takes: wire taken up for what acts, its rate
-        np.zeros((SIZE, 5)),  # own states of the fingers
-        np.zeros(5),  # wire taken up
-        np.zeros(5),  # its rate
-        np.zeros(5),  # tensions that solve
-        np.zeros(KINKS),  # depths at the start of a step
-        np.zeros(KINKS),  # depths at a stage
-    )

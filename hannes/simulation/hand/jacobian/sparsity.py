@@ -127,7 +127,7 @@ def shape(
     solved = sparse_lu.fingers(found.own_pattern(), found.own)
     written = "\n\n".join([written, solved, core.text, *own])
     fingers = finger_blocks if found.plain_fingers else finger_differences
-    return Shape((fingers, arrowhead), found.constants(pattern), written, "")
+    return Shape((fingers, arrowhead), found.constants(pattern), written, "", arrowhead.FIELDS)
 
 
 def _placed(states: Layout, homes: Mapping[str, str]) -> Arrow:

@@ -1,0 +1,165 @@
+"""A warm grasp compiled at LLVM's levels and for several processors; and beside another checkout.
+
+How a function is cut into calls, and how much these hand on, is LLVM's choice: it must not decide
+over the time of a grasp. 200 dynamometer grasps through `simulate_many` on one core at rtol 1e-2,
+processor time, all cases in turn. The processor that runs it is named, for ratios differ by it.
+With `HANNES_BASE=FOLDER` (a checkout with an environment of its own) its time is compared too, and
+that of `simulate` at rtol 1e-3.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from benchmarks.harness import Row, aligned, interval, main, must_show, processor
+
+ROOT = Path(__file__).parent.parent
+LEVELS = (1, 2, 3)
+NAMES = ("", "znver2", "skylake-avx512", "haswell")  # of processors; the first one is this one's
+WORKER = """
+import hashlib, sys, time
+import numpy as np
+try:
+    from hannes.core.kernels import numba_private
+    numba_private.LEVEL = 3
+except (ImportError, AttributeError):
+    pass
+from hannes import Hand, load_experiment, simulate, simulate_many
+experiment, hand = load_experiment("dynamometer")[0].experiment, Hand()
+stiffness = np.exp(np.random.default_rng(1).uniform(np.log(1e3), np.log(5e4), 200))
+how = dict(channels=("current", "force"), sampling=100.0, rtol=1e-2, workers=1, progress=False)
+
+def many():
+    digest = hashlib.sha256()
+    for grasp in simulate_many(hand, experiment, {"object.stiffness": stiffness}, **how):
+        digest.update(np.ascontiguousarray(grasp.require()["current"]).tobytes())
+        digest.update(np.ascontiguousarray(grasp["force"]).tobytes())
+    return digest.hexdigest()
+
+def one():
+    for _ in range(40):
+        ran = simulate(hand, experiment, rtol=1e-3).require()
+    return hashlib.sha256(ran["current"].tobytes()).hexdigest()
+
+ways = {"many": (many, 200), "one": (one, 40)}
+for line in sys.stdin:
+    run, grasps = ways[line.strip()]
+    start = time.process_time()
+    digest = run()
+    print(1e3 * (time.process_time() - start) / grasps, digest, flush=True)
+"""
+
+
+class Runner:
+    """A process that runs grasps when asked, with machine code of its own."""
+
+    def __init__(self, folder: Path, settings: Mapping[str, str], root: Path = ROOT) -> None:
+        own = root / ".venv" / "bin" / "python"
+        python = str(own) if root != ROOT and own.exists() else sys.executable
+        self.process = subprocess.Popen(
+            [python, "-c", WORKER],
+            cwd=root,
+            env={**os.environ, "PYTHONPATH": str(root), "HANNES_CACHE": str(folder), **settings},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+        self.took: dict[str, list[float]] = {}
+        self.digest: dict[str, str] = {}
+
+    def run(self, way: str) -> None:
+        """Run grasps in one of the ways of WORKER and note their time [ms]."""
+        assert self.process.stdin is not None and self.process.stdout is not None
+        print(way, file=self.process.stdin, flush=True)
+        took, self.digest[way] = self.process.stdout.readline().split()
+        self.took.setdefault(way, []).append(float(took))
+
+
+@contextmanager
+def runners(cases: Mapping[str, tuple[Mapping[str, str], Path]]) -> Iterator[dict[str, Runner]]:
+    """A process for each case, compiled one after the other."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = {
+            name: Runner(Path(folder) / str(n), *case)
+            for n, (name, case) in enumerate(cases.items())
+        }
+        try:
+            yield found
+        finally:
+            for each in found.values():
+                each.process.kill()
+                each.process.wait()
+
+
+def turns(found: Mapping[str, Runner], way: str, repeats: int) -> None:
+    """Run all in turn, forwards and backwards; once before, to compile."""
+    for each in tqdm(found.values(), "compiling", leave=False):
+        each.run(way)
+        each.took[way].clear()
+    for repeat in tqdm(range(repeats), way, leave=False):
+        for each in list(found.values())[:: 1 if repeat % 2 else -1]:
+            each.run(way)
+
+
+def levels(quick: bool) -> tuple[list[Row], list[Row]]:
+    """Times by level and processor name, over the quickest of them."""
+    names, some = NAMES[:2] if quick else NAMES, (1, 2) if quick else LEVELS
+    cases = {
+        f"{name or 'this one'}, level {level}": (
+            {"NUMBA_OPT": str(level), **({"NUMBA_CPU_NAME": name} if name else {})},
+            ROOT,
+        )
+        for name in names
+        for level in some
+    }
+    with runners(cases) as found:
+        turns(found, "many", 3 if quick else 9)
+        times = {name: float(np.median(each.took["many"])) for name, each in found.items()}
+        digests = {each.digest["many"] for each in found.values()}
+    least = min(times.values())
+    rows: list[Row] = [
+        {"compiled_for": name, "ms_per_grasp": took, "over_quickest": took / least}
+        for name, took in times.items()
+    ]
+    spread = max(times.values()) / least
+    return rows, [
+        must_show("slowest over quickest of them", spread, 1.15, spread <= 1.15),
+        must_show("results that differ in a bit", len(digests) - 1, 0, len(digests) == 1),
+    ]
+
+
+def beside(base: Path, quick: bool) -> tuple[list[Row], list[Row]]:
+    """Times over those of another checkout."""
+    rows, bounds = list[Row](), list[Row]()
+    with runners({"base": ({}, base), "now": ({}, ROOT)}) as found:
+        for way, what in (("many", "simulate_many, rtol 0.01"), ("one", "simulate, rtol 0.001")):
+            turns(found, way, 7 if quick else 25)
+            took = {name: np.array(each.took[way]) for name, each in found.items()}
+            over = took["now"] / took["base"]
+            row = {"value": float(np.median(over)), **interval(over.tolist())}
+            rows.append({"compiled_for": what, "ms_per_grasp": float(np.median(took["now"]))})
+            held = row["high"] < 1.02
+            bounds.append(must_show(f"{what}, over base", 0.0, 1.02, held) | row)
+    return rows, bounds
+
+
+def measure(quick: bool) -> tuple[list[Row], list[Row]]:
+    """A row for each level and processor name."""
+    print(f"processors: {processor()}", file=sys.stderr, flush=True)
+    rows, bounds = levels(quick)
+    if base := os.environ.get("HANNES_BASE"):
+        more, further = beside(Path(base), quick)
+        rows, bounds = rows + more, bounds + further
+    return aligned(rows), bounds
+
+
+if __name__ == "__main__":
+    main(__doc__, "processors", measure)
