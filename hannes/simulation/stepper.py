@@ -11,7 +11,8 @@ import numpy as np
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, ComputationFailed, nearest
 from hannes.simulation.compiler.assemble import Compiled
-from hannes.simulation.compiler.entry_points import LONGEST, RUN
+from hannes.simulation.compiler.entry_points import LONGEST
+from hannes.simulation.compiler.workspace import RUN
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.integrate import AGE, HOLD, tolerances

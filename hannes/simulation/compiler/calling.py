@@ -1,9 +1,9 @@
 """Long functions of generated text that take the addresses of their arrays.
 
 A call that LLVM does not inline copies seven words for an array from stack to stack, for all of a
-model's a hundred and more: on some processors half of a grasp went into that (docs/explanation/speed.md). Such
-a function is written twice: as it stands, made into its callers, it hands on addresses; the other
-has the arrays of them again, whose sizes are known when the model is assembled.
+model's a hundred and more: on some processors half of a grasp went into that. Such a function is
+written twice: as it stands, made into its callers, it hands on addresses; the other has the arrays
+of them again, whose sizes are known when the model is assembled (docs/explanation/speed.md).
 """
 
 import ast

@@ -55,8 +55,7 @@ def fill_jacobian(room, t, y, p, reference, hold, columns):
 
 
 def prepare(data, p, reference, hold):
-    """Begin anew with these parameters, reference and numbers that firmware holds."""
-    data.everything[:] = 0.0
+    """Give an empty workspace parameters, reference and numbers that firmware holds."""
     data.reference[0] = address(reference)
     data.reference[1], data.reference[2] = reference.shape
     copy_to(data.p, p)
@@ -146,6 +145,7 @@ def grasps(
 def reading_age(room, y, p, reference):
     """How old the readings of the firmware's first tick are [s]."""
     data = room[0]
+    data.everything[:] = 0.0
     prepare(data, p, reference, data.hold[:0])
     sample(0.0, y, data.dy, data.p, data.c, reference, data.hold, data.out)
     return data.hold[9]
@@ -162,6 +162,7 @@ def grasp(
     is known the grasp's own are noted there, as far as there is room.
     """
     data = room[0]
+    data.everything[:] = 0.0
     prepare(data, p, reference, data.hold[:0])
     hold, ends, clock, ahead = data.hold, data.ends, data.clock, data.ahead
     work = shaped(pointer(data.work), (WORK, unknown(STATES)))
