@@ -86,7 +86,11 @@ def arguments(kernel, rng, bounds=None):
 
 def test_kernels_are_found(compiling):
     assert len(KERNELS) >= 30
-    assert {"onset.limited", "dynamics.friction.stribeck", "contact.penalty.sensed"} <= set(KERNELS)
+    assert {
+        "core.kernels.smooth_switches.limited",
+        "dynamics.friction.stribeck",
+        "contact.penalty.sensed",
+    } <= set(KERNELS)
 
 
 @pytest.mark.parametrize("name", KERNELS)

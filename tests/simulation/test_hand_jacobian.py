@@ -195,19 +195,23 @@ def states(compiled, known):
 @functools.cache
 def solved(compiled):
     """Compiled: fill columns with df/dy and drift with df/dt; solve with shift - df/dy for b."""
-    names = ("workspace", "slope", "linearise", "gather", "decompose", "resolve")
-    workspace, slope, linearise, gather, decompose, resolve = (
-        getattr(compiled.fast, name) for name in names
-    )
+    fast, kind = compiled.fast, compiled.fast.WORKSPACE
+    prepare, slope, linearise = fast.prepare, fast.slope, fast.linearise
+    gather, decompose, resolve = fast.gather, fast.decompose, fast.resolve
 
     @kernel
-    def both(t, y, p, reference, hold, shift, columns, drift, b):
-        data, rates = workspace(y, p, reference, hold), np.zeros(y.size)
+    def within(room, t, y, p, reference, hold, shift, columns, drift, b):
+        data, rates = room[0], np.zeros(y.size)
+        prepare(data, p, reference, hold)
         slope(t, y, rates, data)
         linearise(t, y, rates, drift, data)
         gather(data, columns)
         decompose(shift, data)
         resolve(b, data)
+
+    @kernel
+    def both(t, y, p, reference, hold, shift, columns, drift, b):
+        within(np.zeros(1, kind), t, y, p, reference, hold, shift, columns, drift, b)
 
     return both
 

@@ -33,14 +33,14 @@ ASTRAY = -4  # failure of one that does, beside those of rodas/step.py
 
 def rates(t, y, p, reference, hold):
     """dy/dt, shape (states,)."""
-    dy = np.zeros(STATES)
+    dy, y = np.zeros(STATES), np.ascontiguousarray(y)
     equations(t, y, dy, p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
     return dy
 
 
 def jacobian(t, y, p, reference, hold):
     """df/dy as the integrator has it, shape (states, states)."""
-    columns = np.zeros((STATES, STATES))
+    columns, y = np.zeros((STATES, STATES)), np.ascontiguousarray(y)
     fill_jacobian(np.zeros(1, WORKSPACE), t, y, p, reference, hold, columns)
     return columns
 
@@ -78,6 +78,7 @@ def differences(t, y, p, reference, hold):
 
 def tick(t, y, p, reference, hold):
     """One tick of the sampled controller, upon `hold`."""
+    y = np.ascontiguousarray(y)
     sample(t, y, np.zeros(STATES), p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
 
 

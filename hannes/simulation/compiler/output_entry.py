@@ -14,6 +14,7 @@ equations: Any = None
 
 def observe(times, states, p, reference, holds):
     """Outputs at `states` (n, states), shape (n, outputs)."""
+    states, holds = np.ascontiguousarray(states), np.ascontiguousarray(holds)
     rows = np.zeros((times.size, OUTPUTS))
     fill_outputs(times, states, p, reference, holds, np.ones(STATEMENTS, np.bool_), rows)
     return rows
