@@ -4,9 +4,9 @@ import re
 
 import numpy as np
 
-from benchmarks.__main__ import NAMES, machine, page
+from benchmarks.__main__ import NAMES, page
 from benchmarks.batch import columns, ratio, with_effects
-from benchmarks.harness import aligned, interval, must_show, peak_mib, table
+from benchmarks.harness import aligned, interval, must_show, peak_mib, processor, table
 from hannes.simulation.catalogue import effects
 from hannes.simulation.hand.hand import Hand
 
@@ -22,7 +22,7 @@ def test_the_page_has_every_benchmark_its_bounds_and_rows():
     assert [line[3:] for line in text.splitlines() if line.startswith("## ")] == list(NAMES)
     assert text.count("| ratio | 2 | 1.9 to 2.1 | 1.8 | yes |") == len(NAMES)
     assert text.count("| memory | 2000 |  | 1024 | **no** |") == len(NAMES)
-    assert re.search(r"\d+ cores", machine()) and machine() in text
+    assert re.search(r"\d+ cores", processor()) and processor() in text
     assert "/home" not in text and "/tmp" not in text
 
 
