@@ -12,6 +12,7 @@ from hannes.core.errors import BadInput
 from hannes.core.io.atomic_files import atomic_file
 from hannes.core.io.optional import library
 from hannes.core.io.outputs import reserved
+from hannes.plants.hand.recorded_hand import hand_of
 from hannes.simulation.experiment.load import load_experiment
 from hannes.simulation.experiment.writer import experiment_toml
 from hannes.simulation.hand.hand_file import hand_toml
@@ -50,6 +51,9 @@ def fmu(
         raise BadInput(f"{experiment}: stands for {len(asked)} simulations; an FMU is one hand")
     hand, planned = asked[0].hand, asked[0].experiment
     texts = {"experiment": experiment_toml(hand, planned), "hand": hand_toml(hand)}
+    hand_of(
+        texts["hand"], "the hand of an FMU", "an FMU carries only effects that ship with hannes"
+    )
     guid = str(uuid5(NAMESPACE_URL, texts["experiment"] + texts["hand"]))
     with reserved("fmu", [out], force=force), tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / f"{MODULE}.py"

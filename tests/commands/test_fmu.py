@@ -1,6 +1,8 @@
 """The FMU of a hand: it passes FMPy's validation, and its trace is that of `simulate`."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -58,3 +60,18 @@ def test_several_simulations_are_refused(tmp_path, capsys):
     assert main(["fmu", "stiffness-sweep", "--out", str(tmp_path / "no.fmu")]) == 2
     assert "an FMU is one hand" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_effects_of_a_file_are_refused(tmp_path, capsys):
+    """It would run wherever the FMU goes."""
+    effect = Path(__file__).parents[2] / "examples" / "own_effect"
+    own = effect / "grease.py"
+    name = re.search(r"^(\w+) = Effect\(", own.read_text(encoding="utf-8"), re.MULTILINE)[1]
+    (tmp_path / "own.toml").write_text(
+        f'effects = ["{own}:{name}"]\nduration = "0.1 s"\n[reference]\nkind = "ramp"\n'
+        'points = [["0 s", "0 rad"], ["0.1 s", "1 rad"]]\n',
+        encoding="utf-8",
+    )
+    asked = ["fmu", str(tmp_path / "own.toml"), "--out", str(tmp_path / "no.fmu"), "--trust"]
+    assert main(asked) == 2
+    assert "only effects that ship" in capsys.readouterr().err

@@ -37,6 +37,13 @@ def test_the_figure_is_todays():
         assert np.abs(apart).max() < 0.5, "run `make docs`"
 
 
+def test_the_schematic_is_todays():
+    """docs/hand.svg is what `hannes hand --schematic` prints; `make docs` draws it anew."""
+    from hannes.report.schematic import schematic
+
+    assert text(ROOT / "docs" / "hand.svg") == schematic(), "run `make docs`"
+
+
 def test_all_of_the_python_comes_from_hannes():
     import hannes
 
