@@ -10,6 +10,7 @@ from pages import ROOT, blocks, text
 from hannes.commands.cli import make_parser
 
 README = text(ROOT / "README.md")
+REFERENCE = ROOT / "docs" / "reference"
 EVIDENCE = text(ROOT / "docs" / "explanation" / "evidence.md")
 FEWEST = 30  # points of a drawn curve; frames, ticks and letters have fewer
 
@@ -50,6 +51,13 @@ def test_all_of_the_python_comes_from_hannes():
     (block,) = (each.text for each in blocks(ROOT / "README.md") if each.language == "python")
     assert set(re.findall(r"^(?:from|import) (\S+)", block, flags=re.MULTILINE)) == {"hannes"}
     assert all(getattr(hannes, name) is not None for name in hannes.__all__)
+
+
+def test_every_command_stands_in_its_table():
+    """`make release-check` runs them all from an empty folder."""
+    known = re.findall(r"^## hannes ([\w-]+)$", text(REFERENCE / "commands.md"), re.MULTILINE)
+    assert len(known) > 15
+    assert [each for each in known if f"`hannes {each}" not in README] == []
 
 
 def test_the_commands_of_its_table_are_commands():
