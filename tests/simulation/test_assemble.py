@@ -1,5 +1,6 @@
 """Effects and plants from outside the package; machine code that is never older than its source."""
 
+import importlib.util
 import json
 import os
 import shutil
@@ -14,9 +15,10 @@ from runs import grasp, worst
 import hannes
 from hannes.core.effect import Effect, Term
 from hannes.core.errors import BadInput
+from hannes.core.layout import Layout, Slot
 from hannes.core.parameter import Parameter
 from hannes.simulation.catalogue import effect as find_effect
-from hannes.simulation.compiler.assemble import assemble
+from hannes.simulation.compiler.assemble import Equations, assemble
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.hand.model import EQUATIONS
 from hannes.simulation.simulate import simulate
@@ -365,3 +367,24 @@ def test_an_edit_of_the_package_never_runs_stale_machine_code(plant):
     assert "return level * soft_sign" in text
     friction.write_text(text.replace("return level * soft_sign", "return 3.0 * level * math.tanh"))
     assert ran(plant, copy) == (False, PLAIN - 4.0)
+
+
+READ_BACK = '''
+def equations(t, y, dy, p, c, reference, hold, out):
+    """An output filled, then read."""
+    out.goal = 2.0 * y.place
+    out.reached[0] = y.place
+    dy.place = out.goal - y.place
+'''
+
+
+def test_an_output_that_is_read_back_is_refused(tmp_path):
+    file = tmp_path / "read_back.py"
+    file.write_text(READ_BACK)
+    spec = importlib.util.spec_from_file_location("read_back", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    place = Layout((Slot("place", "m", "of the test"),))
+    outputs = Layout((Slot("goal", "m", "of the test"), Slot("reached", "m", "of the test")))
+    with pytest.raises(BadInput, match=r"read_back.py: out.goal is read, and outputs are only"):
+        assemble(Equations(module, place, place, place, outputs))

@@ -26,7 +26,7 @@ from hannes.simulation.compiler import entry_points as entries
 from hannes.simulation.compiler import output_entry as observed
 from hannes.simulation.compiler.autodiff.rules import LANES
 from hannes.simulation.compiler.definite_assignment import assigned_channels
-from hannes.simulation.compiler.expansion import HOOK, Layouts, without_outputs
+from hannes.simulation.compiler.expansion import HOOK, Layouts, output_read_back, without_outputs
 from hannes.simulation.compiler.output_slice import Needed, gated
 from hannes.simulation.rodas import source as method
 from hannes.simulation.rodas.linear_algebra import copy_to
@@ -153,7 +153,7 @@ class Compiled:
 def assemble(plant: Equations, effects: Iterable[Effect] = ()) -> Compiled:
     """Compile `plant` with `effects`; the same set is assembled once per process.
 
-    Raises BadInput where an effect does not fit the plant.
+    Raises BadInput where an effect does not fit the plant, or its equations read an output.
     """
     return _assembled(plant, tuple(effects))
 
@@ -163,6 +163,11 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     for effect in effects:
         if why := plant.accepts(effect):
             raise BadInput(f"effect {effect.name} does not fit: {why}")
+    if name := output_read_back(plant.source()):
+        raise BadInput(
+            f"{plant.module.__file__}: out.{name} is read, and outputs are only filled: what fills "
+            "them is dropped where the integrator runs; keep the value in a local variable"
+        )
     layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, effects)
     text = layouts.fill(plant.source())
     sizes = layouts.sizes() | {"MEMORY": str(plant.memory)}

@@ -139,6 +139,21 @@ def without_outputs(text: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+def output_read_back(source: str) -> str:
+    """Name of an output that equations in `source` read, or nothing."""
+    tree = ast.parse(source)
+    filled = {
+        id(node.value)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store)
+    }
+    for node in ast.walk(tree):
+        match node:
+            case ast.Attribute(ast.Name("out"), name, ast.Load()) if id(node) not in filled:
+                return name
+    return ""
+
+
 def _is_output(target: ast.AST | None) -> bool:
     while isinstance(target, ast.Subscript):
         target = target.value

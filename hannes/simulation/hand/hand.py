@@ -87,12 +87,11 @@ class Hand:
         """
         values, effects = self.parameters, self.present_effects() if effects is None else effects
         packed = [values[name] for name in variables.PACKED]
-        if shape is None:
-            packed += [0.0] * (29 + LANES)
-        else:
-            turns = any("object_angle" in term.writes for each in effects for term in each.terms)
-            packed += [1.0, *self._sections(shape, turns)]
-        packed += [0.0, 1.0] * (LANES // 2)
+        turns = any("object_angle" in term.writes for each in effects for term in each.terms)
+        derived = {} if shape is None else self._sections(shape, turns)
+        derived["distal"] = [0.0, 1.0] * (LANES // 2)
+        for slot in variables.DERIVED_SLOTS:
+            packed += derived.get(slot.name, [0.0] * slot.size)
         for effect in effects:
             packed += [values[effect.full_name(each.name)] for each in effect.parameters]
         return np.array(packed)
@@ -120,17 +119,18 @@ class Hand:
                 table[:, place] = columns[name]
         return table
 
-    def _sections(self, shape: str, turns: bool) -> list[float]:
-        """Values of the slots from `object_flat` to `reach`; `turns`: an effect turns it."""
+    def _sections(self, shape: str, turns: bool) -> dict[str, list[float]]:
+        """Values of what an object comes to, by slot; `turns`: an effect turns it."""
         values = self.parameters
         offsets = [values[f"{finger}.mount_z"] - values["object.z"] for finger in FINGERS]
         radius, half_x, half_y = (values[f"object.{n}"] for n in ("radius", "half_x", "half_y"))
         cuts = sections(shape, radius, half_x, half_y, offsets)
         middle = sections(shape, radius, half_x, half_y, [0.0])[0]
         pose = [0.0 if shape == "sphere" else values[f"object.{name}"] for name in _POSE]
-        halves = [cut[column] for column in (0, 1) for cut in cuts]
-        aside = [offset * math.tan(tilt) for tilt in pose[1:] for offset in offsets]
-        flat = 1.0 if any(halves) else 0.0
+        half = {axis: [cut[n] for cut in cuts] for n, axis in enumerate("xy")}
+        tilts = zip("xy", pose[1:], strict=True)
+        aside = {axis: [each * math.tan(tilt) for each in offsets] for axis, tilt in tilts}
+        flat = 1.0 if any((*half["x"], *half["y"])) else 0.0
         if any(pose[1:]) or (flat and (turns or pose[0])):
             flat = 2.0
         reach = [
@@ -138,8 +138,16 @@ class Hand:
             for finger, cut in zip(FINGERS, cuts, strict=True)
             for _ in range(2)
         ]
-        ghosts = [-1.0] * (LANES - len(reach))
-        return [flat, *halves, *aside, *middle, *frame(*pose), *reach, *ghosts]
+        turned = zip(("frame_xx", "frame_xy", "frame_yx", "frame_yy"), frame(*pose), strict=True)
+        cut = zip(("middle_half_x", "middle_half_y", "middle_radius"), middle, strict=True)
+        return {
+            "object_present": [1.0],
+            "object_flat": [flat],
+            **{f"section_half_{axis}": values for axis, values in half.items()},
+            **{f"section_aside_{axis}": values for axis, values in aside.items()},
+            **{name: [value] for name, value in (*cut, *turned)},
+            "reach": reach + [-1.0] * (LANES - len(reach)),
+        }
 
     def rest(self, compiled: Compiled) -> np.ndarray:
         """State of the open hand at rest, shape (states,)."""

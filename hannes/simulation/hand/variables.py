@@ -228,9 +228,8 @@ _TABLED = {name for names in TABLES.values() for name in names}
 _SINGLES = tuple(each for each in PARAMETERS if each.name not in _TABLED)
 _AXES = {5: "finger", LANES: "joint"}
 
-PARAMETER_SLOTS = (
-    *(Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in _SINGLES),
-    *(Slot(name, "", "", _AXES[len(names)], len(names)) for name, names in TABLES.items()),
+# What an object and the hand's build come to, beside the values of parameters.
+DERIVED_SLOTS = (
     Slot("object_present", "1", "1 where there is an object"),
     Slot("object_flat", "1", "1 where its sections have flat sides, 2 where they lean"),
     *_slots(
@@ -262,7 +261,13 @@ PARAMETER_SLOTS = (
         """,
     ),
 )
-# Full names of the parameters in the order of their slots, up to `object_present`.
+
+PARAMETER_SLOTS = (
+    *(Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in _SINGLES),
+    *(Slot(name, "", "", _AXES[len(names)], len(names)) for name, names in TABLES.items()),
+    *DERIVED_SLOTS,
+)
+# Full names of the parameters in the order of their slots, which DERIVED_SLOTS follow.
 PACKED = (
     *(each.name for each in _SINGLES),
     *(name for names in TABLES.values() for name in names),
