@@ -212,7 +212,11 @@ def test_of_two_commands_on_one_output_the_second_is_refused(folder, capsys):
     assert main(["run", "in/short.toml", "--out", "out"]) == 0  # a dead one holds nothing
 
 
-def test_a_target_below_a_folder_that_is_read_is_refused(tmp_path):
+def test_a_new_name_below_a_folder_that_is_read_is_harmless(tmp_path):
     (tmp_path / "read").mkdir()
-    with pytest.raises(BadInput, match="which is read here"):
-        outputs.require_free("reproduce", tmp_path / "read" / "x", [tmp_path / "read"], folder=True)
+    (tmp_path / "read" / "verdict.json").write_text("{}")
+    below = tmp_path / "read" / "out"
+    outputs.require_free("reproduce", below, [tmp_path / "read"], folder=True)
+    for taken in (tmp_path / "read", tmp_path):
+        with pytest.raises(BadInput, match="is read here"):
+            outputs.require_free("reproduce", taken, [tmp_path / "read"], folder=True)

@@ -78,8 +78,6 @@ def _require_apart(target: str | Path, real: Path, read: Path) -> None:
         raise BadInput(f"cannot write {target}: it is read here; choose another name")
     if read.is_relative_to(real):
         raise BadInput(f"cannot write {target}: {read} in it is read here; choose another name")
-    if read.is_dir() and real.is_relative_to(read):
-        raise BadInput(f"cannot write {target}: it lies in {read}, which is read here")
 
 
 def _same(one: Path, other: Path) -> bool:
