@@ -7,8 +7,9 @@ import pytest
 from tools import licences
 
 
-def test_the_core_has_no_copyleft_package():
-    names = licences.locked(licences.CORE)
+@pytest.mark.parametrize("lock", [licences.CORE, licences.TEST], ids=["core", "test"])
+def test_no_copyleft_package_is_installed(lock):
+    names = licences.locked(lock)
     assert len(names) > 30 and licences.refused(names) == []
 
 
