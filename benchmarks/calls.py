@@ -36,7 +36,7 @@ class Call:
 
     @property
     def counts_references(self) -> bool:
-        """Tell whether it counts references to memory, or asks for memory."""
+        """Whether it counts references to memory, or asks for memory."""
         return self.callee.startswith("NRT_")
 
 

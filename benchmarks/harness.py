@@ -35,10 +35,12 @@ def processor() -> str:
     """Model, family and model number of the processor, and how many cores there are."""
     known = Path("/proc/cpuinfo")
     lines = known.read_text(encoding="utf-8").splitlines() if known.exists() else []
-    told = {key.strip(): value.strip() for key, _, value in (each.partition(":") for each in lines)}
-    model = told.get("model name") or platform.processor() or platform.machine()
-    if "cpu family" in told:
-        model += f" (family {told['cpu family']}, model {told['model']})"
+    fields = {
+        key.strip(): value.strip() for key, _, value in (each.partition(":") for each in lines)
+    }
+    model = fields.get("model name") or platform.processor() or platform.machine()
+    if "cpu family" in fields:
+        model += f" (family {fields['cpu family']}, model {fields['model']})"
     return f"{model}, {os.cpu_count()} cores"
 
 

@@ -36,7 +36,7 @@ MARK = "HANNES_KILLS_RUN"  # in the environment of a command and of all that it 
 WATCHED = """
 import os, signal, sys
 from pathlib import Path
-number, after, name, told = int(sys.argv[1]), sys.argv[2] == "after", sys.argv[3], sys.argv[4]
+number, after, name, counted = int(sys.argv[1]), sys.argv[2] == "after", sys.argv[3], sys.argv[4]
 del sys.argv[1:5]
 calls = 0
 def hit():
@@ -59,8 +59,8 @@ from hannes.core.io import atomic_files
 atomic_files._exchange = watched(atomic_files._exchange)
 from hannes.commands.cli import main
 status = main()
-if told != "-":
-    Path(told).write_text(str(calls))
+if counted != "-":
+    Path(counted).write_text(str(calls))
 sys.exit(status)
 """
 RAMP = '[reference]\nkind = "ramp"\npoints = [["0 s", "0 rad"], ["0.3 s", "5 rad"]]\n'
@@ -142,9 +142,9 @@ def prepared(folder: Path, names: Sequence[str]) -> None:
 def hannes(folder: Path, *arguments: str) -> None:
     """A command that nobody kills."""
     done = started(folder, arguments)
-    told = done.communicate()[1]
+    printed = done.communicate()[1]
     if done.returncode:
-        raise SystemExit(f"hannes {' '.join(arguments)}: {told}")
+        raise SystemExit(f"hannes {' '.join(arguments)}: {printed}")
 
 
 def started(
@@ -226,9 +226,9 @@ def killed(folder: Path, verb: Verb, number: int, life: float, calls: int) -> Ro
     row |= {"status": run.returncode, "torn": torn(out), "orphans": 0 if gone(mark) else 1}
     if number % RERUN_EVERY == RERUN_EVERY - 1:
         again = started(folder, list(verb))
-        told = again.communicate()[1]
+        printed = again.communicate()[1]
         whole = again.returncode == 0 and out.exists() and not torn(out)
-        row["rerun"] = "complete" if whole else told.strip().splitlines()[-1:] or ["no word"]
+        row["rerun"] = "complete" if whole else printed.strip().splitlines()[-1:] or ["no word"]
         _emptied(out)
     return row
 
@@ -242,13 +242,13 @@ def life_of(folder: Path, verb: Verb) -> tuple[float, int]:
     """Seconds that a command takes, and its calls that write or rename."""
     hannes(folder, *verb)  # compiles
     _emptied(folder / verb.out)
-    told, begun = folder / "calls.txt", time.perf_counter()
-    run = started(folder, list(verb), ("0", "before", "SIGKILL", str(told)))
+    counted, begun = folder / "calls.txt", time.perf_counter()
+    run = started(folder, list(verb), ("0", "before", "SIGKILL", str(counted)))
     words = run.communicate()[1]
     if run.returncode:
         raise SystemExit(f"{verb.name}: {words}")
     life = time.perf_counter() - begun
-    return life, int(told.read_text())
+    return life, int(counted.read_text())
 
 
 def all_kills(names: Sequence[str], count: int, records: Path) -> list[Row]:
@@ -263,8 +263,8 @@ def all_kills(names: Sequence[str], count: int, records: Path) -> list[Row]:
         prepared(folder, wanted)
         for name in wanted:
             life, calls = life_of(folder, VERBS[name])
-            told = f"{name}: {life:.1f} s, {calls} calls that write or rename"
-            print(told, file=sys.stderr, flush=True)
+            line = f"{name}: {life:.1f} s, {calls} calls that write or rename"
+            print(line, file=sys.stderr, flush=True)
             for number in left[name]:
                 rows.append(killed(folder, VERBS[name], number, life, calls))
                 records.parent.mkdir(parents=True, exist_ok=True)

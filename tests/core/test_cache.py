@@ -45,8 +45,8 @@ def started(folder, script=ASK, **environment):
 def asked(folder):
     """What the function says, and whether its code was found."""
     run = started(folder)
-    out, told = run.communicate()
-    assert run.returncode == 0 and told == "", told
+    out, printed = run.communicate()
+    assert run.returncode == 0 and printed == "", printed
     return out.split()
 
 
@@ -100,16 +100,16 @@ def test_a_cache_that_cannot_be_written_is_one_line_and_a_temporary_one(tmp_path
     (tmp_path / "file").write_text("in the way")
     given = str(tmp_path / "file") if place == "file" else place
     run = started(tmp_path, HOME, HANNES_CACHE=given if place != "nul" else "/dev/null/x")
-    out, told = run.communicate()
-    assert run.returncode == 0 and told.count("\n") == 1, told
-    assert "no cache can be kept" in told and "set HANNES_CACHE" in told
+    out, printed = run.communicate()
+    assert run.returncode == 0 and printed.count("\n") == 1, printed
+    assert "no cache can be kept" in printed and "set HANNES_CACHE" in printed
     assert "hannes-cache-" in out and not Path(out.strip()).exists()  # it went with the process
 
 
 def test_a_home_that_is_missing_is_one_line_and_a_temporary_one(tmp_path):
     run = started(tmp_path, HOME, HANNES_CACHE="", XDG_CACHE_HOME="", HOME="/proc/nowhere")
-    out, told = run.communicate()
-    assert run.returncode == 0 and told.count("\n") == 1 and "hannes-cache-" in out
+    out, printed = run.communicate()
+    assert run.returncode == 0 and printed.count("\n") == 1 and "hannes-cache-" in out
 
 
 FULL = """
@@ -123,8 +123,8 @@ sys.exit(main(["run", "dynamometer", "--out", sys.argv[1] + "/out"]))
 @pytest.mark.skipif(os.name == "nt", reason="needs limits of POSIX")
 def test_a_disk_that_is_full_is_one_line_and_exit_status_2(tmp_path):
     run = started(tmp_path, FULL)
-    out, told = run.communicate()
-    lines = [each for each in told.splitlines() if "no cache can be kept" not in each]
+    out, printed = run.communicate()
+    lines = [each for each in printed.splitlines() if "no cache can be kept" not in each]
     assert run.returncode == 2 and out == "" and len(lines) == 1 and "cannot write" in lines[0]
     assert not (tmp_path / "out").exists()
 

@@ -68,7 +68,7 @@ def begin(files: Sequence[str | Path], out: str | Path, plant: str = "hand") -> 
 
 
 def look(paths: Sequence[Path], plant: Plant) -> Draft:
-    """The mapping that fits the first file, as far as can be told; the others must be alike."""
+    """The mapping that fits the first file, as far as it is evident; the others must be alike."""
     first = paths[0]
     source = None if _is_text(first) else open_source(first, TextRule(), ())
     layout = text_layout(first) if source is None else None
@@ -194,5 +194,5 @@ def campaign_text(found: Sequence[Condition], converted: Sequence[Converted], pl
                 lines.append('# experiment = "void-closure"  # what was done; `hannes experiments`')
     few = [each.name for each in found if len(each.files) < 3]
     if few:
-        lines.insert(2, f"# Fewer than three repeats of: {', '.join(few)}. Repeats tell most.")
+        lines.insert(2, f"# Fewer than three repeats of: {', '.join(few)}. Repeats help most.")
     return "\n".join(lines) + "\n"

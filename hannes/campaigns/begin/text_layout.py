@@ -24,7 +24,7 @@ MARKS = ("#", "%", "//", ";", "[")
 class TextLayout:
     """Layout of a text file; line numbers from 1.
 
-    names, units: of the columns, as far as header lines tell; rows: some lines of numbers, as
+    names, units: of the columns, as far as header lines say; rows: some lines of numbers, as
     cells; blanks, headers: whether blank lines or repeated headers stand between numbers; odd:
     other lines there; ragged: whether rows have unequal length; missing: texts for no value.
     """
