@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from hannes.campaigns.quality import clock, command, magnitudes, motion, sensors
+from hannes.campaigns.quality import clock, command, held, magnitudes, motion, sensors
 from hannes.campaigns.quality.finding import LEVELS, Finding
 from hannes.campaigns.quality.subject import Subject
 from hannes.core.errors import BadInput
@@ -21,19 +21,28 @@ def check(recording: Recording, plant: Plant | None = None) -> list[Finding]:
     says that the recording would mislead a fit, and what to do about it.
     """
     expected = dict(expectations(plant)) if plant is not None else {}
-    subject = Subject(recording, expected, plant.block if plant is not None else 0.0)
+    subject = Subject(recording, expected, plant.block if plant is not None else 0.0, _asked(plant))
     found = list(_found(subject))
     return sorted(found, key=lambda each: LEVELS.index(each.level))
 
 
 def _found(subject: Subject) -> Iterator[Finding]:
     yield from clock.inspect(subject)
+    yield from held.inspect(subject)
     yield from sensors.inspect(subject)
     yield from magnitudes.inspect(subject)
     yield from motion.inspect(subject)
     plan = _plan(subject.recording)
     if plan is not None:
         yield from command.inspect(subject, plan)
+
+
+def _asked(plant: Plant | None) -> frozenset[str]:
+    """Commands: what a plant requires, does not judge, and does not say to follow anything."""
+    if plant is None:
+        return frozenset()
+    following = {name for name, each in expectations(plant).items() if each.follows}
+    return frozenset(plant.required) - {*plant.judged, *following, "time"}
 
 
 def _plan(recording: Recording) -> command.Plan | None:

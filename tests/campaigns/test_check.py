@@ -111,7 +111,9 @@ def test_real_finger_trials_have_gaps_and_no_fault(finger_trials):
     for trial in finger_trials:
         kinds = {(each.level, each.kind) for each in check(trial)}
         assert {level for level, _ in kinds} <= {"warning", "note"}
-        assert kinds <= {("warning", "gap"), ("note", "uneven"), ("note", "resolution")}
+        # Its logger repeats whole readings for up to 90 ms while the finger moves on.
+        known = {("warning", "gap"), ("warning", "held")}
+        assert kinds <= known | {("note", "uneven"), ("note", "resolution")}
 
 
 @pytest.fixture(scope="module")

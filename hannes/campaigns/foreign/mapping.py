@@ -59,6 +59,7 @@ class TimeRule:
     resample: [Hz], 0 where times are kept
     turn:     raw ticks after which the clock begins anew, 0 for none
     order:    what happens to stamps that are doubled or out of order
+    repeats:  whether rows that repeat all channels of the one before are kept
     """
 
     column: Column | None
@@ -71,6 +72,7 @@ class TimeRule:
     pattern: str = ""
     turn: float = 0.0
     order: str = "refuse"
+    repeats: bool = True
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from hannes.core.io.units import quantity
 TEXT = ("delimiter", "decimal", "comment", "header", "first", "encoding", "skip", "ragged")
 TIME = (
     "column", "index", "unit", "format", "sampling", "offset", "from_zero", "resample", "wrap",
-    "order",
+    "order", "repeats",
 )  # fmt: skip
 FURTHER = ("replace", "by", "time")
 DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " "}
@@ -81,6 +81,7 @@ def time_rule(root: Table) -> TimeRule:
         pattern,
         above_zero(table, "wrap") if "wrap" in table else 0.0,
         table.choice("order", ORDERS, "refuse"),
+        table.choice("repeats", ("keep", "drop"), "keep") == "keep",
     )
 
 

@@ -137,6 +137,8 @@ def _run(
         channels[name] = _filled(times, values, how)
         filled[name] = int(np.count_nonzero(np.isfinite(channels[name]) & ~np.isfinite(values)))
         known &= np.isfinite(channels[name])
+    if not rule.repeats:
+        known &= ~_repeats(channels)
     kept = rows[known]
     if kept.size < 2:
         raise BadInput(f"{source.place(int(rows[0]))}: fewer than two complete rows follow")
@@ -147,6 +149,12 @@ def _run(
     dropped = rows.size - int(np.count_nonzero(known))
     put_right = int(np.count_nonzero(known)) - kept.size
     return _clocked(Run(ordered, found, kept, dropped, counts, put_right), rule)
+
+
+def _repeats(channels: Mapping[str, FloatArray]) -> NDArray[np.bool_]:
+    """Rows that repeat all channels of the one before, of a logger that holds frames."""
+    same = np.all([np.diff(each) == 0.0 for each in channels.values()], axis=0)
+    return np.concatenate(([False], same))
 
 
 def _values(

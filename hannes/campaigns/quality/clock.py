@@ -18,6 +18,7 @@ LEAST_LOST = 0.5  # samples by which a drifting clock is off
 PARTS = 8  # of a recording, whose rates are compared
 FEWEST = 80  # samples to compare rates by
 SLOWEST = 0.5  # of the plant's `block`, between two samples
+AROUND = 8  # samples on each side of a gap
 MILLI = 1000.0
 
 
@@ -32,11 +33,11 @@ def inspect(subject: Subject) -> Iterator[Finding]:
 
 
 def _gaps(subject: Subject, intervals: FloatArray, wide: NDArray[np.bool_]) -> Iterator[Finding]:
-    places = np.flatnonzero(wide)
+    places = np.array([k for k in np.flatnonzero(wide) if _lost(subject, int(k)) > 0], np.intp)
     if not places.size:
         return
     worst = int(places[np.argmax(intervals[places])])
-    lost = int(np.sum(np.round(intervals[places] / subject.interval) - 1))
+    lost = sum(_lost(subject, int(k)) for k in places)
     yield warning(
         "gap",
         "time",
@@ -46,6 +47,18 @@ def _gaps(subject: Subject, intervals: FloatArray, wide: NDArray[np.bool_]) -> I
         time=float(subject.time[places[0]]),
         size=float(intervals[worst]),
     )
+
+
+def _lost(subject: Subject, place: int) -> int:
+    """Samples lost in one wide interval: by how much the times around it are set apart for good.
+
+    A stamp that is only late is followed by a short interval; times return to where they were.
+    """
+    time, interval = subject.time, subject.interval
+    before = np.arange(max(place - AROUND, 0), place + 1)
+    after = np.arange(place + 1, min(place + 2 + AROUND, time.size))
+    apart = np.median(time[after] - interval * after) - np.median(time[before] - interval * before)
+    return max(round(float(apart) / interval), 0)
 
 
 def _uneven(subject: Subject, intervals: FloatArray) -> Iterator[Finding]:

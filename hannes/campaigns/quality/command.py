@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
-from hannes.campaigns.quality.motion import found_lag, pace, timed
+from hannes.campaigns.quality.motion import UNLIKE, found_lag, pace, timed, unlike
 from hannes.campaigns.quality.subject import Subject
 
 FloatArray = NDArray[np.float64]
@@ -39,9 +39,24 @@ def inspect(subject: Subject, plan: Plan, command: str = "reference") -> Iterato
         return
     for name, expected in subject.expected.items():
         if expected.follows == command and name in subject.recording:
-            lag = found_lag(subject, subject.recording[name], plan.times, plan.values)
-            if lag is not None:
-                yield from timed(subject, name, "the experiment's command", plan.pace, lag)
+            yield from _unrecorded(subject, plan, name)
+
+
+def _unrecorded(subject: Subject, plan: Plan, name: str) -> Iterator[Finding]:
+    """A motion without a recorded command, against that of the experiment."""
+    what, motion = "the experiment's command", subject.recording[name]
+    if np.ptp(plan.values) == 0.0:
+        return
+    if np.ptp(motion) == 0.0:
+        text = f"stays at {subject.with_unit(float(motion[0]), name)} while {what} moves by "
+        text += f"{np.ptp(plan.values):.4g}: check its sensor and its column, or the experiment"
+        yield fault("dead", name, text)
+        return
+    lag = found_lag(subject, motion, plan.times, plan.values)
+    if lag is None or lag.against > UNLIKE:
+        yield from unlike(subject, name, what, plan.times, plan.values)
+    else:
+        yield from timed(subject, name, what, plan.pace, lag)
 
 
 def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 # A fault must not be fitted as it is; of a recording with a warning a part misleads.
 LEVELS = ("fault", "warning", "note")
 KINDS = (
-    *("gap", "uneven", "drift", "late-start", "command"),  # of time
+    *("gap", "uneven", "drift", "late-start", "command", "clock", "held"),  # of time
     *("dead", "saturated", "frozen", "jump", "resolution", "coarse"),  # of sensors
-    *("unit", "sign"),  # of columns
+    *("unit", "sign", "unlike", "magnitude"),  # of columns
 )
 
 

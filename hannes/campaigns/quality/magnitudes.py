@@ -5,8 +5,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from hannes.campaigns.quality.finding import Finding, fault, warning
-from hannes.campaigns.quality.subject import Subject, noise
+from hannes.campaigns.quality.subject import (
+    Subject,
+    noise,
+    running_median,
+    speeds,
+    sustained,
+)
 
+BACK = 0.3  # of the fastest sustained speed: surely moving
+FEWEST = 20  # samples of motion each way
+ZERO = 0.02  # of its rms, below zero
+LEAST = 0.2  # of its mean forth, that a magnitude has on the way back
 CLEAR = 20.0  # peak over noise, above which a small signal is a signal
 
 
@@ -22,6 +32,8 @@ def inspect(subject: Subject) -> Iterator[Finding]:
             yield _large(subject, name, peak)
         elif 0.0 < peak < low and peak > CLEAR * noise(values):
             yield from _small(subject, name, peak)
+        if expected.drives in subject.recording:
+            yield from _magnitude(subject, name, expected.drives)
         if expected.forward and values.max() < 0.2 * -values.min() and -values.min() > low:
             yield fault(
                 "sign",
@@ -30,6 +42,26 @@ def inspect(subject: Subject) -> Iterator[Finding]:
                 "direction is the other one: convert with reversed = true",
                 size=float(values.min()),
             )
+
+
+def _magnitude(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
+    """Never below zero though the machine is driven back: no sign, or another current."""
+    values, time = subject.recording[name], subject.time
+    speed = running_median(speeds(time, subject.recording[moved]))
+    fast = BACK * sustained(speed)
+    back, forth = values[1:][speed < -fast], values[1:][speed > fast]
+    if min(back.size, forth.size) < FEWEST or noise(values) == np.inf:
+        return
+    least, size = float(values.min()), float(np.sqrt(np.mean(values**2)))
+    if least < -ZERO * size - 2.0 * noise(values) or back.mean() < LEAST * forth.mean():
+        return
+    yield fault(
+        "magnitude",
+        name,
+        f"is never below zero though {moved} is driven back: a magnitude, or the current of the "
+        'supply; log it with its sign, or convert with kind = "supply" beside the duty',
+        size=float(back.mean()),
+    )
 
 
 def _large(subject: Subject, name: str, peak: float) -> Finding:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hannes.campaigns.quality.finding import Finding, fault, warning
 from hannes.campaigns.quality.subject import Subject, running_median, speeds, sustained
 from hannes.core.errors import BadInput
-from hannes.core.recording.time_lag import Lag, lag_behind
+from hannes.core.recording.time_lag import Lag, best_lag, lag_behind
 
 FloatArray = NDArray[np.float64]
 
@@ -20,6 +20,9 @@ BEFORE = 5e-3  # s, by which a motion cannot run ahead of its command
 IN_MOTION = 0.15  # of the fastest sustained speed, at the first sample
 APART = 0.1  # of its range, that a command begins away from what follows it
 FAST = 0.3  # of the fastest sustained speed: surely moving
+UNLIKE = 0.45  # of the squared speed while the command does not move: no motion of this command
+FOLLOWS = 0.3  # correlation of velocities, below which nothing follows
+GROSS = 3.0  # times the longest plausible lag
 AGAINST = 0.1  # of its rms, mean push of a drive against the motion
 
 
@@ -62,6 +65,11 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
             yield fault(
                 "sign", name, f"runs against {command}: convert one with reversed = true", size=-1.0
             )
+            return
+        yield from unlike(subject, name, command, subject.time, asked)
+        return
+    if lag.against > UNLIKE:
+        yield _other_run(name, command, lag.against)
         return
     yield from _gain(subject, name, command, lag)
     yield from timed(subject, name, command, pace(subject.time, asked), lag)
@@ -75,6 +83,30 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
             time=float(subject.time[0]),
             size=apart,
         )
+
+
+def unlike(
+    subject: Subject, name: str, command: str, times: FloatArray, values: FloatArray
+) -> Iterator[Finding]:
+    """Findings where no lag within a plausible range was found: looked for at any lag."""
+    try:
+        lag = best_lag(subject.time, subject.recording[name], times, values)
+    except BadInput as error:
+        if "apart" in str(error):
+            text = f"begins at {subject.time[0]:.10g} s, {command} ends at {times[-1]:.4g} s"
+            yield fault("clock", "time", f"{text}: convert with time.from_zero or time.offset")
+        return
+    if lag.correlation < FOLLOWS or lag.against > UNLIKE:
+        yield _other_run(name, command, lag.against)
+        return
+    yield from timed(subject, name, command, pace(times, values), lag)
+
+
+def _other_run(name: str, command: str, share: float) -> Finding:
+    """A motion that is not of this command."""
+    text = f"does not follow {command} at any lag ({100.0 * share:.0f} % of it while that stands "
+    text += "or turns back): a wrong column, another run, or another experiment; name the right one"
+    return fault("unlike", name, text, size=share)
 
 
 def found_lag(
@@ -120,9 +152,11 @@ def timed(subject: Subject, name: str, command: str, across: float, lag: Lag) ->
         text = f"moves {1e3 * -lag.value:.4g} ms before {command}: two clocks; {advice}"
         yield fault("late-start", name, text, size=lag.value)
     longest = subject.of(name).lag
-    if longest and lag.value > max(longest, APART * across) + margin:
+    most = max(longest, APART * across)
+    if longest and lag.value > most + margin:
         text = f"moves {1e3 * lag.value:.4g} ms behind {command}, longer than the machine takes"
-        yield warning("late-start", name, f"{text}: {advice}", size=lag.value)
+        found = fault if lag.value > GROSS * most + margin else warning
+        yield found("late-start", name, f"{text}: {advice}", size=lag.value)
 
 
 def _drives(subject: Subject, name: str, moved: str) -> Iterator[Finding]:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
+from hannes.campaigns.quality.held import held_frames, renewal
 from hannes.campaigns.quality.subject import (
     Subject,
     noise,
@@ -22,6 +23,7 @@ DRIVEN = ("A", "V", "N", "N m")  # units of quantities that do not rest on a sto
 # Samples of a flat top. Of 6000 noisy bell-shaped peaks (15 samples wide, noise of two steps) four
 # equal readings on top were taken for a clipped sensor in 12, three in 45, five in none.
 SHORTEST_TOP = 5
+LONG_TOP = 12  # samples at the extreme, of a noisy channel, that no chance gives
 ENTRY = 3  # samples before and after a flat top that give its slope
 ABRUPT = 3.0  # quantisation steps from sample to sample; less than one at a round top
 FEWEST_LEVELS = 8  # a signal of fewer values is switched, not measured
@@ -100,8 +102,21 @@ def _flat_tops(values: FloatArray, extreme: float) -> list[tuple[int, int]]:
     tops = [each for each in tops if each[1] - each[0] + 1 >= SHORTEST_TOP]
     if rough > 3.0 * step:
         return tops
+    if rough > 0.0 and (long := _long_tops(values, tops)):
+        return long
     step = max(step, 1e-9 * span)
     return [(first, last) for first, last in tops if _abrupt(values, first, last, step)]
+
+
+def _long_tops(values: FloatArray, tops: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Runs at the extreme far longer than any other run of one value of a noisy channel."""
+    inside = np.zeros(values.size - 1, np.bool_)
+    for first, last in tops:
+        inside[first:last] = True
+    others = true_runs((np.diff(values) == 0.0) & ~inside)
+    natural = max((last - first + 2 for first, last in others), default=1)
+    longest = max((last - first + 1 for first, last in tops), default=0)
+    return tops if longest >= max(LONG_TOP, RARE * natural) else []
 
 
 def _abrupt(values: FloatArray, first: int, last: int, step: float) -> bool:
@@ -141,12 +156,15 @@ def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding
 
 def _jumps(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
     """Steps from one sample to the next that inertia rules out."""
+    if renewal(subject, name) > 1:
+        return
     speed, steps = speeds(subject.time, values), np.diff(values)
     usual = running_median(speed)
     fastest = sustained(speed)
     beyond = np.abs(speed - usual) > JUMP * fastest
     odd = np.abs(steps - usual * np.diff(subject.time))
     least = max(8.0 * quantum(values), 12.0 * noise(values), LEAST_JUMP * float(np.ptp(values)))
+    beyond &= ~held_frames(subject)[:-1]  # what follows a frame that was held
     places = np.flatnonzero(beyond & (odd > least))
     if not places.size or places.size > values.size / 20:
         return

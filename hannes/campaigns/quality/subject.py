@@ -24,11 +24,15 @@ FINEST = 1e-5  # of the range; a smaller quantisation step is ignored
 
 @dataclass(frozen=True)
 class Subject:
-    """`expected` by channel, empty where no plant is known; `block` [s] is 0 there."""
+    """`expected` by channel, empty where no plant is known; `block` [s] is 0 there.
+
+    asked: commanded channels, as far as the plant tells.
+    """
 
     recording: Recording
     expected: Mapping[str, Expected] = field(default_factory=dict)
     block: float = 0.0
+    asked: frozenset[str] = frozenset()
 
     @property
     def time(self) -> FloatArray:
@@ -44,7 +48,7 @@ class Subject:
     def commands(self) -> frozenset[str]:
         """Commanded channels, not measured: they may jump and may stand still."""
         followed = {each.follows for each in self.expected.values() if each.follows}
-        return frozenset(followed | {"reference", "pulses"})
+        return frozenset(followed | self.asked | {"reference", "pulses"})
 
     def of(self, name: str) -> Expected:
         """Plausible limits of a channel."""

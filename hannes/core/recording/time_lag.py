@@ -21,19 +21,22 @@ SMOOTHED = 21  # grid points under one derivative
 LEAST_CORRELATION = 0.5  # correlation below which nothing follows anything
 AMBIGUOUS = 0.95  # a second maximum this near the best makes the lag ambiguous
 ROUNDS = 20
+STANDING = 0.02  # of both fastest speeds: a product below it is no motion together
 
 
 @dataclass(frozen=True)
 class Lag:
     """Lag of a motion [s], its standard deviation [s], and the fit of the two.
 
-    correlation: correlation of the two velocities at this lag; gain: motion per command.
+    correlation: correlation of the two velocities at this lag; gain: motion per command; against:
+    share of the motion's squared speed while the command stands or goes the other way.
     """
 
     value: float
     deviation: float
     correlation: float
     gain: float
+    against: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,25 @@ def lag_behind(
     correlation = _correlation(speeds)
     best = int(np.argmax(correlation))
     _check(correlation, best, speeds)
+    return _refined(speeds, float(best - speeds.margin))
+
+
+def best_lag(
+    time: FloatArray, motion: FloatArray, command_time: FloatArray, command: FloatArray
+) -> Lag:
+    """The best lag there is, however bad, wherever the two overlap; arrays as in `lag_behind`.
+
+    Of several that fit equally well it is the one nearest to zero. Raises BadInput where one of
+    the two stands still, or they lie further apart than they are long.
+    """
+    reach = float(time[-1] - time[0]) + float(command_time[-1] - command_time[0])
+    apart = max(float(time[0] - command_time[-1]), float(command_time[0] - time[-1]), 0.0)
+    if apart > reach:
+        raise BadInput(f"motion and command lie {apart:.6g} s apart")
+    speeds = _speeds(time, motion, command_time, command, reach + apart)
+    correlation = _correlation(speeds)
+    peaks = _peaks(correlation, AMBIGUOUS * float(correlation.max()))
+    best = min((abs(each - speeds.margin), each) for each in peaks)[1]
     return _refined(speeds, float(best - speeds.margin))
 
 
@@ -157,7 +179,17 @@ def _refined(speeds: _Speeds, start: float) -> Lag:
     correlation = float(follows @ speeds.motion) / float(
         np.linalg.norm(follows) * np.linalg.norm(speeds.motion)
     )
-    return Lag(lag * speeds.step, deviation, correlation, gain * speeds.ratio)
+    against = _against(speeds.motion, follows)
+    return Lag(lag * speeds.step, deviation, correlation, gain * speeds.ratio, against)
+
+
+def _against(motion: FloatArray, command: FloatArray) -> float:
+    """Share of the motion's squared speed while the command stands or goes the other way.
+
+    A motion that is blocked, or ends early, moves with its command for as long as it moves.
+    """
+    least = STANDING * float(np.abs(motion).max()) * float(np.abs(command).max())
+    return float(np.sum(motion[motion * command <= least] ** 2) / np.sum(motion**2))
 
 
 def _at(values: FloatArray, places: FloatArray) -> FloatArray:
