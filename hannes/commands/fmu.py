@@ -55,7 +55,7 @@ def fmu(
         texts["hand"], "the hand of an FMU", "an FMU carries only effects that ship with hannes"
     )
     guid = str(uuid5(NAMESPACE_URL, texts["experiment"] + texts["hand"]))
-    with reserved("fmu", [out], force=force), tempfile.TemporaryDirectory() as folder:
+    with reserved("fmu", [out], [experiment], force=force), tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / f"{MODULE}.py"
         script.write_text(SCRIPT.format(**texts, guid=guid), encoding="utf-8")
         with atomic_file(out) as target:

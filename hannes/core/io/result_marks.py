@@ -123,6 +123,8 @@ def file_verb(path: Path) -> str | None:
             return _hdf5_verb(path)
         if name.endswith((".csv", ".csv.gz")):
             return _csv_verb(path)
+        if name.endswith(".fmu"):
+            return _fmu_verb(path)
         if path.suffix.lower() in SIGNS:
             return _signed_verb(path)
         if name.endswith((CONVERTED, BESIDE)):
@@ -133,6 +135,15 @@ def file_verb(path: Path) -> str | None:
 def beside(path: Path, verb: str) -> Path:
     """The file beside a CSV that says which verb wrote it."""
     return path.with_name(path.name + (CONVERTED if verb == "convert" else BESIDE))
+
+
+def _fmu_verb(path: Path) -> str | None:
+    """An FMU is a zip archive; hannes' has a script of this name in it."""
+    import zipfile
+
+    with suppress(zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
+        return "fmu" if any(name.endswith("hannes_fmu.py") for name in archive.namelist()) else None
+    return None
 
 
 def _signed_verb(path: Path) -> str | None:
