@@ -62,7 +62,7 @@ def test_progress_counts_every_grasp(monkeypatch):
         def close(self):
             calls.append("closed")
 
-    monkeypatch.setattr("tqdm.tqdm", Bar)
+    monkeypatch.setattr("tqdm.auto.tqdm", Bar)
     given = Hand(), grasp(duration=0.05), COLUMNS
     list(simulate_many(*given, channels=CHANNELS, workers=2, progress=True))
     assert calls[0] == (COUNT, False) and calls[-1] == "closed" and sum(calls[1:-1]) == COUNT
