@@ -126,13 +126,15 @@ def _result(
         fitted = gap("fit", "select") if apart else gap("show")
     except KeyboardInterrupt:  # then intervals are as wide above as below, and gaps not known
         found = replace(found, interrupted=True)
+    repeated = repeatable_residual(found)
+    misfit = "the model does not fit: see what remains" if repeated.misleads else ""
     return Calibration(
         campaign,
         issues,
         found,
         width,
-        tuple(answers(found, width, halves)),
-        repeatable_residual(found),
+        tuple(answers(found, width, halves, misfit)),
+        repeated,
         held_out,
         fitted,
         how,

@@ -1,6 +1,6 @@
 """The answer for every parameter: its value, its interval, and whether it is identified."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,9 +46,18 @@ class Answer:
         return self.label == IDENTIFIED
 
 
-def answers(found: State, spread: Spread, sides: np.ndarray) -> list[Answer]:
-    """Answers in the order of the plan; `sides` are half-widths below and above, scaled, (2, p)."""
-    return [_answer(found, spread, sides, place) for place in range(len(found.plan.names))]
+def answers(found: State, spread: Spread, sides: np.ndarray, misfit: str = "") -> list[Answer]:
+    """Answers in the order of the plan; `sides` are half-widths below and above, scaled, (2, p).
+
+    `misfit` says why the model does not fit, "" where it does: then nothing is identified.
+    """
+    made = [_answer(found, spread, sides, place) for place in range(len(found.plan.names))]
+    if not misfit:
+        return made
+    return [
+        replace(each, label=NOT_IDENTIFIED, reason=misfit) if each.identified else each
+        for each in made
+    ]
 
 
 def _answer(found: State, spread: Spread, sides: np.ndarray, place: int) -> Answer:

@@ -14,23 +14,38 @@ from hannes.identification.calibration.tuning import CALIBRATION
 class RepeatableResidual:
     """Whether the residual is the same in every run of a condition.
 
-    repeats: True, False, or None where no condition was repeated
-    chance:  probability of as much agreement if runs differed at random (signs flipped)
-    share:   of the squared whitened residual, the part that repeats, 0 to 1
-    common:  channel -> RMS of the part that repeats [its unit]
+    repeats:  True, False, or None where that is unknown: no repeats, or too few
+    chance:   probability of as much agreement if runs differed at random (signs flipped)
+    smallest: the least that `chance` can be with so many runs
+    share:    of the squared whitened residual, the part that repeats, 0 to 1
+    common:   channel -> RMS of the part that repeats [its unit]
+    ratio:    RMS of the mean residual over what the spread of repeats leaves in a mean, 1 by chance
     """
 
     repeats: bool | None
     chance: float
     share: float
     common: dict[str, float]
+    smallest: float = 1.0
+    ratio: float = 0.0
+
+    @property
+    def misleads(self) -> bool:
+        """Whether the residual is too large beside the spread of repeats to trust any interval."""
+        return bool(self.repeats) or self.ratio > CALIBRATION.misleading_ratio
 
     @property
     def sentence(self) -> str:
         """The result in words."""
-        if self.repeats is None:
+        if self.repeats is None and self.smallest == 1.0:
             return "No condition was recorded twice, so it is unknown whether the residual repeats"
         share = f"{100 * self.share:.0f} % of the residual is the same in every run"
+        if self.repeats is None:
+            text = f"Too few runs to tell whether the residual repeats ({share}; so few runs agree "
+            text += f"by chance with a probability of {self.smallest:.2g} at best)"
+            if self.misleads:
+                text += f", but it is {self.ratio:.2g} times what repeats leave: record more runs"
+            return text
         if not self.repeats:
             return f"The residual does not repeat from run to run beyond chance ({share})"
         return (
@@ -40,20 +55,44 @@ class RepeatableResidual:
 
 
 def repeatable_residual(found: State) -> RepeatableResidual:
-    """Compare the residuals in the runs of each condition."""
+    """Compare the residuals in the runs of each condition: by their signs, and by their spread.
+
+    Random signs say how often chance agrees as well; n runs of one condition cannot give less than
+    2^(1 - n). The second witness is the spread of repeats: the mean residual beside what that
+    spread leaves in a mean, by the F distribution for runs that differ in one way alone, the widest
+    that there is.
+    """
     groups = _groups(found)
     if not groups:
         return RepeatableResidual(None, 1.0, 0.0, {})
     common = sum(_shared(rows) for rows in groups)
     whole = sum(float(np.sum(rows**2)) / len(rows) for rows in groups)
     share = float(np.clip(common / max(whole, 1e-300), 0.0, 1.0))
-    chance = _chance(groups, found.plan.seed)
+    chance, smallest = _chance(groups, found.plan.seed), _smallest(groups)
+    ratio, beyond = _beside_spread(groups)
+    signs = chance <= CALIBRATION.repeat_p_value
+    repeats = (signs or beyond) and share >= CALIBRATION.repeat_share
+    known = repeats or smallest <= CALIBRATION.repeat_p_value
     return RepeatableResidual(
-        chance <= CALIBRATION.repeat_p_value and share >= CALIBRATION.repeat_share,
-        chance,
-        share,
-        _by_channel(found),
+        repeats if known else None, chance, share, _by_channel(found), smallest, ratio
     )
+
+
+def _smallest(groups: Sequence[np.ndarray]) -> float:
+    """Least probability that the test of signs can reach."""
+    return float(np.prod([2.0 ** (1 - len(rows)) for rows in groups]))
+
+
+def _beside_spread(groups: Sequence[np.ndarray]) -> tuple[float, bool]:
+    """Mean residual over what the spread of repeats leaves in it, and whether that is no chance."""
+    from scipy.stats import f
+
+    means = sum(len(rows) * float(np.sum(rows.mean(axis=0) ** 2)) for rows in groups)
+    apart = sum(float(np.sum((rows - rows.mean(axis=0)) ** 2)) for rows in groups)
+    free = sum(len(rows) - 1 for rows in groups)
+    square = (means / len(groups)) / max(apart / free, 1e-300)
+    limit = f.ppf(1.0 - CALIBRATION.spread_p_value, len(groups), free)
+    return float(np.sqrt(square)), bool(square > limit)
 
 
 def _groups(found: State) -> list[np.ndarray]:

@@ -86,6 +86,8 @@ class Fit(ByValue):
         """The result in one sentence."""
         count = sum(each.identified for each in self.answers)
         text = f"{count} of {len(self.answers)} parameters identified"
+        if self.repeatable_residual.misleads:
+            text = f"The model does not fit these recordings: {text}"
         for label in (CONFOUNDED, NOT_IDENTIFIED, AT_BOUND):
             some = [each.name for each in self.answers if each.label == label]
             if some:
@@ -106,6 +108,8 @@ class Fit(ByValue):
             "remains": {
                 "repeats": self.repeatable_residual.repeats,
                 "chance": self.repeatable_residual.chance,
+                "smallest_chance": self.repeatable_residual.smallest,
+                "times_spread": self.repeatable_residual.ratio,
                 "share": self.repeatable_residual.share,
                 "common": self.repeatable_residual.common,
                 "sentence": self.repeatable_residual.sentence,

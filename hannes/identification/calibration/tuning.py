@@ -66,6 +66,12 @@ class CalibrationTuning:
     widest_profile: float = constant(3.0, "1", "times the linear half-width, at most", NUMERICS)
     permutations: int = constant(999, "1", "random signs of the test for repeats", COST)
     repeat_p_value: float = constant(0.05, "1", "of a residual that repeats", CONVENTION)
+    spread_p_value: float = constant(
+        0.01, "1", "of a mean beyond the spread of repeats", CONVENTION
+    )
+    misleading_ratio: float = constant(
+        3.0, "1", "mean residual over what repeats leave, from which no interval is trusted"
+    )
     repeat_share: float = constant(0.25, "1", "of the residual, that must repeat to be stated")
 
 
