@@ -20,6 +20,8 @@ BUNDLED = {
     "libquadmath": "a separate shared library, as the LGPL asks",
     "FreeType": "had under its own licence (FTL), the GPL is the other choice",
 }
+# Packages of tests whose metadata name no licence, and what their licence file says.
+READ = {"fmpy": "BSD-2-Clause (its LICENSE.txt)"}
 _NAME = re.compile(r"^([A-Za-z0-9][\w.-]*==[^\\\n]+)", re.MULTILINE)
 _STANZA = re.compile(r"^Name: (.+)\n(?:.*\n){0,6}?License: (.+)$", re.MULTILINE)
 _COPYLEFT = re.compile(r"\b[AL]?GPL|GNU|General Public", re.IGNORECASE)
@@ -35,14 +37,17 @@ def locked(lock: Path) -> list[str]:
 def licence(package: Distribution) -> str:
     """What a package says of its own licence; empty where it says nothing.
 
-    Its licence expression, else its classifiers, else the first line of its licence field.
+    Its licence expression, else its classifiers, else the first line of its licence field,
+    else what was read in its licence file.
     """
     metadata = package.metadata
     if expression := metadata.get("License-Expression"):
         return expression
     heads = [each.split(" :: ") for each in metadata.get_all("Classifier") or []]
     text = [each[-1] for each in heads if each[0] == "License" and each[-1] != "OSI Approved"]
-    return ", ".join(text) or (metadata.get("License") or "").strip().partition("\n")[0]
+    field = (metadata.get("License") or "").strip().partition("\n")[0]
+    listed = ", ".join(text)
+    return listed or field or READ.get((metadata.get("Name") or "").lower(), "")
 
 
 def copyleft(text: str) -> bool:
