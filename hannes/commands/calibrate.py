@@ -127,13 +127,13 @@ def _result(
     except KeyboardInterrupt:  # then intervals are as wide above as below, and gaps not known
         found = replace(found, interrupted=True)
     repeated = repeatable_residual(found)
-    misfit = "the model does not fit: see what remains" if repeated.misleads else ""
+    lack_of_fit = "the model does not fit: see what remains" if repeated.misleads else ""
     return Calibration(
         campaign,
         issues,
         found,
         width,
-        tuple(answers(found, width, halves, misfit)),
+        tuple(answers(found, width, halves, lack_of_fit)),
         repeated,
         held_out,
         fitted,

@@ -26,7 +26,7 @@ FINEST = 1e-5  # of the range; a smaller quantisation step is ignored
 class Subject:
     """`expected` by channel, empty where no plant is known; `block` [s] is 0 there.
 
-    asked: commanded channels, as far as the plant tells.
+    asked: commanded channels, as far as the plant declares them.
     """
 
     recording: Recording

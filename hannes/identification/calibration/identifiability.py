@@ -46,16 +46,16 @@ class Answer:
         return self.label == IDENTIFIED
 
 
-def answers(found: State, spread: Spread, sides: np.ndarray, misfit: str = "") -> list[Answer]:
+def answers(found: State, spread: Spread, sides: np.ndarray, lack_of_fit: str = "") -> list[Answer]:
     """Answers in the order of the plan; `sides` are half-widths below and above, scaled, (2, p).
 
-    `misfit` says why the model does not fit, "" where it does: then nothing is identified.
+    `lack_of_fit` says why the model does not fit, "" where it does: then nothing is identified.
     """
     made = [_answer(found, spread, sides, place) for place in range(len(found.plan.names))]
-    if not misfit:
+    if not lack_of_fit:
         return made
     return [
-        replace(each, label=NOT_IDENTIFIED, reason=misfit) if each.identified else each
+        replace(each, label=NOT_IDENTIFIED, reason=lack_of_fit) if each.identified else each
         for each in made
     ]
 

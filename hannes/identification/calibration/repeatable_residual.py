@@ -41,7 +41,9 @@ class RepeatableResidual:
             return "No condition was recorded twice, so it is unknown whether the residual repeats"
         share = f"{100 * self.share:.0f} % of the residual is the same in every run"
         if self.repeats is None:
-            text = f"Too few runs to tell whether the residual repeats ({share}; so few runs agree "
+            text = (
+                f"Too few runs to decide whether the residual repeats ({share}; so few runs agree "
+            )
             text += f"by chance with a probability of {self.smallest:.2g} at best)"
             if self.misleads:
                 text += f", but it is {self.ratio:.2g} times what repeats leave: record more runs"
