@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from hannes.core.errors import BadInput
+from hannes.core.io.bounded import BLOCK, require_regular
 
 RECORD = struct.Struct("<QBI")
 SCHEMA = "hannes-raw-log-1"
@@ -55,6 +56,7 @@ class RawLogReader:
     """
 
     def __init__(self, path: str | Path) -> None:
+        require_regular(path, "a raw log")
         self._file = open(path, "rb")
         line = self._file.readline(65536)
         try:
@@ -69,7 +71,12 @@ class RawLogReader:
 
     def records(self) -> Iterator[Record]:
         """Whole records that are there and were not yet returned."""
-        self._rest += self._file.read()
+        while block := self._file.read(BLOCK):
+            self._rest += block
+            yield from self._whole()
+
+    def _whole(self) -> Iterator[Record]:
+        """Whole records among the bytes that were read."""
         at = 0
         while len(self._rest) - at >= RECORD.size:
             time, direction, length = RECORD.unpack_from(self._rest, at)

@@ -10,15 +10,18 @@ from typing import Any
 import numpy as np
 
 from hannes.core.errors import BadInput
-from hannes.core.io.inputs import is_file, note
-from hannes.core.recording.hdf5 import OWN_FILTERS, text_attribute
+from hannes.core.io.limits import FILE_UNPACKING, MIB, VALUES
+from hannes.core.recording.hdf5 import text_attribute
+from hannes.core.recording.hdf5_storage import hdf5_file, member, require_plain
 from hannes.dataset.hdf5_file import SCHEMA
 from hannes.dataset.shard import STORED
 
 MOST_FIELDS = 2000
-DENSEST = 1100  # highest compression ratio of deflate
 LARGEST = 1e12  # N/m or N: any real one is far below
 BLOCK = 500  # grasps in memory at once
+SPREAD = 20_000  # rows of the file among which they lie
+MOST_IN_MEMORY = 12_500_000  # values of a block, 50 MB
+MOST_SAMPLES = 10_000_000_000  # of a channel: it is read by blocks
 NEEDED = ("role", "completed", "contact", "release", "peak_force", "object.stiffness")
 
 
@@ -55,21 +58,47 @@ class DataSet:
         """
         with _opened(self.path) as file:
             found = [_channel(file, name, self.table.size, self.time.size) for name in names]
-            for start in range(0, rows.size, BLOCK):
-                some = rows[start : start + BLOCK]
+            self._require_in_proportion(found)
+            for some in _together(rows, self.time.size * len(names)):
                 whole = slice(int(some[0]), int(some[-1]) + 1)
                 values = np.stack([each[whole][some - some[0]] for each in found], axis=-1)
                 if not np.isfinite(values).all():
                     raise BadInput(f"{self.path}: a sample of grasps {some[0]} on is no number")
                 yield values
 
+    def _require_in_proportion(self, channels: list[Any]) -> None:
+        """A file that unpacks to far more than its size is no data set of noisy grasps."""
+        unpacked = sum(each.size * each.dtype.itemsize for each in channels)
+        if unpacked > FILE_UNPACKING * self.path.stat().st_size + 100 * MIB:
+            raise BadInput(
+                f"{self.path}: unpacks to {unpacked // MIB} MiB, more than {FILE_UNPACKING} times "
+                "its size"
+            )
+
+
+def _together(rows: np.ndarray, width: int) -> Iterator[np.ndarray]:
+    """Ascending `rows` of `width` values in parts that lie close together, BLOCK at most.
+
+    What lies between the first and the last of a part is read, too.
+    """
+    most = max(1, min(BLOCK, MOST_IN_MEMORY // width))
+    start = 0
+    while start < rows.size:
+        near = np.searchsorted(rows, rows[start] + max(most, min(SPREAD, MOST_IN_MEMORY // width)))
+        end = min(start + most, int(near))
+        yield rows[start:end]
+        start = end
+
 
 def read(path: str | Path) -> DataSet:
     """Read a data set's table; BadInput where the file is another, or damaged."""
+    import h5py
+
     with _opened(Path(path)) as file:
         if (schema := text_attribute(file, "schema")) != SCHEMA:
             raise BadInput(f"{path}: its schema is {schema!r:.60}, expected {SCHEMA!r}")
-        table, time = _table(file["grasps"]), file["channels/time"]
+        table = _table(member(file, "grasps", h5py.Dataset))
+        time = require_plain(member(file, "channels/time", h5py.Dataset))
         if time.dtype != np.dtype("<f8") or time.ndim != 1 or not 2 <= time.size <= 1_000_000:
             raise BadInput(f"{path}: channels/time: expected 2 or more float64 times")
         border, roles = float(file.attrs["border"]), json.loads(text_attribute(file, "roles"))
@@ -95,22 +124,8 @@ def _check(found: DataSet) -> None:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    import h5py
-
-    note(path)
-    if not is_file(path):
-        raise BadInput(f"{path}: expected a data set, there is no such file")
-    try:
-        with h5py.File(path, "r") as file:
-            yield file
-    except BadInput as error:
-        message = str(error)
-        raise BadInput(message if message.startswith(str(path)) else f"{path}: {message}") from None
-    except Exception as error:  # a damaged file raises nearly anything from inside the library
-        reason = " ".join(str(error).split())[:100]
-        raise BadInput(
-            f"{path}: cannot be read as a data set, it is damaged or of another kind ({reason})"
-        ) from None
+    with hdf5_file(path, "a data set") as file:
+        yield file
 
 
 def _table(dataset: Any) -> np.ndarray:
@@ -122,27 +137,16 @@ def _table(dataset: Any) -> np.ndarray:
         raise BadInput("/grasps: expected fields of plain numbers")
     if missing := [name for name in NEEDED if name not in kinds]:
         raise BadInput(f'/grasps: the field "{missing[0]}" is missing')
-    _plain(dataset)
+    require_plain(dataset, VALUES // max(len(kinds), 1))
     return dataset[()]
 
 
 def _channel(file: Any, name: str, grasps: int, samples: int) -> Any:
-    if f"channels/{name}" not in file:
+    import h5py
+
+    if name not in member(file, "channels", h5py.Group):
         raise BadInput(f'the channel "{name}" is missing; keep it in channels of the specification')
-    dataset = file["channels"][name]
+    dataset = member(file, f"channels/{name}", h5py.Dataset)
     if dataset.dtype != np.dtype(STORED) or dataset.shape != (grasps, samples):
         raise BadInput(f'channel "{name}": expected {STORED} of shape {(grasps, samples)}')
-    if dataset.chunks and dataset.chunks[0] * samples > 50_000_000:
-        raise BadInput(f'channel "{name}": chunks of {dataset.chunks} are too large to read')
-    _plain(dataset)
-    return dataset
-
-
-def _plain(dataset: Any) -> None:
-    """Refuse storage outside the file, and filters that need a plugin."""
-    made = dataset.id.get_create_plist()
-    filters = {made.get_filter(k)[0] for k in range(made.get_nfilters())}
-    if dataset.is_virtual or dataset.external or not filters <= OWN_FILTERS:
-        raise BadInput(f"{dataset.name}: expected plain or gzip storage inside this file")
-    if dataset.size * dataset.dtype.itemsize > DENSEST * max(dataset.id.get_storage_size(), 1):
-        raise BadInput(f"{dataset.name}: claims far more rows than the file holds")
+    return require_plain(dataset, MOST_SAMPLES)

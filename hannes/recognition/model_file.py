@@ -16,8 +16,8 @@ import numpy as np
 
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
-from hannes.core.io.inputs import is_file, note
-from hannes.core.recording.hdf5 import OWN_FILTERS, set_attribute, text_attribute
+from hannes.core.recording.hdf5 import set_attribute, text_attribute
+from hannes.core.recording.hdf5_storage import hdf5_file, member, require_plain
 from hannes.recognition import gaussian_process
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import FIELDS, MOST_NODES, Forest
@@ -72,21 +72,8 @@ def _put(file: Any, name: str, made: Any, fields: dict[str, np.dtype]) -> None:
 
 def read(path: str | Path) -> Model:
     """Read a model; BadInput in one line where the file is damaged, foreign or out of bounds."""
-    import h5py
-
-    note(path)
-    if not is_file(path):
-        raise BadInput(f"{path}: expected a model, there is no such file")
-    try:
-        with h5py.File(path, "r") as file:
-            return _model(file)
-    except BadInput as error:
-        raise BadInput(f"{path}: {error}") from None
-    except Exception as error:  # a damaged file raises nearly anything from inside the library
-        reason = " ".join(str(error).split())[:100]
-        raise BadInput(
-            f"{path}: cannot be read as a model, it is damaged or of another kind ({reason})"
-        ) from None
+    with hdf5_file(path, "a model") as file:
+        return _model(file)
 
 
 def _model(file: Any) -> Model:
@@ -167,15 +154,7 @@ def _array(file: Any, place: str, kind: np.dtype, most: int, ndim: int = 1) -> n
     """An array, after its type and size were judged."""
     import h5py
 
-    dataset = file.get(place)
-    if not isinstance(dataset, h5py.Dataset) or dataset.dtype != kind or dataset.ndim != ndim:
+    dataset = member(file, place, h5py.Dataset)
+    if dataset.dtype != kind or dataset.ndim != ndim:
         raise BadInput(f"{place}: expected an array of {kind} with {ndim} axis")
-    if dataset.size > most:
-        raise BadInput(f"{place}: {dataset.size} values are more than {most}")
-    made = dataset.id.get_create_plist()
-    filters = {made.get_filter(k)[0] for k in range(made.get_nfilters())}
-    if dataset.is_virtual or dataset.external or not filters <= OWN_FILTERS:
-        raise BadInput(f"{place}: expected plain or gzip storage inside this file")
-    if dataset.chunks and np.prod(dataset.chunks) > 2 * most:
-        raise BadInput(f"{place}: chunks of {dataset.chunks} are too large")
-    return dataset[()]
+    return require_plain(dataset, most)[()]

@@ -19,6 +19,7 @@ from hannes.campaigns.foreign.sources import open_source
 from hannes.campaigns.foreign.text_columns import Delimited
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
+from hannes.core.io.toml_table import read_text
 from hannes.plants.protocol import Plant, find_plant
 
 FloatArray = NDArray[np.float64]
@@ -151,7 +152,7 @@ def _required(plant: Plant, chosen: dict[str, Guess]) -> list[str]:
 
 def _left(mapping: Path) -> list[str]:
     """Lines of an edited mapping that are still to be filled in."""
-    lines = mapping.read_text(encoding="utf-8").splitlines()
+    lines = read_text(mapping).splitlines()
     return [
         f"line {number}: {line.split('#')[0].strip()}"
         for number, line in enumerate(lines, start=1)

@@ -1,5 +1,6 @@
 """How an unknown text file is laid out: encoding, delimiter, decimal mark, header, numbers."""
 
+import itertools
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -8,9 +9,11 @@ from pathlib import Path
 
 from hannes.campaigns.begin.spelled_units import unit_of
 from hannes.core.errors import BadInput
-from hannes.core.recording.csv import read_bytes
+from hannes.core.io.bounded import lines as read_lines
+from hannes.core.io.bounded import opened
 
 LOOKED_AT = 5000  # lines
+LONGEST = 20_000  # characters of a line that are looked at
 FEWEST = 3  # lines of numbers
 DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "|": "|", "space": " "}
 MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--"}
@@ -47,8 +50,9 @@ class TextLayout:
 
 def text_layout(path: Path) -> TextLayout:
     """Look at the beginning of a text file; BadInput where it holds no rows of numbers."""
-    text, encoding = _decoded(read_bytes(path))
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")[:LOOKED_AT]
+    encoding = _encoding(path)
+    name = "utf-8-sig" if encoding == "utf-8" else encoding
+    lines = [line[:LONGEST] for line in itertools.islice(read_lines(path, name), LOOKED_AT)]
     delimiter, decimal = _cut(lines, path)
     cells = [_cells(line, DELIMITERS[delimiter], decimal) for line in lines]
     places = [k for k, row in enumerate(cells) if _is_numbers(row)]
@@ -79,14 +83,17 @@ def text_layout(path: Path) -> TextLayout:
     )
 
 
-def _decoded(data: bytes) -> tuple[str, str]:
-    for encoding, mark in (("utf-16", b"\xff\xfe"), ("utf-16", b"\xfe\xff")):
-        if data.startswith(mark):
-            return data.decode(encoding, "replace"), encoding
+def _encoding(path: Path) -> str:
+    """UTF-16 by its mark, UTF-8 where the beginning is that, else Latin-1."""
+    with opened(path, "a log of samples") as file:
+        if file.read(2) in (b"\xff\xfe", b"\xfe\xff"):
+            return "utf-16"
     try:
-        return data.decode("utf-8-sig"), "utf-8"
-    except UnicodeDecodeError:
-        return data.decode("latin-1"), "latin-1"
+        for _ in itertools.islice(read_lines(path), LOOKED_AT):
+            pass
+    except BadInput:
+        return "latin-1"
+    return "utf-8"
 
 
 def _cut(lines: Sequence[str], path: Path) -> tuple[str, str]:

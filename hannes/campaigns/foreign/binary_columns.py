@@ -1,5 +1,7 @@
 """Columns of binary files by path; datasets of an HDF5 file, MATLAB's version 7.3 included."""
 
+import itertools
+import os
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -10,12 +12,13 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.mapping import Column
 from hannes.core.errors import BadInput, nearest
-from hannes.core.io.inputs import is_file, note
-from hannes.core.recording.hdf5 import OWN_FILTERS
+from hannes.core.io.bounded import require_regular
+from hannes.core.io.inputs import note
+from hannes.core.io.limits import COLUMNS
+from hannes.core.recording.hdf5_storage import hdf5_file, require_plain
 
 FloatArray = NDArray[np.float64]
 
-MOST_VALUES = 50_000_000  # of one dataset, 400 MB
 MOST_CELLS, DEEPEST = 1000, 4  # of a dataset of references
 
 
@@ -102,54 +105,54 @@ def open_hdf5(path: Path, missing: tuple[str, ...]) -> Arrays:
     names = [name for name in places if not name.startswith("#refs#")]
 
     def read(name: str) -> Any:
-        return _in_hdf5(path, lambda file: file[places[name]][()])
+        return _in_hdf5(path, lambda file: require_plain(file[places[name]])[()])
 
     return Arrays(path, names, read, missing)
 
 
 def _in_hdf5(path: Path, use: Callable[[Any], Any]) -> Any:
-    import h5py
-
     require_file(path)
-    try:
-        with h5py.File(path, "r") as file:
-            return use(file)
-    except Exception as error:  # a damaged file raises nearly anything from inside the library
-        reason = " ".join(str(error).split())[:100]
-        raise BadInput(f"{path}: cannot be read as HDF5 ({reason})") from None
+    with hdf5_file(path, "HDF5") as file:
+        return use(file)
 
 
 def _note(name: str, dataset: Any, places: dict[str, str], depth: int = 0) -> None:
     """Note a dataset of numbers by its name; of cells (references, MATLAB 7.3) each by number."""
     import h5py
 
+    if len(places) > COLUMNS:
+        raise BadInput(f"holds more than {COLUMNS} datasets")
     if h5py.check_ref_dtype(dataset.dtype) is not h5py.Reference:
-        if _harmless(dataset):
+        if dataset.dtype.kind in "fiub" and dataset.size:
             places[name] = dataset.name
         return
-    if dataset.size > MOST_CELLS or depth > DEEPEST:
+    if not dataset.size or dataset.size > MOST_CELLS or depth > DEEPEST:
         return
-    for number, reference in enumerate(dataset[()].ravel(), start=1):
+    for number, reference in enumerate(require_plain(dataset)[()].ravel(), start=1):
         target = dataset.file[reference] if reference else None
-        inside = {"": target} if isinstance(target, h5py.Dataset) else dict(target or {})
-        for part, each in inside.items():
-            if isinstance(each, h5py.Dataset):
-                _note(f"{name}/{number}/{part}".rstrip("/"), each, places, depth + 1)
+        for part, each in _inside(target).items():
+            _note(f"{name}/{number}/{part}".rstrip("/"), each, places, depth + 1)
 
 
-def _harmless(dataset: Any) -> bool:
-    made = dataset.id.get_create_plist()
-    filters = {made.get_filter(place)[0] for place in range(made.get_nfilters())}
-    inside = not dataset.is_virtual and not dataset.external and filters <= OWN_FILTERS
-    return inside and dataset.dtype.kind in "fiub" and 0 < dataset.size <= MOST_VALUES
+def _inside(target: Any) -> dict[str, Any]:
+    """Datasets to which a reference leads: itself, or those of a group by hard links."""
+    import h5py
+
+    if isinstance(target, h5py.Dataset):
+        return {"": target}
+    if not isinstance(target, h5py.Group):
+        return {}
+    hard = [name for name in target if isinstance(target.get(name, getlink=True), h5py.HardLink)]
+    return {name: target[name] for name in hard if target.get(name, getclass=True) is h5py.Dataset}
 
 
 def require_file(path: Path) -> None:
-    """Raise BadInput where there is no such file, with the nearest name beside it."""
+    """Raise BadInput where there is no regular file, with the nearest name beside it."""
     note(path)
-    if not is_file(path):
-        near = nearest(path.name, [each.name for each in path.parent.glob("*")])
+    if not os.path.lexists(path) and path.parent.is_dir():
+        near = nearest(path.name, itertools.islice((x.name for x in path.parent.glob("*")), 1000))
         raise BadInput(f"{path}: there is no such file{near}")
+    require_regular(path)
 
 
 def _as_path(name: str) -> str:

@@ -1,66 +1,123 @@
 """Columns of JSON: a list of records, a table of lists, or one record a line (JSON lines)."""
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hannes.campaigns.foreign.binary_columns import Arrays
-from hannes.campaigns.foreign.nested import columns
+from hannes.campaigns.foreign.binary_columns import Arrays, require_file
+from hannes.campaigns.foreign.nested import DEEPEST, columns
 from hannes.core.errors import BadInput
-from hannes.core.recording.csv import read_bytes
+from hannes.core.io.bounded import read_bytes
+from hannes.core.io.limits import MIB
+
+SPACE = " \t\r\n"
+_OBJECT, _LIST, _ITEM = 192, 64, 40  # bytes that each takes besides its text
 
 
 def open_json(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Read a JSON file or JSON lines; BadInput with the line that cannot be read."""
     text = _text(path)
     try:
-        content = json.loads(text)
-    except RecursionError:
-        raise BadInput(f"{path}: nested too deep; this is no log of samples") from None
+        found = _whole(text, path)
     except ValueError as error:
-        content = _lines(path, text, error)
-    found = _columns(content, path)
+        found = columns(_lines(path, text, error), str(path), len(text))
     if not found:
         raise BadInput(f"{path}: no numbers in it; expected a list of records, or lists by name")
     return Arrays(path, found, found.__getitem__, missing)
 
 
 def _text(path: Path) -> str:
+    require_file(path)
     try:
-        return read_bytes(path).decode("utf-8-sig")
+        return read_bytes(path, "JSON").decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BadInput(f"{path}: not UTF-8 text; JSON is always UTF-8") from None
 
 
-def _lines(path: Path, text: str, whole: ValueError) -> list[Any]:
-    """One record a line; a last line that was cut off is left out."""
-    lines = [(k, line) for k, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    records = []
-    for place, (number, line) in enumerate(lines):
+def _whole(text: str, path: Path) -> dict[str, Any]:
+    """Columns of one JSON value; ValueError where the text is none."""
+    start = len(text) - len(text.lstrip(SPACE))
+    if text.startswith("[", start):
+        return columns(_items(text, start + 1, path), str(path), len(text))
+    _refuse_lines(text)
+    taken = _OBJECT * text.count("{") + _LIST * text.count("[") + _ITEM * text.count(",")
+    if taken > 12 * len(text) + 64 * MIB:
+        raise BadInput(f"{path}: too many small parts; write one record a line (JSON lines)")
+    return _columns(_decoded(json.JSONDecoder().decode, text, path), path, len(text))
+
+
+def _refuse_lines(text: str) -> None:
+    """Raise ValueError where the first line is a record of its own, and more follow."""
+    first, _, rest = text.partition("\n")
+    if rest.strip(SPACE):
         try:
-            records.append(json.loads(line))
+            json.loads(first)
+        except (ValueError, RecursionError):
+            return
+        raise ValueError("one record a line")
+
+
+def _decoded(decode: Any, text: Any, path: Path) -> Any:
+    try:
+        return decode(text)
+    except RecursionError:
+        raise BadInput(f"{path}: nested too deep; this is no log of samples") from None
+
+
+def _items(text: str, place: int, path: Path) -> Iterator[Any]:
+    """Items of a list one by one: only one is in memory as Python's own objects."""
+    decoder, place = json.JSONDecoder(), _after_space(text, place)
+    while not text.startswith("]", place):
+        item, place = _decoded(lambda at: decoder.raw_decode(text, at), place, path)
+        yield item
+        place = _after_space(text, place)
+        if text.startswith(",", place):
+            place = _after_space(text, place + 1)
+            if text.startswith("]", place):
+                raise json.JSONDecodeError("Expecting value", text, place)
+        elif not text.startswith("]", place):
+            raise json.JSONDecodeError("Expecting ',' delimiter", text, place)
+    if text[place + 1 :].strip(SPACE):
+        raise json.JSONDecodeError("Extra data", text, place + 1)
+
+
+def _after_space(text: str, place: int) -> int:
+    while text[place : place + 1] in SPACE and place < len(text):
+        place += 1
+    return place
+
+
+def _lines(path: Path, text: str, whole: ValueError) -> Iterator[Any]:
+    """One record a line; a last line that was cut off is left out."""
+    number, count, start, last = 0, 0, 0, len(text.rstrip())
+    while start < last:
+        end = text.find("\n", start)
+        end = len(text) if end < 0 else end
+        number, line, start = number + 1, text[start:end], end + 1
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
         except (ValueError, RecursionError) as error:
-            if place == len(lines) - 1 and len(records) > 1:
-                break
-            reason = whole if len(records) < 2 else error
+            if start > last and count > 1:
+                return
+            reason = whole if count < 2 else error
             raise BadInput(f"{path}, line {number}: is no JSON ({reason})") from None
-    return records
+        count += 1
+        yield record
 
 
-def _columns(content: Any, path: Path) -> dict[str, Any]:
+def _columns(content: Any, path: Path, decoded: int, depth: int = 0) -> dict[str, Any]:
     """Columns by path: of a list of records, or of a table of equally long lists."""
     if isinstance(content, list):
-        return columns(content, str(path))
-    if not isinstance(content, dict):
+        return columns(content, str(path), decoded)
+    if not isinstance(content, dict) or depth > DEEPEST:
         return {}
     found: dict[str, Any] = {}
     for name, value in content.items():
-        if isinstance(value, list) and value:
-            inside = columns(value, str(path))
-            found |= {f"{name}/{key}" if key else name: each for key, each in inside.items()}
-        elif isinstance(value, dict):
-            inside = _columns(value, path)
-            found |= {f"{name}/{key}": each for key, each in inside.items()}
+        inside = _columns(value, path, decoded, depth + 1) if value else {}
+        found |= {f"{name}/{key}" if key else name: each for key, each in inside.items()}
     return {name: np.asarray(each) for name, each in found.items()}

@@ -10,23 +10,18 @@ from typing import Any
 import numpy as np
 
 from hannes.campaigns.foreign.binary_columns import Arrays, open_hdf5, require_file
-from hannes.core.errors import BadInput
+from hannes.core.recording.matlab import load_mat
 
 DEEPEST = 12  # levels of structures in cells in structures
 
 
 def open_mat(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Read the numeric variables of a MATLAB file."""
-    from scipy.io import loadmat
-
     require_file(path)
     try:
-        content = loadmat(path, simplify_cells=True)
+        content = load_mat(path)
     except NotImplementedError:  # version 7.3
         return open_hdf5(path, missing)
-    except Exception as error:  # a damaged file raises nearly anything from inside the library
-        reason = " ".join(str(error).split())[:100]
-        raise BadInput(f"{path}: is no MATLAB file ({reason})") from None
     variables = {
         name: value
         for top, inside in content.items()

@@ -12,26 +12,32 @@ from typing import Any
 
 import numpy as np
 
-from hannes.campaigns.foreign.binary_columns import Arrays
-from hannes.campaigns.foreign.nested import columns
+from hannes.campaigns.foreign.binary_columns import Arrays, require_file
+from hannes.campaigns.foreign.mcap_size import require_unpackable
+from hannes.campaigns.foreign.nested import Records
 from hannes.core.errors import BadInput
+from hannes.core.io.limits import COLUMNS
 from hannes.core.io.optional import library
 
 NANO = 1e-9
 OF_JOINTS = ("position", "velocity", "effort")
 MOST_MESSAGES = 20_000_000
 
-Message = tuple[str, int, dict[str, Any]]  # topic, time of logging [ns], fields
+Message = tuple[str, int, dict[str, Any], int]  # topic, time of logging [ns], fields, bytes
 
 
 def open_messages(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Read a log of messages; channels of one mapping must be of one topic."""
-    topics: dict[str, list[dict[str, Any]]] = {}
+    topics: dict[str, Records] = {}
     start: int | None = None
     try:
-        for topic, logged, fields in _messages(path):
+        for topic, logged, fields, size in _messages(path):
             start = logged if start is None else start
-            topics.setdefault(topic, []).append({"time": _time(logged, fields, start), **fields})
+            records = topics.setdefault(topic, Records(str(path), 0))
+            records.decoded += size
+            records.add({"time": _time(logged, fields, start), **fields})
+            if len(topics) > COLUMNS:
+                raise BadInput(f"{path}: more than {COLUMNS} topics")
     except BadInput:
         raise
     except Exception as error:  # a damaged file raises nearly anything from inside the library
@@ -40,7 +46,7 @@ def open_messages(path: Path, missing: tuple[str, ...]) -> Arrays:
     found = {
         f"{topic.strip('/')}/{name}": values
         for topic, records in topics.items()
-        for name, values in columns(records, str(path)).items()
+        for name, values in records.columns().items()
     }
     if not found:
         raise BadInput(f"{path}: no message in it holds numbers that can be read")
@@ -48,6 +54,10 @@ def open_messages(path: Path, missing: tuple[str, ...]) -> Arrays:
 
 
 def _messages(path: Path) -> Iterator[Message]:
+    if not path.is_dir():
+        require_file(path)
+    if path.suffix.lower() == ".mcap":
+        require_unpackable(path)
     if path.suffix.lower() == ".mcap" and not _is_ros(path):
         return _of_mcap(path)
     return _of_ros(path)
@@ -84,7 +94,7 @@ def _of_mcap(path: Path) -> Iterator[Message]:
             if channel.message_encoding == "json":
                 fields = json.loads(message.data)
                 if isinstance(fields, dict):
-                    yield channel.topic, message.log_time, fields
+                    yield channel.topic, message.log_time, fields, len(message.data)
 
 
 def _of_ros(path: Path) -> Iterator[Message]:
@@ -94,7 +104,7 @@ def _of_ros(path: Path) -> Iterator[Message]:
     with rosbags.AnyReader([path], default_typestore=store) as reader:
         for connection, logged, raw in reader.messages():
             message = reader.deserialize(raw, connection.msgtype)
-            yield connection.topic, logged, _fields(message)
+            yield connection.topic, logged, _fields(message), len(raw)
 
 
 def _fields(message: Any) -> dict[str, Any]:

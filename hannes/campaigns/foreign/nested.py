@@ -3,6 +3,7 @@
 A value that a record lacks is missing (NaN) there; texts and nulls are missing too.
 """
 
+from array import array
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -10,17 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.core.errors import BadInput
+from hannes.core.io.limits import COLUMNS, table_fits
 
 FloatArray = NDArray[np.float64]
 
 DEEPEST = 8  # levels of nesting
-MOST_COLUMNS = 2000
+MISSING = float("nan")
 
 
 def flat(record: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, float]]:
     """Numbers of one record by path; items of lists count from 1."""
     if isinstance(record, bool | int | float | np.number):
-        yield prefix, float(record)
+        yield prefix, as_float(record)
     elif isinstance(record, dict) and depth < DEEPEST:
         for key, value in record.items():
             yield from flat(value, f"{prefix}/{key}" if prefix else str(key), depth + 1)
@@ -29,19 +31,58 @@ def flat(record: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, f
             yield from flat(value, f"{prefix}/{place}" if prefix else str(place), depth + 1)
 
 
-def columns(records: Iterable[Any], where: str) -> dict[str, FloatArray]:
-    """Columns (n,) of n records; BadInput for more than MOST_COLUMNS of them."""
-    found: dict[str, dict[int, float]] = {}
-    count = 0
-    for count, record in enumerate(records, start=1):
+def as_float(value: Any) -> float:
+    """A number as float64, infinite where it is too large for that."""
+    try:
+        return float(value)
+    except OverflowError:
+        return float("inf")
+
+
+class Records:
+    """Records one after another, as columns; `decoded` bytes of the file were read for them."""
+
+    def __init__(self, where: str, decoded: int) -> None:
+        self.where, self.decoded = where, decoded
+        self._columns: dict[str, array[float]] = {}
+        self._count = 0
+
+    def add(self, record: Any) -> None:
+        """Add one record; BadInput for more columns than COLUMNS, or out of all proportion."""
         for name, value in flat(record):
-            found.setdefault(name, {})[count - 1] = value
-        if len(found) > MOST_COLUMNS:
-            raise BadInput(f"{where}: more than {MOST_COLUMNS} columns; this is no log of samples")
-    return {name: _filled(values, count) for name, values in found.items()}
+            column = self._columns.get(name)
+            if column is None:
+                column = self._columns[name] = array("d")
+                if len(self._columns) > COLUMNS:
+                    raise BadInput(
+                        f"{self.where}: more than {COLUMNS} columns; this is no log of samples"
+                    )
+            self._fill(column, self._count)
+            column[self._count :] = array("d", (value,))
+        self._count += 1
+        self._require_in_proportion()
+
+    def _fill(self, column: "array[float]", count: int) -> None:
+        if len(column) < count:
+            column.extend(array("d", (MISSING,)) * (count - len(column)))
+
+    def _require_in_proportion(self) -> None:
+        if not table_fits(self._count, len(self._columns), self.decoded):
+            raise BadInput(
+                f"{self.where}: {len(self._columns)} columns of {self._count} rows, most of them "
+                "empty, are too large; cut it into parts"
+            )
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Columns by path, shape (n,) each."""
+        for column in self._columns.values():
+            self._fill(column, self._count)
+        return {name: np.frombuffer(column) for name, column in self._columns.items()}
 
 
-def _filled(values: dict[int, float], count: int) -> FloatArray:
-    column = np.full(count, np.nan)
-    column[list(values)] = list(values.values())
-    return column
+def columns(records: Iterable[Any], where: str, decoded: int) -> dict[str, FloatArray]:
+    """Columns (n,) of n records; BadInput for too many of them, see `Records`."""
+    found = Records(where, decoded)
+    for record in records:
+        found.add(record)
+    return found.columns()

@@ -1,58 +1,85 @@
 """Columns of numpy's own files: arrays by name (.npz), or one array (.npy). Nothing is executed."""
 
+import math
+import zipfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import IO, Any
 
 import numpy as np
+from numpy.lib import format as npy
 
-from hannes.campaigns.foreign.binary_columns import MOST_VALUES, Arrays
+from hannes.campaigns.foreign.binary_columns import Arrays, require_file
 from hannes.core.errors import BadInput
+from hannes.core.io.bounded import BLOCK, opened
+from hannes.core.io.limits import COLUMNS, VALUES
 
 ALONE = "data"  # name of the one array of a .npy file
+ZIP = b"PK"
 
 
 def open_npz(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Read .npz or .npy; fields of structured arrays by `array/field`."""
-    if not path.is_file():
-        raise BadInput(f"{path}: there is no such file")
+    require_file(path)
+    found: dict[str, np.ndarray] = {}
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
-            return _of_archive(path, content, missing)
-    except (TypeError, AttributeError):
-        return _of_array(path, missing)
+        with opened(path, "numpy arrays") as file:
+            for name, array in _arrays(file):
+                found |= _fields(name, array)
+                if sum(each.size for each in found.values()) > VALUES or len(found) > COLUMNS:
+                    raise BadInput(f"{path}: holds more than {VALUES} numbers or {COLUMNS} arrays")
     except BadInput:
         raise
     except Exception as error:  # a damaged file raises nearly anything from inside the library
         reason = " ".join(str(error).split())[:100]
         raise BadInput(f"{path}: cannot be read as numpy arrays ({reason})") from None
-
-
-def _of_archive(path: Path, content: "np.lib.npyio.NpzFile", missing: tuple[str, ...]) -> Arrays:
-    import zipfile
-
-    with zipfile.ZipFile(path) as archive:
-        sizes = {each.filename.removesuffix(".npy"): each.file_size for each in archive.infolist()}
-    found: dict[str, np.ndarray] = {}
-    for name in content.files:
-        if sizes.get(name, 0) > 8 * MOST_VALUES:
-            raise BadInput(f'{path}: "{name}" has {sizes[name]} bytes; expected at most 400 MB')
-        try:
-            array = content[name]
-        except ValueError:  # objects, which only code could read
-            continue
-        found |= _fields(name, array)
     return Arrays(path, found, found.__getitem__, missing)
 
 
-def _of_array(path: Path, missing: tuple[str, ...]) -> Arrays:
-    try:
-        found = _fields(ALONE, np.load(path, allow_pickle=False))
-    except Exception as error:  # as above
-        reason = " ".join(str(error).split())[:100]
-        raise BadInput(f"{path}: cannot be read as a numpy array ({reason})") from None
-    return Arrays(path, found, found.__getitem__, missing)
+def _arrays(file: IO[bytes]) -> Iterator[tuple[str, np.ndarray]]:
+    packed = file.read(len(ZIP)) == ZIP
+    file.seek(0)
+    if not packed:
+        array = _array(file)
+        if array is not None:
+            yield ALONE, array
+        return
+    with zipfile.ZipFile(file) as archive:
+        for entry in archive.infolist():
+            with archive.open(entry) as stream:
+                array = _array(stream)
+            if array is not None:
+                yield entry.filename.removesuffix(".npy"), array
 
 
-def _fields(name: str, array: np.ndarray) -> dict[str, np.ndarray]:
+def _array(stream: IO[bytes]) -> np.ndarray | None:
+    """One array, None where it holds objects: those only code could read.
+
+    Its bytes are read as far as they come; the size that its head states is an upper bound.
+    """
+    version = npy.read_magic(stream)
+    read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+    shape, fortran, kind = read(stream)
+    if kind.hasobject:
+        return None
+    size = math.prod(shape) * kind.itemsize
+    if not 0 <= size <= 8 * VALUES:
+        raise BadInput(f"an array of {shape} is too large; expected at most {VALUES} numbers")
+    array = np.frombuffer(_read(stream, size), kind)
+    return array.reshape(shape[::-1]).T if fortran else array.reshape(shape)
+
+
+def _read(stream: IO[bytes], size: int) -> bytearray:
+    data = bytearray()
+    while len(data) < size:
+        block = stream.read(min(BLOCK, size - len(data)))
+        if not block:
+            raise ValueError(f"ends after {len(data)} of {size} bytes")
+        data += block
+    return data
+
+
+def _fields(name: str, array: Any) -> dict[str, np.ndarray]:
     if array.dtype.names:
         return {f"{name}/{field}": array[field] for field in array.dtype.names}
     return {name: array} if array.dtype.kind in "fiub" and array.size else {}

@@ -5,31 +5,38 @@ the data set gives them, `observation.state/elbow_flex.pos`.
 """
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.foreign.binary_columns import MOST_VALUES, Arrays
+from hannes.campaigns.foreign.binary_columns import Arrays, require_file
 from hannes.core.errors import BadInput
+from hannes.core.io.bounded import read_bytes, require_regular
+from hannes.core.io.limits import BYTES, COLUMNS, MIB, VALUES, table_fits
 from hannes.core.io.optional import library
 
 FloatArray = NDArray[np.float64]
 
+BATCH = 65_536  # rows
+MOST_INFO = 16 * MIB
 INFO = Path("meta") / "info.json"  # of a LeRobot data set
 
 
 def open_parquet(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Read one .parquet file, or the folder of a LeRobot data set."""
-    files = _files(path)
     names = _names(path)
-    tables = [_table(file) for file in files]
-    found: dict[str, list[FloatArray]] = {}
-    for table in tables:
-        for name, values in _columns(table, names).items():
+    found: dict[str, list[NDArray[Any]]] = {}
+    count = 0
+    for batch in (each for file in _files(path) for each in _batches(file)):
+        for name, values in _columns(batch, names, str(path)).items():
             found.setdefault(name, []).append(values)
-    joined = {name: np.concatenate(parts) for name, parts in found.items()}
+            count += values.size
+        if count > VALUES or len(found) > COLUMNS:
+            raise BadInput(f"{path}: more than {VALUES} numbers or {COLUMNS} columns; cut it")
+    joined = {name: _seconds(np.concatenate(parts)) for name, parts in found.items()}
     if not joined:
         raise BadInput(f"{path}: holds no columns of numbers")
     return Arrays(path, joined, joined.__getitem__, missing)
@@ -41,7 +48,8 @@ def is_lerobot(path: Path) -> bool:
 
 
 def _files(path: Path) -> list[Path]:
-    if path.is_file():
+    if not path.is_dir():
+        require_file(path)
         return [path]
     found = sorted((path / "data").rglob("*.parquet"))
     if not found:
@@ -54,8 +62,8 @@ def _names(path: Path) -> dict[str, list[str]]:
     if not path.is_dir():
         return {}
     try:
-        features = json.loads((path / INFO).read_text(encoding="utf-8"))["features"]
-    except (OSError, ValueError, KeyError, RecursionError):
+        features = json.loads(read_bytes(path / INFO, most=MOST_INFO))["features"]
+    except (TypeError, ValueError, KeyError, RecursionError):
         raise BadInput(f"{path / INFO}: cannot be read; expected a LeRobot data set") from None
     named = {}
     for name, each in features.items() if isinstance(features, dict) else ():
@@ -67,13 +75,14 @@ def _names(path: Path) -> dict[str, list[str]]:
     return named
 
 
-def _table(file: Path) -> Any:
+def _batches(file: Path) -> Iterator[Any]:
+    """Rows of a file in parts; BadInput where it is damaged or unpacks to too much."""
     parquet = library("pyarrow.parquet", "formats")
+    require_regular(file)
     try:
-        head = parquet.ParquetFile(file)
-        if head.metadata.num_rows * head.metadata.num_columns > MOST_VALUES:
-            raise BadInput(f"{file}: {head.metadata.num_rows} rows are too many; cut it")
-        return head.read()
+        with parquet.ParquetFile(file) as head:
+            _require_small(file, head.metadata)
+            yield from head.iter_batches(BATCH, use_threads=False)
     except BadInput:
         raise
     except Exception as error:  # a damaged file raises nearly anything from inside the library
@@ -81,32 +90,64 @@ def _table(file: Path) -> Any:
         raise BadInput(f"{file}: cannot be read as Parquet ({reason})") from None
 
 
-def _columns(table: Any, names: dict[str, list[str]]) -> dict[str, FloatArray]:
-    found: dict[str, FloatArray] = {}
-    for name, column in zip(table.column_names, table.columns, strict=True):
-        found |= _column(name, column, names.get(name, []))
+def _require_small(file: Path, head: Any) -> None:
+    if head.num_rows * head.num_columns > VALUES:
+        raise BadInput(f"{file}: {head.num_rows} rows are too many; cut it")
+    groups = (head.row_group(k) for k in range(head.num_row_groups))
+    size = sum(
+        max(each.column(k).total_uncompressed_size, 0)
+        for each in groups
+        for k in range(each.num_columns)
+    )
+    if size > BYTES:
+        raise BadInput(f"{file}: unpacks to {size // MIB} MiB, more than {BYTES // MIB}; cut it")
+
+
+def _columns(batch: Any, names: dict[str, list[str]], where: str) -> dict[str, NDArray[Any]]:
+    found: dict[str, NDArray[Any]] = {}
+    for name, column in zip(batch.schema.names, batch.columns, strict=True):
+        found |= _column(name, column, names.get(name, []), where)
     return found
 
 
-def _column(name: str, column: Any, parts: list[str]) -> dict[str, FloatArray]:
+def _column(name: str, column: Any, parts: list[str], where: str) -> dict[str, NDArray[Any]]:
     """A column of numbers as it is, one of equally long lists by its parts."""
     types = library("pyarrow.types", "formats")
     kind = column.type
     if types.is_timestamp(kind):
-        stamps = column.to_numpy().astype("datetime64[ns]").astype(np.int64)
-        return {name: (stamps - stamps[0]) * 1e-9}
+        stamps = column.to_numpy(zero_copy_only=False).astype("datetime64[ns]")
+        return {name: stamps}
     if types.is_integer(kind) or types.is_floating(kind) or types.is_boolean(kind):
-        return {name: np.asarray(column.to_numpy(zero_copy_only=False), np.float64)}
+        return {name: _numbers(column)}
     if not (types.is_list(kind) or types.is_fixed_size_list(kind) or types.is_large_list(kind)):
         return {}
-    if types.is_nested(kind.value_type) or not len(column):
+    inner = kind.value_type
+    if not (types.is_integer(inner) or types.is_floating(inner) or types.is_boolean(inner)):
         return {}
-    rows = [row if row is not None else [] for row in column.to_pylist()]
-    width = max(map(len, rows))
-    if any(isinstance(value, str | bytes | dict) for value in rows[0]):
-        return {}
-    matrix = np.full((len(rows), width), np.nan)
-    for k, row in enumerate(rows):
-        matrix[k, : len(row)] = row
+    matrix = _matrix(column, where)
+    width = matrix.shape[1]
     labels = parts if len(parts) == width else [str(k + 1) for k in range(width)]
     return {f"{name}/{label}": matrix[:, k] for k, label in enumerate(labels)}
+
+
+def _seconds(values: NDArray[Any]) -> FloatArray:
+    """Time stamps as seconds since the first one, NaN where one is missing; numbers as they are."""
+    if values.dtype.kind != "M":
+        return values
+    start = values[~np.isnat(values)][:1]
+    return (values - (start[0] if start.size else values[0])) / np.timedelta64(1, "s")
+
+
+def _numbers(column: Any) -> FloatArray:
+    return np.array(column.to_numpy(zero_copy_only=False), np.float64)
+
+
+def _matrix(column: Any, where: str) -> FloatArray:
+    """Lists as rows, short ones filled with NaN."""
+    lengths = np.nan_to_num(_numbers(column.value_lengths())).astype(np.intp)
+    values, width = _numbers(column.flatten()), int(lengths.max(initial=0))
+    if width > COLUMNS or not table_fits(lengths.size, width, 8 * values.size):
+        raise BadInput(f"{where}: lists of up to {width} values are too long for columns")
+    matrix = np.full((lengths.size, width), np.nan)
+    matrix[np.arange(width) < lengths[:, np.newaxis]] = values
+    return matrix

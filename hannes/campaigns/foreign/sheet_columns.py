@@ -1,27 +1,35 @@
 """Columns of spreadsheets (.xlsx): the first sheet that has numbers below a row of names."""
 
+import math
+import zipfile
+from array import array
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hannes.campaigns.foreign.binary_columns import Arrays
+from hannes.campaigns.foreign.binary_columns import Arrays, require_file
+from hannes.campaigns.foreign.nested import as_float
 from hannes.core.errors import BadInput
+from hannes.core.io.limits import COLUMNS, MIB, table_fits
 from hannes.core.io.optional import library
 
 MOST_ROWS = 1_048_576  # that a sheet can have
+MOST_BYTES = 256 * MIB  # of all its parts, unpacked
 FEWEST = 2  # rows of numbers below the names
 
 
 def open_sheet(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Read a workbook; columns by name, or `sheet/name` where several sheets have numbers."""
-    if not path.is_file():
-        raise BadInput(f"{path}: there is no such file")
+    require_file(path)
     openpyxl = library("openpyxl", "formats")
     try:
+        decoded = _unpacked(path)
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)
-        sheets = {sheet.title: _columns(sheet) for sheet in book.worksheets}
+        sheets = {sheet.title: _columns(sheet, decoded) for sheet in book.worksheets}
         book.close()
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from None
     except Exception as error:  # a damaged file raises nearly anything from inside the library
         reason = " ".join(str(error).split())[:100]
         raise BadInput(f"{path}: cannot be read as a workbook ({reason})") from None
@@ -35,22 +43,36 @@ def open_sheet(path: Path, missing: tuple[str, ...]) -> Arrays:
     return Arrays(path, found, found.__getitem__, missing)
 
 
-def _columns(sheet: Any) -> dict[str, np.ndarray]:
+def _unpacked(path: Path) -> int:
+    """Bytes to which a workbook unpacks: its reader takes no more than each part states."""
+    with zipfile.ZipFile(path) as archive:
+        size = sum(each.file_size for each in archive.infolist())
+    if size > MOST_BYTES:
+        raise BadInput(f"unpacks to {size // MIB} MiB, more than {MOST_BYTES // MIB}; save as .csv")
+    return size
+
+
+def _columns(sheet: Any, decoded: int) -> dict[str, np.ndarray]:
     """Columns below the first row of texts that rows of numbers follow."""
     names: list[str] = []
-    rows: list[list[float]] = []
+    rows = array("d")
+    sheet.reset_dimensions()  # stated by the file
     for cells in sheet.iter_rows(values_only=True, max_row=MOST_ROWS):
+        if len(cells) > COLUMNS:
+            raise BadInput(f"has more than {COLUMNS} columns")
         texts = [isinstance(cell, str) and bool(cell.strip()) for cell in cells]
         numbers = [_number(cell) for cell in cells]
-        if sum(texts) > sum(np.isfinite(numbers)):
-            if len(rows) < FEWEST:
+        if sum(texts) > sum(map(math.isfinite, numbers)):
+            if len(rows) < FEWEST * len(names) or not names:
                 names = [str(cell).strip() if cell is not None else "" for cell in cells]
-                rows = []
-        elif names and np.isfinite(numbers).any():
-            rows.append(numbers[: len(names)] + [np.nan] * (len(names) - len(numbers)))
-    if len(rows) < FEWEST:
+                rows = array("d")
+        elif names and any(map(math.isfinite, numbers)):
+            rows.extend(numbers[: len(names)] + [math.nan] * (len(names) - len(numbers)))
+            if not table_fits(len(rows), 1, decoded):
+                raise BadInput(f"{len(names)} columns, most of them empty, are too large")
+    if not names or len(rows) < FEWEST * len(names):
         return {}
-    table = np.array(rows)
+    table = np.frombuffer(rows).reshape(-1, len(names))
     return {name: table[:, k] for k, name in enumerate(names) if name}
 
 
@@ -59,7 +81,7 @@ def _number(cell: Any) -> float:
     import datetime
 
     if isinstance(cell, bool | int | float):
-        return float(cell)
+        return as_float(cell)
     if isinstance(cell, datetime.datetime):
         return cell.replace(tzinfo=cell.tzinfo or datetime.UTC).timestamp()
     if isinstance(cell, datetime.time):

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.foreign.binary_columns import open_hdf5
+from hannes.campaigns.foreign.binary_columns import open_hdf5, require_file
 from hannes.campaigns.foreign.json_columns import open_json
 from hannes.campaigns.foreign.mapping import Column, TextRule
 from hannes.campaigns.foreign.matlab_columns import open_mat
@@ -17,6 +17,7 @@ from hannes.campaigns.foreign.parquet_columns import is_lerobot, open_parquet
 from hannes.campaigns.foreign.sheet_columns import open_sheet
 from hannes.campaigns.foreign.text_columns import Delimited
 from hannes.core.errors import BadInput
+from hannes.core.io.bounded import opened
 
 FloatArray = NDArray[np.float64]
 
@@ -132,7 +133,6 @@ def _folder(path: Path, missing: tuple[str, ...]) -> Source:
 
 
 def _first_bytes(path: Path) -> bytes:
-    if not path.is_file():
-        return b""
-    with path.open("rb") as file:
+    require_file(path)
+    with opened(path) as file:
         return file.read(16)

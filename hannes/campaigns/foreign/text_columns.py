@@ -6,17 +6,19 @@ missing values and to name the faulty line.
 
 import csv
 import re
-from collections.abc import Iterator
+from array import array
+from collections.abc import Iterable, Iterator
 from datetime import datetime
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.mapping import Column, TextRule
+from hannes.campaigns.foreign.text_lines import Lines
 from hannes.core.errors import BadInput, nearest
-from hannes.core.recording.csv import read_bytes
+from hannes.core.io.bounded import lines
+from hannes.core.io.limits import COLUMNS
 
 FloatArray = NDArray[np.float64]
 
@@ -29,35 +31,43 @@ class Delimited:
     def __init__(self, path: Path, rule: TextRule, missing: tuple[str, ...]) -> None:
         self.path, self.rule, self.missing = path, rule, {"", *missing}
         self._skip = re.compile(rule.skip) if rule.skip else None
-        lines = _decoded(path, rule.encoding)
-        head = self._header(lines)
-        self._breaks: dict[str, list[int]] = {"blank": [], "header": []}
-        kept = list(self._kept(lines))
-        if len(kept) < 2:
-            raise BadInput(
-                f"{path}, line {len(lines)}: the file ends here; expected two or more lines of "
-                f"numbers from line {rule.first} on"
-            )
-        self.numbers_of_lines, self.rows = [n for n, _ in kept], [line for _, line in kept]
+        self._breaks = {"blank": array("q"), "header": array("q")}
+        self.numbers_of_lines, self.rows = array("q"), Lines()
+        head = self._read()
         self.delimiter = rule.delimiter or self._guessed(head or self.rows[0])
         self.names = [cell.strip() for cell in self._cells(head)] if head else []
         self._check_widths(len(self.names) or len(self._cells(self.rows[0])))
 
-    def _kept(self, lines: list[str]) -> Iterator[tuple[int, str]]:
-        """Lines of numbers with their numbers; blank lines and repeated headers are noted."""
-        head = lines[self.rule.header - 1] if self.rule.header else None
-        count = 0
-        for number, line in enumerate(lines, start=1):
-            if number < self.rule.first:
-                continue
-            if self._skipped(line):
-                if not line.strip():
-                    self._breaks["blank"].append(count)
-            elif line == head:
-                self._breaks["header"].append(count)
-            else:
-                count += 1
-                yield number, line
+    def _read(self) -> str:
+        """Keep the lines of numbers, note blank ones and repeated headers; return the header."""
+        head, number, ends = "", 0, 0
+        for number, line in enumerate(_lines(self.path, self.rule.encoding), start=1):
+            ends = number if line else ends
+            if number == self.rule.header:
+                head = line
+            if number >= self.rule.first:
+                self._keep(number, line, head)
+        if number < self.rule.header:
+            raise BadInput(f"{self.path}: has {number} lines, none with number {self.rule.header}")
+        if not ends:
+            raise BadInput(f"{self.path}, line 1: the file is empty")
+        if len(self.rows) < 2:
+            raise BadInput(
+                f"{self.path}, line {ends}: the file ends here; expected two or more lines of "
+                f"numbers from line {self.rule.first} on"
+            )
+        mark = self.rule.comment
+        return head.strip(" ").removeprefix(mark) if mark else head
+
+    def _keep(self, number: int, line: str, head: str) -> None:
+        if self._skipped(line):
+            if not line.strip():
+                self._breaks["blank"].append(len(self.rows))
+        elif self.rule.header and line == head:
+            self._breaks["header"].append(len(self.rows))
+        else:
+            self.numbers_of_lines.append(number)
+            self.rows.append(line)
 
     def breaks(self, kind: str) -> NDArray[np.intp]:
         """Rows before which a blank line or a repeated header stands, as `kind` says."""
@@ -66,10 +76,12 @@ class Delimited:
 
     def labels(self, column: Column) -> FloatArray:
         """A number for each distinct text of a column, shape (n,); an empty cell goes on."""
-        cells = list(self._column_cells(self._index(column)))
-        for row in range(1, len(cells)):
-            cells[row] = cells[row] or cells[row - 1]
-        return np.unique(cells, return_inverse=True)[1].astype(np.float64)
+        numbers: dict[str, float] = {}
+        found, last = array("d"), ""
+        for cell in self._column_cells(self._index(column)):
+            last = cell or last
+            found.append(numbers.setdefault(last, float(len(numbers))))
+        return np.array(found)
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -87,7 +99,7 @@ class Delimited:
             return self._of_cells(index)
         try:
             values = np.loadtxt(
-                self._dotted,
+                iter(self._dotted),
                 delimiter=None if self.delimiter == " " else self.delimiter,
                 comments=None,
                 usecols=index,
@@ -122,21 +134,16 @@ class Delimited:
             return True
         return not line.strip() or bool(mark and line.lstrip().startswith(mark))
 
-    def _header(self, lines: list[str]) -> str:
-        number = self.rule.header
-        if number > len(lines):
-            raise BadInput(f"{self.path}: has {len(lines)} lines, none with number {number}")
-        line = lines[number - 1] if number else ""
-        return line.strip(" ").removeprefix(self.rule.comment) if self.rule.comment else line
-
     def _guessed(self, line: str) -> str:
         taken = "," if self.rule.decimal == "," else ""
         return next((each for each in GUESSES if each in line and each != taken), " ")
 
     def _cells(self, line: str) -> list[str]:
         if self.delimiter == " ":
-            return line.split()
+            return line.split(maxsplit=COLUMNS)
         try:
+            if line.count(self.delimiter) > COLUMNS:
+                raise BadInput(f"{self.path}: has more than {COLUMNS} columns")
             return next(csv.reader([line], delimiter=self.delimiter), [])
         except csv.Error as error:
             raise BadInput(f"{self.path}: unreadable line {line!r:.60}: {error}") from None
@@ -174,11 +181,11 @@ class Delimited:
         shown = ", ".join(self.names)
         return f'no column "{name}"{nearest(name, self.names)} (it has {shown:.300})'
 
-    @cached_property
-    def _dotted(self) -> list[str]:
+    @property
+    def _dotted(self) -> Iterable[str]:
         if self.rule.decimal == ".":
             return self.rows
-        return [line.replace(",", ".") for line in self.rows]
+        return (line.replace(",", ".") for line in self.rows)
 
     def _column_cells(self, index: int) -> Iterator[str]:
         for line in self.rows:
@@ -187,11 +194,11 @@ class Delimited:
 
     def _of_cells(self, index: int) -> FloatArray:
         cells = self._column_cells(index)
-        return np.array([self._number(row, cell) for row, cell in enumerate(cells)])
+        return np.array(array("d", (self._number(row, cell) for row, cell in enumerate(cells))))
 
     def _of_lists(self, index: int, place: int) -> FloatArray:
         """Numbers at `place` of lists in cells, such as `[0.1, 0.2]` or `0.1 0.2`."""
-        values = []
+        values = array("d")
         for row, cell in enumerate(self._column_cells(index)):
             parts = [part for part in re.split(r"[\s,;]+", cell.strip("[](){} ")) if part]
             if cell in self.missing:
@@ -235,19 +242,11 @@ def _as_number(text: str) -> float:
         return np.nan
 
 
-def _decoded(path: Path, encoding: str) -> list[str]:
-    data = read_bytes(path)
-    try:
-        text = data.decode("utf-8-sig" if encoding == "utf-8" else encoding)
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise BadInput(
-            f"{path}, line {line}: not {encoding} text; set text.encoding, such as latin-1"
-        ) from None
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n").split("\n")
-    if lines == [""]:
-        raise BadInput(f"{path}, line 1: the file is empty")
-    if "\0" in text:
-        line = next(k for k, each in enumerate(lines, start=1) if "\0" in each)
-        raise BadInput(f"{path}, line {line}: holds a NUL character, this is no text")
-    return lines
+def _lines(path: Path, encoding: str) -> Iterator[str]:
+    """Lines of a text file with their numbers checked for what no text holds."""
+    name = "utf-8-sig" if encoding == "utf-8" else encoding
+    advice = "; set text.encoding, such as latin-1"
+    for number, line in enumerate(lines(path, name, advice=advice), start=1):
+        if "\0" in line:
+            raise BadInput(f"{path}, line {number}: holds a NUL character, this is no text")
+        yield line

@@ -1,5 +1,6 @@
 """Tables of a TOML file, read strictly: every error names the file, the key and what is allowed."""
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,25 +8,37 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from hannes.core.errors import BadInput, nearest
-from hannes.core.io.inputs import note
+from hannes.core.io.bounded import read_bytes
+from hannes.core.io.limits import MIB, TOML_BYTES, TOML_PARTS
 from hannes.core.io.units import quantity
 
-LARGEST = 16_000_000  # bytes; far above any real experiment, with a recorded reference
+WHAT = "a TOML file"
+# A dotted key of so many parts, outside texts: tomllib takes their square in time.
+_LONG_KEY = re.compile(rf"(?:\.[^.,\n=]{{1,80}}){{{TOML_PARTS}}}")
+_PART, _LIST, _TABLE = 170, 72, 800  # bytes that a key, a list, a [table] takes besides its text
 
 
 def read_text(path: Path) -> str:
     """Return the text of a TOML file; BadInput where it cannot be read."""
-    note(path)
     try:
-        if path.stat().st_size > LARGEST:
-            raise BadInput(f"{path}: larger than {LARGEST // 1_000_000} MB, this is no TOML file")
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror or error})") from None
-    except ValueError:
-        if "\0" in str(path):
-            raise BadInput(f"{str(path)!r:.200}: is no name of a file") from None
+        return read_bytes(path, WHAT, TOML_BYTES).decode("utf-8").replace("\r\n", "\n")
+    except UnicodeDecodeError:
         raise BadInput(f"{path}: is not UTF-8 text; expected a TOML file") from None
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """Return the content of a TOML text.
+
+    Raises ValueError where it is none, RecursionError where it is nested too deep.
+    """
+    if len(text) > TOML_BYTES:
+        raise ValueError(f"longer than {TOML_BYTES} characters")
+    if _LONG_KEY.search(text):
+        raise ValueError(f"a key of more than {TOML_PARTS} parts")
+    taken = _PART * text.count("=") + _LIST * text.count("[") + _TABLE * text.count("\n[")
+    if taken > 12 * len(text) + 64 * MIB:
+        raise ValueError("too many keys")
+    return tomllib.loads(text)
 
 
 @dataclass(frozen=True)
@@ -41,13 +54,12 @@ class Table:
     def parse(cls, text: str, where: str, allowed: tuple[str, ...]) -> "Table":
         """Return the root table of a TOML text; BadInput for a syntax error or unknown key."""
         try:
-            content = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
-            raise BadInput(f"{where}: is not valid TOML: {error}") from None
-        except (RecursionError, ValueError):
-            raise BadInput(
-                f"{where}: is not valid TOML: nested too deep or numbers too long"
-            ) from None
+            content = parsed(text)
+        except RecursionError:
+            raise BadInput(f"{where}: is not valid TOML: nested too deep") from None
+        except ValueError as error:
+            reason = " ".join(str(error).split())
+            raise BadInput(f"{where}: is not valid TOML: {reason:.300}") from None
         return cls(content, where, allowed)
 
     def __post_init__(self) -> None:

@@ -1,25 +1,27 @@
 """Recordings as CSV: a header of `name_unit` columns, then numbers only.
 
-numpy parses the whole file at once. Only if that fails are the lines checked one by one, to name
-the faulty one.
+numpy parses the lines as they are read and unpacked. Only if that fails are they checked one by
+one, to name the faulty one.
 """
 
 import csv
 import gzip
+import itertools
 import re
-import zlib
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hannes.core.errors import BadInput
-from hannes.core.io.inputs import is_file, note
+from hannes.core.io.bounded import lines
+from hannes.core.io.limits import CHANNELS, VALUES
 
 FloatArray = NDArray[np.float64]
 
-LARGEST = 512 * 2**20  # bytes of text; an hour at 1 kHz with 8 channels has some 300 MB
+WHAT = "a CSV file"
 
 _NUMBER = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*", re.ASCII)
 _NOT_FINITE = re.compile(r"\s*[+-]?(?:nan|inf|infinity)\s*", re.ASCII | re.IGNORECASE)
@@ -27,10 +29,9 @@ _NOT_FINITE = re.compile(r"\s*[+-]?(?:nan|inf|infinity)\s*", re.ASCII | re.IGNOR
 
 def load(path: Path) -> tuple[dict[str, FloatArray], dict[str, str]]:
     """Return (channels, units) in column order; BadInput with file and line otherwise."""
-    lines = _lines(path, read_bytes(path))
-    columns = _header(path, lines[0])
+    columns = _header(path, next(_lines(path), ""))
     names = [name for name, _ in columns]
-    table = _table(path, lines[1:], names)
+    table = _table(path, names)
     _require_increasing(path, table, names)
     return {name: table[:, i] for i, name in enumerate(names)}, dict(columns)
 
@@ -38,42 +39,22 @@ def load(path: Path) -> tuple[dict[str, FloatArray], dict[str, str]]:
 def dump(channels: Mapping[str, FloatArray], units: Mapping[str, str], packed: bool) -> bytes:
     """Return the file's bytes, gzipped without a time stamp if `packed`."""
     rows = zip(*(each.tolist() for each in channels.values()), strict=True)
-    lines = [",".join(f"{name}_{units[name]}" for name in channels)]
-    lines += [",".join(map(repr, row)) for row in rows]
-    data = ("\n".join(lines) + "\n").encode()
+    text = [",".join(f"{name}_{units[name]}" for name in channels)]
+    text += [",".join(map(repr, row)) for row in rows]
+    data = ("\n".join(text) + "\n").encode()
     return gzip.compress(data, mtime=0) if packed else data
 
 
-def read_bytes(path: Path) -> bytes:
-    """Return a file's bytes, unpacked where its name ends in .gz; BadInput if that fails."""
-    note(path)
-    if not is_file(path):
-        raise BadInput(f"{path}: expected a CSV file, there is no such file")
-    try:
-        with gzip.open(path) if path.suffix.lower() == ".gz" else path.open("rb") as file:
-            data = file.read(LARGEST + 1)
-    except (OSError, EOFError, zlib.error) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise BadInput(f"{path}: cannot be read: {reason}") from None
-    if len(data) > LARGEST:
-        raise BadInput(f"{path}: longer than {LARGEST >> 20} MB; cut it into shorter recordings")
-    return data
-
-
-def _lines(path: Path, data: bytes) -> list[str]:
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise BadInput(f"{path}, line {line}: not UTF-8 text; save the file as UTF-8") from None
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n").split("\n")
-    if lines == [""]:
-        raise BadInput(f"{path}, line 1: the file is empty, expected a header such as time_s,...")
-    return lines
+def _lines(path: Path) -> Iterator[str]:
+    return lines(path, what=WHAT, advice="; save the file as UTF-8")
 
 
 def _header(path: Path, line: str) -> list[tuple[str, str]]:
     """Return (name, unit) of each column."""
+    if not line:
+        raise BadInput(f"{path}, line 1: the file is empty, expected a header such as time_s,...")
+    if line.count(",") >= CHANNELS:
+        raise BadInput(f"{path}, line 1: has more than {CHANNELS} columns")
     try:
         cells = [cell.strip() for cell in next(csv.reader([line], strict=True), [])]
     except csv.Error as error:
@@ -100,26 +81,50 @@ def _column(path: Path, cell: str) -> tuple[str, str]:
     )
 
 
-def _table(path: Path, lines: list[str], names: list[str]) -> FloatArray:
+def _table(path: Path, names: list[str]) -> FloatArray:
     """Return the numbers, rows x columns."""
-    if len(lines) < 2:
-        raise BadInput(
-            f"{path}, line {len(lines) + 1}: the file ends here, expected two or more rows"
-        )
+    rows = _Rows(path, len(names))
     try:
-        table = np.loadtxt(lines, delimiter=",", comments=None, ndmin=2)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # no rows: told below
+            table = np.loadtxt(iter(rows), delimiter=",", comments=None, ndmin=2)
     except ValueError:
         table = np.empty((0, 0))
-    if table.shape != (len(lines), len(names)) or not np.isfinite(table).all():
-        for number, line in enumerate(lines, start=2):
+    if table.shape != (rows.count, len(names)) or not np.isfinite(table).all():
+        for number, line in enumerate(_Rows(path, len(names)), start=2):
             _check_row(f"{path}, line {number}", line.split(","), names)
+    if rows.count < 2:
+        number = rows.count + 1
+        raise BadInput(f"{path}, line {number}: the file ends here, expected two or more rows")
+    if table.shape != (rows.count, len(names)):
         raise BadInput(f"{path}: expected rows of {len(names)} numbers separated by commas")
     return table
 
 
+class _Rows:
+    """Lines below the header, counted; empty ones at the end are passed over."""
+
+    def __init__(self, path: Path, width: int) -> None:
+        self.path, self.most, self.count = path, VALUES // width, 0
+
+    def __iter__(self) -> Iterator[str]:
+        empty = 0
+        for line in itertools.islice(_lines(self.path), 1, None):
+            if not line:
+                empty += 1
+                continue
+            if empty:
+                raise BadInput(
+                    f"{self.path}, line {self.count + 2}: the line is empty; leave out rows "
+                    "without data"
+                )
+            self.count += 1
+            if self.count > self.most:
+                raise BadInput(f"{self.path}: holds more than {VALUES} numbers; cut it into parts")
+            yield line
+
+
 def _check_row(place: str, cells: list[str], names: list[str]) -> None:
-    if cells == [""]:
-        raise BadInput(f"{place}: the line is empty; leave out rows without data")
     if len(cells) != len(names):
         raise BadInput(f"{place}: expected {len(names)} columns as in the header, got {len(cells)}")
     for name, cell in zip(names, cells, strict=True):

@@ -15,14 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.core.errors import BadInput
-from hannes.core.io.inputs import is_file, note
+from hannes.core.io.limits import CHANNELS, VALUES
+from hannes.core.recording.hdf5_storage import hdf5_file, member, require_plain
 
 FloatArray = NDArray[np.float64]
 
-MOST_VALUES = 50_000_000  # over all channels, 400 MB
-MOST_CHANNELS = 1000
 _TEXTS = ("schema", "plant", "experiment", "hand", "source", "conversion")
-OWN_FILTERS = {1, 2, 3}  # deflate, shuffle, Fletcher-32: built into the library
 
 
 def dump(
@@ -44,21 +42,8 @@ def dump(
 
 def load(path: Path) -> dict[str, Any]:
     """Return channels, units and metadata as `Recording` takes them; BadInput otherwise."""
-    import h5py
-
-    note(path)
-    if not is_file(path):
-        raise BadInput(f"{path}: expected an HDF5 file, there is no such file")
-    try:
-        with h5py.File(path, "r") as file:
-            return _content(file)
-    except BadInput as error:
-        raise BadInput(f"{path}: {error}") from None
-    except Exception as error:  # a damaged file raises nearly anything from inside the library
-        reason = " ".join(str(error).split())[:100]
-        raise BadInput(
-            f"{path}: cannot be read as HDF5, it is damaged or of another kind ({reason})"
-        ) from None
+    with hdf5_file(path, "an HDF5 file") as file:
+        return _content(file)
 
 
 def set_attribute(item: Any, key: str, value: str | int | None) -> None:
@@ -96,37 +81,24 @@ def _datasets(file: Any) -> dict[str, Any]:
     """Return the channels' datasets, each with plain storage; numbers are not read yet."""
     import h5py
 
-    group = _member(file, "channels", h5py.Group)
-    if len(group) > MOST_CHANNELS:
-        raise BadInput(f"has {len(group)} channels, more than {MOST_CHANNELS}")
-    datasets = {name: _member(group, name, h5py.Dataset) for name in group}
+    group = member(file, "channels", h5py.Group)
+    if len(group) > CHANNELS:
+        raise BadInput(f"has {len(group)} channels, more than {CHANNELS}")
+    datasets = {name: member(group, name, h5py.Dataset) for name in group}
+    total = sum(each.size or 0 for each in datasets.values())
+    if total > VALUES:
+        raise BadInput(f"holds {total} values, more than {VALUES}; cut it into shorter ones")
     for name, each in datasets.items():
         _check_storage(name, each)
-    total = sum(each.shape[0] for each in datasets.values())
-    if total > MOST_VALUES:
-        raise BadInput(f"holds {total} values, more than {MOST_VALUES}; cut it into shorter ones")
     if len({each.shape for each in datasets.values()}) > 1:
         raise BadInput("has channels of unequal length")
     return datasets
 
 
-def _member(group: Any, name: str, kind: type) -> Any:
-    import h5py
-
-    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-        raise BadInput(f'expected "{name}" inside the file, found no such member or a link')
-    if group.get(name, getclass=True) is not kind:
-        raise BadInput(f'expected "{name}" to be a {kind.__name__.lower()}')
-    return group[name]
-
-
 def _check_storage(name: str, dataset: Any) -> None:
     if dataset.shape is None or len(dataset.shape) != 1 or dataset.dtype not in ("<f8", ">f8"):
         raise BadInput(f'channel "{name}": expected a 1-D float64 dataset')
-    made = dataset.id.get_create_plist()
-    filters = {made.get_filter(i)[0] for i in range(made.get_nfilters())}
-    if dataset.is_virtual or dataset.external or not filters <= OWN_FILTERS:
-        raise BadInput(f'channel "{name}": expected plain or gzip storage inside this file')
+    require_plain(dataset)
 
 
 def text_attribute(item: Any, key: str) -> str:

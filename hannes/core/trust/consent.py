@@ -9,7 +9,6 @@ import hashlib
 import json
 import os
 import sys
-import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
@@ -19,7 +18,7 @@ from typing import Any
 
 from hannes.core.errors import BadInput, NotTrusted
 from hannes.core.io.atomic_files import real_path
-from hannes.core.io.toml_table import read_text
+from hannes.core.io.toml_table import parsed, read_text
 from hannes.core.trust.loader import load
 from hannes.core.trust.python_source import Source, is_own, located
 
@@ -150,7 +149,7 @@ def _is_dict(value: object) -> bool:
 
 def _content(toml: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(read_text(toml))
+        return parsed(read_text(toml))
     except (ValueError, RecursionError):
         return {}  # reported by its own reader
 

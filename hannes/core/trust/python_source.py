@@ -15,7 +15,7 @@ from functools import cached_property
 from pathlib import Path
 
 from hannes.core.errors import BadInput
-from hannes.core.io.inputs import note
+from hannes.core.io.bounded import read_bytes
 
 MOST_FILES = 200
 LARGEST = 2_000_000  # bytes of one file
@@ -114,15 +114,10 @@ def _closure(folder: Path, module: str, first: Path | None = None) -> dict[str, 
 
 
 def _read(path: Path) -> bytes:
-    note(path)
     try:
-        if path.stat().st_size > LARGEST or not path.is_file():
-            raise BadInput(f"{path}: expected a file of Python of at most {LARGEST} bytes")
-        return path.read_bytes()
-    except OSError as error:
-        raise BadInput(f"cannot read {path}: {error.strerror}") from None
-    except ValueError:
-        raise BadInput(f"cannot read {str(path)!r:.80}: this is no path") from None
+        return read_bytes(path, "a file of Python", LARGEST)
+    except BadInput as error:
+        raise BadInput(f"cannot read {error}") from None
 
 
 def _parents(module: str) -> list[str]:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from hannes.core.errors import BadInput
-from hannes.core.io.inputs import note
+from hannes.core.recording.matlab import load_mat
 from hannes.core.recording.recording import Recording
 
 # MATLAB name -> channel, unit. The file says `pulses_N`; they are volts added to the output.
@@ -20,16 +20,10 @@ CHANNELS = {
 
 def load(path: str | Path) -> Recording:
     """Read DATA_EMPS.mat or DATA_EMPS_PULSES.mat; BadInput where it is no such file."""
-    from scipy.io import loadmat
-
-    note(path)
     try:
-        content = loadmat(path)
-    except OSError as error:
-        raise BadInput(f"cannot read {path}: {error.strerror or error}") from None
-    except Exception as error:  # a damaged file raises nearly anything from inside the library
-        reason = " ".join(str(error).split())[:100]
-        raise BadInput(f"{path} is no MATLAB recording, or damaged: {reason}") from None
+        content = load_mat(Path(path))
+    except NotImplementedError:
+        raise BadInput(f"{path}: MATLAB 7.3, expected a recording of EMPS (version 5)") from None
     found = {name: content[name] for name in CHANNELS if name in content}
     if missing := [name for name in ("t", "qg", "qm", "vir") if name not in found]:
         raise BadInput(f"{path} lacks {', '.join(missing)}: expected a recording of EMPS")

@@ -5,16 +5,17 @@ same raw number, counts, neither grams nor newton.
 """
 
 import csv
-import io
 import re
+from array import array
 from pathlib import Path
 
 import numpy as np
 
 from hannes.core.errors import BadInput
-from hannes.core.recording.csv import read_bytes
+from hannes.core.io.bounded import lines
 from hannes.core.recording.recording import Recording
 
+MOST_TRIALS = 10_000
 COLUMNS = {"Trial_Elapsed_s": "time", "Middle_Angle": "angle", "Middle_Force_g": "force"}
 UNITS = {"time": "s", "angle": "1", "force": "1"}
 _TITLE = re.compile(r"([a-z]+)(\d*)_force(\d+)")  # middlefinger_speed250_force500_20trials_...
@@ -22,28 +23,28 @@ _TITLE = re.compile(r"([a-z]+)(\d*)_force(\d+)")  # middlefinger_speed250_force5
 
 def is_log(path: Path) -> bool:
     """Whether a file is such a log: by the columns that no recording of ours has."""
-    if ".csv" not in path.suffixes:
-        return False
-    return b"Trial_Index" in read_bytes(path).partition(b"\n")[0]
+    return ".csv" in path.suffixes and "Trial_Index" in next(lines(path), "")
 
 
 def load(path: Path) -> dict[str, Recording]:
     """Return the trials in their order, by name; BadInput where a column or a number is missing."""
-    try:
-        text = read_bytes(path).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise BadInput(f"{path}: no UTF-8 text: {error.reason} at byte {error.start}") from None
-    rows = csv.DictReader(io.StringIO(text, newline=""))
-    wanted = ("Trial_Index", *COLUMNS)
+    rows = csv.DictReader(lines(path))
+    wanted, found = ("Trial_Index", *COLUMNS), array("d")
     try:
         if missing := [name for name in wanted if name not in (rows.fieldnames or ())]:
             lacks = ", ".join(missing)
             raise BadInput(f"{path}, line 1: lacks {lacks}: expected a log of a finger")
-        table = np.array([[float(row[name]) for name in wanted] for row in rows])
+        for row in rows:
+            found.extend([float(row[name]) for name in wanted])
     except (TypeError, ValueError, csv.Error) as error:
         raise BadInput(f"{path}, line {rows.line_num}: no number: {error}") from None
-    if not table.size:
+    if not found:
         raise BadInput(f"{path}: a header without rows")
+    table = np.frombuffer(found).reshape(-1, len(wanted))
+    if not np.isfinite(table).all():
+        raise BadInput(f"{path}: a number is not finite")
+    if np.unique(table[:, 0]).size > MOST_TRIALS:
+        raise BadInput(f"{path}: more than {MOST_TRIALS} trials")
     return {
         f"{_title(path)}, trial {trial:g}": _recording(table[table[:, 0] == trial, 1:], path)
         for trial in np.unique(table[:, 0])

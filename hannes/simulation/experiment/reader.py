@@ -6,7 +6,7 @@ import numpy as np
 
 from hannes.contact.shapes import SHAPES
 from hannes.core.errors import BadInput
-from hannes.core.io.toml_table import Table, read_text
+from hannes.core.io.toml_table import Table, parsed, read_text
 from hannes.core.io.units import quantity
 from hannes.simulation.experiment import shipped
 from hannes.simulation.experiment.experiment import CONTROLLERS, Experiment, Reference, Target
@@ -58,11 +58,9 @@ def experiment_text(name: str, folder: Path | None = None) -> str:
 
 
 def _with_points(text: str, reference: Reference) -> str:
-    import tomllib
-
     import tomli_w
 
-    content = tomllib.loads(text)
+    content = parsed(text)
     points = [[f"{time!r} s", f"{angle!r} rad"] for time, angle in reference.knots.T.tolist()]
     content["reference"] = {"kind": "file", "points": points}
     return tomli_w.dumps(content)
