@@ -3,12 +3,13 @@
 import math
 
 from hannes.control.reference import interpolate
+from hannes.core.kernels.insertion import effects
 
 
 def equations(t, y, dy, p, c, reference, hold, out):
     """Fill dy with the rates of place [m] and speed [m/s]."""
     push = interpolate(t, reference) + hold[0]
-    # effects: push
+    push = effects(push)
     dy.place = y.speed
     dy.speed = push - p.stiffness * y.place - math.tanh(p.level * y.speed)
     out.force = push

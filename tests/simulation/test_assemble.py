@@ -229,12 +229,13 @@ PLANT = {
     "plant.py": '''
 """A mass on a spring: a plant of the user's own."""
 from springs import restoring
+from hannes.core.kernels.insertion import effects
 from hannes.dynamics.friction import dry
 
 
 def equations(t, y, dy, p, c, reference, hold, out):
     push = 0.0
-    # effects: push
+    push = effects(push)
     dy.place = y.speed
     dy.speed = push - restoring(y.place, p.stiffness) - dry(y.speed, p.level, 1.0)
 

@@ -1,13 +1,19 @@
 """What the page of kernel variables says may be read is what a run accepts, and no more."""
 
+from dataclasses import replace
+
 import pytest
 
 from hannes.core.effect import Effect, Term
+from hannes.core.errors import BadInput
+from hannes.core.layout import Layout
 from hannes.core.parameter import Parameter
 from hannes.plants.hand.plant import HandPlant
 from hannes.plants.protocol import PLANTS, find_plant
 from hannes.simulation.catalogue import effects
+from hannes.simulation.compiler.expansion import opened
 from hannes.simulation.compiler.open_channels import open_channels
+from hannes.simulation.hand.model import EQUATIONS
 
 HAND = {each.slot.name: each for each in open_channels(HandPlant.compiled_from)}
 
@@ -55,3 +61,27 @@ def test_what_effects_of_the_package_write_and_read_is_listed():
             listed = {*HAND[term.writes[0]].arrays, *HAND[term.writes[0]].numbers}
             assert set(term.writes) <= HAND.keys()
             assert set(term.arguments) <= listed | everywhere | own, (effect.name, term)
+
+
+def test_a_variable_that_is_not_declared_is_no_interface():
+    """A local variable of a stage can be read where the plant declares it, and else not."""
+    bare = replace(EQUATIONS, numbers=Layout(()))
+    effect = reading("gear_friction", ["load"])
+    assert EQUATIONS.accepts(effect) == ""
+    assert "load, which is a variable of gear alone" in bare.accepts(effect)
+
+
+def test_an_opening_names_the_same_channels_twice():
+    assert opened("    slack, supply = effects(slack, supply)") == ("    ", ["slack", "supply"])
+    assert opened("    c.drag = effects(c.drag)") == ("    ", ["drag"])
+    assert opened("    slack = effect(slack)") is None
+    with pytest.raises(BadInput, match="both sides"):
+        opened("    slack = effects(supply)")
+
+
+def test_the_text_runs_as_plain_python():
+    """Without effects an opening changes nothing."""
+    from hannes.core.kernels.insertion import effects
+
+    assert effects(1.5) == 1.5
+    assert effects(1.5, 2.5) == (1.5, 2.5)

@@ -46,6 +46,11 @@ def _plant(plant: Plant) -> str:
     rows = [[*_variable(each.slot), each.stage, _writers(plant, each)] for each in found]
     parts += ["## Add to", table((*VARIABLE, "stage", "effects that add to it"), rows)]
     parts += ["## Read there", _readable(found, groups)]
+    if equations.numbers.slots:
+        parts += [
+            "## Numbers of the stages",
+            table(VARIABLE, map(_variable, equations.numbers.slots)),
+        ]
     slots = {slot.name: slot for slot in equations.channels.slots}
     for label, names in groups.items():
         rows = [_variable(slots[name]) for name in names]

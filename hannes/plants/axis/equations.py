@@ -7,6 +7,7 @@ volts that are added behind the controller's limit.
 
 from hannes.control.cascade import cascade, mean_difference
 from hannes.control.reference import interpolate
+from hannes.core.kernels.insertion import effects
 from hannes.dynamics.friction import dry
 
 
@@ -21,14 +22,14 @@ def equations(t, y, dy, p, c, reference, hold, out):
 def position_reference(t, y, dy, p, c, reference, out):
     """Where the axis should be [m]."""
     reference_time = t
-    # effects: reference_time
+    reference_time = effects(reference_time)
     return interpolate(reference_time, reference)
 
 
 def sense(t, y, dy, p, c, out):
     """What the controller sees of the position [m]."""
     measured_position = y.axis_position
-    # effects: measured_position
+    measured_position = effects(measured_position)
     return measured_position
 
 
@@ -47,7 +48,7 @@ def sample(t, y, dy, p, c, reference, hold, out):
 def drive(t, y, dy, p, c, hold, out):
     """Ideal amplifier and motor: force [N] = gain times volts, held from sample to sample."""
     voltage = hold[0]
-    # effects: voltage
+    voltage = effects(voltage)
     out.drive = hold[0]
     return p.axis_force_gain * voltage
 
@@ -59,7 +60,7 @@ def gear(t, y, dy, p, c, force, out):
     gear_friction = dry(motor_speed, p.motor_dry_friction, p.motor_friction_speed)
     gear_friction += p.motor_viscous_friction * motor_speed
     motor_torque = 0.0
-    # effects: gear_friction, motor_torque
+    gear_friction, motor_torque = effects(gear_friction, motor_torque)
     dy.axis_position = motor_speed
     dy.motor_speed = (load + motor_torque - gear_friction - p.axis_offset) / p.axis_mass
     out.friction = gear_friction

@@ -94,6 +94,12 @@ EQUATIONS = Equations(
         )
     ),
     entries=_RUN,
+    numbers=Layout(
+        (
+            Slot("force", "N", "of the motor on the axis"),
+            Slot("load", "N", "that the screw carries"),
+        )
+    ),
 )
 
 SUBSTEPS = 2  # per sample; tests/plants/test_axis.py shows that more change nothing

@@ -5,6 +5,7 @@ logs them. `hold`: angle of the first sample, its reading, speed of closing [100
 """
 
 from hannes.control.reference import interpolate
+from hannes.core.kernels.insertion import effects
 from hannes.plants.finger.elastic import pressed
 
 
@@ -19,7 +20,7 @@ def equations(t, y, dy, p, c, reference, hold, out):
 def closed(t, y, dy, p, c, reference, out):
     """Angle of the actuator [counts], open at 1000."""
     reading_time = t
-    # effects: reading_time
+    reading_time = effects(reading_time)
     out.angle = interpolate(reading_time, reference)
     return interpolate(reading_time, reference)
 
@@ -31,7 +32,7 @@ def contact(t, y, dy, p, c, angle, rested, closing_speed, out):
     """
     elastic = pressed(angle, p.contact_stiffness, p.contact_angle, p.contact_exponent)
     contact_force = elastic
-    # effects: contact_force
+    contact_force = effects(contact_force)
     out.contact_force = max(contact_force, 0.0)
     return max(contact_force, 0.0)
 
@@ -39,5 +40,5 @@ def contact(t, y, dy, p, c, angle, rested, closing_speed, out):
 def sensor(t, y, dy, p, c, force, first_reading, out):
     """Force as the hand logs it [counts]."""
     logged_force = force
-    # effects: logged_force
+    logged_force = effects(logged_force)
     out.force = logged_force

@@ -79,6 +79,16 @@ EQUATIONS = Equations(
         )
     ),
     entries=_RUN,
+    numbers=Layout(
+        (
+            Slot("angle", "1", "of the actuator as it is read, counts"),
+            Slot("rested", "1", "force at which the recording starts, counts"),
+            Slot("closing_speed", "1/s", "of the actuator, counts a second"),
+            Slot("elastic", "1", "force of the static contact law, counts"),
+            Slot("force", "1", "of the object on the finger, counts"),
+            Slot("first_reading", "1", "of the force in the recording, counts"),
+        )
+    ),
 )
 
 OWN = (

@@ -1,8 +1,8 @@
 """From a plant's written equations and a list of effects to compiled entry points.
 
-The equations stay the text they are: names of slots become subscripts, lines that name open
-channels are followed by the calls of effects, and lines that only fill outputs are dropped
-from the version that the integrator runs.
+The equations stay the text they are: names of slots become subscripts, statements that open
+channels give way to the calls of effects, and lines that only fill outputs are dropped from the
+version that the integrator runs.
 """
 
 import ast
@@ -26,7 +26,12 @@ from hannes.simulation.compiler import entry_points as entries
 from hannes.simulation.compiler import output_entry as observed
 from hannes.simulation.compiler.autodiff.rules import LANES
 from hannes.simulation.compiler.definite_assignment import assigned_channels
-from hannes.simulation.compiler.expansion import HOOK, Layouts, output_read_back, without_outputs
+from hannes.simulation.compiler.expansion import (
+    Layouts,
+    opened,
+    output_read_back,
+    without_outputs,
+)
 from hannes.simulation.compiler.output_slice import Needed, gated
 from hannes.simulation.rodas import source as method
 from hannes.simulation.rodas.linear_algebra import copy_to
@@ -54,7 +59,8 @@ class Equations:
     """A plant's written equations: the module that holds them and what its slots mean.
 
     `entries` is the text of further entry points of its own, like entry_points.py; `memory`: how
-    many numbers its firmware holds from tick to tick.
+    many numbers its firmware holds from tick to tick. `numbers`: local variables of its stages
+    that effects may read; what is not declared there is no interface.
     `shape(layouts, source, names, stage_of)` finds the Shape of a plant that has one.
     """
 
@@ -66,18 +72,19 @@ class Equations:
     entries: str = ""
     memory: int = 10
     shape: Callable[..., Shape] | None = None
+    numbers: Layout = field(default_factory=lambda: Layout(()))
 
     def source(self) -> str:
         """Text of the module's functions, without its imports and head."""
         return _functions(self.module)
 
     def stage_of(self, channel: str) -> str:
-        """Name of the written function whose hook is open for `channel`."""
+        """Name of the written function in which effects may add to `channel`."""
         stage = ""
         for line in self.source().splitlines():
             if line.startswith("def "):
                 stage = line[4 : line.index("(")]
-            if (hook := HOOK.match(line)) and channel in hook[2].split(", "):
+            if (opening := opened(line)) and channel in opening[1]:
                 return stage
         return ""
 
@@ -104,7 +111,8 @@ class Equations:
             late = name not in self._assigned[channel]
             return f"is not yet assigned where {channel} is open" if late else ""
         if name in self._locals(channel):
-            return ""
+            declared = name in self.numbers or name in self.channels
+            return "" if declared else f"is a variable of {self.stage_of(channel)} alone"
         if name in self.channels:
             return f"is not at hand where {channel} is open"
         return "this plant does not have"
@@ -114,11 +122,11 @@ class Equations:
         return assigned_channels(self.source(), self.channels)
 
     def _locals(self, channel: str) -> set[str]:
-        """Names bound in the stage of `channel` before its hook."""
+        """Names bound in the stage of `channel` before effects join."""
         stage, bound = self.stage_of(channel), set()
         function = getattr(self.module, stage)
         for line in inspect.getsource(function).splitlines():
-            if (hook := HOOK.match(line)) and channel in hook[2].split(", "):
+            if (opening := opened(line)) and channel in opening[1]:
                 break
             if assigned := re.match(r"^    ([\w, ]+?) (?:=|\+=) ", line):
                 bound |= set(assigned[1].split(", "))

@@ -9,11 +9,11 @@ import ast
 from collections.abc import Sequence
 
 from hannes.core.layout import Layout
-from hannes.simulation.compiler.expansion import HOOK
+from hannes.simulation.compiler.expansion import opened
 
 
 def assigned_channels(source: str, channels: Layout) -> dict[str, set[str]]:
-    """Array channels known at every hook of the equations in `source`, by open channel."""
+    """Array channels known where effects join the equations in `source`, by open channel."""
     walk = _Walk(source, channels)
     walk.stage("equations", set())
     for name in walk.stages:
@@ -27,8 +27,8 @@ class _Walk:
         tree = ast.parse(source).body
         self.stages = {each.name: each for each in tree if isinstance(each, ast.FunctionDef)}
         self.channels, self.known, self.entered = channels, dict[str, set[str]](), set[str]()
-        found = ((line, HOOK.match(text)) for line, text in enumerate(source.splitlines(), 1))
-        self.hooks = {line: hook[2].split(", ") for line, hook in found if hook}
+        found = ((line, opened(text)) for line, text in enumerate(source.splitlines(), 1))
+        self.openings = {line: opening[1] for line, opening in found if opening}
         starts = [each.lineno for each in self.stages.values()]
         self.ends = dict(zip(self.stages, [*starts[1:], len(source.splitlines()) + 1], strict=True))
 
@@ -49,9 +49,9 @@ class _Walk:
         return done
 
     def _note(self, start: int, end: int, done: set[str]) -> None:
-        """Take down what is known at the hooks between two lines."""
+        """Take down what is known where effects join between two lines."""
         for line in range(start, end):
-            for channel in self.hooks.get(line, ()):
+            for channel in self.openings.get(line, ()):
                 self.known[channel] = self.known.get(channel, done) & done
 
     def _statement(self, statement: ast.stmt, done: set[str]) -> set[str]:

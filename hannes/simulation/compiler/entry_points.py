@@ -193,16 +193,8 @@ def grasp(
             if hold[9] > 0.0:
                 read_ahead(hold[9], period, ends[: taken + 1], pieces, data.turn, seen)
             before = ends[taken] if period == 0.0 else ends[taken] * (1.0 - 1e-12)
-            first = filled
-            while filled < times.size and times[filled] < before:
-                filled += 1
-            sample_pieces(times[first:filled], ends[: taken + 1], pieces, rows[first:filled])
-            for row in range(first, filled):
-                copy_to(holds[row], hold)
-            if counts[4] == 0 and counts[1] > MOST:
-                counts[4] = TOO_MANY
-            if counts[4] == 0 and follow and counts[1] + counts[3] > APART * path[0]:
-                counts[4] = ASTRAY
+            filled = take_samples(times, filled, before, ends, taken, pieces, rows, holds, hold)
+            judge(counts, path, follow)
             if counts[4] != 0 or stop[0]:
                 return filled
     for row in range(filled, times.size):
@@ -210,6 +202,28 @@ def grasp(
         copy_to(holds[row], hold)
     path[0] = place if place < path.size else 0.0
     return times.size
+
+
+def take_samples(times, first, before, ends, taken, pieces, rows, holds, hold):
+    """Sample the dense output of `taken` steps from sample `first` up to the time `before`.
+
+    Returns how many samples there are now.
+    """
+    filled = first
+    while filled < times.size and times[filled] < before:
+        filled += 1
+    sample_pieces(times[first:filled], ends[: taken + 1], pieces, rows[first:filled])
+    for row in range(first, filled):
+        copy_to(holds[row], hold)
+    return filled
+
+
+def judge(counts, path, follow):
+    """Note a failure of a grasp that takes too many steps, or strays from the one it follows."""
+    if counts[4] == 0 and counts[1] > MOST:
+        counts[4] = TOO_MANY
+    if counts[4] == 0 and follow and counts[1] + counts[3] > APART * path[0]:
+        counts[4] = ASTRAY
 
 
 def noted(ends, taken, path, place):

@@ -1,7 +1,7 @@
 """Slots and effects filled into the text of written equations.
 
-Names of slots become subscripts of plain arrays, and each line `# effects: channel, ...` is
-followed by the calls of the effects that add to these channels.
+Names of slots become subscripts of plain arrays. In place of each statement
+`a, b = effects(a, b)` stand the calls of the effects that add to these channels.
 """
 
 import ast
@@ -9,11 +9,25 @@ import re
 from dataclasses import replace
 
 from hannes.core.effect import Effect, Term
+from hannes.core.errors import BadInput
 from hannes.core.layout import Layout, Slot
 
 _SLOT = re.compile(r"\b(p|y|dy|c|out)\.([a-z]\w*)")
 _ELEMENT = re.compile(r"\b(p|y|dy|c|out)\[(\d+):\d+\]\[")
-HOOK = re.compile(r"^(\s*)# effects: (.+)$")
+_OPENING = re.compile(r"^(\s*)(\S.*?) = effects\((.+)\)$")
+
+
+def opened(line: str) -> tuple[str, list[str]] | None:
+    """Indentation and channels of a statement `a, b = effects(a, b)`, None of any other line.
+
+    Raises BadInput where the two sides differ: what is added would be lost.
+    """
+    found = _OPENING.match(line)
+    if found is None:
+        return None
+    if found[2] != found[3]:
+        raise BadInput(f"`{line.strip()}`: expected the same channels on both sides")
+    return found[1], [name.removeprefix("c.") for name in found[2].split(", ")]
 
 
 class Layouts:
@@ -45,12 +59,15 @@ class Layouts:
         return {"steps": f"np.array({steps})", **{name: str(n) for name, n in counts.items()}}
 
     def fill(self, source: str) -> str:
-        """Return the source with hooks expanded and slots as subscripts."""
+        """Return the source with the calls of effects put in and slots as subscripts."""
         lines: list[str] = []
         for line in source.splitlines():
-            lines.append(line)
-            if hook := HOOK.match(line):
-                lines += [hook[1] + call for call in self._calls(hook[2].split(", "))]
+            if (opening := opened(line)) is None:
+                lines.append(line)
+                continue
+            indent, channels = opening
+            lines.append(f"{indent}# effects: {', '.join(channels)}")
+            lines += [indent + call for call in self._calls(channels)]
         return _flat(_SLOT.sub(self._subscript, "\n".join(lines))) + "\n"
 
     def _subscript(self, match: re.Match[str]) -> str:

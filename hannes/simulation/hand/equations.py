@@ -2,7 +2,7 @@
 
 This text is the model. `p.name`, `y.name`, `c.name` and `out.name` stand for slots of plain
 arrays (parameters, states, channels, outputs; see variables.py); `assemble` fills in the
-numbers, inserts the calls of the chosen effects after each line `# effects: channel, ...`, and
+numbers, puts the calls of the chosen effects in place of each `channel = effects(channel)`, and
 compiles the result. `print(hand.equations())` shows it. SI units; the motor at its own side.
 It is long and stays one file: one text to read from motor to fingertip, and to compile as a whole.
 """
@@ -17,6 +17,7 @@ from hannes.control.encoder import quantised
 from hannes.control.pid import integral_rate, pid, saturated
 from hannes.control.reference import interpolate
 from hannes.control.sensor_noise import gaussian
+from hannes.core.kernels.insertion import effects
 from hannes.core.kernels.vector_math import direction
 from hannes.dynamics.carts import cart_rate
 from hannes.dynamics.finger import gravity_torque, kinetic_energy, solve_inertia
@@ -47,7 +48,7 @@ def equations(t, y, dy, p, c, reference, hold, out):
 def position_reference(t, y, dy, p, c, reference, out):
     """Where the output shaft should be [rad]."""
     reference_time = t
-    # effects: reference_time
+    reference_time = effects(reference_time)
     target = interpolate(reference_time, reference)
     out.reference = target
     return target
@@ -56,7 +57,7 @@ def position_reference(t, y, dy, p, c, reference, out):
 def probe(t, y, dy, p, c, out):
     """What encoder and current sensor are put to: shaft [rad, output side] and current [A]."""
     shaft_position, sensed_current = y.motor_angle / p.gear_ratio, y.motor_current
-    # effects: shaft_position, sensed_current
+    shaft_position, sensed_current = effects(shaft_position, sensed_current)
     return shaft_position, sensed_current
 
 
@@ -65,9 +66,9 @@ def sense(t, y, dy, p, c, hold, out):
     shaft_position, sensed_current = probe(t, y, dy, p, c, out)
     held_position, held_current = hold[7], hold[8]
     delayed_position, delayed_current = shaft_position, sensed_current
-    # effects: delayed_position, delayed_current
+    delayed_position, delayed_current = effects(delayed_position, delayed_current)
     measured_position, measured_current = delayed_position, delayed_current
-    # effects: measured_position, measured_current
+    measured_position, measured_current = effects(measured_position, measured_current)
     if p.controller_current_noise > 0.0 and p.controller_sampled > 0.5:
         seed, tick = int(p.controller_noise_seed), round(t / p.controller_period)
         measured_current += p.controller_current_noise * gaussian(seed, tick)
@@ -118,7 +119,7 @@ def sample(t, y, dy, p, c, reference, hold, out):
     """
     target = position_reference(t, y, dy, p, c, reference, out)
     reading_age = 0.0
-    # effects: reading_age
+    reading_age = effects(reading_age)
     hold[9] = reading_age
     hold[7], hold[8] = probe(t, y, dy, p, c, out)
     position, current = sense(t, y, dy, p, c, hold, out)
@@ -148,13 +149,13 @@ def sample(t, y, dy, p, c, reference, hold, out):
 def drive(t, y, dy, p, c, duty, out):
     """PWM drive and winding: L di/dt = V - R i - k_e w; returns k_t [N m/A]."""
     current, speed = y.motor_current, y.motor_speed
-    # effects: duty
+    duty = effects(duty)
     supply = p.supply_voltage
-    # effects: supply
+    supply = effects(supply)
     voltage = drive_voltage(duty, supply)
-    # effects: voltage
+    voltage = effects(voltage)
     resistance, torque_constant = p.motor_resistance, p.motor_torque_constant
-    # effects: resistance, torque_constant
+    resistance, torque_constant = effects(resistance, torque_constant)
     dy.motor_current = current_rate(
         voltage, current, speed, resistance, torque_constant, p.motor_inductance
     )
@@ -199,7 +200,7 @@ def excursions(y, p, c):
 def leader(t, y, dy, p, c, out):
     """Leader wire around both cart pulleys to the thumb; returns its load on the motor [N m]."""
     slack, leader_compliance = 0.0, 1.0 / p.leader_stiffness
-    # effects: slack, leader_compliance
+    slack, leader_compliance = effects(slack, leader_compliance)
     arm = p.gear_pulley_radius / p.gear_ratio
     stretch = leader_stretch(
         arm * y.motor_angle, y.cart_position[0], y.cart_position[1], c.excursion[4], slack
@@ -210,10 +211,10 @@ def leader(t, y, dy, p, c, out):
     stiffness = 1.0 / leader_compliance
     c.leader_stretch, c.leader_rate, c.leader_stiffness = stretch, rate, stiffness
     leader_tension = tension(stretch, rate, stiffness, p.leader_damping, p.wires_onset)
-    # effects: leader_tension
+    leader_tension = effects(leader_tension)
     pull_a, pull_b, pull_thumb = leader_tension, leader_tension, leader_tension
     rate_a, rate_b, rate_thumb = y.cart_speed[0], y.cart_speed[1], c.excursion_rate[4]
-    # effects: pull_a, pull_b, pull_thumb
+    pull_a, pull_b, pull_thumb = effects(pull_a, pull_b, pull_thumb)
     c.leader_pull[0], c.leader_pull[1], c.tendon_tension[4] = pull_a, pull_b, pull_thumb
     out.leader_tension = leader_tension
     out.leader_stretch = stretch
@@ -233,7 +234,7 @@ def gear(t, y, dy, p, c, torque_constant, load, out):
     gear_friction = dry(speed, p.motor_dry_friction, p.motor_friction_speed)
     gear_friction += p.motor_viscous_friction * speed
     motor_torque = 0.0
-    # effects: gear_friction, motor_torque
+    gear_friction, motor_torque = effects(gear_friction, motor_torque)
     dy.motor_angle = speed
     dy.motor_speed = speed_rate(
         torque_constant, y.motor_current, gear_friction - motor_torque, load, p.motor_inertia
@@ -245,7 +246,7 @@ def gear(t, y, dy, p, c, torque_constant, load, out):
 def carts(t, y, dy, p, c, out):
     """Carts A (index, middle) and B (ring, little): m x'' = 2 T_L - 2 T_F - F(x') (eq. 2)."""
     follower_compliance = 1.0 / p.follower_stiffness
-    # effects: follower_compliance
+    follower_compliance = effects(follower_compliance)
     for cart in range(2):
         c.cart_friction[cart] = stribeck(
             y.cart_speed[cart],
@@ -257,7 +258,7 @@ def carts(t, y, dy, p, c, out):
     for cart in range(2):
         c.follower_slip[cart] = 0.5 * (c.excursion_rate[2 * cart] - c.excursion_rate[2 * cart + 1])
         c.follower_loss[cart] = 0.0
-    # effects: cart_friction, follower_loss
+    c.cart_friction, c.follower_loss = effects(c.cart_friction, c.follower_loss)
     for cart in range(2):
         first, second = 2 * cart, 2 * cart + 1
         stiffness = 1.0 / follower_compliance
@@ -279,7 +280,7 @@ def carts(t, y, dy, p, c, out):
         out.power_wire_elastic += stiffness * max(stretch, 0.0) * rate
         out.power_wire_damping += (pull - stiffness * max(stretch, 0.0)) * rate
         out.power_wire_friction += 2.0 * pull * c.follower_loss[cart] * c.follower_slip[cart]
-    # effects: tendon_tension
+    c.tendon_tension = effects(c.tendon_tension)
 
 
 def joints(t, y, dy, p, c, out):
@@ -308,7 +309,7 @@ def joints(t, y, dy, p, c, out):
             p.joint_stop_damping[joint],
             p.joint_stop_onset[joint],
         )
-    # effects: spring_torque, joint_friction
+    c.spring_torque, c.joint_friction = effects(c.spring_torque, c.joint_friction)
     for joint in range(10):
         out.power_spring += c.spring_torque[joint] * y.joint_speed[joint]
         out.power_joint_friction += c.joint_friction[joint] * y.joint_speed[joint]
@@ -318,7 +319,7 @@ def joints(t, y, dy, p, c, out):
         c.joint_torque[joint] = flexor + c.stop_torque[joint] - opening
     if p.gravity_x != 0.0 or p.gravity_y != 0.0:
         gravity(t, y, p, c, out)
-    # effects: joint_torque
+    c.joint_torque = effects(c.joint_torque)
 
 
 def gravity(t, y, p, c, out):
@@ -343,7 +344,7 @@ def gravity(t, y, p, c, out):
 def contact(t, y, dy, p, c, out):
     """Every phalanx against the object's section in its plane: eq. 3 and sliding friction."""
     object_x, object_y, object_angle = p.object_x, p.object_y, 0.0
-    # effects: object_x, object_y, object_angle
+    object_x, object_y, object_angle = effects(object_x, object_y, object_angle)
     for f in range(5):
         place_finger(p, c, f, object_x, object_y)
     if p.object_flat > 1.5:
@@ -443,7 +444,7 @@ def press(t, y, dy, p, c, out):
     for f in range(5):
         slide(y, c, 2 * f, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
         slide(y, c, 2 * f + 1, y.joint_speed[2 * f], y.joint_speed[2 * f + 1])
-    # effects: penetration_rate, slip_speed
+    c.penetration_rate, c.slip_speed = effects(c.penetration_rate, c.slip_speed)
     for phalanx in range(p.link_length.size):
         c.normal_force[phalanx] = normal_law(
             c.penetration[phalanx],
@@ -452,17 +453,17 @@ def press(t, y, dy, p, c, out):
             p.object_damping,
             p.object_onset,
         )
-    # effects: normal_force
+    c.normal_force = effects(c.normal_force)
     touching = 0
     for phalanx in range(p.link_length.size):
         c.normal_force[phalanx] = max(0.0, c.normal_force[phalanx])
         touching += c.normal_force[phalanx] > 0.0
         c.drag[phalanx], c.held_drag[phalanx] = 0.0, 0.0
-    # effects: held_drag
+    c.held_drag = effects(c.held_drag)
     if touching > 0:
         push(p, c, out)
     palm_force, object_power = 0.0, 0.0
-    # effects: palm_force, object_power
+    palm_force, object_power = effects(palm_force, object_power)
     out.palm_force = palm_force
     out.power_object = object_power
     sense_forces(t, y, dy, p, c, touching, out)
@@ -509,7 +510,7 @@ def sense_forces(t, y, dy, p, c, touching, out):
             c.logged_sensor[phalanx // 2] += sensed(
                 normal, drag, c.normal_x[phalanx], c.normal_y[phalanx]
             )
-    # effects: logged_force, logged_sensor
+    c.logged_force, c.logged_sensor = effects(c.logged_force, c.logged_sensor)
     out.force = c.logged_force.sum()
     out.sensor = c.logged_sensor.sum()
 

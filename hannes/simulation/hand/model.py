@@ -12,4 +12,5 @@ EQUATIONS = Equations(
     Layout(variables.CHANNELS),
     Layout(variables.OUTPUTS),
     shape=sparsity.shape,
+    numbers=Layout(variables.NUMBERS),
 )

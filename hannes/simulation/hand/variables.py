@@ -53,7 +53,28 @@ STATES = (
     )
 )
 
-# Quantities that effects may read, and add to at the line that names them in equations.py.
+# Local variables of the stages that effects may read as well, once they are known there.
+NUMBERS = _slots(
+    "",
+    """
+    target         | rad | where the output shaft should be
+    held_position  | rad | of the shaft, as the firmware probed it last
+    held_current   | A | as the firmware probed it last
+    current        | A | in the winding
+    speed          | rad/s | of the motor, motor side
+    arm            | m | leader wire wound for each radian of the motor
+    stretch        | m | of the leader wire, negative while slack
+    rate           | m/s | of its stretch
+    stiffness      | N/m | of the leader wire
+    rate_a         | m/s | of cart A along the pull
+    rate_b         | m/s | of cart B along the pull
+    rate_thumb     | m/s | of the thumb's flexor wire
+    load           | N m | of the leader wire on the motor, motor side
+    touching       | 1 | number of phalanges that touch the object
+    """,
+)
+
+# Quantities that effects may read, and add to where equations.py opens them.
 CHANNELS = (
     _slots(
         "",
