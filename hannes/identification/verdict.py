@@ -7,6 +7,7 @@ from typing import Any
 
 from hannes.core.io.provenance import versions
 
+MOST_MOVED = 5  # parameters in the line of a terminal
 FAINT = 0.2  # squared noise floors, mean over channels: a gap that is less above one is not visible
 _SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 
@@ -21,6 +22,8 @@ class Verdict:
     cautions: warnings of the data check.
     confusability: `effects` and their `cosines`, row by row: cosine similarity of the signatures of
     two effects in these recordings, beyond what the machine's parameters can do; 1 is the same.
+    baseline: `intervals_from`, and `parameters` refitted without any new effect, those moved most
+    first: name, of (an object), unit, nominal, value, low, high (95 %), moved (prior deviations).
     """
 
     verdict: str
@@ -41,6 +44,7 @@ class Verdict:
     next_run: dict[str, Any] | None = None
     smallest_detectable: dict[str, Any] | None = None
     confusability: dict[str, Any] | None = None
+    baseline: dict[str, Any] | None = None
     versions: dict[str, str] = field(default_factory=versions)
 
     def __repr__(self) -> str:
@@ -67,6 +71,7 @@ class Verdict:
     def summary(self) -> str:
         """Some lines for a terminal."""
         lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
+        lines += [_moved_most(self)] if self.verdict == "recalibrated" and self.baseline else []
         lines += [self.advice] if self.next_run else []
         if self.gap:
             lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
@@ -112,6 +117,24 @@ def size_text(parameter: dict[str, Any]) -> str:
     value, low, high = (factor * parameter[key] for key in ("value", "low", "high"))
     shown = f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
     return f"{shown} ({low:.3g} to {high:.3g})"
+
+
+def refitted_text(row: Mapping[str, Any]) -> tuple[str, str, str]:
+    """Name, nominal, and refitted value of a parameter of the baseline, in a readable unit."""
+    unit, factor = readable_unit(row["unit"])
+    name = f"{row['name']} ({row['of']})" if row["of"] else row["name"]
+    nominal, value = (f"{factor * row[key]:.4g}" for key in ("nominal", "value"))
+    return name, nominal, value if unit == "1" else f"{value} {unit}"
+
+
+def _moved_most(result: Verdict) -> str:
+    """The parameters that moved most, in one line."""
+    rows = (result.baseline or {})["parameters"][:MOST_MOVED]
+    shown = []
+    for row in rows:
+        name, nominal, value = refitted_text(row)
+        shown.append(f"{name} {nominal} -> {value} ({row['moved']:+.1f})")
+    return f"moved most (in prior standard deviations): {', '.join(shown)}"
 
 
 def indistinguishable(parameters: Mapping[str, Mapping[str, Any]]) -> list[str]:

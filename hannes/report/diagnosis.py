@@ -3,17 +3,20 @@
 The sentence; what the effect is and where it sits; before and after; where it disagreed; rivals.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from hannes.identification.verdict import (
     effect_words,
     indistinguishable,
     readable_unit,
+    refitted_text,
     size_text,
 )
 from hannes.report.effect_section import explained_effects, marked_schematic
 from hannes.report.figure_diagnosis import figures
-from hannes.report.formats import decimals, number
+from hannes.report.formats import decimals, number, signed
 from hannes.report.page import render
 from hannes.report.residual_map import constant_part, residual_map
 from hannes.report.table import Table
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
 
 STAGES = ("as_given", "before", "after")
 WHERE, RANKING = "diagnosis-where", "diagnosis-ranking"  # names of figures
+MOST_MOVED = 12  # rows of the table of the baseline
 MANY = 24  # recordings, beyond which a list of them is not readable
 
 
@@ -43,6 +47,7 @@ def page(diagnosis: "Diagnosis") -> str:
             "map": residual_map(diagnosis),
             "gaps": _gaps(diagnosis),
             "sizes": _sizes(diagnosis),
+            "baseline": _baseline(diagnosis),
             "tried": _tried(diagnosis),
             "confusability": _confusability(diagnosis),
             "recordings": _recordings(diagnosis),
@@ -93,6 +98,33 @@ def _sizes(diagnosis: "Diagnosis") -> Table:
     columns = ("Parameter", "Value (95 % interval)", "Distinguishable from no effect")
     note = "The interval contains the value at which it does nothing."
     return Table("sizes", "Size of the effect", columns, tuple(rows), note if vague else "")
+
+
+def _baseline(diagnosis: "Diagnosis") -> Table:
+    """What of the machine itself was off; hidden effects bend these values."""
+    verdict = diagnosis.verdict
+    found = verdict.baseline or {"intervals_from": "", "parameters": []}
+    shown = found["parameters"][:MOST_MOVED]
+    rows = [(*refitted_text(row), _interval(row), signed(row["moved"])) for row in shown]
+    note = (
+        f"Of {len(found['parameters'])} uncertain parameters, those that moved most; verdict.json "
+        f"has all. Intervals are from {found['intervals_from']}. A deviation is a standard "
+        "deviation of the prior."
+    )
+    if verdict.verdict not in ("recalibrated", "no_gap"):
+        note += " What is missing may have moved these values: no new effect is in this fit."
+    columns = ("Parameter", "Nominal", "Refitted", "95 % interval", "Deviations")
+    title = "What was off" if verdict.verdict == "recalibrated" else "The baseline, refitted"
+    return Table("baseline", title, columns, tuple(rows), note)
+
+
+def _interval(row: dict[str, Any]) -> str:
+    """Its ends, with two digits of its width."""
+    _, factor = readable_unit(row["unit"])
+    low, high = factor * row["low"], factor * row["high"]
+    width = max(high - low, 1e-9 * abs(low), 1e-300)
+    digits = int(np.ceil(np.log10(max(abs(low), abs(high), width) / width))) + 2
+    return f"{number(low, digits)} to {number(high, digits)}"
 
 
 def _tried(diagnosis: "Diagnosis") -> Table:

@@ -43,6 +43,16 @@ def test_only_sizes_distinguishable_from_none_carry_the_reduction(found):
     assert "Distinguishable from no effect" in (out / "report.html").read_text(encoding="utf-8")
 
 
+def test_the_baseline_says_what_else_was_off(found):
+    """The mass is 96 kg; dry friction takes up what rubs harder one way."""
+    result, out = found
+    rows = {row["name"]: row for row in result.verdict.baseline["parameters"]}
+    mass = rows["axis.mass"]
+    assert mass["low"] < 96.0 < mass["high"] and mass["nominal"] == Axis().parameters["axis.mass"]
+    text = (out / "report.html").read_text(encoding="utf-8")
+    assert "The baseline, refitted" in text and "no new effect is in this fit" in text
+
+
 def test_gaps_on_recordings_that_were_never_fitted_are_marked_as_such(found):
     result, out = found
     assert result.verdict.gap_on == "the recordings in role show, which were never fitted"

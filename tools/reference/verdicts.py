@@ -50,6 +50,9 @@ FIELDS = {
     "next_run": "the run that best separates the two best explanations, or null",
     "smallest_detectable": "effect -> parameter -> smallest size seen with 80 % power",
     "confusability": "`effects` and their `cosines`: how similar the signatures of two are here",
+    "baseline": "`parameters` refitted without any new effect, moved most first: `name`, `of` "
+    "(the object, where it is not the machine's), `unit`, `nominal`, `value`, `low`, `high` "
+    "(95 % interval), `moved` (in prior standard deviations); `intervals_from` says whence",
     "versions": "of the libraries",
 }
 STATUSES = (

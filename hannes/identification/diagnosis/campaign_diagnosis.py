@@ -9,6 +9,7 @@ import numpy as np
 from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_campaign
 from hannes.core.effect import Effect
+from hannes.identification.diagnosis.baseline_intervals import refitted_baseline
 from hannes.identification.diagnosis.before_after import STAGES, left, simulated, traced
 from hannes.identification.diagnosis.decision import Decision, decide
 from hannes.identification.diagnosis.effect_search import search_effects
@@ -150,6 +151,7 @@ class _Closing:
             next_run=self.next_run(),
             smallest_detectable=tables.detectable(),
             confusability=tables.confusability(),
+            baseline=refitted_baseline(self.found.baseline, self.found.variance_factor),
         )
         traces = tuple(
             traced(segment, each, list(self.noise_floors))

@@ -14,6 +14,7 @@ import numpy as np
 from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_campaign
 from hannes.core.effect import Effect
+from hannes.identification.baseline_table import Refitted, baseline_table
 from hannes.identification.holdout import decision
 from hannes.identification.holdout.effect_test import (
     Trial,
@@ -41,6 +42,10 @@ from hannes.simulation.catalogue import effects
 # Of the catalogue, on a hand with too few recordings for a claim: shown beside "undecided".
 HAND = base_name("hand")
 TRIED = ("direction_friction", "gear_load", "leader_slack")
+INTERVALS_FROM = (
+    "the Gauss-Newton Hessian with priors at the refitted baseline, or how its residual scatters "
+    "from block to block, whichever is wider"
+)
 NORMAL = 1.96  # standard deviations on each side of a normal 95 % interval
 
 
@@ -175,6 +180,7 @@ class _HoldoutDiagnosis:
             floor_from=self.how,
             cut=self.note,
             smallest_detectable=minimum_detectable_sizes(trials) or None,
+            baseline=_baseline(before),
         )
         usable = verdict.verdict not in ("undecided", "no_gap")
         plant = found.plant.with_values(found.values) if usable else self.plant
@@ -192,6 +198,24 @@ class _HoldoutDiagnosis:
         if not self.of("fit", "select"):
             return test, "the recordings in role show, which were fitted too, for want of others"
         return test, "the recordings in role show, which were never fitted"
+
+
+def _baseline(before: Fitted) -> dict[str, Any]:
+    """What of the machine itself was off, by the baseline fit."""
+    declared = before.plant.parameters.declared
+    found = [
+        Refitted(
+            name,
+            declared[name].unit,
+            before.plant.parameters[name],
+            before.values[name],
+            before.deviation(name),
+            float(scale / weight),
+            declared[name].bounds,
+        )
+        for name, scale, weight in zip(before.names, before.scales, before.prior, strict=True)
+    ]
+    return baseline_table(found, INTERVALS_FROM)
 
 
 def _intervals(best: Trial, after: Fitted) -> dict[str, dict[str, Any]]:
