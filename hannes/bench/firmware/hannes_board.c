@@ -5,7 +5,7 @@
  *
  * To put it on a microcontroller (written with an STM32G4 at 170 MHz in mind, nothing in it is
  * special to that one): call board_init() once, board_byte() for each byte that the UART received,
- * and board_tick() from a timer every 1 ms; provide the four functions under "hardware".
+ * and board_tick() from a timer every 1 ms; provide the two functions under "hardware".
  * A struct Board is all the memory there is: sizeof(struct Board), some 60 KiB as set below.
  */
 #include <stdbool.h>

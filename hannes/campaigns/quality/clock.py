@@ -42,8 +42,8 @@ def _gaps(subject: Subject, intervals: FloatArray, wide: NDArray[np.bool_]) -> I
         "gap",
         "time",
         f"{places.size} gap{'s' if places.size > 1 else ''} with some {lost} samples lost, the "
-        f"longest {1e3 * intervals[worst]:.4g} ms at {subject.time[worst]:.4g} s: they stay gaps; "
-        "check the logger where they are many",
+        f"longest {1e3 * intervals[worst]:.4g} ms at {subject.time[worst]:.4g} s: nothing is "
+        "filled in; check the logger if there are many",
         time=float(subject.time[places[0]]),
         size=float(intervals[worst]),
     )

@@ -79,7 +79,7 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
             "late-start",
             name,
             f"starts {subject.with_unit(apart, name)} away from {command}: the recording begins "
-            "after its command, or zero is elsewhere (offset, when converting)",
+            "after its command, or its zero is shifted (offset, when converting)",
             time=float(subject.time[0]),
             size=apart,
         )

@@ -83,7 +83,7 @@ def _clipped(subject: Subject, name: str, values: FloatArray) -> Iterator[Findin
         limit, value = expected.limit, subject.with_unit(float(extreme), name)
         start = float(subject.time[tops[0][0]])
         if limit and abs(abs(extreme) - limit) < 0.02 * limit:
-            text = f"at its limit {value} for {lasting:.3g} s: the drive gives all it has there"
+            text = f"at its limit {value} for {lasting:.3g} s: the drive is saturated there"
             yield note("saturated", name, text, time=start, size=lasting)
             continue
         text = (
