@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from hannes.campaigns.check import check as check
     from hannes.campaigns.convert import convert as convert
     from hannes.commands.calibrate import calibrate as calibrate
+    from hannes.commands.compare import compare as compare
     from hannes.commands.diagnose import diagnose as diagnose
     from hannes.commands.view import view as view
     from hannes.core.effect import Effect as Effect
@@ -54,6 +55,7 @@ _HOMES = {
     "Term": "core.effect",
     "calibrate": "commands.calibrate",
     "check": "campaigns.check",
+    "compare": "commands.compare",
     "convert": "campaigns.convert",
     "diagnose": "commands.diagnose",
     "effects": "simulation.catalogue",

@@ -15,7 +15,7 @@ class Entry:
     """One recording of a campaign; entries of one `condition` are repeats.
 
     `role` is fit, select (validation) or show (test split). `number` counts the recordings of the
-    campaign from 0, in their order.
+    campaign from 0, in their order. `unit` names which of several machines of one kind it is of.
     """
 
     name: str
@@ -23,6 +23,7 @@ class Entry:
     condition: str
     role: str = ""
     number: int = 0
+    unit: str = ""
 
 
 @dataclass(frozen=True)

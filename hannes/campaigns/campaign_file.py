@@ -24,7 +24,7 @@ from hannes.simulation.experiment import shipped as library
 from hannes.simulation.hand.hand_file import own_catalogue
 
 KEYS = ("title", "plant", "base", "out", "effects", "recording", "calibrate", "diagnose")
-RECORDING_KEYS = ("file", "runs", "experiment", "condition", "role")
+RECORDING_KEYS = ("file", "runs", "experiment", "condition", "role", "unit")
 ROLES = ("fit", "select", "show")
 MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/campaigns/third_party.py
 SIMULATED = "simulated:"  # file = "simulated:mine.toml": see virtual_recordings.py
@@ -160,7 +160,7 @@ def _entries(row: Table, folder: Path, plant: Plant) -> list[tuple[Path, str, En
     row.require("file", '"void_01.csv"')
     name, experiment = row.text("file", ""), row.text("experiment", "")
     role = row.choice("role", ROLES) if "role" in row else ""
-    condition = row.text("condition", experiment)
+    condition, unit = row.text("condition", experiment), row.text("unit", "")
     planned = _experiment_text(row, experiment, folder) if experiment else None
     made = []
     for path, run, recording in _recordings(row, name, folder, plant):
@@ -169,7 +169,7 @@ def _entries(row: Table, folder: Path, plant: Plant) -> list[tuple[Path, str, En
         _check(recording, plant, path)
         place = _place(path, folder)
         name = place if run == path.name else run
-        made.append((path, run, Entry(name, recording, condition or place, role)))
+        made.append((path, run, Entry(name, recording, condition or place, role, unit=unit)))
     return made
 
 

@@ -26,13 +26,24 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
         for each in findings:
             if each.level == "warning":
                 kinds.setdefault((each.kind, each.channel), []).append((name, each))
-    return [_line(group, len(found)) for group in kinds.values()] + list(_mixed(campaign))
+    lines = [_line(group, len(found)) for group in kinds.values()]
+    return [*lines, *_units(campaign), *_mixed(campaign)]
 
 
 def _line(found: Sequence[tuple[str, Finding]], count: int) -> str:
     name, first = found[0]
     where = "" if len(found) == 1 else f"{len(found)} of {count} recordings, such as "
     return f"{where}{name}: {first}"
+
+
+def _units(campaign: Campaign) -> Iterator[str]:
+    """Units that are taken as one machine."""
+    units = list(dict.fromkeys(each.unit for each in campaign.entries))
+    if len(units) > 1:
+        yield (
+            f"recordings of {len(units)} units ({', '.join(unit or 'unnamed' for unit in units)}) "
+            "are taken as of one machine: diagnose each by a campaign of its own"
+        )
 
 
 def _mixed(campaign: Campaign) -> Iterator[str]:

@@ -8,7 +8,14 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NoReturn
 
-from hannes.commands import cli_bench, cli_learning, cli_recordings, cli_trust, cli_views
+from hannes.commands import (
+    cli_bench,
+    cli_compare,
+    cli_learning,
+    cli_recordings,
+    cli_trust,
+    cli_views,
+)
 from hannes.commands.cli_examples import EXAMPLES
 from hannes.commands.cli_output import add_force, add_json, print_json
 from hannes.commands.cli_trust import add_trust
@@ -67,6 +74,7 @@ def make_parser() -> _Parser:
     _add_models(commands)
     _add_results(commands)
     cli_recordings.add(partial(_command, commands))
+    cli_compare.add(partial(_command, commands))
     cli_learning.add(partial(_command, commands))
     cli_bench.add(partial(_command, commands))
     cli_views.add(partial(_command, commands), parser)

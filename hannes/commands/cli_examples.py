@@ -1,6 +1,13 @@
 """Examples that `hannes COMMAND --help` shows, by command."""
 
-from hannes.commands import cli_bench, cli_learning, cli_recordings, cli_trust, cli_views
+from hannes.commands import (
+    cli_bench,
+    cli_compare,
+    cli_learning,
+    cli_recordings,
+    cli_trust,
+    cli_views,
+)
 
 EXAMPLES = {
     "": """\
@@ -68,6 +75,7 @@ campaign.toml (docs/reference/campaign.md has all of it):
   run_scatter = "0.5 %"                   # of friction from run to run (1 %)
   start_time = "0.2 ms"                   # of when a run starts (10 ms)""",
     **cli_recordings.EXAMPLES,
+    **cli_compare.EXAMPLES,
     **cli_learning.EXAMPLES,
     **cli_bench.EXAMPLES,
     **cli_views.EXAMPLES,

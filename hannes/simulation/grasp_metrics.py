@@ -63,7 +63,7 @@ def grasp_metrics(
         float(opening),
         float(size[peak]),
         _rising_slope(time, size, peak, float(closing)),
-        _falling_slope(time, size, peak),
+        falling_slope(time, size),
         float(force.max()),
     )
 
@@ -78,7 +78,9 @@ def _rising_slope(time: np.ndarray, size: np.ndarray, peak: int, closing: float)
     return _slope(time, size, below_low[-1], below_high[-1])
 
 
-def _falling_slope(time: np.ndarray, size: np.ndarray, peak: int) -> float:
+def falling_slope(time: np.ndarray, size: np.ndarray) -> float:
+    """I_so [A/s] of a smoothed magnitude of the current [A] over time [s], shape (n,); or NaN."""
+    peak = int(np.argmax(size))
     after = size[peak:]
     under_high = np.flatnonzero(after < 0.8 * size[peak])
     under_low = np.flatnonzero(after < 0.2 * size[peak])

@@ -36,6 +36,7 @@ VERBS = {
     "run": (["run", "in/short.toml"], ["in/short.toml"], True),
     "calibrate": (["calibrate", "in/campaign.toml"], ["in/campaign.toml", "in/r.csv"], True),
     "diagnose": (["diagnose", "in/campaign.toml"], ["in/campaign.toml", "in/r.csv"], True),
+    "compare": (["compare", "in/campaign.toml"], ["in/campaign.toml", "in/r.csv"], True),
     "reproduce": (["reproduce", "--slack", "in/slack"], ["in/slack"], True),
     "evaluate": (["evaluate", "in/model.h5", "in/e.toml"], ["in/model.h5", "in/e.toml"], True),
     "convert": (["convert", "in/log.csv", "--mapping", "in/map.toml"], ["in/log.csv"], False),
