@@ -120,7 +120,7 @@ def test_equation_4_has_its_sign(result):
     assert right.error < -3.0 < left.error  # less friction than the hand of the campaign
 
 
-def test_spreads_of_repeats_and_of_units_are_told_apart():
+def test_spread_of_repeats_is_apart_from_that_of_units():
     found = spread({"left": [1.0, 3.0], "right": [7.0, 9.0]})
     assert found.mean == 5.0 and found.runs == 4
     assert found.repeats == pytest.approx(np.sqrt(2.0))
@@ -150,8 +150,8 @@ def test_what_has_no_meaning_is_left_out_with_the_reason(result):
         ("no current", {"I_avgc", "I_avgo", "I_max", "I_sc", "I_so"}, "no current was recorded"),
         ("no position", {"I_avgo"}, "no position was recorded"),
         ("no contact", "all", "no contact: the force stays below 1 N in the recording"),
-        ("offset", "all", "contact cannot be told"),
-        ("spikes", "all", "contact cannot be told"),
+        ("offset", "all", "contact cannot be determined"),
+        ("spikes", "all", "contact cannot be determined"),
         ("still", "all", "the command does not close the hand"),
     ],
 )

@@ -36,7 +36,7 @@ class AlignedRun:
 
     @property
     def touch(self) -> str:
-        """Channel that tells contact: the phalanges' force, else a dynamometer's; or none."""
+        """Channel that shows contact: the phalanges' force, else a dynamometer's; or none."""
         return next((name for name in ("force", "sensor") if name in self.measured), "")
 
 

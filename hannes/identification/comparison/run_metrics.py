@@ -11,7 +11,7 @@ from hannes.simulation import grasp_metrics
 from hannes.simulation.grasp_metrics import DEFINITIONS, relative_error
 
 RIGID = 5500.0  # N/m, stiffness from which an object counts as rigid, as in the data sets
-TOUCHING = 1.0  # N, force that tells contact
+TOUCHING = 1.0  # N, force that shows contact
 TOUCH = 0.02  # s after first contact over which a true one holds half of that force on average
 CLOSURE = ("closing time", "void current")
 NAMES = (*CLOSURE, *GRASP)
@@ -86,7 +86,7 @@ def _closure(run: AlignedRun) -> Iterator[tuple[str, str]]:
 
 def _by_touch(run: AlignedRun) -> Iterator[tuple[str, str]]:
     if not run.touch:
-        why = "no force was recorded, by which contact is told (force_N, or sensor_N)"
+        why = "no force was recorded, by which contact is found (force_N, or sensor_N)"
         yield from ((name, why) for name in BY_FORCE)
         return
     for what, channels in (("simulation", run.simulated), ("recording", run.measured)):
@@ -95,14 +95,14 @@ def _by_touch(run: AlignedRun) -> Iterator[tuple[str, str]]:
 
 
 def _no_contact(force: np.ndarray) -> str:
-    """Why a force [N] does not tell contact, or an empty string."""
+    """Why a force [N] does not show contact, or an empty string."""
     touching = force > TOUCHING
     if not touching.any():
         return "no contact: the force stays below 1 N"
     first = int(np.argmax(touching))
     after = force[first : first + round(TOUCH * SAMPLING)]
     if first == 0 or after.mean() < TOUCHING / 2.0:
-        return "contact cannot be told: noise or offset of the force reaches 1 N"
+        return "contact cannot be determined: noise or offset of the force reaches 1 N"
     return ""
 
 
