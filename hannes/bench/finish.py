@@ -48,7 +48,7 @@ class Rows:
 def read_rows(path: str | Path) -> Rows:
     """Read a raw log, whole or cut off. Raises BadInput where no sample is in it."""
     log = RawLogReader(path)
-    listener = adapter(log.about.get("board", "hannes"), **log.about.get("options", {}))
+    listener = _listener(path, log.about)
     rows: list[tuple[Row, float]] = []
     about, start, events = None, None, []
     for record in log.records():
@@ -70,6 +70,17 @@ def read_rows(path: str | Path) -> Rows:
     if about is None or not rows:
         raise BadInput(f"{path}: no sample came from the board; nothing to recover")
     return _in_order(about, rows, start, listener, tuple(events), log.about)
+
+
+def _listener(path: str | Path, about: dict[str, Any]) -> Adapter:
+    """The adapter that a log's first line names."""
+    name, options = about.get("board", "hannes"), about.get("options", {})
+    if not isinstance(name, str) or not isinstance(options, dict):
+        raise BadInput(f"{path}: its first line names no board; the log is damaged there")
+    try:
+        return adapter(name, **options)
+    except (TypeError, ValueError, AttributeError):
+        raise BadInput(f"{path}: its first line has other options than the board {name}") from None
 
 
 def _in_order(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hannes.campaigns.begin.column_guess import Guess, guesses, label_column
 from hannes.campaigns.begin.conditions import Condition, conditions
 from hannes.campaigns.begin.mapping_text import FILL_IN, Draft, draft
-from hannes.campaigns.begin.text_layout import TextLayout, is_number, text_layout
+from hannes.campaigns.begin.text_layout import TextLayout, number_of, text_layout
 from hannes.campaigns.convert import Converted, convert
 from hannes.campaigns.convert import write as write_recordings
 from hannes.campaigns.foreign.binary_columns import Arrays
@@ -112,10 +112,7 @@ def _columns(
             name or str(k + 1): [row[k] if k < len(row) else "" for row in layout.rows]
             for k, name in enumerate(names)
         }
-        numeric = {
-            name: np.array([float(c) if is_number(c) else np.nan for c in column])
-            for name, column in cells.items()
-        }
+        numeric = {name: np.array([number_of(c) for c in column]) for name, column in cells.items()}
         known = {name: x for name, x in numeric.items() if np.isfinite(x).any()}
         return names, list(layout.units), known
     if not isinstance(source, Arrays):

@@ -208,7 +208,8 @@ def _holds_lists(layout: TextLayout, column: str | int) -> bool:
     """Whether the cells of a column are lists."""
     if column not in layout.names:
         return False
-    cell = layout.rows[0][layout.names.index(str(column))]
+    place = layout.names.index(str(column))
+    cell = layout.rows[0][place] if place < len(layout.rows[0]) else ""
     return cell[:1] in ("[", "(")
 
 

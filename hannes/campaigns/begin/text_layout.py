@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from hannes.campaigns.begin.spelled_units import unit_of
+from hannes.campaigns.foreign.nested import as_float
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import lines as read_lines
 from hannes.core.io.bounded import opened
@@ -144,6 +145,13 @@ def _is_missing(cell: str) -> bool:
 def is_number(cell: str) -> bool:
     """Whether a cell is a number."""
     return bool(NUMBER.fullmatch(cell))
+
+
+def number_of(cell: str) -> float:
+    """Value of a cell, NaN where it is no number."""
+    if not is_number(cell):
+        return float("nan")
+    return as_float(int(cell, 16)) if cell[1:2] in ("x", "X") else float(cell)
 
 
 def _is_numbers(cells: Sequence[str]) -> bool:

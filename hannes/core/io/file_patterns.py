@@ -22,7 +22,11 @@ def matching(pattern: str, folder: Path) -> list[Path]:
     inside = pattern.removeprefix(root)
     if not inside or any("**" in part and part != "**" for part in Path(inside).parts):
         raise BadInput(f'"{pattern}" is no pattern of files: expected a name, ** alone between /')
-    return sorted(Path(root or folder).glob(inside), key=_counted)
+    try:
+        return sorted(Path(root or folder).glob(inside), key=_counted)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise BadInput(f'"{pattern[:60]}" is no pattern of files: {reason}') from None
 
 
 def _counted(path: Path) -> tuple[list[str | int], str]:

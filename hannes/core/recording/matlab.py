@@ -2,18 +2,15 @@
 
 import io
 import re
-import struct
-import zlib
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from hannes.core.errors import BadInput
-from hannes.core.io.bounded import BLOCK, opened
-from hannes.core.io.limits import BYTES, MIB
+from hannes.core.io.bounded import opened
 from hannes.core.recording.frames import Samples, metadata
+from hannes.core.recording.matlab_structure import check_structure
 
 HEADER = 116  # bytes of text at the head, where a date would stand
-TAG, COMPRESSED = 8, 15  # bytes before each element, and its kind where that is packed
 LONGEST = 63  # letters of a MATLAB name
 
 
@@ -46,7 +43,7 @@ def load_mat(path: Path) -> dict[str, Any]:
 
     with opened(path, "a MATLAB file") as file:
         try:
-            _require_small(file)
+            check_structure(file)
             file.seek(0)
             content: dict[str, Any] = loadmat(file, simplify_cells=True)
         except (BadInput, NotImplementedError):
@@ -55,26 +52,6 @@ def load_mat(path: Path) -> dict[str, Any]:
             reason = " ".join(str(error).split())[:100]
             raise BadInput(f"{path}: is no MATLAB file, or damaged ({reason})") from None
     return content
-
-
-def _require_small(file: BinaryIO) -> None:
-    """Unpack the packed elements of a version 5 file as far as they may go, and keep nothing."""
-    head = file.read(128)
-    order = {b"IM": "<", b"MI": ">"}.get(head[126:128])
-    left = BYTES
-    while order and len(tag := file.read(TAG)) == TAG:
-        kind, size = struct.unpack(f"{order}II", tag)
-        if kind != COMPRESSED:
-            file.seek(size, io.SEEK_CUR)
-            continue
-        packed = zlib.decompressobj()
-        while size > 0 and (data := file.read(min(size, BLOCK))):
-            size -= len(data)
-            while data and left > 0:
-                left -= len(packed.decompress(data, BLOCK))
-                data = packed.unconsumed_tail
-            if left <= 0:
-                raise BadInput(f"{file.name}: unpacks to more than {BYTES // MIB} MiB")
 
 
 def variable(name: str) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.core.errors import BadInput
+from hannes.core.io.limits import MAGNITUDE
 
 FloatArray = NDArray[np.float64]
 SOURCES = ("simulated", "measured")
@@ -45,6 +46,12 @@ def frozen(name: str, values: Any) -> FloatArray:
     if not np.isfinite(copy).all():
         raise BadInput(
             f'channel "{name}" is not finite at sample {int(np.isfinite(copy).argmin())}'
+        )
+    if (beyond := np.abs(copy) > MAGNITUDE).any():
+        place = int(beyond.argmax())
+        raise BadInput(
+            f'channel "{name}" is {copy[place]:.6g} at sample {place}, beyond {MAGNITUDE:g}: no '
+            "sensor reads that; is the file damaged, or the value a mark for none?"
         )
     copy.flags.writeable = False
     return copy

@@ -1,0 +1,1 @@
+"""Hostile files: thousands of mutants for every reader, each read or refused in one line."""

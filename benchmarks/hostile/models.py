@@ -1,0 +1,70 @@
+"""A model and a data set, as small as they can be."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.hostile import corpus
+
+
+def model_bytes() -> bytes:
+    """A model of two trees of three nodes in each forest."""
+    import tempfile
+
+    from hannes.recognition import model_file
+    from hannes.recognition.forest import Forest
+    from hannes.recognition.model import Band, Calibration, Model
+    from hannes.recognition.windowing import Windowing
+
+    def forest(low: float, high: float) -> Forest:
+        return Forest(
+            np.array([0, 3, 6]),
+            np.array([1, -1, -1] * 2),
+            np.array([2, -1, -1] * 2),
+            np.array([0, 0, 0] * 2),
+            np.array([0.5, 0.0, 0.0] * 2),
+            np.array([0.0, low, high] * 2),
+        )
+
+    rising = np.array([0.0, 1.0])
+    band = Band(rising, -rising - 0.1, rising + 0.1)
+    made = Model(
+        Windowing(),
+        5500.0,
+        0.6,
+        rigid=forest(0.1, 0.9),
+        stiffness=forest(6.0, 9.0),
+        force=forest(0.1, 2.0),
+        peak=None,
+        calibration=Calibration(rising, rising),
+        stiffness_band=band,
+        force_band=band,
+        trained="by hand",
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        model_file.write(Path(folder) / "model.h5", made)
+        return (Path(folder) / "model.h5").read_bytes()
+
+
+def data_set_bytes() -> bytes:
+    """A data set of six grasps."""
+    import h5py
+
+    from hannes.core.recording.hdf5 import set_attribute
+
+    memory = io.BytesIO()
+    fields = [("role", "<i1"), ("completed", "<i1"), ("contact", "<f8"), ("release", "<f8")]
+    rows = np.ones(6, [*fields, ("peak_force", "<f8"), ("object.stiffness", "<f8")])
+    rows["role"] = [0, 0, 0, 0, 1, 1]
+    with h5py.File(memory, "w") as file:
+        texts = {"schema": "hannes-dataset-1", "roles": '["train", "test"]'}
+        for key, text in {**texts, "title": "some", "fingerprint": "0"}.items():
+            set_attribute(file, key, text)
+        file.attrs["border"] = 5500.0
+        file["grasps"] = rows
+        file["channels/time"] = corpus.TIME
+        for name in ("reference", "position", "current", "force"):
+            values = np.tile(corpus.COLUMNS.get(name, corpus.TIME).astype("<f4"), (6, 1))
+            file.create_dataset(f"channels/{name}", data=values, compression="gzip", shuffle=True)
+    return memory.getvalue()
