@@ -246,7 +246,7 @@ def _cells(content: bytes, rng: Rng) -> bytes:
         _, mark, rest = parts[k].partition(b"</v>")
         new = (
             nasty.TEXTS[rng.integers(0, len(nasty.TEXTS))]
-            if rng.random() < 0.5
+            if rng.random() < 0.15
             else str(nasty.NUMBERS[rng.integers(0, 20)])
         )
         parts[k] = new.replace("<", "").encode("utf-8", "replace") + mark + rest

@@ -28,8 +28,7 @@ CONVERTED = (
 class Reader:
     """One reader: `seed` is a sound file's content, `use` reads the file at a path.
 
-    covers: public functions (module:name) that `use` calls; parsed: whether the mutants are whole
-    in the eyes of a library other than hannes.
+    covers: public functions (module:name) that `use` calls; sound: whether it accepts the seed.
     """
 
     name: str
@@ -38,6 +37,7 @@ class Reader:
     mutate: Mutate
     use: Callable[[Path], Any]
     covers: tuple[str, ...]
+    sound: bool = True
 
 
 def recording(path: Path) -> None:

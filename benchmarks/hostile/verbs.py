@@ -1,7 +1,7 @@
 """Every verb with mutants of what it reads, through the command line: no exit status but 0, 2, 3.
 
-Verbs that read no file of a stranger say so. Those that simulate or fit are given files that their
-readers refuse or accept; where they accept, the work itself is left out (`_checked`).
+Verbs that read no file of a stranger say so. Those that fit or simulate for long are given files
+of another kind, which they must refuse: their own are given to their readers.
 """
 
 import tempfile
@@ -53,7 +53,9 @@ def every_verb() -> list[Reader]:
     """The verbs, each as a reader of mutants."""
     known = {each.name: each for each in (*of_data(), *of_settings())}
     return [
-        Reader(words, known[name].ending, known[name].seed, known[name].mutate, _use(words), ())
+        Reader(
+            words, known[name].ending, known[name].seed, known[name].mutate, _use(words), (), False
+        )
         for given in VERBS.values()
         for name, words in given or ()
     ]

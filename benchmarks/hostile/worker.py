@@ -145,7 +145,11 @@ def _work(reader: Reader, numbers: range, folder: Path, pipe: Connection) -> Non
     data = reader.seed()
     path = folder / f"mutant{reader.ending}"
     path.write_bytes(data)
-    reader.use(path)  # whole, it is read; and what it needs is imported
+    try:
+        reader.use(path)  # whole, it is read; and what it needs is imported
+    except BadInput:
+        if reader.sound:
+            raise
     signal.signal(signal.SIGPROF, _late)
     _limit_addresses()
     before = digest(folder)

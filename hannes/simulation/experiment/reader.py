@@ -21,6 +21,8 @@ OBJECT = ("shape", "radius", "size", "position", "turn", "tilt", "material", "se
 MATERIAL = ("stiffness", "damping", "friction", "slip_speed", "onset")
 SIZE = ("width", "height", "rounding")
 NOISE = {"position": "rad", "current": "A", "duty": "1", "supply": "V", "force": "N", "sensor": "N"}
+LOUDEST = {"rad": 10.0, "A": 100.0, "1": 10.0, "V": 100.0, "N": 1000.0}  # noise of any sensor
+FARTHEST = 1000.0  # rad, of a reference at the output shaft: the hand closes within ten
 ROUNDING = 3e-3  # m, of a prism's edges where the file gives none
 MOST_SAMPLES = 1_000_000
 LARGEST_SEED = 2**63 - 1
@@ -146,6 +148,9 @@ def _points(table: Table) -> np.ndarray:
         )
         for k, (time, angle) in enumerate(pairs)
     ]
+    for k, (_, angle) in enumerate(rows):
+        if abs(angle) > FARTHEST:
+            table.refuse(f"points[{k}]", f"= {angle:g} rad: expected within {FARTHEST:g} rad")
     return np.array(rows, float).reshape(-1, 2).T
 
 
@@ -242,6 +247,9 @@ def _noise(table: Table) -> dict[str, float]:
     """Return standard deviations by channel, SI."""
     found = {key: table.quantity(key, NOISE[key]) for key in table.content if key in NOISE}
     for key, spread in found.items():
+        if spread > LOUDEST[NOISE[key]]:
+            unit = NOISE[key]
+            table.refuse(key, f"= {spread:g} {unit}: expected at most {LOUDEST[unit]:g} {unit}")
         if spread < 0.0:
             table.refuse(key, f"= {spread:g}: a standard deviation is not negative")
     return found
