@@ -40,6 +40,7 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
     "record": [("raw log", "record --recover {} --out OUT/r.h5")],
     "port": None,
     "view": [("recording", "view {} --out OUT/v.html")],
+    "fmu": [("evaluation", "fmu {} --out OUT/x.fmu")],
     "export": [
         ("recording", "export {} --out OUT/x.mat"),
         ("HDF5 recording", "export {} --out OUT/x.mat"),
