@@ -10,7 +10,7 @@ import gc
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -54,11 +54,11 @@ class Reader:
     Raises BadInput on creation where the port cannot be opened. `notes`: priority and latency.
     """
 
-    def __init__(self, link: Link, log: str | Path) -> None:
+    def __init__(self, link: Link, log: str | Path, about: Mapping[str, Any] | None = None) -> None:
         context = multiprocessing.get_context("spawn")
         self._pipe, far = context.Pipe()
         self._process = context.Process(
-            target=_run, args=(link, str(log), far), name="hannes-reader"
+            target=_run, args=(link, str(log), dict(about or {}), far), name="hannes-reader"
         )
         self._process.start()
         far.close()
@@ -93,7 +93,7 @@ class Reader:
         return self._process.exitcode == 0
 
 
-def _run(link: Link, log: str, pipe: Connection) -> None:
+def _run(link: Link, log: str, said: dict[str, Any], pipe: Connection) -> None:
     """Body of the process; its exit status says whether the board was seen to stop."""
     for each in (signal.SIGINT, signal.SIGTERM):
         signal.signal(each, signal.SIG_IGN)  # the parent decides; its end is seen in the pipe
@@ -104,7 +104,7 @@ def _run(link: Link, log: str, pipe: Connection) -> None:
         return
     notes = [port.notes, raise_priority() if link.real_time else "priority: ordinary (as asked)"]
     about = {"port": link.port, "board": link.board, "options": link.options, "notes": notes}
-    writer = RawLogWriter(log, about | {"start_ns": now()})
+    writer = RawLogWriter(log, {**said, **about, "start_ns": now()})
     gc.collect()
     gc.freeze()
     gc.disable()

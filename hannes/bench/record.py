@@ -17,6 +17,7 @@ from hannes.simulation.experiment.writer import experiment_toml
 from hannes.simulation.hand.hand_file import hand_toml
 
 RAW = ".rawlog"
+LONGEST = 1e5  # s of an experiment that a log may name
 STREAM = 0.005  # s between set points where a board takes no profile
 
 Progress = Callable[[str], None]
@@ -46,22 +47,19 @@ def record(
     (variant,) = variants
     if Path(raw).exists():
         raise BadInput(f"{raw}: is there already; a raw log is never written over")
-    with session(link, raw) as talk:
+    about = {
+        "duration": variant.experiment.duration,
+        "experiment": experiment_toml(variant.hand, variant.experiment),
+        "hand": hand_toml(variant.hand),
+    }
+    with session(link, raw, about) as talk:
         for note in talk.reader.notes:
             progress(note)
-        about = talk.hello()
-        progress(f"{link.port}: {about.firmware}, {len(about.channels)} channels")
+        board = talk.hello()
+        progress(f"{link.port}: {board.firmware}, {len(board.channels)} channels")
         run_command(talk, variant.experiment)
         stopped = talk.close()
-    rows = read_rows(raw)
-    made = recording(
-        rows,
-        duration=variant.experiment.duration,
-        experiment=experiment_toml(variant.hand, variant.experiment),
-        plant="hand",
-        hand=hand_toml(variant.hand),
-    )
-    return Recorded(made, Path(raw), about, stopped)
+    return Recorded(recover(raw), Path(raw), board, stopped)
 
 
 def run_command(talk: Session, experiment: Experiment) -> None:
@@ -99,5 +97,16 @@ def stream(talk: Session, experiment: Experiment) -> None:
 
 
 def recover(raw: str | Path) -> Recording:
-    """Return the recording in a raw log, of a recorder that was killed for instance."""
-    return recording(read_rows(raw), plant="hand")
+    """Return the recording in a raw log, of a recorder that was killed for instance.
+
+    It ends with the experiment that the log names. Raises BadInput where no sample is in it.
+    """
+    rows = read_rows(raw)
+    texts = {key: _text(rows.log.get(key)) for key in ("experiment", "hand")}
+    duration = rows.log.get("duration")
+    known = isinstance(duration, int | float) and 0.0 < duration < LONGEST
+    return recording(rows, duration=duration if known else None, plant="hand", **texts)
+
+
+def _text(value: object) -> str:
+    return value if isinstance(value, str) else ""

@@ -1,10 +1,11 @@
 """A conversation with a board: who it is, a profile run to its end, its answers."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from hannes.bench.events import About, Adapter, Event, OtherVersion, Reply, Row, Status
 from hannes.bench.messages import VERSION, Kind, Reason, State
@@ -40,9 +41,9 @@ class Heard:
 class Session:
     """Reader process, its raw log read as it grows, and requests that are answered."""
 
-    def __init__(self, link: Link, log: str | Path) -> None:
+    def __init__(self, link: Link, log: str | Path, about: Mapping[str, Any] | None = None) -> None:
         self.link, self.log = link, Path(log)
-        self.reader = Reader(link, log)
+        self.reader = Reader(link, log, about)
         self.speaker: Adapter = link.adapter()
         self._listener: Adapter = link.adapter()
         self._follow = RawLogReader(log)
@@ -165,9 +166,11 @@ class Session:
 
 
 @contextmanager
-def session(link: Link, log: str | Path) -> Iterator[Session]:
+def session(
+    link: Link, log: str | Path, about: Mapping[str, Any] | None = None
+) -> Iterator[Session]:
     """A Session that stops the board at its end, however that comes."""
-    opened = Session(link, log)
+    opened = Session(link, log, about)
     try:
         yield opened
     finally:

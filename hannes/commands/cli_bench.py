@@ -33,7 +33,7 @@ my_board.toml; all but the first line may be left out:
 hannes record void-closure --port /dev/ttyUSB0 --out void_01.h5
 hannes record dynamometer --port socket://127.0.0.1:4000 --out grasp.h5
 hannes record void-closure --port /dev/ttyACM0 --board text --baud 115200 --out void.csv
-hannes record --recover void_01.rawlog --out void_01.h5""",
+hannes record --recover void_01.h5.rawlog --out void_01.h5""",
     "port": """\
 hannes port
 hannes port /dev/ttyUSB0
