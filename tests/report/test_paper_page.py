@@ -3,10 +3,13 @@
 import json
 import re
 
+import numpy as np
 import pytest
 
 from hannes.commands.cli import main
 from hannes.report.paper.page import reproduce
+
+RIGID = ("Hand dynamometer", "Aluminium block", "Ultem block", "Crutch handle")
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +69,26 @@ def evaluation(worst):
     made["force"] |= {"interval_holds": 0.75, "interval_width": 1.5}
     made["stiffness"] = {"grasps": 4, "answered": 0}
     return made
+
+
+def test_table_3_has_means_by_class_as_the_paper_forms_them():
+    """The published ones follow from the published objects with the sample standard deviation."""
+    from hannes.report.paper import published, table_3
+
+    for label, (mean, spread) in published.TABLE_3_BY_CLASS.items():
+        found = [
+            each
+            for name, each in published.TABLE_3.items()
+            if (name in RIGID) == (label == "rigid")
+        ]
+        assert np.mean(found) == pytest.approx(mean, abs=0.051)
+        assert np.std(found, ddof=1) == pytest.approx(spread, abs=0.051)
+    made = evaluation(0.9)
+    made["objects"][0]["f1_windows"] = 0.9
+    (table, *_) = table_3.found(made).tables
+    rows = {row[0]: row for row in table.rows}
+    assert rows["Soft objects, mean ± SD"][2:5] == ("89.5 ± 12.5", "93.0 ± 4.2", "100.0 ± 0.0")
+    assert rows["Rigid objects, mean ± SD"][2:5] == ("93.5 ± 3.4", "–", "–")
 
 
 def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys):

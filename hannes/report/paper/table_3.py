@@ -2,12 +2,13 @@
 
 import json
 from pathlib import Path
+from statistics import fmean, stdev
 from typing import Any
 
 from hannes.core.errors import BadInput
 from hannes.report.formats import decimals, number
 from hannes.report.paper.checks import Row, row
-from hannes.report.paper.published import TABLE_3, TABLE_3_AVERAGE
+from hannes.report.paper.published import TABLE_3, TABLE_3_AVERAGE, TABLE_3_BY_CLASS
 from hannes.report.table import Table
 from hannes.report.verdict_summary import ABOUT, Finding
 
@@ -76,6 +77,7 @@ def _table(evaluation: dict[str, Any]) -> Table:
         )
         for each in evaluation["objects"]
     ]
+    rows += [_class_row(evaluation, *each) for each in TABLE_3_BY_CLASS.items()]
     average = [decimals(100.0 * evaluation[key], 1) for key in ("f1_windows", "f1_grasps")]
     time = decimals(100.0 * evaluation["stable_in_time"], 0)
     rows.append(("Average", "", decimals(TABLE_3_AVERAGE, 1), *average, "", time))
@@ -84,6 +86,23 @@ def _table(evaluation: dict[str, Any]) -> Table:
         "Stiffness estimated [N/m]", "Final decision within 150 ms [%]",
     )  # fmt: skip
     return Table("table3", "Table III: rigid or soft", columns, tuple(rows), NOTE)
+
+
+def _class_row(
+    evaluation: dict[str, Any], label: str, paper: tuple[float, float]
+) -> tuple[str, ...]:
+    """Mean and standard deviation of F1 over the objects of a class."""
+    objects = [each for each in evaluation["objects"] if each["class"] == label]
+    ours = (_mean([100.0 * each[key] for each in objects]) for key in ("f1_windows", "f1_grasps"))
+    published = f"{decimals(paper[0], 1)} ± {decimals(paper[1], 1)}"
+    return (f"{label.capitalize()} objects, mean ± SD", label, published, *ours, "", "")
+
+
+def _mean(values: list[float]) -> str:
+    """Mean with the sample standard deviation, as the paper's; without it of one value."""
+    if len(values) < 2:
+        return decimals(values[0] if values else float("nan"), 1)
+    return f"{decimals(fmean(values), 1)} ± {decimals(stdev(values), 1)}"
 
 
 def _confusion(evaluation: dict[str, Any]) -> Table:
