@@ -5,8 +5,6 @@ those in role show are only predicted.
 """
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +15,7 @@ from hannes.campaigns.campaign_file import read_campaign
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
 from hannes.core.io.outputs import reserved
+from hannes.core.io.progress import stages
 from hannes.identification.binned_run import BLOCKS_PER_PARAMETER, View
 from hannes.identification.calibration.data_check import DataIssues, data_issues
 from hannes.identification.calibration.heldout_prediction import prediction
@@ -71,8 +70,9 @@ def calibrate(
 
     `plan` replaces the campaign's table [calibrate]. `workers` threads simulate (default: one for
     each processor), which changes no result. `force`: results of another command in `out` are
-    replaced, too. `trust`: Python that the TOML file names may run. `progress`: a bar on standard
-    error, by default where that is a terminal. Interrupted (Ctrl-C), it returns the best so far.
+    replaced, too. `trust`: Python that the TOML file names may run. `progress`: True: a bar on
+    standard error, or where that is no terminal one line a stage; by default the bar alone.
+    Interrupted (Ctrl-C), it returns the best so far.
     Raises BadInput for what cannot be used, which includes what the data check finds and the plan
     does not accept; ComputationFailed where no simulation succeeds or the fit does not converge.
     """
@@ -97,7 +97,11 @@ def _calibrated(
     _require_enough(plan, views)
     level, how = noise_floors(views)
     workers = workers or os.cpu_count() or 1
-    with _bar(progress) as report:
+    with stages("calibrating", " runs", progress) as say:
+
+        def report(text: str, rms: float) -> None:
+            say(text, f"RMS {rms:.4g}")
+
         found = Search(Model(campaign.plant, views), plan, level, workers, report).run()
         return _result(campaign, found, issues, workers, how, seed, report)
 
@@ -156,19 +160,3 @@ def _require_enough(plan: Plan, views: list[View]) -> None:
             "feature for each, less one for every start); record more runs, or name fewer "
             "parameters"
         )
-
-
-@contextmanager
-def _bar(progress: bool | None) -> Iterator[Progress]:
-    from hannes.core.io.progress import progress_bar
-
-    hidden = None if progress is None else not progress
-    with progress_bar(
-        desc="calibrating", unit=" runs", delay=2.0, disable=hidden, leave=False
-    ) as bar:
-
-        def report(text: str, rms: float) -> None:
-            bar.set_description(f"{text}, RMS {rms:.4g}", refresh=False)
-            bar.update()
-
-        yield report

@@ -254,14 +254,16 @@ def _reproduce(chosen: argparse.Namespace) -> None:
 def _calibrate(chosen: argparse.Namespace) -> None:
     from hannes.campaigns.campaign_file import read_campaign
     from hannes.commands.calibrate import calibrate
+    from hannes.commands.next_step import after_calibrate
 
     campaign = read_campaign(chosen.campaign)
     out = chosen.out or campaign.out
-    result = calibrate(campaign, out=out, force=chosen.force)
+    result = calibrate(campaign, out=out, force=chosen.force, progress=True)
     if chosen.json:
         print_json(result.plain())
     else:
         print(f"{result.summary()}\nopen {out}/report.html")
+        print(after_calibrate(chosen.campaign, out, result))
     if result.found.interrupted:
         raise Interrupted(f"interrupted; the best so far stands in {out}")
 
@@ -272,7 +274,7 @@ def _diagnose(chosen: argparse.Namespace) -> None:
 
     campaign = read_campaign(chosen.campaign)
     out = chosen.out or campaign.out
-    result = diagnose(campaign, out=out, force=chosen.force)
+    result = diagnose(campaign, out=out, force=chosen.force, progress=True)
     if chosen.json:
         print_json(json.loads(result.verdict.json()))
         return

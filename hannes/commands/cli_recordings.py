@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hannes.commands.cli_output import add_force, add_json, print_json
 from hannes.commands.cli_trust import add_trust
+from hannes.commands.next_step import after_check, after_convert
 
 if TYPE_CHECKING:
     from hannes.campaigns.quality.finding import Finding
@@ -143,10 +144,12 @@ def _convert(chosen: argparse.Namespace) -> None:
         return
     for row, findings in zip(rows, found, strict=True):
         print("\n".join([_summary_text(row), *_lines(findings, notes=False)]))
+    print(after_convert(chosen.mapping, [str(path) for path in paths], found))
 
 
 def _begin(chosen: argparse.Namespace) -> None:
     from hannes.campaigns.begin.begin import CAMPAIGN, begin, counted
+    from hannes.campaigns.check import refuse_faults
     from hannes.core.errors import BadInput
 
     begun = begin(chosen.file, chosen.out, chosen.plant)
@@ -175,7 +178,7 @@ def _begin(chosen: argparse.Namespace) -> None:
             file=[str(begun.out / CAMPAIGN)], plant=None, experiment=None, notes=False, json=False
         )
         try:
-            _check(checked)
+            refuse_faults(_checked(checked))
         except BadInput as error:
             print(f"  missing  {error}")
             print(f"next: edit {begun.out / CAMPAIGN}, then: hannes check {begun.out / CAMPAIGN}")
@@ -184,7 +187,19 @@ def _begin(chosen: argparse.Namespace) -> None:
 
 
 def _check(chosen: argparse.Namespace) -> None:
-    from hannes.campaigns.check import check, refuse_faults, subjects
+    from hannes.campaigns.check import refuse_faults
+
+    found = _checked(chosen)
+    if not chosen.json:
+        faulty = [name for name, some in found if any(each.level == "fault" for each in some)]
+        print(after_check(chosen.file, faulty))
+    sys.stdout.flush()  # before the line on standard error
+    refuse_faults(found)
+
+
+def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:
+    """Check the files, print what was found, and return it by name."""
+    from hannes.campaigns.check import check, subjects
 
     found = [
         (name, check(recording, plant))
@@ -200,8 +215,7 @@ def _check(chosen: argparse.Namespace) -> None:
     else:
         for name, findings in found:
             print("\n".join([f"{name}: {_counted(findings)}", *_lines(findings, chosen.notes)]))
-    sys.stdout.flush()  # before the line on standard error
-    refuse_faults(found)
+    return found
 
 
 def _lines(findings: Sequence["Finding"], notes: bool) -> list[str]:

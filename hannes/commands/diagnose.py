@@ -4,8 +4,6 @@ A plant that declares what of it is uncertain is diagnosed by fits of everything
 (identification/diagnosis). Others are diagnosed by hold-out (identification/holdout).
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -16,6 +14,7 @@ from hannes.campaigns.warnings import campaign_warnings
 from hannes.core.by_value import ByValue
 from hannes.core.io import atomic_files
 from hannes.core.io.outputs import reserved
+from hannes.core.io.progress import stages
 from hannes.identification.diagnosis.campaign_diagnosis import (
     Result,
     declares_uncertainty,
@@ -81,7 +80,8 @@ def diagnose(
     """Diagnose a campaign, or the TOML file of one; writes to `out` where given.
 
     `force`: results of another command in `out` are replaced, too. `trust`: Python that the TOML
-    file names may run. `progress`: a bar on standard error, by default where that is a terminal.
+    file names may run. `progress`: True: a bar on standard error, or where that is no terminal one
+    line a stage; by default the bar alone.
     Raises BadInput for what cannot be used, which includes every fault of the data check;
     ComputationFailed where a simulation fails.
     """
@@ -99,7 +99,11 @@ def _diagnosed(campaign: Campaign, seed: int, progress: bool | None) -> Diagnosi
     settings = read_settings(campaign.diagnose, campaign.plant)
     warnings = campaign_warnings(campaign)
     complete = not lacking(campaign, split_campaign(campaign)[0], ())
-    with _bar(progress) as report:
+    with stages("diagnosing", " steps", progress) as say:
+
+        def report(text: str) -> None:
+            say(text, "")
+
         if complete and declares_uncertainty(campaign.plant):
             result = _by_fits(campaign, settings, seed, report)
         else:
@@ -120,19 +124,3 @@ def _by_holdout(campaign: Campaign, seed: int, report: Progress) -> Diagnosis:
     return Diagnosis(
         campaign, found.verdict, found.plant, found.traces, found.noise_floors, found.trials
     )
-
-
-@contextmanager
-def _bar(progress: bool | None) -> Iterator[Progress]:
-    from hannes.core.io.progress import progress_bar
-
-    hidden = None if progress is None else not progress
-    with progress_bar(
-        desc="diagnosing", unit=" steps", delay=2.0, disable=hidden, leave=False
-    ) as bar:
-
-        def report(text: str) -> None:
-            bar.set_description(f"fitting {text}", refresh=False)
-            bar.update()
-
-        yield report

@@ -174,9 +174,12 @@ def _parameter_text(name: str, result: Verdict) -> str:
 
 
 def _with_remainder(result: Verdict) -> str:
+    """What is left comes first: the name alone would promise too much."""
+    named = _named(result)
+    named = named[:1].lower() + named[1:]
     if explained(result.gap) > 0.995:
-        return _named(result, "; a little above the noise floor remains")
-    return _named(result, "; the rest is something else")
+        return f"A little above the noise floor remains: {named}"
+    return f"Something else is missing, too: {named}"
 
 
 def _one_of(result: Verdict) -> str:

@@ -83,16 +83,18 @@ class Fit(ByValue):
 
     @property
     def sentence(self) -> str:
-        """The result in one sentence."""
-        count = sum(each.identified for each in self.answers)
-        text = f"{count} of {len(self.answers)} parameters identified"
-        if self.repeatable_residual.misleads:
-            text = f"The model does not fit these recordings: {text}"
-        for label in (CONFOUNDED, NOT_IDENTIFIED, AT_BOUND):
+        """The result in one sentence, the worst thing first."""
+        misleads = self.repeatable_residual.misleads
+        parts = ["the model does not fit these recordings"] if misleads else []
+        for label in (AT_BOUND, NOT_IDENTIFIED, CONFOUNDED):
             some = [each.name for each in self.answers if each.label == label]
-            if some:
-                text += f"; {label}: {', '.join(some)}"
-        return ("Interrupted, best so far: " if self.found.interrupted else "") + text + "."
+            parts += [f"{label}: {', '.join(some)}"] if some else []
+        count = sum(each.identified for each in self.answers)
+        parts.append(f"{count} of {len(self.answers)} parameters identified")
+        text = "; ".join(parts) + "."
+        if self.found.interrupted:
+            return f"Interrupted, best so far: {text}"
+        return text[:1].upper() + text[1:]
 
     def plain(self) -> dict[str, Any]:
         """Content of calibration.json."""
