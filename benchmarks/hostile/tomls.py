@@ -139,10 +139,11 @@ def experiment(path: Path) -> None:
     """Read an experiment, and as the text that a recording carries."""
     from hannes import load_experiment
     from hannes.core.errors import BadInput
+    from hannes.core.io.toml_table import read_text
     from hannes.simulation.experiment.reader import parse_experiment
 
     try:
-        parse_experiment(path.read_bytes().decode("utf-8", "replace"))
+        parse_experiment(read_text(path))
     except BadInput:
         pass
     load_experiment(path)

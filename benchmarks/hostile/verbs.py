@@ -45,6 +45,7 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
         ("recording", "export {} --out OUT/x.mat"),
         ("HDF5 recording", "export {} --out OUT/x.mat"),
     ],
+    "compare": [("evaluation", "compare {} --out OUT/t")],
     "completion": None,
     "trust": [("consent", "trust {} --forget")],
 }

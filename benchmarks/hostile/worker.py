@@ -101,6 +101,14 @@ def digest(folder: Path) -> str:
     return found.hexdigest()
 
 
+def prepare(reader: Reader, folder: Path) -> None:
+    """Read the sound file here, so that every process of mutants has all imports at once."""
+    path = folder / f"mutant{reader.ending}"
+    path.write_bytes(reader.seed())
+    reader.use(path)
+    path.unlink()
+
+
 def run(reader: Reader, numbers: range, folder: Path) -> Ends:
     """Give the mutants of these numbers to a reader; those that kill or hang it count, too."""
     ends, first = Ends(), numbers.start
