@@ -88,7 +88,7 @@ def test_the_version(capsys):
         (["run", "dynamometer", "--method", "Rodass"], 'did you mean "Rodas"?'),
         (["run", "dynamometer", "--metod", "Rodas"], "unrecognized arguments: --metod"),
         (["effects", "leader_slak"], 'did you mean "leader_slack"?'),
-        (["diagnose", "nowhere.toml"], "nowhere.toml: cannot be read"),
+        (["diagnose", "nowhere.toml"], "nowhere.toml: expected a TOML file, there is no such file"),
         (["dataset", "large", "--grasp", "1", "--backend", "dask"], "--grasp makes one, here"),
         (["check", "emps", "--plant", "axis"], "a campaign names plant and experiments itself"),
         (["reproduce", "--slack", "nowhere"], "is no verdict of a diagnosis"),
