@@ -176,6 +176,21 @@ def test_reasons_of_a_grasp(result, change, gone, why):
     assert all(why in each for each in found.left_out.values())
 
 
+def test_a_dynamometer_alone_takes_the_place_of_the_force(bench, tmp_path):
+    run = next(each for name, each in bench[1].items() if name == "grasp_0.csv")
+    kept(run, ("reference", "position", "current", "sensor")).write(tmp_path / "r.csv")
+    row = ROW.format(file="r.csv", experiment="dynamometer", condition="grasp")
+    (tmp_path / "campaign.toml").write_text(row)
+    found = compare(tmp_path / "campaign.toml")
+    ((measured,),) = ([each.pairs for each in one.runs] for one in found.conditions)
+    assert measured["F_max"].measured == pytest.approx(run["sensor"].max())
+    (variant,) = load_experiment("dynamometer")
+    model = simulate(Hand(), variant.experiment).require()
+    assert measured["F_max"].simulated == pytest.approx(model["sensor"].max(), rel=2e-3)
+    assert model["sensor"].max() > 1.01 * model["force"].max()  # so the two are not confused
+    assert any("sensor_N" in each for each in found.notes)
+
+
 def test_a_closure_that_touches_is_none(result):
     from hannes.identification.comparison.run_metrics import run_metrics
 

@@ -89,6 +89,12 @@ class Compared:
             )
         elif single:
             notes.append(f"No repeats of {', '.join(single)}: there an error may be chance")
+        touches = {each.run.touch for condition in self.conditions for each in condition.runs}
+        if "sensor" in touches:
+            notes.append(
+                "Where no total force was recorded, contact and F_max are a dynamometer's "
+                "(sensor_N), measured and simulated"
+            )
         if all(each.recording.source == "simulated" for each in self.campaign.entries):
             notes.append("These recordings are simulated, too")
         notes.append(
