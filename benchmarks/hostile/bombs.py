@@ -39,36 +39,36 @@ def _row(path: Path, write: Callable[[Path], Any], use: Callable[[Path], None], 
     process.start()
     there.close()
     try:
-        told, seconds, grown = here.recv() if here.poll(120.0) else ("hung", 120.0, 0)
+        outcome, seconds, grown = here.recv() if here.poll(120.0) else ("hung", 120.0, 0)
     except EOFError:
-        told, seconds, grown = "crashed", 0.0, 0
+        outcome, seconds, grown = "crashed", 0.0, 0
     process.kill()
     process.join()
     packed = path.stat().st_size if path.is_file() else 0
     path.unlink()
-    wrong = not told.startswith("refused") or grown > ABOVE + A_BYTE * size or seconds > SECONDS
+    wrong = not outcome.startswith("refused") or grown > ABOVE + A_BYTE * size or seconds > SECONDS
     return {
         "reader": f"bomb {path.name}",
         "bytes": packed,
         "MiB": round(grown / 2**20, 1),
         "s": round(seconds, 2),
         "wrong": int(wrong),
-        "the first": told[:160],
+        "the first": outcome[:160],
     }
 
 
 def _use(path: Path, use: Callable[[Path], None], pipe: Any) -> None:
-    told = "read"
+    outcome = "read"
     use_small(path, use)
     held, begun = _resident("VmRSS"), time.process_time()
     Path("/proc/self/clear_refs").write_text("5")
     try:
         use(path)
     except BadInput as error:
-        told = f"refused: {str(error).replace(str(path.parent), '')}"
+        outcome = f"refused: {str(error).replace(str(path.parent), '')}"
     except BaseException as error:
-        told = f"{type(error).__name__}: {error}"
-    pipe.send((told, time.process_time() - begun, _resident("VmHWM") - held))
+        outcome = f"{type(error).__name__}: {error}"
+    pipe.send((outcome, time.process_time() - begun, _resident("VmHWM") - held))
 
 
 def use_small(path: Path, use: Callable[[Path], None]) -> None:

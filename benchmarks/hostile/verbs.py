@@ -22,6 +22,7 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
     "reproduce": None,
     "calibrate": [("evaluation", "calibrate {} --out OUT/c")],
     "diagnose": [("evaluation", "diagnose {} --out OUT/d")],
+    "compare": [("evaluation", "compare {} --out OUT/p")],
     "convert": [
         ("text", "convert {} --mapping text.mapping.toml --out OUT/x.h5"),
         ("mapping", "convert plain.csv --mapping {} --out OUT/x.csv"),
@@ -45,7 +46,6 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
         ("recording", "export {} --out OUT/x.mat"),
         ("HDF5 recording", "export {} --out OUT/x.mat"),
     ],
-    "compare": [("evaluation", "compare {} --out OUT/t")],
     "completion": None,
     "trust": [("consent", "trust {} --forget")],
 }

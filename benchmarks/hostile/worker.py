@@ -125,19 +125,19 @@ def run(reader: Reader, numbers: range, folder: Path) -> Ends:
 
 
 def _followed(pipe: Connection, process: Any, ends: Ends, first: int) -> int:
-    """Take what a process tells until it ends; return the number of the next mutant."""
+    """Take what a process reports until it ends; return the number of the next mutant."""
     why = "hung"
     while pipe.poll(SILENT):
         try:
-            told = pipe.recv()
+            report = pipe.recv()
         except EOFError:
             process.join()
             why = f"killed it ({process.exitcode})"
             if process.exitcode == 0:
                 return first
             break
-        ends.add(told)
-        first += told.count
+        ends.add(report)
+        first += report.count
     process.kill()
     process.join()
     ends.faults.append((first, why))

@@ -24,12 +24,13 @@ def require_unpackable(path: Path) -> None:
     """Raise BadInput where a log would unpack to more than BYTES."""
     left = BYTES
     with opened(path, "a log of messages") as file:
-        file.seek(MAGIC)
+        end = MAGIC
+        file.seek(end)
         while len(head := file.read(RECORD.size)) == RECORD.size:
             kind, length = RECORD.unpack(head)
             if length > BYTES:
-                return  # damaged: its library tells
-            end = file.tell() + length
+                return  # damaged: its library says so
+            end += RECORD.size + length
             if kind == IS_CHUNK:
                 left -= _unpacked(file, length, left)
             if left < 0:
@@ -55,6 +56,6 @@ def _unpacked(file: BinaryIO, length: int, most: int) -> int:
     try:
         while count <= most and (block := stream.read(BLOCK)):
             count += len(block)
-    except Exception:  # a damaged chunk: the log's library tells
+    except Exception:  # a damaged chunk: the log's library says so
         return count
     return count

@@ -86,7 +86,7 @@ def _table(path: Path, names: list[str]) -> FloatArray:
     rows = _Rows(path, len(names))
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # no rows: told below
+            warnings.simplefilter("ignore", UserWarning)  # no rows: said below
             table = np.loadtxt(iter(rows), delimiter=",", comments=None, ndmin=2)
     except ValueError:
         table = np.empty((0, 0))

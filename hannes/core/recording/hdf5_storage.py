@@ -110,6 +110,6 @@ def _unpack(dataset: Any, offset: tuple[int, ...], size: int) -> None:
     try:
         whole = zlib.decompressobj().decompress(data, size + 1)
     except zlib.error:
-        return  # not packed, or damaged: HDF5 tells
+        return  # not packed, or damaged: HDF5 says so
     if len(whole) > size:
         raise BadInput(f"{dataset.name}: a block unpacks to more than its {size} bytes")

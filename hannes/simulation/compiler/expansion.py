@@ -59,7 +59,7 @@ class Layouts:
         return {"steps": f"np.array({steps})", **{name: str(n) for name, n in counts.items()}}
 
     def fill(self, source: str) -> str:
-        """Return the source with the calls of effects put in and slots as subscripts."""
+        """Return the source with the calls of effects in place and slots as subscripts."""
         lines: list[str] = []
         for line in source.splitlines():
             if (opening := opened(line)) is None:
