@@ -5,9 +5,15 @@ from collections.abc import Iterable
 
 
 class HannesError(Exception):
-    """Any failure that hannes itself reports; its text is one line for the user."""
+    """Any failure that hannes itself reports; its text is one line for the user.
+
+    Texts of files may stand in it: what is not printable becomes a question mark.
+    """
 
     exit_status = 1
+
+    def __init__(self, text: str = "") -> None:
+        super().__init__("".join(each if each.isprintable() else "?" for each in text))
 
 
 class BadInput(HannesError):

@@ -19,10 +19,11 @@ from hypothesis.extra import numpy as hnp
 
 from hannes.core.errors import BadInput
 from hannes.core.io import bounded
+from hannes.core.io.limits import MAGNITUDE
 from hannes.core.recording import hdf5
 from hannes.core.recording.recording import Recording
 
-FINITE = st.floats(allow_nan=False, allow_infinity=False)
+FINITE = st.floats(-MAGNITUDE, MAGNITUDE)
 TEXT = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=20)
 SUFFIXES = ["csv", "csv.gz", "h5", "hdf5"]
 same_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)

@@ -67,6 +67,8 @@ def _raw(path: Path, source: Source, mapping: ColumnMap, which: str) -> dict[str
     if len(set(lengths.values())) > 1:
         shown = ", ".join(f"{name} {size}" for name, size in lengths.items())
         raise BadInput(f"{path}: channels of unequal length ({shown}): map those of one logger")
+    if not all(lengths.values()):
+        raise BadInput(f"{path}: the mapped columns hold no rows")
     return raw
 
 

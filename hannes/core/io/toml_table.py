@@ -65,9 +65,8 @@ class Table:
     def __post_init__(self) -> None:
         for key in self.content:
             if self.allowed and key not in self.allowed:
-                shown = "".join(c if c.isprintable() else "?" for c in key[:60])
                 raise BadInput(
-                    f'{self.where}: unknown key "{self.prefix}{shown}"'
+                    f'{self.where}: unknown key "{self.prefix}{key[:60]}"'
                     f"{nearest(key, self.allowed)} (allowed: {', '.join(self.allowed)})"
                 )
 
