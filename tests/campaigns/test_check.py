@@ -413,7 +413,7 @@ SHAPES = (
     lambda rng, n: np.round(rng.standard_normal(n)),
     lambda rng, n: np.sin(rng.uniform(1.0, 50.0) * np.arange(n) / n),
     lambda rng, n: np.where(np.arange(n) > n // 2, 1.0, 0.0),
-    lambda rng, n: np.exp(np.linspace(0.0, 300.0, n)),
+    lambda rng, n: np.exp(np.linspace(0.0, 15.0, n)),
     lambda rng, n: 1e-300 * rng.standard_normal(n),
 )
 
