@@ -21,8 +21,8 @@ from hannes.simulation.catalogue import effect
 PACKAGE = Path(hannes.__file__).parent
 SHOWN = """
     BadInput ComputationFailed Effect Expected Experiment Hand Parameter PlainPlant Plant Recording
-    Reference Slot Target Term calibrate check convert diagnose effects kernel load_experiment
-    observe simulate simulate_many view
+    Reference Slot Target Term calibrate check compare convert diagnose effects kernel
+    load_experiment observe simulate simulate_many view
 """.split()
 
 # Files as users wrote them for the former layout, cart.py and rail.py as they shipped then.

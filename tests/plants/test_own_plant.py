@@ -163,14 +163,6 @@ def test_effects_are_given_all_that_may_be_read_and_no_more():
             cart.added("friction", {})(*(0.0 for _ in range(count)))
 
 
-def test_the_page_names_files_that_exist():
-    page = (ROOT / "docs" / "own-plant.md").read_text(encoding="utf-8")
-    named = set(re.findall(r"`((?:hannes|examples)/[\w./]+)`", page))
-    assert len(named) >= 4 and all((ROOT / name).exists() for name in named)
-    for name in ("record.py", "rail.py", "campaign.toml"):
-        assert name in page and (EXAMPLE / name).exists()
-
-
 def test_the_former_name_of_run_to_run_is_read_with_a_warning():
     class Former(PlainPlant):
         name = "former"
