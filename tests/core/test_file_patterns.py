@@ -23,3 +23,11 @@ def test_a_pattern_may_be_absolute(tmp_path):
 def test_what_is_no_pattern_is_said(tmp_path, pattern):
     with pytest.raises(BadInput, match="no pattern of files"):
         matching(pattern, tmp_path)
+
+
+@pytest.mark.parametrize("pattern", [".", "./", "a" * 300 + "*", "a\0*"])
+def test_what_names_no_file_is_one_line(tmp_path, pattern):
+    try:
+        assert matching(pattern, tmp_path) == []
+    except BadInput as error:
+        assert "no pattern of files" in str(error)

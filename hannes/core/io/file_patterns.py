@@ -20,7 +20,7 @@ def matching(pattern: str, folder: Path) -> list[Path]:
     """
     root = Path(pattern).anchor
     inside = pattern.removeprefix(root)
-    if not inside or any("**" in part and part != "**" for part in Path(inside).parts):
+    if not Path(inside).parts or any("**" in part and part != "**" for part in Path(inside).parts):
         raise BadInput(f'"{pattern}" is no pattern of files: expected a name, ** alone between /')
     try:
         return sorted(Path(root or folder).glob(inside), key=_counted)
