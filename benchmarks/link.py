@@ -16,8 +16,9 @@ import signal
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
@@ -29,8 +30,7 @@ from hannes.bench.finish import gaps, read_rows
 from hannes.bench.frames import Frame, Splitter, encode
 from hannes.bench.messages import Channel, State
 from hannes.bench.misbehaviour import Misbehaviour
-from hannes.bench.raw_log import RawLogReader
-from hannes.bench.reader import NANO, Link, Reader
+from hannes.bench.reader import Link, Reader
 from hannes.bench.sequence import Received
 from hannes.bench.session import session
 from hannes.bench.virtual_board import Terminal, VirtualBoard
@@ -332,16 +332,9 @@ def _measured(link: Link, log: Path, minutes: float, what: str) -> Row:
     }
 
 
-def sent(log: Path) -> Iterator[float]:
-    """Host times [s] of all records of a log."""
-    reader = RawLogReader(log)
-    yield from (record.time * NANO for record in reader.records())
-    reader.close()
-
-
 def measure(quick: bool, only: Sequence[str]) -> tuple[list[Row], list[Row]]:
     """Rows and bounds of the parts that are asked for."""
-    sizes = {
+    sizes: dict[str, tuple[Callable[[Any], tuple[list[Row], list[Row]]], float, float]] = {
         "damaged": (damaged, 1_000_000, 20_000),
         "killed": (killed, 50, 3),
         "cable": (cable, 100, 3),
@@ -350,7 +343,7 @@ def measure(quick: bool, only: Sequence[str]) -> tuple[list[Row], list[Row]]:
     rows, bounds = [], []
     for part in only:
         run, whole, few = sizes[part]
-        more, shown = run(few if quick else whole)  # type: ignore[operator]
+        more, shown = run(few if quick else whole)
         rows, bounds = rows + more, bounds + shown
     return [dict.fromkeys(_keys(rows), "") | row for row in rows], bounds
 

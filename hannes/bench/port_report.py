@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hannes.bench.events import About, Row, Status
+from hannes.bench.events import About, Status
 from hannes.bench.finish import read_rows
 from hannes.bench.raw_log import TO_BOARD, RawLogReader
 from hannes.bench.reader import NANO, Link
@@ -23,7 +23,7 @@ class LinkReport:
     about: About
     notes: tuple[str, ...]
     seconds: float
-    round_trip: tuple[float, float, float]  # median, 99 %, longest
+    round_trip: tuple[float, float, float] | None  # median, 99 %, longest
     rows: int
     lost: int
     damaged: int
@@ -32,7 +32,7 @@ class LinkReport:
     def advice(self) -> list[str]:
         """What to change, a line each."""
         lines = []
-        if self.round_trip[0] > SLOW:
+        if self.round_trip and self.round_trip[0] > SLOW:
             lines.append(
                 "the round trip is long: set the adapter's latency timer to 1 ms "
                 "(/sys/bus/usb-serial/devices/*/latency_timer), or avoid a hub"
@@ -76,28 +76,24 @@ def _lost(board: np.ndarray, rate: float) -> int:
     return max(round((board[-1] - board[0]) * rate) + 1 - board.size, 0)
 
 
-def _round_trips(raw: Path, link: Link) -> tuple[float, float, float]:
-    """Time from a beat sent to the pulse that answers it [s]: median, 99 %, longest."""
-    log, listener = RawLogReader(raw), link.adapter()
+def _round_trips(raw: Path, link: Link) -> tuple[float, float, float] | None:
+    """Time from a beat sent to the status that answers it [s]: median, 99 %, longest.
+
+    None of a board that says no status.
+    """
+    log, listener, speaker = RawLogReader(raw), link.adapter(), link.adapter()
     sent: list[float] = []
     trips: dict[int, float] = {}
     for record in log.records():
         if record.direction == TO_BOARD:
-            if record.data == _expected_beat(link, len(sent) + 1, record.data):
+            if len(record.data) == len(speaker.alive(0)):  # no other word of a session is so long
                 sent.append(record.time * NANO)
             continue
         for event in listener.feed(record.data, record.time * NANO):
             if isinstance(event, Status) and 0 < event.beat <= len(sent):
                 trips.setdefault(event.beat, record.time * NANO - sent[event.beat - 1])
-            elif isinstance(event, Row):
-                continue
     log.close()
     if not trips:
-        return (float("nan"),) * 3
+        return None
     values = np.array(list(trips.values()))
     return float(np.median(values)), float(np.quantile(values, 0.99)), float(values.max())
-
-
-def _expected_beat(link: Link, beat: int, data: bytes) -> bytes:
-    """The data themselves where they are a beat: recognised by their length."""
-    return data if len(data) == len(link.adapter().alive(beat)) else b""

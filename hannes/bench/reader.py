@@ -10,7 +10,7 @@ import gc
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -207,6 +207,3 @@ class _Loop:
                 self._event("the link is back")
                 return True
         return False
-
-
-Progress = Callable[[str], None]

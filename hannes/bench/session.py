@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from hannes.bench.events import About, Adapter, Event, OtherVersion, Reply, Row, Status
+from hannes.bench.events import About, Adapter, Event, Reply, Row, Status
 from hannes.bench.messages import VERSION, Kind, Reason, State
 from hannes.bench.raw_log import FROM_BOARD, RawLogReader
 from hannes.bench.reader import NANO, Link, Reader
@@ -175,6 +175,3 @@ def session(
         yield opened
     finally:
         opened.close()
-
-
-__all__ = ["Heard", "OtherVersion", "Session", "session"]

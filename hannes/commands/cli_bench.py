@@ -154,9 +154,12 @@ def _port(chosen: argparse.Namespace) -> None:
     if chosen.json:
         print_json(asdict(report) | {"advice": report.advice()})
         return
-    middle, high, longest = (1e3 * each for each in report.round_trip)
     print(f"{chosen.port}: {report.about.firmware}, {report.about.rate:g} Hz")
-    print(f"  round trip  {middle:.2f} ms (99 %: {high:.2f}, longest {longest:.2f})")
+    if report.round_trip:
+        middle, high, longest = (1e3 * each for each in report.round_trip)
+        print(f"  round trip  {middle:.2f} ms (99 %: {high:.2f}, longest {longest:.2f})")
+    else:
+        print("  round trip  not measured: this kind of board says no status")
     print(f"  frames      {report.rows} samples, {report.lost} lost, {report.damaged} damaged")
     print(f"  clock       {1e6 * report.drift:+.1f} ppm against this machine's")
     for line in [*report.notes, *report.advice()]:

@@ -12,6 +12,8 @@ import pytest
 from sklearn.model_selection import GridSearchCV
 from sklearn.pipeline import Pipeline
 
+from hannes.bench.events import About, Row
+from hannes.bench.live import LiveRecogniser
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
@@ -125,6 +127,26 @@ def test_a_recording_of_another_sampling_is_understood(arrays, trained):
     assert model.predict(coarse).decision == model.predict(fine).decision == "rigid"
     assert np.allclose(model.predict(late).time, model.predict(fine).time + 5.0)
     assert np.array_equal(model.predict(late).rigid, model.predict(fine).rigid)
+
+
+def test_live_decisions_are_those_of_the_whole_recording(arrays, trained):
+    """Sample after sample, whatever comes later: the same probabilities, bit for bit."""
+    grasp, model = recording(arrays, 11), trained[0]
+    live, said = LiveRecogniser(model), model.predict(grasp)
+    units = {name: grasp.units[name] for name in CHANNELS}
+    live.feed(About("test", units, 1000.0, 0.2))
+    rows = zip(grasp.time.tolist(), *(grasp[name].tolist() for name in CHANNELS), strict=True)
+    made = [
+        decision
+        for number, (moment, *values) in enumerate(rows)
+        for decision in live.feed(Row(number, 5.0 + moment, tuple(values)))
+    ]
+    assert [each.time for each in made] == pytest.approx(said.time.tolist())
+    sure = [0.5 if not said.held[: k + 1].any() else said.running[k] for k in range(len(made))]
+    assert [each.rigid for each in made] == sure
+    assert [each.held for each in made] == said.held.tolist()
+    forces = [each.force.value if each.force else 0.0 for each in made]
+    assert forces == pytest.approx(said.force.tolist(), rel=1e-12)
 
 
 def test_the_peak_of_a_grasp_still_held_is_the_median_over_trees(arrays, trained):

@@ -14,9 +14,8 @@ from hannes.campaigns.begin.text_layout import TextLayout, number_of, text_layou
 from hannes.campaigns.convert import Converted, convert
 from hannes.campaigns.convert import write as write_recordings
 from hannes.campaigns.foreign.binary_columns import Arrays
-from hannes.campaigns.foreign.mapping import Column, TextRule
-from hannes.campaigns.foreign.sources import open_source
-from hannes.campaigns.foreign.text_columns import Delimited
+from hannes.campaigns.foreign.mapping import Column
+from hannes.campaigns.foreign.sources import reader_of
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
 from hannes.core.io.toml_table import read_text
@@ -71,7 +70,8 @@ def begin(files: Sequence[str | Path], out: str | Path, plant: str = "hand") -> 
 def look(paths: Sequence[Path], plant: Plant) -> Draft:
     """The mapping that fits the first file, as far as it is evident; the others must be alike."""
     first = paths[0]
-    source = None if _is_text(first) else open_source(first, TextRule(), ())
+    reader = reader_of(first)
+    source = None if reader is None else reader(first, ())
     layout = text_layout(first) if source is None else None
     names, units, columns = _columns(first, source, layout)
     known = tuple(name for name in plant.channels if name != "time")
@@ -85,20 +85,6 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
             if text_layout(path).names != layout.names:
                 raise BadInput(f"{path}: has other columns than {first.name}; begin with it alone")
     return made
-
-
-def _is_text(path: Path) -> bool:
-    """Whether a file is read as text; BadInput where it is of a kind that is not read."""
-    if not path.exists():
-        raise BadInput(f"{path}: there is no such file")
-    try:
-        return isinstance(
-            open_source(path, TextRule(header=0, first=1, ragged=True), ()), Delimited
-        )
-    except BadInput as error:
-        if "expected two or more lines" in str(error) or ", line" in str(error):
-            return True
-        raise
 
 
 def _columns(

@@ -83,19 +83,12 @@ NOT_READ = (
     (b"\xff\xd8\xff", "a picture", "ask for the numbers behind it"),
     (b"\x7fELF", "a program", "name the log instead"),
 )
-ZIP, HDF5, MATLAB, PARQUET, MCAP, GZIP = (
-    b"PK\x03\x04",
-    b"\x89HDF\r\n",
-    b"MATLAB ",
-    b"PAR1",
-    b"\x89MCAP0\r\n",
-    b"\x1f\x8b",
-)
+ZIP = b"PK\x03\x04"
 BY_CONTENT: dict[bytes, Opener] = {
-    HDF5: open_hdf5,
-    MATLAB: open_mat,
-    PARQUET: open_parquet,
-    MCAP: open_messages,
+    b"\x89HDF\r\n": open_hdf5,
+    b"MATLAB ": open_mat,
+    b"PAR1": open_parquet,
+    b"\x89MCAP0\r\n": open_messages,
 }
 
 
@@ -104,28 +97,30 @@ def open_source(path: Path, text: TextRule, missing: tuple[str, ...]) -> Source:
 
     Raises BadInput where it is of a kind that is not read, saying which, and what to do.
     """
+    reader = reader_of(path)
+    return Delimited(path, text, missing) if reader is None else reader(path, missing)
+
+
+def reader_of(path: Path) -> Opener | None:
+    """What reads a file or folder that is no text, None for text; BadInput for what is not read."""
     if path.is_dir():
-        return _folder(path, missing)
-    reader = READERS.get(path.suffix.lower())
-    if reader is not None:
-        return reader(path, missing)
+        return _folder(path)
+    if (reader := READERS.get(path.suffix.lower())) is not None:
+        return reader
     start = _first_bytes(path)
     for magic, what, way_round in NOT_READ:
         if start.startswith(magic):
             raise BadInput(f"{path}: is {what}, which is not read; {way_round}")
-    for magic, opener in BY_CONTENT.items():
-        if start.startswith(magic):
-            return opener(path, missing)
     if start.startswith(ZIP):
         raise BadInput(f"{path}: is a ZIP archive; unpack it first (an .xlsx needs that ending)")
-    return Delimited(path, text, missing)
+    return next((opener for magic, opener in BY_CONTENT.items() if start.startswith(magic)), None)
 
 
-def _folder(path: Path, missing: tuple[str, ...]) -> Source:
+def _folder(path: Path) -> Opener:
     if is_lerobot(path):
-        return open_parquet(path, missing)
+        return open_parquet
     if (path / "metadata.yaml").is_file():
-        return open_messages(path, missing)
+        return open_messages
     raise BadInput(
         f"{path}: is a folder; expected files, a LeRobot data set (with meta/info.json), or a "
         "rosbag2 (with metadata.yaml)"

@@ -50,7 +50,7 @@ def _magnitude(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
     speed = running_median(speeds(time, subject.recording[moved]))
     fast = BACK * sustained(speed)
     back, forth = values[1:][speed < -fast], values[1:][speed > fast]
-    if min(back.size, forth.size) < FEWEST or noise(values) == np.inf:
+    if min(back.size, forth.size) < FEWEST:
         return
     least, size = float(values.min()), float(np.sqrt(np.mean(values**2)))
     if least < -ZERO * size - 2.0 * noise(values) or back.mean() < LEAST * forth.mean():

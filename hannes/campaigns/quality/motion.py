@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hannes.campaigns.quality.finding import Finding, fault, warning
 from hannes.campaigns.quality.subject import Subject, running_median, speeds, sustained
 from hannes.core.errors import BadInput
-from hannes.core.recording.time_lag import Lag, best_lag, lag_behind
+from hannes.core.recording.time_lag import Lag, best_lag, lag_behind, time_apart
 
 FloatArray = NDArray[np.float64]
 
@@ -89,12 +89,14 @@ def unlike(
     subject: Subject, name: str, command: str, times: FloatArray, values: FloatArray
 ) -> Iterator[Finding]:
     """Findings where no lag within a plausible range was found: looked for at any lag."""
+    long = float(subject.time[-1] - subject.time[0]) + float(times[-1] - times[0])
+    if time_apart(subject.time, times) > long:
+        text = f"begins at {subject.time[0]:.10g} s, {command} ends at {times[-1]:.4g} s"
+        yield fault("clock", "time", f"{text}: convert with time.from_zero or time.offset")
+        return
     try:
         lag = best_lag(subject.time, subject.recording[name], times, values)
-    except BadInput as error:
-        if "apart" in str(error):
-            text = f"begins at {subject.time[0]:.10g} s, {command} ends at {times[-1]:.4g} s"
-            yield fault("clock", "time", f"{text}: convert with time.from_zero or time.offset")
+    except BadInput:  # too short, or one stands still
         return
     if lag.correlation < FOLLOWS or lag.against > UNLIKE:
         yield _other_run(name, command, lag.against)

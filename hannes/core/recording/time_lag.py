@@ -39,6 +39,11 @@ class Lag:
     against: float = 0.0
 
 
+def time_apart(time: FloatArray, command_time: FloatArray) -> float:
+    """Time between the end of one and the start of the other [s], below zero where they overlap."""
+    return max(float(time[0] - command_time[-1]), float(command_time[0] - time[-1]))
+
+
 @dataclass(frozen=True)
 class _Speeds:
     """Velocities on a grid of `step` [s]; the command's reaches `margin` points further out.
@@ -78,12 +83,10 @@ def best_lag(
     """The best lag there is, however bad, wherever the two overlap; arrays as in `lag_behind`.
 
     Of several that fit equally well it is the one nearest to zero. Raises BadInput where one of
-    the two stands still, or they lie further apart than they are long.
+    the two stands still.
     """
     reach = float(time[-1] - time[0]) + float(command_time[-1] - command_time[0])
-    apart = max(float(time[0] - command_time[-1]), float(command_time[0] - time[-1]), 0.0)
-    if apart > reach:
-        raise BadInput(f"motion and command lie {apart:.6g} s apart")
+    apart = max(time_apart(time, command_time), 0.0)
     speeds = _speeds(time, motion, command_time, command, reach + apart)
     correlation = _correlation(speeds)
     peaks = _peaks(correlation, AMBIGUOUS * float(correlation.max()))
