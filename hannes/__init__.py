@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from hannes.simulation.hand.hand import Hand as Hand
     from hannes.simulation.sensors import observe as observe
     from hannes.simulation.simulate import simulate as simulate
+    from hannes.simulation.stepper import Stepper as Stepper
+    from hannes.simulation.stepper import start as start
 
 # Loaded when first asked for, so that `import hannes` costs nothing.
 _HOMES = {
@@ -51,6 +53,7 @@ _HOMES = {
     "Recording": "core.recording.recording",
     "Reference": "simulation.experiment.experiment",
     "Slot": "core.layout",
+    "Stepper": "simulation.stepper",
     "Target": "simulation.experiment.experiment",
     "Term": "core.effect",
     "calibrate": "commands.calibrate",
@@ -64,6 +67,7 @@ _HOMES = {
     "observe": "simulation.sensors",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.batch.simulate_many",
+    "start": "simulation.stepper",
     "view": "commands.view",
 }
 __all__ = sorted(_HOMES)

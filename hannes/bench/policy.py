@@ -1,0 +1,109 @@
+"""Grip policy: how far the hand may close on what it holds, by what recognition says of it.
+
+A pure, causal function of one tick: settings, memory and a sample give new memory and a set point.
+Plain arithmetic on fixed numbers, so that it is the same in C (`hannes export-c`).
+
+Until something is touched, the command passes. From the touch on the command's further travel
+counts for a share only: `soft_share` while it is soft or nothing is known, all of it once it was
+recognised as rigid for `dwell`. In lasting doubt the likelier class decides after `patience`.
+A force set point closes or opens within that limit instead.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+@dataclass(frozen=True)
+class GripSettings:
+    """What the policy goes by; times in s, angles in rad at the output shaft, force in N."""
+
+    soft_share: float = 0.5  # of the commanded travel beyond the touch, for a soft object
+    rigid_from: float = 0.8  # probability of rigid from which it may be held firmly
+    soft_below: float = 0.4  # probability of rigid below which a firm hold ends
+    dwell: float = 0.03  # s for which that probability must last
+    patience: float = 0.6  # s from the touch until the likelier class decides
+    speed: float = 12.0  # rad/s, most by which the limit changes
+    force_gain: float = 0.15  # rad/s for each newton that is missing to a force set point
+    force_speed: float = 3.0  # rad/s, most of the same
+
+
+class GripSample(NamedTuple):
+    """What is known at one tick: SI, angles at the output shaft.
+
+    rigid: probability, 0.5 where nothing is known; touched: whether something is held, and
+    `touch_position` where it was touched; force: estimate with its upper end; force_wanted: set
+    point [N], 0 or less for none.
+    """
+
+    period: float  # s since the last tick
+    wanted: float  # rad, the command
+    position: float  # rad, measured
+    touched: bool
+    touch_position: float
+    rigid: float
+    force: float
+    force_high: float
+    force_wanted: float
+
+
+class GripMemory(NamedTuple):
+    """What the policy keeps from tick to tick."""
+
+    since: float = 0.0  # s from the touch on, 0 before
+    certain: float = 0.0  # s for which rigid has been probable enough
+    share: float = 0.0  # of the travel beyond the touch that is given; 0 before the touch
+    firm: bool = False  # held as a rigid object
+    offset: float = 0.0  # rad from the touch to the set point, under force control
+    set_point: float = 0.0  # rad, of the last tick
+
+
+def grip(
+    settings: GripSettings, memory: GripMemory, sample: GripSample
+) -> tuple[GripMemory, float]:
+    """Go on by one tick; returns the new memory, and the set point [rad] for the board."""
+    if not sample.touched:
+        return GripMemory(set_point=sample.wanted), sample.wanted
+    since = memory.since + sample.period
+    certain = memory.certain + sample.period if sample.rigid >= settings.rigid_from else 0.0
+    firm = _firm(settings, memory.firm, sample.rigid, certain, since)
+    aim = 1.0 if firm else settings.soft_share
+    beyond = sample.wanted - sample.touch_position
+    if beyond <= 0.0:  # the command is to open
+        return GripMemory(since, certain, 0.0, firm, 0.0, sample.wanted), sample.wanted
+    if sample.force_wanted > 0.0:
+        offset = _force_offset(settings, memory, sample, aim * beyond, firm)
+        share = offset / beyond
+    else:
+        share = aim
+    target = sample.touch_position + share * beyond
+    most = settings.speed * sample.period
+    set_point = min(max(target, memory.set_point - most), memory.set_point + most)
+    memory = GripMemory(since, certain, share, firm, share * beyond, set_point)
+    return memory, set_point
+
+
+def _firm(settings: GripSettings, firm: bool, rigid: float, certain: float, since: float) -> bool:
+    """Whether the object is to be held firmly: rigid for long enough, or likelier than not."""
+    if firm:
+        return rigid >= settings.soft_below
+    if certain >= settings.dwell:
+        return True
+    return since >= settings.patience and rigid > 0.5
+
+
+def _force_offset(
+    settings: GripSettings, memory: GripMemory, sample: GripSample, most: float, firm: bool
+) -> float:
+    """Travel beyond the touch [rad] that brings the force to its set point, at most `most`.
+
+    A soft object is held by the upper end of the force's band, so that doubt squeezes less.
+    """
+    force = sample.force if firm else sample.force_high
+    rate = settings.force_gain * (sample.force_wanted - force)
+    rate = min(max(rate, -settings.force_speed), settings.force_speed)
+    start = memory.offset if memory.since > 0.0 else sample.position - sample.touch_position
+    offset = start + rate * sample.period
+    if math.isnan(offset):
+        return 0.0
+    return min(max(offset, 0.0), most)

@@ -1,0 +1,94 @@
+"""The grip policy, tick by tick: what passes, what is limited, and when that ends."""
+
+import itertools
+from dataclasses import replace
+
+import pytest
+
+from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
+
+SETTINGS = GripSettings()
+TOUCH, FULL = 5.0, 9.0
+SAMPLE = GripSample(1e-3, 0.0, 0.0, False, 0.0, 0.5, 0.0, 0.0, 0.0)
+
+
+def closed(rigid, seconds=1.0, touched=True, **further):
+    """Set points [rad] of a hand that closes at 15 rad/s, and touches something at TOUCH."""
+    memory, found = GripMemory(), []
+    for tick in range(round(1000 * seconds)):
+        wanted = min(15.0 * tick / 1000.0, FULL)
+        now = touched and wanted >= TOUCH
+        chance = rigid(tick / 1000.0) if callable(rigid) else rigid
+        sample = SAMPLE._replace(
+            wanted=wanted, position=wanted, touched=now, touch_position=TOUCH, rigid=chance
+        )
+        memory, point = grip(SETTINGS, memory, sample._replace(**further))
+        found.append(point)
+    return found
+
+
+def test_an_empty_hand_follows_its_command():
+    assert closed(0.0, touched=False)[-1] == FULL
+
+
+def test_a_soft_object_gets_its_share_of_the_travel():
+    points = closed(0.05)
+    assert points[-1] == pytest.approx(TOUCH + SETTINGS.soft_share * (FULL - TOUCH))
+    assert max(points) <= points[-1] + 0.05
+
+
+def test_a_rigid_object_is_held_firmly():
+    assert closed(0.97)[-1] == pytest.approx(FULL)
+
+
+def test_a_moment_of_certainty_is_not_enough():
+    blink = closed(lambda time: 0.97 if 0.40 < time < 0.42 else 0.6, seconds=0.7)
+    assert blink[-1] < FULL - 1.0
+
+
+def test_in_lasting_doubt_the_likelier_class_decides():
+    assert closed(0.6, seconds=1.5)[-1] == pytest.approx(FULL)
+    assert closed(0.45, seconds=1.5)[-1] < FULL - 1.0
+
+
+def test_a_firm_hold_ends_where_the_object_proves_soft():
+    points = closed(lambda time: 0.95 if time < 0.7 else 0.1, seconds=1.5)
+    assert max(points) == pytest.approx(FULL)
+    assert points[-1] == pytest.approx(TOUCH + SETTINGS.soft_share * (FULL - TOUCH))
+
+
+def test_set_points_change_no_faster_than_the_command_and_the_limit():
+    points = closed(lambda time: float(time > 0.6), seconds=1.0)
+    steps = [b - a for a, b in itertools.pairwise(points)]
+    assert max(map(abs, steps)) <= max(15.0, SETTINGS.speed) * 1e-3 + 1e-9
+
+
+def test_opening_passes_at_once():
+    memory, _ = grip(SETTINGS, GripMemory(set_point=7.0), SAMPLE._replace(
+        wanted=8.0, position=7.0, touched=True, touch_position=TOUCH))  # fmt: skip
+    _, point = grip(SETTINGS, memory, SAMPLE._replace(
+        wanted=1.0, position=7.0, touched=True, touch_position=TOUCH))  # fmt: skip
+    assert point == 1.0
+
+
+@pytest.mark.parametrize("rigid", [0.0, 1.0])
+def test_a_force_set_point_is_reached_on_a_spring(rigid):
+    stiffness, memory, position = 8.0, GripMemory(), TOUCH  # N/rad
+    for _ in range(4000):
+        force = stiffness * max(position - TOUCH, 0.0)
+        sample = SAMPLE._replace(
+            wanted=FULL, position=position, touched=True, touch_position=TOUCH, rigid=rigid,
+            force=force, force_high=force, force_wanted=10.0,
+        )  # fmt: skip
+        memory, position = grip(SETTINGS, memory, sample)
+    assert stiffness * (position - TOUCH) == pytest.approx(10.0, rel=0.01)
+
+
+def test_a_soft_object_under_force_control_counts_the_upper_end_of_its_band():
+    spring = {"wanted": FULL, "touched": True, "touch_position": TOUCH, "force_wanted": 10.0}
+    low = SAMPLE._replace(**spring, position=TOUCH, rigid=0.0, force=5.0, force_high=10.0)
+    memory, _ = grip(SETTINGS, GripMemory(set_point=TOUCH), low)
+    assert memory.offset == 0.0
+    firm = replace(SETTINGS, dwell=0.0)
+    memory, _ = grip(firm, GripMemory(set_point=TOUCH), low._replace(rigid=1.0))
+    assert memory.offset > 0.0
