@@ -40,6 +40,7 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
     "board": [("hand", "board {} --seconds 0.01")],
     "record": [("raw log", "record --recover {} --out OUT/r.h5")],
     "port": None,
+    "export-c": [("model", "export-c {} --out OUT/m.c")],
     "view": [("recording", "view {} --out OUT/v.html")],
     "fmu": [("evaluation", "fmu {} --out OUT/x.fmu")],
     "export": [

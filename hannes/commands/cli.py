@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 from hannes.commands import (
     cli_bench,
     cli_compare,
+    cli_firmware,
     cli_learning,
     cli_recordings,
     cli_trust,
@@ -77,6 +78,7 @@ def make_parser() -> _Parser:
     cli_compare.add(partial(_command, commands))
     cli_learning.add(partial(_command, commands))
     cli_bench.add(partial(_command, commands))
+    cli_firmware.add(partial(_command, commands))
     cli_views.add(partial(_command, commands), parser)
     cli_trust.add(partial(_command, commands))
     return parser

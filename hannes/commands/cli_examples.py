@@ -3,6 +3,7 @@
 from hannes.commands import (
     cli_bench,
     cli_compare,
+    cli_firmware,
     cli_learning,
     cli_recordings,
     cli_trust,
@@ -78,6 +79,7 @@ campaign.toml (docs/reference/campaign.md has all of it):
     **cli_compare.EXAMPLES,
     **cli_learning.EXAMPLES,
     **cli_bench.EXAMPLES,
+    **cli_firmware.EXAMPLES,
     **cli_views.EXAMPLES,
     **cli_trust.EXAMPLES,
 }

@@ -35,6 +35,7 @@ SIGNS = {
     ".png": (VIEW.encode(), "view"),
     ".mat": (b"written by hannes", "export"),
     ".mcap": (b"hannes", "export"),
+    ".c": (b"Written by `hannes export-c`", "export-c"),
 }
 _HEAD = 1 << 22  # bytes in which that is looked for
 

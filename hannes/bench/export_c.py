@@ -1,0 +1,171 @@
+"""`hannes export-c`: a trained model as one C file without allocation, for a board's firmware.
+
+What moves is the recognition that `hannes live` does: features, trees, calibration, decision,
+stiffness, and the most force so far. The peak force after release, which a Gaussian process over
+thousands of grasps predicts, stays with the host.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hannes.bench.c_tables import CForest, array, c_forest, number
+from hannes.bench.c_vectors import SAMPLES, vectors
+from hannes.bench.live import LONGEST
+from hannes.core.errors import BadInput
+from hannes.recognition import features
+from hannes.recognition.model import EXTREME, FADE, HELD, NO_CONTACT, Band, Model
+
+FIRMWARE = Path(__file__).parent / "firmware"
+FLAGS = "-std=c99 -O2 -ffp-contract=off"
+FORESTS = ("rigid", "stiffness", "force")
+HEAD = """\
+/* Rigid or soft, stiffness and grip force from motor current, position and reference.
+ * Written by `hannes export-c`; do not edit it, export the model anew.
+ *
+ * Model:   {trained}
+ * Memory:  {memory} bytes in one struct Hannes, all there is; nothing is allocated.
+ * Tables:  {tables} bytes of constants in {trees} trees of {nodes} nodes.
+ * Rate:    hannes_sample() once a sample, at {sampling:g} Hz; a decision every {hop:g} ms.
+ * Build:   cc {flags} -c FILE.c      (C99 and <math.h>; no -ffast-math)
+ * Check:   cc {flags} -DHANNES_SELF_TEST FILE.c -lm && ./a.out
+ *
+ * Features, votes and calibrated probabilities have the bits of Python's on any machine with IEEE
+ * doubles; exp and log are the C library's, and may differ from numpy's in the last bit.
+ */
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+"""
+
+
+@dataclass(frozen=True)
+class Exported:
+    """A model in C: its text, bytes of memory and of constant tables, trees and nodes."""
+
+    text: str
+    memory_bytes: int
+    table_bytes: int
+    trees: int
+    nodes: int
+
+
+def export_c(model: Model) -> Exported:
+    """Return `model` as one C file. Raises BadInput where its windows fit no whole samples."""
+    sizes = _sizes(model)
+    forests = {name: c_forest(name, getattr(model, name)) for name in FORESTS}
+    memory = _memory(sizes)
+    tables = sum(each.table_bytes for each in forests.values())
+    trees, nodes = (sum(getattr(f, k) for f in forests.values()) for k in ("trees", "nodes"))
+    head = HEAD.format(
+        trained=_comment(model.trained), memory=memory, tables=tables, trees=trees, nodes=nodes,
+        sampling=model.windowing.sampling, hop=1e3 * model.windowing.hop, flags=FLAGS,
+    )  # fmt: skip
+    parts = [
+        head,
+        _defined(sizes | {"MEMORY_BYTES": f"{memory}u"} | _constants(model)),
+        _tables(model, forests.values()),
+        (FIRMWARE / "recogniser.c").read_text(encoding="utf-8"),
+        vectors(model),
+        (FIRMWARE / "recogniser_test.c").read_text(encoding="utf-8"),
+    ]
+    return Exported("\n".join(parts), memory, tables, trees, nodes)
+
+
+def _sizes(model: Model) -> dict[str, str]:
+    """Whole numbers of the file, in samples unless their names say otherwise."""
+    windowing = model.windowing
+    period = 1.0 / windowing.sampling
+    if (hop := round(windowing.hop * windowing.sampling)) < 1:
+        raise BadInput(f"a hop of {windowing.hop:g} s is less than a sample")
+    smooth, memory = max(1, round(features.SMOOTH / period)), round(features.MEMORY / period)
+    reach = max(2 * windowing.size, memory + windowing.size, smooth) + 1
+    longest = int(LONGEST * windowing.sampling + 1e-6)
+    held = longest // hop // 2 + 1
+    trees = max(getattr(model, name).starts.size - 1 for name in FORESTS)
+    return {
+        "WINDOW": f"{windowing.size}",
+        "HOP": f"{hop}",
+        "SMOOTH": f"{smooth}",
+        "MEMORY": f"{memory}",
+        "STARTING": f"{round(features.STARTING / period)}",
+        "KEPT": f"{1 << (reach - 1).bit_length()}u",
+        "LONGEST": f"{longest}u",
+        "HELD": f"{held}u",
+        "SCRATCH": f"{max(held, trees)}u",
+        "FEATURES": f"{len(features.NAMES)}",
+        "LEVELS": f"{len(features.LEVELS)}",
+        "CALIBRATION": f"{model.calibration.x.size}u",
+        "VECTOR_SAMPLES": f"{SAMPLES}u",
+    }
+
+
+def _constants(model: Model) -> dict[str, str]:
+    """Numbers of the file, in SI units."""
+    values = {
+        "PERIOD": 1.0 / model.windowing.sampling,
+        "MOVED": features.MOVED,
+        "STEP": features.STEP,
+        "BACK": features.BACK,
+        "HOLD": HELD,
+        "NO_CONTACT": NO_CONTACT,
+        "EXTREME": EXTREME,
+        "SHARE": min(1.0, model.windowing.hop / FADE),
+        "SURE": model.sure,
+    }
+    return {name: f"({number(value)})" for name, value in values.items()}
+
+
+def _memory(sizes: dict[str, str]) -> int:
+    """Bytes of a struct Hannes where doubles stand at multiples of eight."""
+    kept, held, scratch, levels, count = (
+        int(sizes[name].rstrip("u")) for name in ("KEPT", "HELD", "SCRATCH", "LEVELS", "FEATURES")
+    )
+    doubles = 2 + 4 * kept + 8 + levels + 1 + 2 * held + scratch
+    rows = 4 * (count + count % 2)
+    return 16 + 8 * doubles + 8 + rows
+
+
+def _defined(values: dict[str, str]) -> str:
+    return "\n".join(f"#define HANNES_{name} {value}" for name, value in values.items()) + "\n"
+
+
+def _tables(model: Model, forests: Iterable[CForest]) -> str:
+    curve = model.calibration
+    lines = [
+        "struct HannesForest {",
+        "    uint32_t trees;",
+        "    const uint32_t *start, *next;",
+        "    const uint8_t *feature;",
+        "    const float *threshold;",
+        "    const double *value;",
+        "};",
+        "struct HannesBand { uint32_t count; const double *x, *low, *high; };",
+        array("double", "hannes_levels", map(number, features.LEVELS)),
+        array("double", "hannes_calibration_x", map(number, curve.x)),
+        array("double", "hannes_calibration_y", map(number, curve.y)),
+        *(
+            _band(f"hannes_{name}", getattr(model, name))
+            for name in ("stiffness_band", "force_band")
+        ),
+        *(each.text for each in forests),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _band(name: str, band: Band) -> str:
+    columns: dict[str, Sequence[float] | np.ndarray] = {
+        "x": band.x, "low": band.low, "high": band.high
+    }  # fmt: skip
+    arrays = [array("double", f"{name}_{key}", map(number, each)) for key, each in columns.items()]
+    names = ", ".join(f"{name}_{key}" for key in columns)
+    arrays.append(f"static const struct HannesBand {name} = {{{band.x.size}u, {names}}};")
+    return "\n".join(arrays)
+
+
+def _comment(text: str) -> str:
+    """A text that cannot end a comment."""
+    return " ".join(text.replace("*/", "* /").split()) or "without a description"

@@ -1,0 +1,325 @@
+/* ---- what a program calls ---------------------------------------------------------------------- */
+
+/* Rigid or soft, stiffness and grip force of a grasp, from one sample after the other. Every sum is
+ * taken in the order in which Python takes it: with -ffp-contract=off and without -ffast-math the
+ * features, the trees' votes and the calibrated probability have the same bits. */
+
+enum { HANNES_SOFT, HANNES_RIGID, HANNES_UNKNOWN };
+
+struct HannesDecision {
+    uint8_t word;    /* HANNES_SOFT, HANNES_RIGID or HANNES_UNKNOWN */
+    bool held;       /* an object is held now; only then is there a force */
+    bool stiff;      /* an object was held so far; only then is there a stiffness */
+    double window;   /* probability of rigid of this window alone */
+    double rigid;    /* of the grasp so far, by which the word is said */
+    double stiffness[3]; /* N/m: value, and the ends of its 95 % interval */
+    double force[3];     /* N, the most so far: likewise */
+};
+
+struct Hannes {
+    uint32_t count;   /* samples since the grasp began */
+    int32_t begun, touch;
+    double first, running;
+    double current[HANNES_KEPT], position[HANNES_KEPT], reference[HANNES_KEPT], level[HANNES_KEPT];
+    double known[8], passed[HANNES_LEVELS];
+    double odds;      /* fading mean of the log odds */
+    uint32_t held;    /* windows in which an object was held */
+    double log_stiffness[HANNES_HELD], apart[HANNES_HELD];
+    double scratch[HANNES_SCRATCH];
+    float row[HANNES_FEATURES];
+};
+
+/* The memory that the head of this file states is all there is. */
+typedef char hannes_memory_as_stated[sizeof(struct Hannes) <= HANNES_MEMORY_BYTES ? 1 : -1];
+
+void hannes_reset(struct Hannes *h);
+/* Takes one sample; true where a window ended with it, and `said` is new. */
+bool hannes_sample(struct Hannes *h, double current, double position, double reference,
+                   struct HannesDecision *said);
+
+/* ---- features ---------------------------------------------------------------------------------- */
+
+enum { H_START, H_FREE, H_FREE_SPEED, H_PEAK, H_FARTHEST, H_WORK, H_STEEPEST, H_LAST };
+enum { H_SINCE = 9, H_RISE = 10 };
+
+static double h_at(const double *values, int32_t sample)
+{
+    return values[(uint32_t)sample & (HANNES_KEPT - 1u)];
+}
+
+static double h_more(double a, double b)
+{
+    return b > a ? b : a;
+}
+
+/* Mean and least-squares slope (per s) of a window's samples before `end`. */
+static double h_line(const double *values, int32_t end, double *slope)
+{
+    double middle = 0.5 * (HANNES_WINDOW - 1), total = 0.0, moment = 0.0, square = 0.0;
+    for (int32_t k = 0; k < HANNES_WINDOW; k++) {
+        double away = k - middle, value = h_at(values, end - HANNES_WINDOW + k);
+        total += value;
+        moment += away * value;
+        square += away * away;
+    }
+    *slope = moment / (square * HANNES_PERIOD);
+    return total / HANNES_WINDOW;
+}
+
+static double h_rest(const struct Hannes *h, int32_t first, int32_t end)
+{
+    double least = h_at(h->level, first);
+    for (int32_t k = first; k < end; k++)
+        if (h_at(h->level, k) < least) least = h_at(h->level, k);
+    return least;
+}
+
+static void h_begin(struct Hannes *h, double free_current)
+{
+    double start = h_at(h->position, h->touch);
+    h->known[H_START] = h->known[H_LAST] = start;
+    h->known[H_FREE] = free_current;
+    if (h->touch >= HANNES_WINDOW) h_line(h->position, h->touch, &h->known[H_FREE_SPEED]);
+}
+
+static void h_go_on(struct Hannes *h, double current, double position)
+{
+    double *known = h->known, rise = current - known[H_FREE], travel = position - known[H_START];
+    known[H_WORK] += rise * (position - known[H_LAST]);
+    known[H_LAST] = position;
+    known[H_PEAK] = h_more(known[H_PEAK], rise);
+    known[H_FARTHEST] = h_more(known[H_FARTHEST], travel);
+    for (int k = 0; k < HANNES_LEVELS; k++)
+        if (h->passed[k] < 0.0 && travel >= hannes_levels[k]) h->passed[k] = h_more(rise, 0.0);
+}
+
+static void h_of_window(struct Hannes *h, int32_t end)
+{
+    float *out = h->row;
+    double slope, asked, place;
+    memset(out, 0, sizeof h->row);
+    out[0] = (float)h_line(h->current, end, &slope);
+    out[1] = (float)slope;
+    place = h_line(h->position, end, &slope);
+    out[2] = (float)slope;
+    asked = h_line(h->reference, end, &slope);
+    out[3] = (float)slope;
+    out[4] = (float)(asked - place);
+    out[5] = (float)h_line(h->current, end - HANNES_WINDOW, &slope);
+    h_line(h->position, end - HANNES_WINDOW, &slope);
+    out[6] = (float)slope;
+}
+
+static void h_of_grasp(struct Hannes *h, double position, int32_t since)
+{
+    float *out = h->row;
+    double *known = h->known, current = out[0], slope = out[1], speed = out[2];
+    double peak = known[H_PEAK], farthest = known[H_FARTHEST];
+    double rise = current - known[H_FREE], travel = position - known[H_START];
+    double secant = peak / h_more(farthest, 0.05);
+    double tangent = slope / copysign(h_more(fabs(speed), 0.3), speed), square = h_more(farthest, 0.1);
+    if (speed > 0.3 && since + 1 >= HANNES_WINDOW)
+        known[H_STEEPEST] = h_more(known[H_STEEPEST], tangent);
+    out[7] = (float)known[H_FREE];
+    out[8] = (float)known[H_FREE_SPEED];
+    out[H_SINCE] = (float)(since * HANNES_PERIOD);
+    out[H_RISE] = (float)rise;
+    out[11] = (float)travel;
+    out[12] = (float)(rise / h_more(travel, 0.05));
+    out[13] = (float)tangent;
+    out[14] = (float)(speed / h_more(known[H_FREE_SPEED], 1.0));
+    out[15] = (float)peak;
+    out[16] = (float)farthest;
+    out[17] = (float)secant;
+    out[18] = (float)known[H_WORK];
+    out[19] = (float)(known[H_WORK] / (square * square));
+    out[20] = (float)(peak - rise);
+    out[21] = (float)known[H_START];
+    out[22] = (float)known[H_STEEPEST];
+    for (int k = 0; k < HANNES_LEVELS; k++)
+        out[23 + k] = (float)(h->passed[k] >= 0.0 ? h->passed[k] : hannes_levels[k] * secant);
+}
+
+/* Looks for the touch; returns the current that counts as free. */
+static double h_look(struct Hannes *h, int32_t n)
+{
+    double level = h_at(h->level, n), least = level;
+    if (h->begun < 0 && fabs(h_at(h->position, n) - h->first) > HANNES_MOVED)
+        h->begun = n + HANNES_STARTING;
+    if (h->touch < 0 && 0 <= h->begun && h->begun < n) {
+        int32_t first = n - HANNES_MEMORY > h->begun ? n - HANNES_MEMORY : h->begun;
+        least = h_rest(h, first, n);
+        if (level > least + HANNES_STEP) {
+            h->touch = n;
+            while (h->touch > first && h_at(h->level, h->touch) > least + HANNES_BACK) h->touch--;
+            h_begin(h, least);
+        }
+    }
+    return least;
+}
+
+static void h_take(struct Hannes *h, double current, double position, double reference)
+{
+    int32_t n = (int32_t)h->count++;
+    uint32_t place = (uint32_t)n & (HANNES_KEPT - 1u);
+    if (!n) h->first = position;
+    h->current[place] = current;
+    h->position[place] = position;
+    h->reference[place] = reference;
+    h->running += current - (n >= HANNES_SMOOTH ? h_at(h->current, n - HANNES_SMOOTH) : 0.0);
+    h->level[place] = h->running / (n + 1 < HANNES_SMOOTH ? n + 1 : HANNES_SMOOTH);
+}
+
+/* ---- trees ------------------------------------------------------------------------------------- */
+
+/* A node's left child comes next, its right one at `next`; of a leaf (feature 255) `next` is the
+ * place of its value. Thresholds are rounded down to float, which decides the same of a float. */
+static double h_leaf(const struct HannesForest *f, uint32_t tree, const float *row)
+{
+    uint32_t node = f->start[tree];
+    while (f->feature[node] != 255u)
+        node = row[f->feature[node]] <= f->threshold[node] ? node + 1u : f->next[node];
+    return f->value[f->next[node]];
+}
+
+static double h_mean(const struct HannesForest *f, const float *row)
+{
+    double total = 0.0;
+    for (uint32_t tree = 0; tree < f->trees; tree++) total += h_leaf(f, tree, row);
+    return total / f->trees;
+}
+
+static void h_sink(double *values, uint32_t at, uint32_t count)
+{
+    double value = values[at];
+    for (uint32_t child = 2u * at + 1u; child < count; child = 2u * at + 1u) {
+        if (child + 1u < count && values[child + 1u] > values[child]) child++;
+        if (values[child] <= value) break;
+        values[at] = values[child];
+        at = child;
+    }
+    values[at] = value;
+}
+
+static void h_sort(double *values, uint32_t count)
+{
+    for (uint32_t k = count / 2u; k-- > 0;) h_sink(values, k, count);
+    for (uint32_t end = count; end-- > 1u;) {
+        double most = values[0];
+        values[0] = values[end];
+        values[end] = most;
+        h_sink(values, 0, end);
+    }
+}
+
+/* 10, 50 and 90 % quantiles over trees. */
+static void h_quantiles(const struct HannesForest *f, const float *row, double *scratch, double *out)
+{
+    static const double shares[3] = {0.1, 0.5, 0.9};
+    for (uint32_t tree = 0; tree < f->trees; tree++) scratch[tree] = h_leaf(f, tree, row);
+    h_sort(scratch, f->trees);
+    for (int k = 0; k < 3; k++) {
+        double place = shares[k] * (f->trees - 1u);
+        uint32_t low = (uint32_t)place, high = low + 1u < f->trees ? low + 1u : f->trees - 1u;
+        out[k] = scratch[low] + (place - low) * (scratch[high] - scratch[low]);
+    }
+}
+
+/* ---- decision ---------------------------------------------------------------------------------- */
+
+/* On the line through points (x, y), constant beyond them. */
+static double h_between(double at, const double *x, const double *y, uint32_t count)
+{
+    uint32_t low = 0, high = count;
+    if (at < x[0]) return y[0];
+    if (at >= x[count - 1u]) return y[count - 1u];
+    while (high - low > 1u) {
+        uint32_t middle = low + (high - low) / 2u;
+        if (at >= x[middle]) low = middle;
+        else high = middle;
+    }
+    if (x[low] == at) return y[low];
+    return (y[low + 1u] - y[low]) / (x[low + 1u] - x[low]) * (at - x[low]) + y[low];
+}
+
+static void h_estimate(double logarithm, double apart, const struct HannesBand *band, double *out)
+{
+    out[0] = exp(logarithm);
+    out[1] = out[0] * exp(h_between(apart, band->x, band->low, band->count));
+    out[2] = out[0] * exp(h_between(apart, band->x, band->high, band->count));
+}
+
+/* Median of the last `count` of the values that the ring of held windows keeps. */
+static double h_median(const double *ring, uint32_t held, uint32_t count, double *scratch)
+{
+    for (uint32_t k = 0; k < count; k++) scratch[k] = ring[(held - count + k) % HANNES_HELD];
+    h_sort(scratch, count);
+    return count % 2u ? scratch[count / 2u] : (scratch[count / 2u - 1u] + scratch[count / 2u]) / 2.0;
+}
+
+static void h_stiffness(struct Hannes *h, bool holds, double *out)
+{
+    double q[3];
+    if (holds) {
+        h_quantiles(&hannes_stiffness, h->row, h->scratch, q);
+        h->log_stiffness[h->held % HANNES_HELD] = q[1];
+        h->apart[h->held % HANNES_HELD] = q[2] - q[0];
+        h->held++;
+    }
+    uint32_t later = h->held - h->held / 2u;
+    if (later > HANNES_HELD) later = HANNES_HELD;
+    double value = h_median(h->log_stiffness, h->held, later, h->scratch);
+    h_estimate(value, h_median(h->apart, h->held, later, h->scratch), &hannes_stiffness_band, out);
+}
+
+static void h_decide(struct Hannes *h, struct HannesDecision *said)
+{
+    bool touched = h->row[H_SINCE] > 0.0f, holds = touched && h->row[H_RISE] > (float)HANNES_HOLD;
+    double odds = HANNES_NO_CONTACT, q[3];
+    memset(said, 0, sizeof *said);
+    said->window = h_between(h_mean(&hannes_rigid, h->row), hannes_calibration_x,
+                             hannes_calibration_y, HANNES_CALIBRATION);
+    if (touched) {
+        double inside = said->window < 1e-6 ? 1e-6 : said->window;
+        if (inside > 1.0 - 1e-6) inside = 1.0 - 1e-6;
+        odds = log(inside) - log1p(-inside);
+        if (odds < -HANNES_EXTREME) odds = -HANNES_EXTREME;
+        if (odds > HANNES_EXTREME) odds = HANNES_EXTREME;
+    }
+    h->odds += HANNES_SHARE * (odds - h->odds);
+    said->held = holds;
+    said->stiff = holds || h->held;
+    said->rigid = said->stiff ? 1.0 / (1.0 + exp(-h->odds)) : 0.5;
+    if (h_more(said->rigid, 1.0 - said->rigid) < HANNES_SURE) said->word = HANNES_UNKNOWN;
+    else said->word = said->rigid >= 0.5 ? HANNES_RIGID : HANNES_SOFT;
+    if (said->stiff) h_stiffness(h, holds, said->stiffness);
+    if (!holds) return;
+    h_quantiles(&hannes_force, h->row, h->scratch, q);
+    h_estimate(q[1], q[2] - q[0], &hannes_force_band, said->force);
+}
+
+void hannes_reset(struct Hannes *h)
+{
+    memset(h, 0, sizeof *h);
+    h->begun = h->touch = -1;
+    for (int k = 0; k < HANNES_LEVELS; k++) h->passed[k] = -1.0;
+}
+
+bool hannes_sample(struct Hannes *h, double current, double position, double reference,
+                   struct HannesDecision *said)
+{
+    if (h->count > HANNES_LONGEST) hannes_reset(h);
+    h_take(h, current, position, reference);
+    int32_t n = (int32_t)h->count - 1, seen = n + 1;
+    double least = h_look(h, n), level = h_at(h->level, n);
+    if (h->touch >= 0) h_go_on(h, level, position);
+    if (seen < 2 * HANNES_WINDOW || (seen - 2 * HANNES_WINDOW) % HANNES_HOP) return false;
+    h_of_window(h, seen);
+    h->row[7] = (float)least;
+    h->row[8] = h->row[2];
+    h->row[H_RISE] = (float)(level - least);
+    h->row[21] = (float)position;
+    if (h->touch >= 0) h_of_grasp(h, position, n - h->touch);
+    h_decide(h, said);
+    return true;
+}

@@ -1,0 +1,43 @@
+"""A small model, trained in a moment on drawn closures: real forests, no simulation."""
+
+import numpy as np
+from sklearn.tree import DecisionTreeRegressor
+
+from hannes.bench.c_vectors import drawn
+from hannes.recognition.features import NAMES
+from hannes.recognition.forest import Forest, of_sklearn
+from hannes.recognition.model import Band, Calibration, Model, held
+from hannes.recognition.windowing import Windowing
+
+
+def forest(rows: np.ndarray, target: np.ndarray, trees: int) -> Forest:
+    """Trees that each see half of the rows."""
+    chance, grown = np.random.default_rng(1), []
+    for k in range(trees):
+        some = chance.permutation(len(rows))[: len(rows) // 2]
+        tree = DecisionTreeRegressor(min_samples_leaf=5, max_features=0.5, random_state=k)
+        grown.append(tree.fit(rows[some], target[some]))
+    return of_sklearn(grown)
+
+
+def drawn_model(sampling: float = 1000.0, window: float = 0.05, hop: float = 0.01) -> Model:
+    """Model of 30 drawn closures: the steeper half of them counts as rigid."""
+    windowing = Windowing(window, hop, sampling)
+    grasps = [drawn(seed, round(1.1 * sampling), 1.0 / sampling) for seed in range(101, 131)]
+    features = [windowing.features(each[np.newaxis])[0] for each in grasps]
+    rows = np.concatenate([each[held(each)] for each in features])
+    secant = rows[:, NAMES.index("peak_secant")]
+    band = Band(np.array([0.0, 0.2, 0.7]), np.array([-0.1, -0.3, -0.5]), np.array([0.1, 0.2, 0.6]))
+    return Model(
+        windowing,
+        5500.0,
+        0.6,
+        forest(rows, (secant > np.median(secant)).astype(float), 12),
+        forest(rows, np.log(1e4 * np.maximum(secant, 1e-3)), 8),
+        forest(rows, np.log(np.maximum(80.0 * rows[:, NAMES.index("peak_rise")], 0.1)), 9),
+        None,
+        Calibration(np.array([0.0, 0.2, 0.5, 0.9]), np.array([0.01, 0.15, 0.6, 0.99])),
+        band,
+        band,
+        "drawn */ closures",
+    )

@@ -1,0 +1,155 @@
+"""A model in C: the same features, votes and words as Python's, in the memory that it states."""
+
+import json
+import re
+import shutil
+import struct
+import subprocess
+
+import numpy as np
+import pytest
+from drawn_model import drawn_model
+
+from hannes.bench.c_tables import below, preorder, short
+from hannes.bench.c_vectors import drawn, last_estimates, windows
+from hannes.bench.events import About, Row
+from hannes.bench.export_c import FLAGS, export_c
+from hannes.bench.live import LiveRecogniser
+from hannes.commands.cli import main
+from hannes.recognition import model_file
+from hannes.recognition.model import WORDS
+
+COMPILER = shutil.which("cc") or shutil.which("gcc")
+ANSWER = np.dtype(
+    [
+        *((name, "u1") for name in ("word", "held", "stiff")),
+        *((name, "<f8") for name in ("window", "rigid")),
+        *((name, "<f8", 3) for name in ("stiffness", "force")),
+    ]
+)
+
+
+def built(model, folder):
+    """The program that the exported file makes."""
+    if COMPILER is None:
+        pytest.skip("no C compiler on this machine")
+    (folder / "model.c").write_text(export_c(model).text)
+    flags = [*FLAGS.split(), "-Wall", "-Wextra", "-Werror", "-DHANNES_SELF_TEST"]
+    subprocess.run([COMPILER, *flags, folder / "model.c", "-o", folder / "m", "-lm"], check=True)
+    return folder / "m"
+
+
+def answers(program, grasps):
+    """What the program says of each window of grasps (n, samples, 3), shape (n, windows)."""
+    given = b"".join(struct.pack("<I", len(each)) + each.astype("<f8").tobytes() for each in grasps)
+    said = subprocess.run([program, "-"], input=given, capture_output=True, check=True).stdout
+    return np.frombuffer(said, ANSWER).reshape(len(grasps), -1)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return drawn_model()
+
+
+@pytest.fixture(scope="module")
+def program(model, tmp_path_factory):
+    return built(model, tmp_path_factory.mktemp("export"))
+
+
+def test_its_test_vectors_hold(program):
+    assert (
+        "0 of 8 test vectors failed"
+        in subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    )
+
+
+def test_a_vector_that_is_wrong_fails(model, tmp_path):
+    text = export_c(model).text
+    wrong = re.sub(r"\{1u, 0x(.)", lambda m: "{1u, 0x" + ("0" if m[1] != "0" else "1"), text)
+    assert wrong != text
+    (tmp_path / "w.c").write_text(wrong)
+    flags = [*FLAGS.split(), "-DHANNES_SELF_TEST", "-o", tmp_path / "w"]
+    subprocess.run([COMPILER, *flags, tmp_path / "w.c", "-lm"], check=True)
+    assert subprocess.run([tmp_path / "w"], capture_output=True).returncode == 1
+
+
+def test_words_votes_and_estimates_are_those_of_python(model, program):
+    grasps = [drawn(seed, 1150, 1e-3) for seed in range(1000, 1040)]
+    for samples, said in zip(grasps, answers(program, grasps), strict=True):
+        wanted = windows(model, samples)
+        assert np.array_equal(said["word"], wanted.words)
+        assert np.array_equal(said["window"], wanted.window)
+        assert np.array_equal(said["held"].astype(bool), wanted.holds)
+        assert said["rigid"] == pytest.approx(wanted.rigid, rel=1e-12)
+        stiffness, force = last_estimates(model, wanted)
+        assert said["stiffness"][-1] == pytest.approx(list(vars(stiffness).values()), rel=1e-12)
+        last = said["force"][wanted.holds][-1]
+        assert last == pytest.approx(list(vars(force).values()), rel=1e-12)
+
+
+def test_all_words_occur_in_what_is_compared(model):
+    words = np.concatenate([windows(model, drawn(k, 1150, 1e-3)).words for k in range(1000, 1040)])
+    assert set(words) == {0, 1, 2}
+
+
+def test_the_words_are_those_of_live_recognition(model):
+    samples = drawn(7, 700, 1e-3)
+    live, said = LiveRecogniser(model), []
+    live.feed(About("x", {"current": "A", "position": "rad", "reference": "rad"}, 1000.0, 0.2))
+    for k, row in enumerate(samples):
+        said += live.feed(Row(k, 1e-3 * k, tuple(row)))
+    wanted = windows(model, samples)
+    assert [each.word for each in said] == [WORDS[word] for word in wanted.words]
+    assert [each.rigid for each in said] == list(wanted.rigid)
+
+
+@pytest.mark.parametrize("how", [(500.0, 0.08, 0.02), (1000.0, 0.21, 0.007)], ids=str)
+def test_other_windows_too(how, tmp_path):
+    model = drawn_model(*how)
+    grasps = [drawn(seed, round(1.5 * how[0]), 1.0 / how[0]) for seed in range(5)]
+    for samples, said in zip(grasps, answers(built(model, tmp_path), grasps), strict=True):
+        wanted = windows(model, samples)
+        assert np.array_equal(said["word"], wanted.words)
+        assert np.array_equal(said["window"], wanted.window)
+
+
+def test_nothing_is_allocated_and_memory_is_as_stated(model, program):
+    made = export_c(model)
+    assert not re.search(r"\b(malloc|calloc|realloc|alloca)\b", made.text)
+    assert f"{made.memory_bytes} bytes in one struct Hannes" in made.text
+    assert f"#define HANNES_MEMORY_BYTES {made.memory_bytes}u" in made.text
+
+
+def test_trees_in_another_order_give_the_same_leaves(model):
+    order, right = preorder(model.rigid)
+    assert np.array_equal(order, np.arange(order.size))  # as scikit-learn grows them
+    inner = model.rigid.left >= 0
+    starts = np.repeat(model.rigid.starts[:-1], np.diff(model.rigid.starts))
+    assert np.array_equal(right[inner], (starts + model.rigid.right)[inner])
+
+
+def test_a_threshold_is_rounded_down_and_read_back():
+    chance = np.random.default_rng(3)
+    thresholds = np.concatenate([chance.normal(size=500), [0.1, -0.1, 1e300, -1e300, 0.0]])
+    found = below(thresholds)
+    assert (found <= thresholds).all()
+    with np.errstate(over="ignore"):
+        above = np.nextafter(found, np.float32(np.inf))
+    assert (above > thresholds).all()
+    finite = found[np.isfinite(found)]
+    assert [np.float32(short(each).rstrip("f")) for each in finite] == list(finite)
+
+
+def test_the_command(model, tmp_path, capsys):
+    model_file.write(tmp_path / "model.h5", model)
+    out = tmp_path / "hand.c"
+    assert main(["export-c", str(tmp_path / "model.h5"), "--out", str(out), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["trees"] == 29 and f"{said['memory_bytes']} bytes" in out.read_text()
+    assert main(["export-c", str(tmp_path / "model.h5"), "--out", str(tmp_path / "x.txt")]) == 2
+    assert "expected a file named .c" in capsys.readouterr().err
+    assert (
+        main(["export-c", str(tmp_path / "model.h5"), "--out", str(out)]) == 0
+    )  # its own gives way
+    assert main(["export-c", str(out), "--out", str(tmp_path / "y.c")]) == 2
+    assert not (tmp_path / "y.c").exists()
