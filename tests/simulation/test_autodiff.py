@@ -9,28 +9,28 @@ from catalogued import CATALOGUE
 from hannes.core.kernels.jit import kernel, plain
 from hannes.core.kernels.smooth_switches import limited, one_sided
 from hannes.core.kernels.vector_math import direction, exp_minus_one, soft_sign
-from hannes.simulation.compiler.autodiff.dead_code import alive
-from hannes.simulation.compiler.autodiff.forward import Derivation
+from hannes.simulation.compiler.autodiff.dead_code import without_dead_code
+from hannes.simulation.compiler.autodiff.forward import Differentiation
 from hannes.simulation.compiler.autodiff.rules import LANES
-from hannes.simulation.compiler.autodiff.values import Underivable, Value
+from hannes.simulation.compiler.autodiff.values import NotDifferentiable, Value
 from hannes.simulation.hand.jacobian.drivetrain_block import WRITTEN
 
 STEP = 1e-6
 
 
-def derived(function, count, written=WRITTEN):
+def differentiated(function, count, written=WRITTEN):
     """Lines that compute a kernel and its derivatives by all its arguments, and their names."""
-    found = Derivation({}, {"f": function}, written)
+    found = Differentiation({}, {"f": function}, written)
     result = found.kernel("f", [Value(f"x[{n}]", {n: "1.0"}) for n in range(count)])
     return found.lines, result if isinstance(result, tuple) else (result,)
 
 
 def jacobian(function, x, written=WRITTEN):
     """Values and derivatives of a kernel as the lines have them."""
-    lines, values = derived(function, len(x), written)
+    lines, values = differentiated(function, len(x), written)
     space = {"x": x, "math": math, "np": np, "f": function, **LANES}
     exec("\n".join(lines), space)
-    rows = [[eval(each.slopes.get(n, "0.0"), space) for n in range(len(x))] for each in values]
+    rows = [[eval(each.derivatives.get(n, "0.0"), space) for n in range(len(x))] for each in values]
     return [eval(each.text, space) for each in values], np.array(rows)
 
 
@@ -64,7 +64,7 @@ KERNELS = {
 def test_every_kernel_of_the_catalogue_is_derived(name):
     function, rng = plain(KERNELS[name]), np.random.default_rng(3)
     count = function.__code__.co_argcount
-    assert not any("f(" in line for line in derived(function, count)[0])
+    assert not any("f(" in line for line in differentiated(function, count)[0])
     for _ in range(50):
         agree(function, list(rng.uniform(0.2, 1.5, count) * rng.choice([-1.0, 1.0], count)))
 
@@ -121,16 +121,16 @@ def test_written_derivatives_are_taken_at_a_kink():
     just_slack = [2.0, 0.1, -1e-6, 0.5, 1.0]
     function = plain(one_sided)
     assert jacobian(function, just_slack, {})[1][0, 2] == 0.0
-    found = Derivation({}, {"f": function}, WRITTEN)
+    found = Differentiation({}, {"f": function}, WRITTEN)
     given = [Value(f"x[{n}]", {n: "1.0"} if n in (2, 3) else {}) for n in range(5)]
     value = found.kernel("f", given)
     space = {"x": just_slack, "math": math, "np": np}
     exec("\n".join(found.lines), space)
-    assert eval(value.slopes[2], space) == 2.0  # of the side that pushes, 1e-4 onset before it
+    assert eval(value.derivatives[2], space) == 2.0  # of the side that pushes, 1e-4 onset before it
 
 
 def test_what_cannot_be_derived_is_differenced():
-    lines, _ = derived(searching, 3)
+    lines, _ = differentiated(searching, 3)
     assert sum("f(" in line for line in lines) == 4  # as it is, and with each argument moved
     x = [0.3, -0.7, 1.1]
     assert np.abs(jacobian(searching, x)[1] - central(searching, x)).max() < 1e-6
@@ -145,7 +145,7 @@ def refusing(a):
 
 
 def test_a_derivation_that_fails_leaves_nothing_behind():
-    lines, _ = derived(plain(refusing), 1)
+    lines, _ = differentiated(plain(refusing), 1)
     assert len([line for line in lines if "f(" in line]) == 2
     assert not any(line.startswith("if") for line in lines)
 
@@ -156,15 +156,15 @@ def test_arrays_that_are_derived_by_cannot_be_handed_on():
 
     from hannes.simulation.compiler.autodiff.values import Array
 
-    found = Derivation({}, {"f": reads}, {})
-    found.cells["y", 0] = Value("y[0]", {0: "1.0"})
-    with pytest.raises(Underivable, match="all of y"):
+    found = Differentiation({}, {"f": reads}, {})
+    found.store["y", 0] = Value("y[0]", {0: "1.0"})
+    with pytest.raises(NotDifferentiable, match="all of y"):
         found.kernel("f", [Array("y")])
 
 
 def test_lines_that_nothing_needs_are_dropped():
     lines = ["v1 = a", "v2 = v1", "if v1 > 0.0:", "    v3 = v2", "else:", "    v3 = 0.0", "v4 = v3"]
-    assert alive(lines) == []
-    assert alive([*lines, "out[0] = v1"]) == ["v1 = a", "out[0] = v1"]
+    assert without_dead_code(lines) == []
+    assert without_dead_code([*lines, "out[0] = v1"]) == ["v1 = a", "out[0] = v1"]
     half = ["if a:", "    v1 = b", "else:", "    v2 = b", "x[0] = v2"]
-    assert alive(half) == ["if a:", "    pass", "else:", "    v2 = b", "x[0] = v2"]
+    assert without_dead_code(half) == ["if a:", "    pass", "else:", "    v2 = b", "x[0] = v2"]

@@ -89,7 +89,7 @@ def saturating(voltage, t, size):
 
 @kernel
 def hunting(motor_speed, size):
-    """A friction that no derivation follows: a loop that ends by what it finds."""
+    """A friction that no differentiation follows: a loop that ends by what it finds."""
     x = 0.1 * abs(motor_speed) + 1.0
     while x > 2.0:
         x *= 0.5

@@ -9,22 +9,22 @@ from hannes.core.kernels.jit import kernel
 from hannes.core.layout import Layout, Slot
 from hannes.core.parameter import Parameter
 from hannes.simulation.compiler.expansion import Layouts
-from hannes.simulation.compiler.output_slice import Needed, gated
+from hannes.simulation.compiler.output_slice import ProgramSlice, guarded
 from hannes.simulation.hand.model import EQUATIONS
 
 CATALOGUE = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
 OUT = Layout((Slot("a", "1", ""), Slot("b", "1", "", "finger", 5), Slot("z", "1", "")))
 
 
-def stages(needed: Needed, *names: str) -> list[int]:
+def stages(needed: ProgramSlice, *names: str) -> list[int]:
     columns = [k for name in names for k in range(OUT[name].start, OUT[name].stop)]
     return np.flatnonzero(needed.by(columns)).tolist()
 
 
-def of(*lines: str, others: str = "") -> Needed:
+def of(*lines: str, others: str = "") -> ProgramSlice:
     body = "\n".join("    " + line for line in lines)
     head = "def equations(t, y, dy, p, c, reference, hold, out):\n"
-    return Needed.of(head + body + "\n\n\n" + others, OUT)
+    return ProgramSlice.of(head + body + "\n\n\n" + others, OUT)
 
 
 def test_what_is_written_through_locals_slots_and_stages_is_followed_back():
@@ -81,12 +81,12 @@ def test_text_that_is_not_followed_runs_as_a_whole(lines):
     assert of(*lines, others=others).statements == ()
     body = "\n".join("    " + line for line in lines)
     text = f"def equations(t, y, dy, p, c, reference, hold, out):\n{body}\n\n\n{others}"
-    assert "if needed" not in gated(text)
-    assert "hold, out, needed):" in gated(text)
+    assert "if needed" not in guarded(text)
+    assert "hold, out, needed):" in guarded(text)
 
 
 def test_a_signature_of_any_form_takes_what_is_needed():
-    text = gated(
+    text = guarded(
         "def equations(\n    t, y, dy, p,\n    c, reference, hold, out,\n) -> None:  # all\n"
         '    """Fill."""\n    a = 1.0; out[0] = a\n'
     )
@@ -100,15 +100,15 @@ def test_a_signature_of_any_form_takes_what_is_needed():
 
 
 def test_every_statement_of_the_equations_is_under_its_condition():
-    text = gated(filled())
-    for n in range(len(Needed.of(filled(), EQUATIONS.outputs).statements)):
+    text = guarded(filled())
+    for n in range(len(ProgramSlice.of(filled(), EQUATIONS.outputs).statements)):
         assert text.count(f"    if needed[{n}]:\n") == 1
     assert text.count("out, needed):") == text.count("needed):") == 1
 
 
 @pytest.mark.parametrize("chosen", [(), CATALOGUE], ids=["hand", "catalogue"])
 def test_the_motor_s_channels_need_no_fingers_and_forces_no_motor(chosen):
-    needed, out = Needed.of(filled(*chosen), EQUATIONS.outputs), EQUATIONS.outputs
+    needed, out = ProgramSlice.of(filled(*chosen), EQUATIONS.outputs), EQUATIONS.outputs
     force, current = (needed.by([out[name].start]) for name in ("force", "current"))
     assert current.sum() == 1  # sense
     assert force.sum() == 2  # kinematics, contact
@@ -137,7 +137,7 @@ def pressing(function) -> Effect:
 def test_an_effect_that_reads_another_stage_has_that_stage_run(function):
     force = [EQUATIONS.outputs["force"].start]
     plain, more = (
-        Needed.of(text, EQUATIONS.outputs).by(force)
+        ProgramSlice.of(text, EQUATIONS.outputs).by(force)
         for text in (filled(), filled(pressing(function)))
     )
     assert more.sum() > plain.sum()

@@ -40,7 +40,7 @@ def limited(x, limit):
 
 
 @kernel
-def one_sided_slopes(stiffness, damping, depth, rate, onset):
+def one_sided_derivatives(stiffness, damping, depth, rate, onset):
     """Derivatives of `one_sided` by depth and by rate.
 
     At the kink, and 1e-4 `onset` before it, those of the pushing side: a wire that is just taut at

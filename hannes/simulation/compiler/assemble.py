@@ -32,7 +32,7 @@ from hannes.simulation.compiler.expansion import (
     output_read_back,
     without_outputs,
 )
-from hannes.simulation.compiler.output_slice import Needed, gated
+from hannes.simulation.compiler.output_slice import ProgramSlice, guarded
 from hannes.simulation.rodas import source as method
 from hannes.simulation.rodas.linear_algebra import copy_to
 from hannes.simulation.rodas.problem import Problem
@@ -143,7 +143,7 @@ class Compiled:
     outputs: Layout
     fast: ModuleType
     observed: ModuleType
-    needed: Needed
+    needed: ProgramSlice
     jacobian_kind: str = "dense differences"
     effects: tuple[Effect, ...] = ()
 
@@ -182,9 +182,11 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     solution, kind = _solution(plant, layouts, text)
     names = _names(plant, solution.modules, effects)
     origin = module_cache.fingerprint(names)
-    needed = Needed.of(text, layouts.out)
+    needed = ProgramSlice.of(text, layouts.out)
     sizes["STATEMENTS"] = str(len(needed.statements))
-    seen = module_cache.module("observed", gated(text) + _functions(observed), names, origin, sizes)
+    seen = module_cache.module(
+        "observed", guarded(text) + _functions(observed), names, origin, sizes
+    )
     solved = "".join(map(_functions, solution.modules))
     quick = without_outputs(text) + layouts.fill(solved) + solution.written
     quick += method.source() + _functions(entries) + plant.entries

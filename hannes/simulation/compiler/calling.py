@@ -36,9 +36,9 @@ SHAPES: dict[str, dict[str, tuple[str, ...]]] = {
     **dict.fromkeys(("equations", "sample", "joints", "contact", "press", "inertia"), _OF_STAGES),
     "linearise": dict.fromkeys(("y", "rates", "drift"), _ROW),
     "resolve": {"b": _ROW},
-    "factor_rest": {
-        "core": ("COUNT + 10", "ROWS"),
-        "takes": ("2", "1 + SEEING", "5"),
+    "factor_border": {
+        "border": ("COUNT + 10", "ROWS"),
+        "couplings": ("2", "1 + SEEING", "5"),
         "lu": ("ENTRIES",),
     },
     "fill_outputs": {

@@ -23,7 +23,7 @@ from hannes.simulation.compiler.calling import by_address
 OPEN = "rates|jacobian|differences|tick|steps_on|look_up|grasps|observe"
 CLOSED = (
     "equations|linearise|decompose|resolve|sample|"
-    "joints|contact|press|inertia|factor_rest|advance|first_step|sample_pieces|"
+    "joints|contact|press|inertia|factor_border|advance|first_step|sample_pieces|"
     "fill_jacobian|step_on|reading_age|grasp"
 )
 PROVIDING = "fill_outputs"  # what allocates

@@ -31,17 +31,17 @@ class _Touched:
 
 
 @dataclass(frozen=True)
-class Needed:
+class ProgramSlice:
     """What each statement of `equations` reads and writes; none where that is not followed."""
 
     statements: tuple[_Touched, ...]
     outputs: Layout
 
     @staticmethod
-    def of(text: str, outputs: Layout) -> "Needed":
+    def of(text: str, outputs: Layout) -> "ProgramSlice":
         """Read the filled text of all stages."""
         found = _touched(text)
-        return Needed(() if _odd(found) else tuple(found), outputs)
+        return ProgramSlice(() if _odd(found) else tuple(found), outputs)
 
     def by(self, columns: Iterable[int]) -> np.ndarray:
         """Mask of the statements that these outputs need, shape (statements,)."""
@@ -58,7 +58,7 @@ class Needed:
         return needed
 
 
-def gated(text: str) -> str:
+def guarded(text: str) -> str:
     """The same text, where `equations` takes which of its statements are to run."""
     lines, equations = text.splitlines(), _functions(text)["equations"]
     first, last = equations.lineno - 1, equations.end_lineno or equations.lineno
@@ -66,12 +66,12 @@ def gated(text: str) -> str:
     equations.args.args.append(ast.arg("needed"))
     if not odd:
         kept = equations.body[: len(equations.body) - len(statements)]
-        equations.body = [*kept, *(_gate(n, each) for n, each in enumerate(statements))]
+        equations.body = [*kept, *(_guarded(n, each) for n, each in enumerate(statements))]
     lines[first:last] = ast.unparse(equations).splitlines()
     return "\n".join(lines) + "\n"
 
 
-def _gate(number: int, statement: ast.stmt) -> ast.stmt:
+def _guarded(number: int, statement: ast.stmt) -> ast.stmt:
     return ast.If(ast.parse(f"needed[{number}]", mode="eval").body, [statement], [])
 
 

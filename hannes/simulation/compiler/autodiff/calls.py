@@ -1,4 +1,4 @@
-"""Calls within a derivation: followed, taken from written derivatives, or differenced."""
+"""Calls within a differentiation: followed, taken from written derivatives, or differenced."""
 
 import ast
 import inspect
@@ -10,7 +10,7 @@ from hannes.core.kernels.jit import plain
 from hannes.simulation.compiler.autodiff.rules import LANES, Arithmetic
 from hannes.simulation.compiler.autodiff.values import (
     Array,
-    Underivable,
+    NotDifferentiable,
     Value,
     Written,
     is_active,
@@ -22,14 +22,14 @@ _BUILTINS = {"abs": abs, "min": min, "max": max, "round": round, "int": int, "fl
 
 
 class Calls(Arithmetic, ABC):
-    """What `names` go by and `written` kernels can be called; see Derivation."""
+    """What `names` go by and `written` kernels can be called; see Differentiation."""
 
     def __init__(
         self, names: Mapping[str, Any], written: Mapping[Callable[..., Any], Written]
     ) -> None:
         super().__init__()
         self.names, self.written = names, written
-        self.cells: dict[tuple[str, int], Value] = {}
+        self.store: dict[tuple[str, int], Value] = {}
 
     @abstractmethod
     def block(
@@ -48,25 +48,25 @@ class Calls(Arithmetic, ABC):
             return self.library(function.__name__, given)
         function = plain(function)
         if not hasattr(function, "__code__"):
-            raise Underivable(ast.unparse(called))
+            raise NotDifferentiable(ast.unparse(called))
         outermost = names is self.names
         if outermost and not any(is_active(each) for each in given):
             return self._plainly(ast.unparse(called), function, given)
-        lines, before, cells = self.lines, list(self.lines), dict(self.cells)
+        lines, before, store = self.lines, list(self.lines), dict(self.store)
         try:
             return self._inlined(function, given)
-        except Underivable:
+        except NotDifferentiable:
             if not outermost:
                 raise
             lines[:] = before
-            self.lines, self.cells = lines, cells
+            self.lines, self.store = lines, store
             return self._differenced(ast.unparse(called), function, given)
 
     def _inlined(self, function: Callable[..., Any], given: list[Any]) -> Any:
         """Follow a kernel; where many inputs come through few arguments, by these."""
         names = list(inspect.signature(function).parameters)
         if len(names) != len(given):
-            raise Underivable("arguments left out")
+            raise NotDifferentiable("arguments left out")
         given = [self.held(each) for each in given]
         active = [n for n, each in enumerate(given) if is_active(each)]
         if not all(isinstance(given[n], Value) for n in active):
@@ -74,7 +74,7 @@ class Calls(Arithmetic, ABC):
         rule = self.written.get(function)
         if rule and {names[n] for n in active} <= set(rule.by):
             return self._by_rule(function, rule, dict(zip(names, given, strict=True)))
-        if len({column for n in active for column in given[n].slopes}) <= len(active):
+        if len({column for n in active for column in given[n].derivatives}) <= len(active):
             return self._follow(function, given)
         local = [
             Value(each.text, {n: "1.0"}) if n in active else each for n, each in enumerate(given)
@@ -89,7 +89,7 @@ class Calls(Arithmetic, ABC):
     ) -> Value:
         """The value of a kernel whose derivatives are written by hand."""
         bare = [Value(each.text, {}, each.number) for each in given.values()]
-        found = self._follow(plain(rule.slopes), bare)
+        found = self._follow(plain(rule.derivatives), bare)
         rises = found if isinstance(found, tuple) else (found,)
         parts = [
             (self.named(rise.text), given[by]) for rise, by in zip(rises, rule.by, strict=True)
@@ -97,8 +97,8 @@ class Calls(Arithmetic, ABC):
         return Value(self.held(self._follow(function, bare)).text, self.chained(parts))
 
     def _passed_on(self, value: Value, given: Sequence[Any]) -> Value:
-        """Derivatives by arguments to those by what these hang on."""
-        parts = [(rise, given[n]) for n, rise in value.slopes.items()]
+        """Derivatives by arguments to those by what these depend on."""
+        parts = [(rise, given[n]) for n, rise in value.derivatives.items()]
         return Value(value.text, self.chained(parts), value.number)
 
     def _follow(self, function: Callable[..., Any], given: Sequence[Any]) -> Any:
@@ -108,7 +108,7 @@ class Calls(Arithmetic, ABC):
         return self.block(tree(function).body, arguments, {**function.__globals__, **known})[0]
 
     def _plainly(self, name: str, function: Callable[..., Any], given: list[Any]) -> Any:
-        """Call what hangs on nothing that is derived by."""
+        """Call what depends on none of the inputs."""
         texts = ", ".join(map(self._argument, given))
         many = results(function)
         if not many:
@@ -122,19 +122,19 @@ class Calls(Arithmetic, ABC):
         if isinstance(value, Value):
             return value.text
         if isinstance(value, Array) and value.start == 0:
-            if any(name == value.name for name, _ in self.cells):
-                raise Underivable(f"all of {value.name}")
+            if any(name == value.name for name, _ in self.store):
+                raise NotDifferentiable(f"all of {value.name}")
             return value.name
-        raise Underivable("part of an array")
+        raise NotDifferentiable("part of an array")
 
     def _differenced(self, name: str, function: Callable[..., Any], given: list[Any]) -> Any:
-        """Call it, and again with each argument that is derived by a little larger."""
+        """Call it, and again with each active argument a little larger."""
         given = [self.held(each) for each in given]
         base = self._plainly(name, function, given)
         values = base if isinstance(base, tuple) else (base,)
         parts: list[list[tuple[str, Value]]] = [[] for _ in values]
         for n, each in enumerate(given):
-            if isinstance(each, Value) and each.slopes:
+            if isinstance(each, Value) and each.derivatives:
                 later = self.named(f"{each.text} + 1e-7 * max(abs({each.text}), 1e-3)")
                 moved = self._plainly(name, function, [*given[:n], Value(later), *given[n + 1 :]])
                 for k, after in enumerate(moved if isinstance(moved, tuple) else (moved,)):

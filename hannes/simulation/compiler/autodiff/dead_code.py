@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 
-def alive(lines: Sequence[str]) -> list[str]:
+def without_dead_code(lines: Sequence[str]) -> list[str]:
     """Drop the lines that compute what nothing needs."""
     needed: set[str] = set()
     kept: list[str] = []

@@ -2,7 +2,7 @@
 
 It is followed as it would run, functions that it calls and loops of known length written out; for
 every number it computes, lines compute its derivative by each of the inputs that it hangs on, and
-by no other. What the derivation does not know (a search, a loop that ends by what it finds) is
+by no other. What the rules do not know (a search, a loop that ends by what it finds) is
 differenced: that one call, not what stands around it.
 """
 
@@ -13,15 +13,21 @@ from typing import Any
 
 from hannes.simulation.compiler.autodiff.calls import Calls
 from hannes.simulation.compiler.autodiff.rules import OPERATORS
-from hannes.simulation.compiler.autodiff.values import Array, Underivable, Value, Written, number
+from hannes.simulation.compiler.autodiff.values import (
+    Array,
+    NotDifferentiable,
+    Value,
+    Written,
+    number,
+)
 
 
-class Derivation(Calls):
+class Differentiation(Calls):
     """Lines that compute a function and its derivatives.
 
     `functions` are those of a text that arrays are handed through, `names` what it goes by,
-    `written` kernels with derivatives of their own. `cells`: elements of arrays that have been
-    set, or what to derive by.
+    `written` kernels with derivatives of their own. `store`: elements of arrays that have been
+    set, or what to differentiate by.
     """
 
     def __init__(
@@ -75,7 +81,7 @@ class Derivation(Calls):
                 case ast.Expr(ast.Constant()) | ast.Pass():
                     pass
                 case _:
-                    raise Underivable(ast.unparse(statement).splitlines()[0])
+                    raise NotDifferentiable(ast.unparse(statement).splitlines()[0])
         return None, env
 
     def _assign(
@@ -90,9 +96,9 @@ class Derivation(Calls):
                 return {**env, name: self.held(value)}
             case ast.Subscript(ast.Name(array), place) if isinstance(env.get(array), Array):
                 at = env[array]
-                self.cells[at.name, at.start + self._whole(place, env, names)] = self.held(value)
+                self.store[at.name, at.start + self._whole(place, env, names)] = self.held(value)
                 return env
-        raise Underivable(ast.unparse(target))
+        raise NotDifferentiable(ast.unparse(target))
 
     def _fork(
         self,
@@ -105,16 +111,16 @@ class Derivation(Calls):
         condition = self._value(test, env, names)
         if condition.number is not None:
             return self.block(parts[not condition.number], env, names)
-        before, cells = self.lines, self.cells
+        before, store = self.lines, self.store
         ways = []
         for part in parts:
-            self.lines, self.cells = [], dict(cells)
+            self.lines, self.store = [], dict(store)
             result, after = self.block(part, dict(env), names)
-            ways.append((self.lines, self.cells, result, after))
+            ways.append((self.lines, self.store, result, after))
         (ours, first, result, env), (theirs, second, other, env_2) = ways
         both = ours, theirs
         merged = {n: self._merged(env[n], env_2[n], both) for n in env if n in env_2}
-        self.cells = {
+        self.store = {
             (name, k): self._merged(
                 first.get((name, k), Value(f"{name}[{k}]")),
                 second.get((name, k), Value(f"{name}[{k}]")),
@@ -135,14 +141,14 @@ class Derivation(Calls):
         if isinstance(one, tuple) and isinstance(other, tuple) and len(one) == len(other):
             return tuple(self._merged(*pair, ways) for pair in zip(one, other, strict=True))
         if not isinstance(one, Value) or not isinstance(other, Value):
-            raise Underivable("one thing here, another there")
-        slopes = {
+            raise NotDifferentiable("one thing here, another there")
+        derivatives = {
             column: self._either(
-                one.slopes.get(column, "0.0"), other.slopes.get(column, "0.0"), ways
+                one.derivatives.get(column, "0.0"), other.derivatives.get(column, "0.0"), ways
             )
-            for column in {**one.slopes, **other.slopes}
+            for column in {**one.derivatives, **other.derivatives}
         }
-        return Value(self._either(one.text, other.text, ways), slopes)
+        return Value(self._either(one.text, other.text, ways), derivatives)
 
     def _either(self, one: str, other: str, ways: tuple[list[str], list[str]]) -> str:
         if one == other:
@@ -178,18 +184,18 @@ class Derivation(Calls):
             case ast.Call(called, arguments, []):
                 given = [self._value(each, env, names) for each in arguments]
                 return self.call(called, given, names)
-        raise Underivable(ast.unparse(node))
+        raise NotDifferentiable(ast.unparse(node))
 
     @staticmethod
     def _constant(found: Any) -> Value:
         if not isinstance(found, int | float) or not math.isfinite(found):
-            raise Underivable("not a number")
+            raise NotDifferentiable("not a number")
         return number(found)
 
     def _whole(self, node: ast.expr, env: Mapping[str, Any], names: Mapping[str, Any]) -> int:
         value = self._value(node, env, names)
         if not isinstance(value, Value) or not isinstance(value.number, int):
-            raise Underivable(f"{ast.unparse(node)} is not known")
+            raise NotDifferentiable(f"{ast.unparse(node)} is not known")
         return value.number
 
     def _element(
@@ -202,9 +208,9 @@ class Derivation(Calls):
         if isinstance(whole, tuple):
             return whole[place]
         if not isinstance(whole, Array):
-            raise Underivable(ast.unparse(node))
+            raise NotDifferentiable(ast.unparse(node))
         at = whole.start + place
-        return self.cells.get((whole.name, at), Value(f"{whole.name}[{at}]"))
+        return self.store.get((whole.name, at), Value(f"{whole.name}[{at}]"))
 
     def _condition(self, node: ast.expr, env: Mapping[str, Any], names: Mapping[str, Any]) -> Value:
         """A truth, whose derivatives are zero."""
@@ -219,7 +225,7 @@ class Derivation(Calls):
             case ast.Compare(left, hows, parts):
                 texts = [self._value(each, env, names).text for each in (left, *parts)]
                 return Value(_compared(texts, hows))
-        raise Underivable(ast.unparse(node))
+        raise NotDifferentiable(ast.unparse(node))
 
 
 def _returns(statement: ast.stmt) -> bool:

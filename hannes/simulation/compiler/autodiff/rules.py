@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from hannes.core.kernels.vector_math import exp_minus_one, soft_sign
-from hannes.simulation.compiler.autodiff.values import Column, Underivable, Value, number
+from hannes.simulation.compiler.autodiff.values import Column, NotDifferentiable, Value, number
 
 _ATOM = re.compile(r"-?(?:[\w.]+(?:\[\w+\])?|\d[\w.]*e-\d+)")
 OPERATORS: dict[type, tuple[str, Callable[..., Any]]] = {
@@ -68,14 +68,14 @@ class Arithmetic:
         if isinstance(value, tuple):
             return tuple(map(self.held, value))
         if isinstance(value, Value) and value.number is None:
-            return Value(self.named(value.text), value.slopes)
+            return Value(self.named(value.text), value.derivatives)
         return value
 
     def chained(self, parts: Iterable[tuple[str, Value]]) -> dict[Column, str]:
         """Sum of derivatives, each times a factor, under names."""
         terms: dict[Column, list[str]] = {}
         for factor, value in parts:
-            for column, slope in value.slopes.items():
+            for column, slope in value.derivatives.items():
                 terms.setdefault(column, []).append(_product(factor, slope))
         return {column: self.named(" + ".join(each)) for column, each in terms.items()}
 
@@ -83,19 +83,19 @@ class Arithmetic:
         """One number by another."""
         sign, computed = OPERATORS[type(how)]
         if not isinstance(a, Value) or not isinstance(b, Value):
-            raise Underivable("numbers only")
+            raise NotDifferentiable("numbers only")
         if a.number is not None and b.number is not None:
             return number(computed(a.number, b.number))
         if sign in "+*" and a.number == (sign == "*"):  # 0 + b, 1 * b
             return b
         if sign in "+-*/" and b.number == (sign in "*/"):
             return a
-        if not a.slopes and not b.slopes:
+        if not a.derivatives and not b.derivatives:
             return Value(f"({_closed(a.text)} {sign} {_closed(b.text)})")
         x, y = self.named(a.text), self.named(b.text)
-        slopes = self._rules(sign, a, b, x, y)
-        text = slopes.pop("", None) or f"{_closed(x)} {sign} {_closed(y)}"
-        return Value(text if _ATOM.fullmatch(text) else f"({text})", slopes)
+        derivatives = self._rules(sign, a, b, x, y)
+        text = derivatives.pop("", None) or f"{_closed(x)} {sign} {_closed(y)}"
+        return Value(text if _ATOM.fullmatch(text) else f"({text})", derivatives)
 
     def _rules(self, sign: str, a: Value, b: Value, x: str, y: str) -> dict[Column, str]:
         """Derivatives of `x sign y`; under "" its text where they need it."""
@@ -106,9 +106,9 @@ class Arithmetic:
         if sign == "/":
             per = self.named(f"1.0 / {_closed(y)}")
             value = self.named(f"{_closed(x)} / {_closed(y)}")
-            by = self.named(f"-{value} * {per}") if b.slopes else ""
+            by = self.named(f"-{value} * {per}") if b.derivatives else ""
             return {**self.chained([(per, a), (by, b)]), "": value}
-        if sign == "**" and not b.slopes:
+        if sign == "**" and not b.derivatives:
             less = number(b.number - 1) if b.number is not None else Value(f"({y} - 1.0)")
             power = x if less.number == 1 else f"{_closed(x)} ** {_closed(less.text)}"
             return self.chained([(self.named(f"{_closed(y)} * {power}"), a)])
@@ -117,26 +117,26 @@ class Arithmetic:
             by = self.named(f"{value} * math.log({x})")
             rise = self.named(f"{y} * {value} / {x}")
             return {**self.chained([(rise, a), (by, b)]), "": value}
-        raise Underivable(sign)
+        raise NotDifferentiable(sign)
 
     def library(self, name: str, given: list[Any]) -> Value:
         """A function of math, numpy or Python itself."""
         name = _ALIASES.get(name, name)
         if not all(isinstance(each, Value) for each in given):
-            raise Underivable(name)
+            raise NotDifferentiable(name)
         if name in ("min", "max"):
             return functools.reduce(lambda a, b: self._extreme(name, a, b), given)
         if name == "copysign" and len(given) == 2:
             return self._signed(*given)
         if len(given) != 1:
-            raise Underivable(name)
+            raise NotDifferentiable(name)
         (x,) = given
         if name in _STEPS:
             return Value(f"{_STEPS[name]}({x.text})")
         if name not in _SMOOTH:
-            raise Underivable(name)
+            raise NotDifferentiable(name)
         written, rule = _SMOOTH[name]
-        if not x.slopes:
+        if not x.derivatives:
             known = x.number is not None and written.startswith("math.")
             return number(getattr(math, name)(x.number)) if known else Value(f"{written}({x.text})")
         text = self.named(x.text)
@@ -146,27 +146,27 @@ class Arithmetic:
 
     def _extreme(self, name: str, a: Value, b: Value) -> Value:
         """Of two numbers that are equal, that which has derivatives."""
-        if not a.slopes and not b.slopes:
+        if not a.derivatives and not b.derivatives:
             return Value(f"{name}({a.text}, {b.text})")
         x, y = self.named(a.text), self.named(b.text)
-        sign = (">" if name == "max" else "<") + ("" if b.slopes else "=")
+        sign = (">" if name == "max" else "<") + ("" if b.derivatives else "=")
         first = self.named(f"{x} {sign} {y}")
-        slopes = {
+        derivatives = {
             column: self.named(
-                f"{a.slopes.get(column, '0.0')} if {first} else {b.slopes.get(column, '0.0')}"
+                f"{a.derivatives.get(column, '0.0')} if {first} else {b.derivatives.get(column, '0.0')}"
             )
-            for column in {**a.slopes, **b.slopes}
+            for column in {**a.derivatives, **b.derivatives}
         }
-        return Value(f"{name}({x}, {y})", slopes)
+        return Value(f"{name}({x}, {y})", derivatives)
 
     def _signed(self, size: Value, sign: Value) -> Value:
         x, y = self.named(size.text), self.named(sign.text)
-        slopes = self.chained(
+        derivatives = self.chained(
             [(self.named(f"math.copysign(1.0, {x}) * math.copysign(1.0, {y})"), size)]
-            if size.slopes
+            if size.derivatives
             else []
         )
-        return Value(f"math.copysign({x}, {y})", slopes)
+        return Value(f"math.copysign({x}, {y})", derivatives)
 
 
 def _closed(text: str) -> str:

@@ -1,4 +1,4 @@
-"""What a derivation handles: numbers with their derivatives, arrays, kernels with written ones."""
+"""Numbers with their derivatives, arrays, and kernels whose derivatives are written by hand."""
 
 import ast
 import functools
@@ -11,7 +11,7 @@ from typing import Any
 Column = Any
 
 
-class Underivable(Exception):
+class NotDifferentiable(Exception):
     """The text has something that has no derivative here."""
 
 
@@ -20,7 +20,7 @@ class Value:
     """A number as text, its derivatives that may differ from zero, and itself where known."""
 
     text: str
-    slopes: Mapping[Column, str] = field(default_factory=dict)
+    derivatives: Mapping[Column, str] = field(default_factory=dict)
     number: int | float | None = None
 
 
@@ -36,19 +36,19 @@ class Array:
 class Written:
     """A kernel whose derivatives are written by hand: by which arguments."""
 
-    slopes: Callable[..., Any]
+    derivatives: Callable[..., Any]
     by: tuple[str, ...]
 
 
 @functools.cache
 def tree(function: Callable[..., Any]) -> ast.FunctionDef:
-    """What a function is written in; raise Underivable where that is not at hand."""
+    """What a function is written in; raise NotDifferentiable where that is not at hand."""
     try:
         found = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
     except (OSError, TypeError, SyntaxError) as error:
-        raise Underivable("no text") from error
+        raise NotDifferentiable("no text") from error
     if not isinstance(found, ast.FunctionDef):
-        raise Underivable("no function")
+        raise NotDifferentiable("no function")
     return found
 
 
@@ -62,7 +62,7 @@ def is_active(value: Any) -> bool:
     """Whether a value may depend on the inputs of the differentiation."""
     if isinstance(value, tuple):
         return any(map(is_active, value))
-    return not isinstance(value, Value) or bool(value.slopes)
+    return not isinstance(value, Value) or bool(value.derivatives)
 
 
 def results(function: Callable[..., Any]) -> int:

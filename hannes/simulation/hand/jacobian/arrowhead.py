@@ -2,16 +2,16 @@
 
 Text of the same kind as equations.py, compiled together with it. The rates of a finger depend
 on its own states x_f and on its wire's tension T_f; tensions and the rates of all other states
-(the core: motor, controller, carts) depend on the core and on the wire l_f that each finger
+(the border: motor, controller, carts) depend on the border and on the wire l_f that each finger
 takes up, and its rate:
 
-    dx_f/dt = F_f x_f + a_f T_f + C_f core,    (T, dcore/dt) = Z (core, l, dl/dt)
+    dx_f/dt = F_f x_f + a_f T_f + C_f border,    (T, dborder/dt) = Z (border, l, dl/dt)
 
-The core's blocks are derived from its stages' text (drivetrain_block.py), the fingers' come in
+The border's blocks are differentiated from its stages' text (drivetrain_block.py), the fingers' come in
 closed form (finger_blocks.py), or, where effects are in their stages that have none, from
 differences of one state at a time with what they receive held (finger_differences.py). sparsity.py
-decides which of the two, which states an effect adds to a finger or to the core, what it reads, and
-when this shape does not hold. Arrays over fingers have the finger last, so that the five are worked
+decides which of the two, which states an effect adds to a finger or to the border, what it reads,
+and when this shape does not hold. Arrays over fingers have the finger last, so that the five are worked
 on at once.
 """
 
@@ -25,33 +25,33 @@ from hannes.simulation.hand.equations import equations
 from hannes.simulation.rodas.linear_algebra import copy_to
 
 # Filled in by sparsity.py; here those of the hand without effects.
-CORE = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10])  # places of the core's states
+BORDER = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10])  # places of the border's states
 OWN = np.array([[11 + k + 2 * f for f in range(5)] for k in (0, 1, 10, 11)])  # of each finger's
-SEEN = np.array([0])[:0]  # which of CORE the finger stages read
-SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, CORE, SEEN; tensions and core
+SEEN = np.array([0])[:0]  # which of BORDER the finger stages read
+SIZE, COUNT, SEEING, ROWS = 4, 11, 0, 16  # of OWN, BORDER, SEEN; tensions and border
 PARAMETERS, STATES, CHANNELS, OUTPUTS = 1, 1, 1, 1
 KINKS, ENTRIES = 30, 110
 factor_fingers: Any = None  # these six written out by sparse_lu.py
 solve_fingers: Any = None
-take_fingers: Any = None
-give_fingers: Any = None
-factor_rest: Any = None
-solve_rest: Any = None
+gather_fingers: Any = None
+scatter_fingers: Any = None
+factor_border: Any = None
+solve_border: Any = None
 finger_columns: Any = None  # of finger_blocks.py or finger_differences.py
-core_columns: Any = None  # written out by drivetrain_block.py
+border_columns: Any = None  # written out by drivetrain_block.py
 
 # What these functions pass around in the workspace, beside what any plant's do.
 FIELDS = {
     "blocks": "(SIZE, SIZE + 1 + SEEING, 5)",  # by own states, tension, SEEN
-    "core": "(COUNT + 10, ROWS)",  # columns by core states, wire taken up, its rate
+    "border": "(COUNT + 10, ROWS)",  # columns by border states, wire taken up, its rate
     "tensions": "(5,)",
-    "lifts": "(SIZE, SIZE + 1 + SEEING, 5)",  # factors of the fingers, what acts solved
-    "rest": "(ENTRIES,)",  # factors of the rest
-    "takes": "(2, 1 + SEEING, 5)",  # wire taken up for what acts, its rate
+    "factors": "(SIZE, SIZE + 1 + SEEING, 5)",  # factors of the fingers, what acts solved
+    "border_factors": "(ENTRIES,)",  # factors of tensions and border
+    "couplings": "(2, 1 + SEEING, 5)",  # wire taken up for what acts, its rate
     "own": "(SIZE, 5)",  # own states of the fingers
-    "taken": "(5,)",  # wire taken up
-    "rate": "(5,)",  # its rate
-    "pulls": "(5,)",  # tensions that solve
+    "excursion": "(5,)",  # wire taken up
+    "excursion_rate": "(5,)",  # its rate
+    "solved_tensions": "(5,)",
     "depths": "(KINKS,)",  # at the start of a step
     "depths_now": "(KINKS,)",  # at a stage
 }
@@ -74,11 +74,11 @@ def linearise(t, y, rates, drift, data):
     copy_to(moved, y)
     copy_to(tensions, c.tendon_tension)
     finger_columns(t, y, moved, rates, dy, p, c, out, tensions, data.blocks)
-    core_columns(t, y, rates, dy, drift, p, c, reference, hold, out, data.core)
+    border_columns(t, y, rates, dy, drift, p, c, reference, hold, out, data.border)
 
 
 def difference_time(t, y, rates, dy, drift, p, c, reference, hold, out):
-    """Fill df/dt where more than the core's rates changes with time."""
+    """Fill df/dt where more than the border's rates changes with time."""
     later = t + 1e-7 * max(1.0, abs(t))
     equations(later, y, dy, p, c, reference, hold, out)
     for i in range(y.size):
@@ -86,35 +86,35 @@ def difference_time(t, y, rates, dy, drift, p, c, reference, hold, out):
 
 
 def decompose(shift, data):
-    """Factor shift - df/dy: all fingers, then what is left of tensions and core."""
-    p, lifts, takes = data.p, data.lifts, data.takes
-    factor_fingers(shift, data.blocks, lifts)
+    """Factor shift - df/dy: all fingers, then what is left of tensions and border."""
+    p, factors, couplings = data.p, data.factors, data.couplings
+    factor_fingers(shift, data.blocks, factors)
     for n in range(1 + SEEING):
-        solve_fingers(lifts, lifts[:, SIZE + n])
+        solve_fingers(factors, factors[:, SIZE + n])
         for kind in range(2):
             for f in range(5):
-                takes[kind, n, f] = p.joint_moment_arm[0] * lifts[2 * kind, SIZE + n, f]
-                takes[kind, n, f] += p.joint_moment_arm[1] * lifts[2 * kind + 1, SIZE + n, f]
-    factor_rest(shift, data.core, takes, data.rest)
+                couplings[kind, n, f] = p.joint_moment_arm[0] * factors[2 * kind, SIZE + n, f]
+                couplings[kind, n, f] += p.joint_moment_arm[1] * factors[2 * kind + 1, SIZE + n, f]
+    factor_border(shift, data.border, couplings, data.border_factors)
 
 
 def resolve(b, data):
     """Replace b by the solution x of (shift - df/dy) x = b."""
-    p, lifts, own, pulls = data.p, data.lifts, data.own, data.pulls
-    taken, rate = data.taken, data.rate
-    take_fingers(b, own)
-    solve_fingers(lifts, own)
+    p, factors, own, solved_tensions = data.p, data.factors, data.own, data.solved_tensions
+    excursion, excursion_rate = data.excursion, data.excursion_rate
+    gather_fingers(b, own)
+    solve_fingers(factors, own)
     for f in range(5):
-        taken[f] = p.joint_moment_arm[0] * own[0, f] + p.joint_moment_arm[1] * own[1, f]
-        rate[f] = p.joint_moment_arm[0] * own[2, f] + p.joint_moment_arm[1] * own[3, f]
-    solve_rest(b, taken, rate, data.core, data.rest, pulls)
+        excursion[f] = p.joint_moment_arm[0] * own[0, f] + p.joint_moment_arm[1] * own[1, f]
+        excursion_rate[f] = p.joint_moment_arm[0] * own[2, f] + p.joint_moment_arm[1] * own[3, f]
+    solve_border(b, excursion, excursion_rate, data.border, data.border_factors, solved_tensions)
     for i in range(SIZE):
         for n in range(SEEING):
             for f in range(5):
-                own[i, f] = fused(lifts[i, SIZE + 1 + n, f], b[CORE[SEEN[n]]], own[i, f])
+                own[i, f] = fused(factors[i, SIZE + 1 + n, f], b[BORDER[SEEN[n]]], own[i, f])
         for f in range(5):
-            own[i, f] = fused(lifts[i, SIZE, f], pulls[f], own[i, f])
-    give_fingers(own, b)
+            own[i, f] = fused(factors[i, SIZE, f], solved_tensions[f], own[i, f])
+    scatter_fingers(own, b)
 
 
 def mark(y, data):
@@ -151,23 +151,23 @@ def depths(y, p, c, found):
 
 def gather(data, columns):
     """Fill columns (n, n) with df/dy from the blocks that `linearise` left."""
-    p, blocks, core = data.p, data.blocks, data.core
+    p, blocks, border = data.p, data.blocks, data.border
     columns[:] = 0.0
     for i in range(COUNT):
         for j in range(COUNT):
-            columns[CORE[i], CORE[j]] = core[j, 5 + i]
+            columns[BORDER[i], BORDER[j]] = border[j, 5 + i]
     for f in range(5):
         for i in range(SIZE):
             for j in range(SIZE):
                 columns[OWN[i, f], OWN[j, f]] = blocks[i, j, f]
             for n in range(SEEING):
-                columns[OWN[i, f], CORE[SEEN[n]]] = blocks[i, SIZE + 1 + n, f]
+                columns[OWN[i, f], BORDER[SEEN[n]]] = blocks[i, SIZE + 1 + n, f]
             for j in range(COUNT):
-                columns[OWN[i, f], CORE[j]] += blocks[i, SIZE, f] * core[j, f]
+                columns[OWN[i, f], BORDER[j]] += blocks[i, SIZE, f] * border[j, f]
         for j in range(4):
             arm, column = p.joint_moment_arm[j % 2], COUNT + 5 * (j // 2) + f
             for g in range(5):
                 for i in range(SIZE):
-                    columns[OWN[i, g], OWN[j, f]] += blocks[i, SIZE, g] * arm * core[column, g]
+                    columns[OWN[i, g], OWN[j, f]] += blocks[i, SIZE, g] * arm * border[column, g]
             for i in range(COUNT):
-                columns[CORE[i], OWN[j, f]] = arm * core[column, 5 + i]
+                columns[BORDER[i], OWN[j, f]] = arm * border[column, 5 + i]

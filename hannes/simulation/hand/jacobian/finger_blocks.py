@@ -1,15 +1,15 @@
 """Derivatives of the fingers' rates, mostly in closed form.
 
 Text of the same kind as arrowhead.py, for sets of effects of which finger_effect_terms.py can
-derive what they add; for all others there is finger_differences.py. Only where contacts lie is
-differenced.
+differentiate what they add. For all others there is finger_differences.py. Only where contacts lie
+is differenced.
 """
 
 from typing import Any
 
 import numpy as np
 
-from hannes.core.kernels.smooth_switches import one_sided_slopes, smoothstep
+from hannes.core.kernels.smooth_switches import one_sided_derivatives, smoothstep
 from hannes.core.kernels.vector_math import soft_sign
 from hannes.dynamics.friction import stribeck_slope
 from hannes.simulation.hand.equations import contact
@@ -25,7 +25,7 @@ contact_effects: Any = None
 
 def finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks):
     """Fill `blocks`: see workspace in arrowhead.py."""
-    joint_slopes(p, c)
+    joint_derivatives(p, c)
     joint_effects(t, y, p, c, blocks)
     touching = 0.0
     if p.object_present > 0.5:
@@ -33,21 +33,21 @@ def finger_columns(t, y, moved, rates, dy, p, c, out, tensions, blocks):
         for phalanx in range(10):
             touching = max(touching, c.normal_force[phalanx])
     if touching > 0.0:
-        press_slopes(p, c)
-        contact_slopes(t, y, rates, dy, p, c, out, blocks)
+        press_derivatives(p, c)
+        contact_derivatives(t, y, rates, dy, p, c, out, blocks)
     for f in range(5):
-        weight_slopes(p, c, f)
+        weight_derivatives(p, c, f)
         solve_columns(y, rates, p, c, f, blocks)
 
 
-def joint_slopes(p, c):
+def joint_derivatives(p, c):
     """Torque of a joint by its own angle and speed; by its finger's others as yet nothing."""
     for joint in range(p.rest.size):
         stiffness, damping = p.joint_stop_stiffness[joint], p.joint_stop_damping[joint]
         angle, speed, onset = c.lane_angle[joint], c.lane_speed[joint], p.joint_stop_onset[joint]
         depth = p.rest[joint] + p.joint_spring_preload[joint] / stiffness - angle
-        low, slows = one_sided_slopes(stiffness, damping, depth, -speed, onset)
-        high, brakes = one_sided_slopes(stiffness, damping, angle - p.end[joint], speed, onset)
+        low, slows = one_sided_derivatives(stiffness, damping, depth, -speed, onset)
+        high, brakes = one_sided_derivatives(stiffness, damping, angle - p.end[joint], speed, onset)
         friction = stribeck_slope(
             speed,
             p.joint_breakaway_friction[joint],
@@ -61,7 +61,7 @@ def joint_slopes(p, c):
         c.mcp_speed_slope[joint], c.pip_speed_slope[joint] = 0.0, 0.0
 
 
-def press_slopes(p, c):
+def press_derivatives(p, c):
     """Torque of the contacts by the speeds of MCP and PIP: of each phalanx, then of both."""
     for k in range(p.rest.size):
         normal, mcp, pip = c.normal_force[k], c.normal_arm_mcp[k], c.normal_arm_pip[k]
@@ -85,8 +85,8 @@ def press_slopes(p, c):
         c.pip_speed_slope[mcp + 1] = c.pip_by_pip[mcp] + c.pip_by_pip[mcp + 1]
 
 
-def contact_slopes(t, y, rates, dy, p, c, out, blocks):
-    """Torque of the contacts by the angles of MCP and PIP, of what `press_slopes` held."""
+def contact_derivatives(t, y, rates, dy, p, c, out, blocks):
+    """Torque of the contacts by the angles of MCP and PIP, of what `press_derivatives` held."""
     turn(p, c, TURN, TURN)
     contact(t, y, dy, p, c, out)
     for mcp in range(0, 10, 2):
@@ -125,7 +125,7 @@ def torque_change(c, mcp):
     return on_mcp / TURN, on_pip / TURN
 
 
-def weight_slopes(p, c, f):
+def weight_derivatives(p, c, f):
     """Add the torque of the links' weight by the angles."""
     mcp, pip = 2 * f, 2 * f + 1
     gravity_x, gravity_y = p.gravity_x, p.gravity_y * p.facing[f]

@@ -10,9 +10,9 @@ from hannes.simulation.hand.equations import contact, excursions, inertia, joint
 from hannes.simulation.rodas.linear_algebra import copy_to
 
 # Filled in by sparsity.py: see arrowhead.py; here those of the hand without effects.
-CORE = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10])
+BORDER = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10])
 OWN = np.array([[11 + k + 2 * f for f in range(5)] for k in (0, 1, 10, 11)])
-SEEN = np.array([0])[:0]  # which of CORE the finger stages read
+SEEN = np.array([0])[:0]  # which of BORDER the finger stages read
 HELD = True  # whether nothing but the flexor reads a tension in the fingers
 SIZE, SEEING = 4, 0
 steps = np.full(31, 1e-3)
@@ -62,8 +62,8 @@ def difference_tensions(t, y, rates, dy, p, c, out, tensions, blocks):
 
 
 def difference_seen(t, y, moved, rates, dy, p, c, out, n, blocks):
-    """Rates of each finger by a core state that the finger stages read."""
-    place = CORE[SEEN[n]]
+    """Rates of each finger by a border state that the finger stages read."""
+    place = BORDER[SEEN[n]]
     moved[place] += 1e-7 * max(abs(y[place]), steps[place])
     finger_stages(t, moved, dy, p, c, out)
     for i in range(SIZE):
@@ -83,7 +83,7 @@ def difference_own(t, y, moved, rates, dy, p, c, out, j, blocks):
         finger_stages(t, moved, dy, p, c, out)
     else:
         excursions(moved, p, c)
-        if SEEING > 0:  # an object that core states move is not where it was
+        if SEEING > 0:  # an object that border states move is not where it was
             finger_stages(t, moved, dy, p, c, out)
         else:
             moving_stages(t, moved, dy, p, c, out)

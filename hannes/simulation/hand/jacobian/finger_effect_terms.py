@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hannes.core.effect import Effect, Term
-from hannes.simulation.compiler.autodiff.dead_code import alive
-from hannes.simulation.compiler.autodiff.forward import Derivation
+from hannes.simulation.compiler.autodiff.dead_code import without_dead_code
+from hannes.simulation.compiler.autodiff.forward import Differentiation
 from hannes.simulation.compiler.autodiff.values import Value
 from hannes.simulation.compiler.expansion import Layouts
 from hannes.simulation.hand.jacobian.drivetrain_block import WRITTEN
@@ -118,15 +118,15 @@ def _loop(count: int, lines: Sequence[str]) -> list[str]:
 
 
 class _Loop:
-    """Kernels in one loop over joints, phalanges or fingers, and the lines that derive them."""
+    """Kernels in one loop over joints, phalanges or fingers, and their derivatives' lines."""
 
     def __init__(
         self, terms: Sequence[DifferentiatedTerm], layouts: Layouts, names: Mapping[str, Any]
     ) -> None:
-        self.terms, self._layouts, self._found = terms, layouts, Derivation({}, names, WRITTEN)
+        self.terms, self._layouts, self._found = terms, layouts, Differentiation({}, names, WRITTEN)
         self.lines = self._found.lines
 
-    def derived(
+    def differentiated(
         self, part: DifferentiatedTerm
     ) -> tuple[Mapping[str, str], dict[str, Mapping[str, str]]]:
         """Derivatives of what is added, and of the rate of each state."""
@@ -141,25 +141,27 @@ class _Loop:
         ]
         result = self._found.kernel(part.effect.kernel_name(part.term), given)
         added, *rates = result if isinstance(result, tuple) else (result,)
-        slopes = {name: rate.slopes for name, rate in zip(part.term.states, rates, strict=True)}
-        return added.slopes, slopes
+        derivatives = {
+            name: rate.derivatives for name, rate in zip(part.term.states, rates, strict=True)
+        }
+        return added.derivatives, derivatives
 
 
 def _of_joints(loop: _Loop) -> list[str]:
     for part in loop.terms:
-        added, rates = loop.derived(part)
+        added, rates = loop.differentiated(part)
         for by, slope in added.items():
             target = f"c.own_{by}_slope[k]" if by not in part.rows else ""
             loop.lines.append(
                 f"{target or f'blocks[2 + link, {part.rows[by]} + link, f]'} -= {slope}"
             )
-        for state, slopes in rates.items():
-            for by, slope in slopes.items():
+        for state, derivatives in rates.items():
+            for by, slope in derivatives.items():
                 column = {"angle": 0, "speed": 2}.get(by, part.rows.get(by))
                 loop.lines.append(
                     f"blocks[{part.rows[state]} + link, {column} + link, f] = {slope}"
                 )
-    return alive(loop.lines)
+    return without_dead_code(loop.lines)
 
 
 def _of_phalanges(loop: _Loop, terms: Sequence[DifferentiatedTerm]) -> list[str]:
@@ -190,12 +192,12 @@ def _of_phalanges(loop: _Loop, terms: Sequence[DifferentiatedTerm]) -> list[str]
             if each.channel == "logged_sensor":
                 by += f" * on_sensor + slip * c.slip_arm_{joint}[k]"
             loop.lines.append(f"blocks[{row}, {column}, f] += {by}")
-    return alive(loop.lines)
+    return without_dead_code(loop.lines)
 
 
 def _press(loop: _Loop, part: DifferentiatedTerm, logged: Sequence[DifferentiatedTerm]) -> None:
     """What one kernel adds to a normal force; by the depth finger_blocks.py differences it."""
-    added, rates = loop.derived(part)
+    added, rates = loop.differentiated(part)
     for by, slope in added.items():
         if by == "rate":
             loop.lines.append(f"c.pressing[k] += pushes * {slope}")
@@ -207,9 +209,9 @@ def _press(loop: _Loop, part: DifferentiatedTerm, logged: Sequence[Differentiate
                 (row,) = each.rows.values()
                 share = " * on_sensor" if each.channel == "logged_sensor" else ""
                 loop.lines.append(f"blocks[{row}, {place}] += pushes * {slope}{share}")
-    for state, slopes in rates.items():
+    for state, derivatives in rates.items():
         at = f"{part.rows[state]} + link"
-        for by, slope in slopes.items():
+        for by, slope in derivatives.items():
             if by not in part.rows:
                 loop.lines.append(f"moves += abs({slope})")
             if by == "rate":
@@ -221,14 +223,14 @@ def _press(loop: _Loop, part: DifferentiatedTerm, logged: Sequence[Differentiate
 
 def _of_sensors(loop: _Loop, terms: Sequence[DifferentiatedTerm]) -> list[str]:
     for each in loop.terms:
-        (state, row), (_, rates) = *each.rows.items(), loop.derived(each)
+        (state, row), (_, rates) = *each.rows.items(), loop.differentiated(each)
         columns = [2, 3, *_pressed(terms)]
         loop.lines += [
             f"blocks[{row}, {column}, k] *= {rates[state].get('logged', '0.0')}"
             for column in columns
         ]
         loop.lines.append(f"blocks[{row}, {row}, k] = {rates[state].get(state, '0.0')}")
-    return alive(loop.lines)
+    return without_dead_code(loop.lines)
 
 
 def _pressed(terms: Sequence[DifferentiatedTerm]) -> list[int]:

@@ -1,4 +1,4 @@
-"""Straight-line text that factors and solves the fingers, and what they leave: tensions and core.
+"""Straight-line text that factors and solves the fingers, then tensions and border.
 
 Most of the matrix is always zero; writing the elimination out, entry by entry, leaves only the
 work that is needed, about a tenth of that of loops over all of it.
@@ -11,7 +11,7 @@ FOR_ALL = "    for f in range(5):"
 Pattern = list[list[bool]]
 
 
-def filled(pattern: Sequence[Sequence[bool]]) -> Pattern:
+def symbolic_factors(pattern: Sequence[Sequence[bool]]) -> Pattern:
     """Return where the factors of a matrix with this pattern may differ from zero."""
     full = [list(row) for row in pattern]
     for k in range(len(full)):
@@ -21,7 +21,7 @@ def filled(pattern: Sequence[Sequence[bool]]) -> Pattern:
     return full
 
 
-def least_filling(pattern: Sequence[Sequence[bool]]) -> list[int]:
+def markowitz_order(pattern: Sequence[Sequence[bool]]) -> list[int]:
     """An order of elimination: next that which meets the fewest rows and columns (Markowitz)."""
     full, order = [list(row) for row in pattern], list[int]()
     left = list(range(len(full)))
@@ -38,21 +38,21 @@ def least_filling(pattern: Sequence[Sequence[bool]]) -> list[int]:
 
 
 def _ordered(pattern: Sequence[Sequence[bool]], order: Sequence[int]) -> Pattern:
-    return filled([[i == j or pattern[i][j] for j in order] for i in order])
+    return symbolic_factors([[i == j or pattern[i][j] for j in order] for i in order])
 
 
 def text(
     pattern: Sequence[Sequence[bool]],
-    takes: Sequence[Sequence[bool]],
-    core: Sequence[int],
+    couplings: Sequence[Sequence[bool]],
+    border: Sequence[int],
     seen: Sequence[int],
 ) -> str:
-    """Functions `factor_rest` and `solve_rest` for arrowhead.py.
+    """Functions `factor_border` and `solve_border` for arrowhead.py.
 
-    `pattern`: rows and columns of tensions, then core; `takes`: their rows by the wire that each
-    finger takes up; `core`: places of the core's states; `seen`: which of them fingers read.
+    `pattern`: rows and columns of tensions, then border; `couplings`: their rows by the wire that
+    each finger takes up; `border`: places of its states; `seen`: which of them fingers read.
     """
-    return "\n\n".join([_factor(pattern, takes, seen), _solve(pattern, takes, core)])
+    return "\n\n".join([_factor(pattern, couplings, seen), _solve(pattern, couplings, border)])
 
 
 def fingers(pattern: Sequence[Sequence[bool]], own: Sequence[Sequence[int]]) -> str:
@@ -61,7 +61,7 @@ def fingers(pattern: Sequence[Sequence[bool]], own: Sequence[Sequence[int]]) -> 
     `pattern`: where the rates of a finger's own states depend on these; `own`: their places, which
     lie evenly from finger to finger.
     """
-    order = least_filling(pattern)
+    order = markowitz_order(pattern)
     full = _ordered(pattern, order)
     places = [f"{first} + {second - first} * f" for first, second in zip(*own[:2], strict=True)]
     return "\n\n".join(
@@ -70,16 +70,19 @@ def fingers(pattern: Sequence[Sequence[bool]], own: Sequence[Sequence[int]]) -> 
 
 
 def _moves(places):
-    lines = ["def take_fingers(b, own):", '    """Copy b to own (states of a finger, fingers)."""']
+    lines = [
+        "def gather_fingers(b, own):",
+        '    """Copy b to own (states of a finger, fingers)."""',
+    ]
     lines += [FOR_ALL, *(f"        own[{i}, f] = b[{at}]" for i, at in enumerate(places)), "", ""]
-    lines += ["def give_fingers(own, b):", '    """Copy it back."""']
+    lines += ["def scatter_fingers(own, b):", '    """Copy it back."""']
     lines += [FOR_ALL, *(f"        b[{at}] = own[{i}, f]" for i, at in enumerate(places))]
     return "\n".join(lines) + "\n"
 
 
 def _factor_fingers(pattern, order, full):
     size = len(order)
-    lines = ["def factor_fingers(shift, blocks, lifts):"]
+    lines = ["def factor_fingers(shift, blocks, factors):"]
     lines += ['    """LU of shift - F of all fingers; what acts on them beside."""', FOR_ALL]
     for i, row in enumerate(order):
         for j, column in enumerate(order):
@@ -89,45 +92,45 @@ def _factor_fingers(pattern, order, full):
                 lines.append(f"        m_{i}_{j} = {' '.join(parts) or '0.0'}")
     lines += ["    " + line for line in _triangles(full)]
     lines += [
-        f"        lifts[{order[i]}, {order[j]}, f] = m_{i}_{j}"
+        f"        factors[{order[i]}, {order[j]}, f] = m_{i}_{j}"
         for i in range(size)
         for j in range(size)
         if full[i][j]
     ]
     lines += [f"        for n in range({size}, blocks.shape[1]):"]
-    lines += [f"            lifts[{row}, n, f] = blocks[{row}, n, f]" for row in range(size)]
+    lines += [f"            factors[{row}, n, f] = blocks[{row}, n, f]" for row in range(size)]
     return "\n".join(lines) + "\n"
 
 
 def _solve_fingers(order, full):
     size = len(order)
-    lines = ["def solve_fingers(lifts, b):"]
+    lines = ["def solve_fingers(factors, b):"]
     lines += ['    """Replace b (states of a finger, fingers) by the solution."""', FOR_ALL]
     for i, row in enumerate(order):
         lines.append(f"        z_{i} = b[{row}, f]")
         lines += [
-            f"        z_{i} = fused(-lifts[{row}, {order[k]}, f], z_{k}, z_{i})"
+            f"        z_{i} = fused(-factors[{row}, {order[k]}, f], z_{k}, z_{i})"
             for k in range(i)
             if full[i][k]
         ]
     for i, row in reversed(list(enumerate(order))):
         lines += [
-            f"        z_{i} = fused(-lifts[{row}, {order[k]}, f], z_{k}, z_{i})"
+            f"        z_{i} = fused(-factors[{row}, {order[k]}, f], z_{k}, z_{i})"
             for k in range(i + 1, size)
             if full[i][k]
         ]
-        lines += [f"        z_{i} *= lifts[{row}, {row}, f]", f"        b[{row}, f] = z_{i}"]
+        lines += [f"        z_{i} *= factors[{row}, {row}, f]", f"        b[{row}, f] = z_{i}"]
     return "\n".join(lines) + "\n"
 
 
-def _factor(pattern, takes, seen):
-    order = least_filling(pattern)
+def _factor(pattern, couplings, seen):
+    order = markowitz_order(pattern)
     full, count = _ordered(pattern, order), len(pattern) - TENSIONS
-    lines = ["def factor_rest(shift, core, takes, lu):"]
-    lines += ['    """LU of tensions and core; short steps make row exchanges needless."""']
+    lines = ["def factor_border(shift, border, couplings, lu):"]
+    lines += ['    """LU of tensions and border; short steps make row exchanges needless."""']
     for i, row in enumerate(order):
         lines += [
-            f"    m_{i}_{j} = {_entry(row, column, pattern, takes, seen, count)}"
+            f"    m_{i}_{j} = {_entry(row, column, pattern, couplings, seen, count)}"
             for j, column in enumerate(order)
             if full[i][j]
         ]
@@ -153,44 +156,46 @@ def _triangles(full):
     return lines
 
 
-def _entry(i, j, pattern, takes, seen, count):
-    """One entry of the matrix: the unit or shift on the diagonal minus the entry of `core`."""
+def _entry(i, j, pattern, couplings, seen, count):
+    """One entry of the matrix: the unit or shift on the diagonal minus the entry of `border`."""
     parts = []
     if i == j:
         parts.append("1.0" if i < TENSIONS else "shift")
-    if j < TENSIONS and takes[i][j]:
-        parts.append(f"- {_taking(i, j, 0, count)}")
+    if j < TENSIONS and couplings[i][j]:
+        parts.append(f"- {_coupling(i, j, 0, count)}")
     if j >= TENSIONS and pattern[i][j]:
-        parts.append(f"- core[{j - TENSIONS}, {i}]")
+        parts.append(f"- border[{j - TENSIONS}, {i}]")
     if j - TENSIONS in seen:
         n = 1 + list(seen).index(j - TENSIONS)
-        parts += [f"- {_taking(i, f, n, count)}" for f in range(TENSIONS) if takes[i][f]]
+        parts += [f"- {_coupling(i, f, n, count)}" for f in range(TENSIONS) if couplings[i][f]]
     return " ".join(parts) if parts else "0.0"
 
 
-def _taking(i, f, n, count):
-    first, second = f"core[{count + f}, {i}]", f"core[{count + TENSIONS + f}, {i}]"
-    return f"({first} * takes[0, {n}, {f}] + {second} * takes[1, {n}, {f}])"
+def _coupling(i, f, n, count):
+    first, second = f"border[{count + f}, {i}]", f"border[{count + TENSIONS + f}, {i}]"
+    return f"({first} * couplings[0, {n}, {f}] + {second} * couplings[1, {n}, {f}])"
 
 
 def _places(full):
-    cells = [(i, j) for i in range(len(full)) for j in range(len(full)) if full[i][j]]
-    return {cell: n for n, cell in enumerate(cells)}
+    places = [(i, j) for i in range(len(full)) for j in range(len(full)) if full[i][j]]
+    return {place: n for n, place in enumerate(places)}
 
 
-def _solve(pattern, takes, core):
-    order = least_filling(pattern)
-    full, count = _ordered(pattern, order), len(core)
+def _solve(pattern, couplings, border):
+    order = markowitz_order(pattern)
+    full, count = _ordered(pattern, order), len(border)
     places = _places(full)
-    lines = ["def solve_rest(b, taken, rate, core, lu, pulls):"]
-    lines += ['    """Solve for the core in b, and for the tensions in pulls."""']
-    targets = [f"pulls[{i}]" if i < TENSIONS else f"b[{core[i - TENSIONS]}]" for i in order]
+    lines = ["def solve_border(b, excursion, excursion_rate, border, lu, solved_tensions):"]
+    lines += ['    """Solve for the border in b, and for the tensions in solved_tensions."""']
+    targets = [
+        f"solved_tensions[{i}]" if i < TENSIONS else f"b[{border[i - TENSIONS]}]" for i in order
+    ]
     for i, row in enumerate(order):
         terms = ["0.0" if row < TENSIONS else targets[i]]
         for f in range(TENSIONS):
-            if takes[row][f]:
-                terms.append(f"core[{count + f}, {row}], taken[{f}]")
-                terms.append(f"core[{count + TENSIONS + f}, {row}], rate[{f}]")
+            if couplings[row][f]:
+                terms.append(f"border[{count + f}, {row}], excursion[{f}]")
+                terms.append(f"border[{count + TENSIONS + f}, {row}], excursion_rate[{f}]")
         lines.append(f"    z_{i} = {terms[0]}")
         lines += [f"    z_{i} = fused({term}, z_{i})" for term in terms[1:]]
         lines += [
@@ -208,4 +213,4 @@ def _solve(pattern, takes, core):
 
 def entries(pattern: Sequence[Sequence[bool]]) -> int:
     """Number of entries of the factors."""
-    return sum(map(sum, _ordered(pattern, least_filling(pattern))))
+    return sum(map(sum, _ordered(pattern, markowitz_order(pattern))))

@@ -1,4 +1,4 @@
-"""Which states an effect adds to a finger and which to the core, and whether arrowhead.py holds.
+"""Which states an effect adds to a finger and which to the border, and whether arrowhead.py holds.
 
 Decided from what each kernel reads and where it joins, before anything is compiled.
 """
@@ -10,7 +10,7 @@ from typing import Any
 from hannes.core.effect import Effect, Term
 from hannes.core.layout import Layout, Slot
 from hannes.simulation.compiler.assemble import Shape
-from hannes.simulation.compiler.autodiff.values import Underivable
+from hannes.simulation.compiler.autodiff.values import NotDifferentiable
 from hannes.simulation.compiler.expansion import Layouts
 from hannes.simulation.hand.jacobian import (
     arrowhead,
@@ -38,10 +38,10 @@ _FROM_WIRES = (*_OF_CART, "tendon_tension")
 
 
 @dataclass
-class Arrow:
+class Arrowhead:
     """The constants of arrowhead.py for one set of effects; `broken` says why it does not hold."""
 
-    core: list[int] = field(default_factory=list)
+    border: list[int] = field(default_factory=list)
     own: list[list[int]] = field(default_factory=lambda: [[] for _ in range(5)])
     seen: list[int] = field(default_factory=list)
     timed: bool = False  # fingers feel the time
@@ -55,25 +55,25 @@ class Arrow:
 
     def constants(self, pattern: sparse_lu.Pattern) -> dict[str, str]:
         """Text of the constants by name."""
-        lists = {"CORE": self.core, "SEEN": self.seen}
-        numbers = {"SIZE": len(self.own[0]), "COUNT": len(self.core), "SEEING": len(self.seen)}
+        lists = {"BORDER": self.border, "SEEN": self.seen}
+        numbers = {"SIZE": len(self.own[0]), "COUNT": len(self.border), "SEEING": len(self.seen)}
         return {
             **{name: f"np.array({values}, np.int64)" for name, values in lists.items()},
             "OWN": f"np.array({self.own}).T.copy()",
             **{name: str(value) for name, value in numbers.items()},
             "HELD": str(self.held),
             "KINKS": "30",
-            "ROWS": str(5 + len(self.core)),
+            "ROWS": str(5 + len(self.border)),
             "ENTRIES": str(sparse_lu.entries(pattern)),
             "TOUCHED": f"np.array({finger_effect_terms.touched(self.terms)}, np.int64)",
         }
 
-    def pattern(self, core: drivetrain_block.Core) -> sparse_lu.Pattern:
-        """Where tensions and core may depend on each other, be it through the fingers."""
+    def pattern(self, border: drivetrain_block.Border) -> sparse_lu.Pattern:
+        """Where tensions and border may depend on each other, be it through the fingers."""
         full = []
-        for i, (takes, needed) in enumerate(zip(core.takes, core.needed, strict=True)):
-            through = [any(takes) and n in self.seen for n in range(len(needed))]
-            row = [*takes, *(a or b for a, b in zip(needed, through, strict=True))]
+        for i, (couplings, needed) in enumerate(zip(border.couplings, border.needed, strict=True)):
+            through = [any(couplings) and n in self.seen for n in range(len(needed))]
+            row = [*couplings, *(a or b for a, b in zip(needed, through, strict=True))]
             row[i] = True
             full.append(row)
         return full
@@ -118,21 +118,23 @@ def shape(
         return Shape((arrowhead,), {}, "", found.broken)
     found.seen.sort()
     try:
-        core = drivetrain_block.derived(source, names, layouts.c, found.core, found.timed)
+        border = drivetrain_block.differentiated(
+            source, names, layouts.c, found.border, found.timed
+        )
         own = found.fingers(layouts, names)
-    except Underivable as error:
+    except NotDifferentiable as error:
         return Shape((arrowhead,), {}, "", f"no derivative is known of {error}")
-    pattern = found.pattern(core)
-    written = sparse_lu.text(pattern, core.takes, found.core, found.seen)
+    pattern = found.pattern(border)
+    written = sparse_lu.text(pattern, border.couplings, found.border, found.seen)
     solved = sparse_lu.fingers(found.own_pattern(), found.own)
-    written = "\n\n".join([written, solved, core.text, *own])
+    written = "\n\n".join([written, solved, border.text, *own])
     fingers = finger_blocks if found.plain_fingers else finger_differences
     return Shape((fingers, arrowhead), found.constants(pattern), written, "", arrowhead.FIELDS)
 
 
-def _placed(states: Layout, homes: Mapping[str, str]) -> Arrow:
-    """Put each state into the core or into its finger."""
-    found = Arrow()
+def _placed(states: Layout, homes: Mapping[str, str]) -> Arrowhead:
+    """Put each state into the border or into its finger."""
+    found = Arrowhead()
     for slot in states.slots:
         places = range(states[slot.name].start, states[slot.name].stop)
         if slot.axis in PER_FINGER and homes.get(slot.name, "fingers") == "fingers":
@@ -141,7 +143,7 @@ def _placed(states: Layout, homes: Mapping[str, str]) -> Arrow:
                 found.own[(k - places.start) // share].append(k)  # angles, speeds, effects'
             found.kinds += [(slot.name, link) for link in range(share)]
         else:
-            found.core += places
+            found.border += places
     return found
 
 
@@ -165,7 +167,7 @@ def _trailing(effects: tuple[Effect, ...]) -> Iterator[str]:
                 yield f"{effect.name}.{term.states[0]}"
 
 
-def _join(found: Arrow, effect: Effect, term: Term, layouts: Layouts, stage: str) -> None:
+def _join(found: Arrowhead, effect: Effect, term: Term, layouts: Layouts, stage: str) -> None:
     """Note what one kernel of an effect adds to the structure."""
     states, channels = layouts.y, layouts.c
     part, axis = PARTS[stage], channels.slot(term.writes[0]).axis
@@ -205,12 +207,12 @@ def _read_states(effect: Effect, arguments: list[str], states: Layout) -> Iterat
                 break
 
 
-def _reads_state(found: Arrow, slot: Slot, states: Layout, axis: str, part: str) -> str:
-    """Note what fingers read of the core; say what the arrow has no place for."""
+def _reads_state(found: Arrowhead, slot: Slot, states: Layout, axis: str, part: str) -> str:
+    """Note what fingers read of the border; say what the arrow has no place for."""
     first = states[slot.name].start
-    if first not in found.core:
+    if first not in found.border:
         return "" if part == "fingers" and _own(slot, axis) else f"reads all of {slot.name}"
-    at = found.core.index(first)
+    at = found.border.index(first)
     if part == "fingers":
         found.seen += [n for n in range(at, at + slot.size) if n not in found.seen]
     return ""
