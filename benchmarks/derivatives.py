@@ -102,8 +102,8 @@ def _size(changes: np.ndarray) -> np.ndarray:
 @contextmanager
 def fingers_differenced() -> Iterator[None]:
     """Models assembled within have their fingers differenced, whatever effects they carry."""
-    held = partial(sparsity.Arrow, plain_fingers=False)
-    with patch.object(sparsity, "Arrow", held):
+    held = partial(sparsity.Arrowhead, plain_fingers=False)
+    with patch.object(sparsity, "Arrowhead", held):
         yield
 
 

@@ -1,12 +1,12 @@
-"""Stages of the equations over fields of records, beside subscripts filled into their text.
+"""Stages of the equations over fields of records, beside subscripts expanded into their text.
 
-The compiler fills `p.name`, `y.name`, `c.name` and `out.name` into the written equations as
+The compiler expands `p.name`, `y.name`, `c.name` and `out.name` in the written equations to
 subscripts of plain arrays. Here the same text is also compiled as it is written, over numba records
 whose fields are these names, at the same places in memory; and once more with the sizes of loops
-hidden from the compiler, as they are in the filled text. The stages `joints` and `contact`, and the
-rates of all states, along a dynamometer grasp of the hand without effects; all ways in turn in one
-process, processor time a call. `over_filled` is the median of the ratios of what ran in turn, with
-its 95 % interval; all that the calls leave must be the same to the bit.
+hidden from the compiler, as they are in the expanded text. The stages `joints` and `contact`, and
+the rates of all states, along a dynamometer grasp of the hand without effects; all ways in turn in
+one process, processor time a call. `over_expanded` is the median of the ratios of what ran in turn,
+with its 95 % interval; all that the calls leave must be the same to the bit.
 """
 
 import re
@@ -32,13 +32,13 @@ from hannes.simulation.compiler.expansion import Layouts, without_outputs
 from hannes.simulation.hand.model import EQUATIONS
 from hannes.simulation.trajectory import Trajectory
 
-WAYS = ("filled", "fields", "fields, sizes unknown")
+WAYS = ("expanded", "fields", "fields, sizes unknown")
 STAGES = ("joints", "contact", "equations")
 ALONE = ("joints", "contact", "press", "inertia", "equations", "sample")  # as module_cache has them
-FEASIBLE = 1.02  # times the filled text's time: what fields may take
+FEASIBLE = 1.02  # times the expanded text's time: what fields may take
 # A record is one word by itself, and only these arrays are left to hand on by their addresses.
 _OF_RECORDS = {
-    name: {each: SHAPES[name][each] for each in ("reference", "hold")}
+    name: {each: SHAPES[name][each] for each in ("reference", "memory")}
     for name in ("equations", "sample")
 }
 ROUNDS = 20  # through all states in one turn
@@ -66,15 +66,15 @@ def _layouts(kind: type[Layouts]) -> Layouts:
 
 
 def texts() -> dict[str, str]:
-    """The equations without what only fills outputs: filled, and as they are written."""
-    whole = _layouts(Layouts).fill(EQUATIONS.source())
-    filled = without_outputs(whole).splitlines()
-    written = _layouts(_Fields).fill(EQUATIONS.source()).splitlines()
-    pairs = zip(whole.splitlines(), filled, written, strict=True)
+    """The equations without what only fills outputs: expanded, and as they are written."""
+    whole = _layouts(Layouts).expanded(EQUATIONS.source())
+    expanded = without_outputs(whole).splitlines()
+    written = _layouts(_Fields).expanded(EQUATIONS.source()).splitlines()
+    pairs = zip(whole.splitlines(), expanded, written, strict=True)
     kept = [own if old == new else "" for old, new, own in pairs]
     fields = _less_zeroing(kept)
     unknown_sizes = re.sub(r"\b[pc]\.\w+\.size\b", r"unknown(\g<0>)", fields)
-    return dict(zip(WAYS, (_less_zeroing(filled), fields, unknown_sizes), strict=True))
+    return dict(zip(WAYS, (_less_zeroing(expanded), fields, unknown_sizes), strict=True))
 
 
 def _less_zeroing(lines: list[str]) -> str:
@@ -87,10 +87,10 @@ def compiled(text: str, way: str) -> types.ModuleType:
     layouts = _layouts(Layouts)
     text = re.sub(rf"^def ({'|'.join(ALONE)})\(", r"@routine\ndef \1(", text, flags=re.MULTILINE)
     text = re.sub(r"^(?<!@routine\n)def ", "@inner\ndef ", text, flags=re.MULTILINE)
-    words = SHAPES if way == "filled" else _OF_RECORDS
+    words = SHAPES if way == "expanded" else _OF_RECORDS
     with patch.dict(SHAPES, dict(words), clear=True):
         text = by_address(text)
-    made = types.ModuleType("filled_or_fields")
+    made = types.ModuleType("expanded_or_fields")
     vars(made).update(vars(EQUATIONS.module) | LANES)
     vars(made).update({name: int(size) for name, size in layouts.sizes().items() if size.isdigit()})
     vars(made).update(
@@ -106,22 +106,22 @@ def loops(functions: types.ModuleType) -> dict[str, Any]:
     joints, contact, equations = (getattr(functions, name) for name in STAGES)
 
     @kernel
-    def run_joints(rounds, times, y, dy, p, c, out, reference, hold):
+    def run_joints(rounds, times, y, dy, p, c, out, reference, memory):
         for _ in range(rounds):
             for k in range(times.size):
                 joints(times[k], y[k], dy[k], p[0], c[k], out[0])
 
     @kernel
-    def run_contact(rounds, times, y, dy, p, c, out, reference, hold):
+    def run_contact(rounds, times, y, dy, p, c, out, reference, memory):
         for _ in range(rounds):
             for k in range(times.size):
                 contact(times[k], y[k], dy[k], p[0], c[k], out[0])
 
     @kernel
-    def run_equations(rounds, times, y, dy, p, c, out, reference, hold):
+    def run_equations(rounds, times, y, dy, p, c, out, reference, memory):
         for _ in range(rounds):
             for k in range(times.size):
-                equations(times[k], y[k], dy[k], p[0], c[k], reference, hold, out[0])
+                equations(times[k], y[k], dy[k], p[0], c[k], reference, memory, out[0])
 
     return dict(zip(STAGES, (run_joints, run_contact, run_equations), strict=True))
 
@@ -156,8 +156,8 @@ def results(ran: Trajectory, runs: Mapping[str, dict[str, Any]]) -> dict[str, by
 def ways(ran: Trajectory) -> dict[str, tuple[Any, ...]]:
     """By way, what the loops are given: the same memory, whose place is luck, for all."""
     arrays, times = _arrays(ran), ran.time[::10].copy()
-    further = ran.knots, ran.holds[0].copy()
-    whole = {"filled": (times, *arrays, *further)}
+    further = ran.knots, ran.memories[0].copy()
+    whole = {"expanded": (times, *arrays, *further)}
     return whole | dict.fromkeys(WAYS[1:], (times, *_records(arrays), *further))
 
 
@@ -171,7 +171,7 @@ def timed(
             begun = time.process_time()
             runs[way](ROUNDS, *given[way])
             took[way].append(time.process_time() - begun)
-    calls = ROUNDS * given["filled"][0].size
+    calls = ROUNDS * given["expanded"][0].size
     return {way: 1e9 * np.array(each) / calls for way, each in took.items()}
 
 
@@ -187,15 +187,15 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     for stage in reversed(STAGES):  # the rates of all states fill the channels of the others
         took = timed({way: runs[way][stage] for way in WAYS}, given, 20 if quick else 200)
         for way in WAYS:
-            over = took[way] / took["filled"]
-            ratio = {"over_filled": float(np.median(over)), **interval(over.tolist())}
+            over = took[way] / took["expanded"]
+            ratio = {"over_expanded": float(np.median(over)), **interval(over.tolist())}
             rows.append({"stage": stage, "way": way, "ns": float(np.median(took[way])), **ratio})
             held = ratio["high"] < FEASIBLE
-            what = f"{stage}, {way}, over filled text"
-            if way != "filled":
-                bounds.append(must_show(what, ratio["over_filled"], FEASIBLE, held) | ratio)
+            what = f"{stage}, {way}, over expanded text"
+            if way != "expanded":
+                bounds.append(must_show(what, ratio["over_expanded"], FEASIBLE, held) | ratio)
     for bound in bounds:
-        del bound["over_filled"]
+        del bound["over_expanded"]
     return rows, [*bounds, must_show("results that differ in a bit", int(not same), 0, same)]
 
 

@@ -32,9 +32,9 @@ def turns(compiled: Compiled) -> Any:
     decompose, resolve = fast.decompose, fast.resolve
 
     @kernel
-    def within(room, depth, times, states, p, knots, hold, rounds):
+    def within(room, depth, times, states, p, knots, memory, rounds):
         data = room[0]
-        prepare(data, p, knots, hold)
+        prepare(data, p, knots, memory)
         rates, drift = np.zeros(states.shape[1]), np.zeros(states.shape[1])
         total = 0.0
         for _ in range(rounds):
@@ -50,9 +50,9 @@ def turns(compiled: Compiled) -> Any:
         return total
 
     @kernel
-    def run(depth, times, states, p, knots, hold, rounds):
+    def run(depth, times, states, p, knots, memory, rounds):
         room = np.zeros(1, kind)
-        return within(room, depth, times, states, p, knots, hold, rounds)
+        return within(room, depth, times, states, p, knots, memory, rounds)
 
     return run
 
@@ -60,7 +60,13 @@ def turns(compiled: Compiled) -> Any:
 def spent(ran: Trajectory, repeats: int) -> np.ndarray:
     """Nanoseconds of each part, shape (parts, turns): what a turn took with it less without."""
     run = turns(ran.compiled)
-    given = ran.time[::10], ran.states[::10].copy(), ran.parameters, ran.knots, ran.holds[0].copy()
+    given = (
+        ran.time[::10],
+        ran.states[::10].copy(),
+        ran.parameters,
+        ran.knots,
+        ran.memories[0].copy(),
+    )
     sums: list[list[float]] = [[] for _ in PARTS]
     for _ in tqdm(range(repeats + 1), "turns", leave=False):
         for depth in range(len(PARTS)):

@@ -203,7 +203,7 @@ def outputs(exact: Trajectory) -> Row:
     """What force and tension at all samples cost hannes and our equations in MuJoCo alike."""
     clock = time.perf_counter()
     exact.compiled.observed.observe(
-        exact.time, exact.states, exact.parameters, exact.knots, exact.holds
+        exact.time, exact.states, exact.parameters, exact.knots, exact.memories
     )
     ms = 1e3 * (time.perf_counter() - clock)
     return {"runner": LOOP, "way": "force and tension", "step": "all samples", "ms": ms}

@@ -6,15 +6,15 @@ from hannes.control.reference import interpolate
 from hannes.core.kernels.insertion import effects
 
 
-def equations(t, y, dy, p, c, reference, hold, out):
+def equations(t, y, dy, p, c, reference, memory, out):
     """Fill dy with the rates of place [m] and speed [m/s]."""
-    push = interpolate(t, reference) + hold[0]
+    push = interpolate(t, reference) + memory[0]
     push = effects(push)
     dy.place = y.speed
     dy.speed = push - p.stiffness * y.place - math.tanh(p.level * y.speed)
     out.force = push
 
 
-def sample(t, y, dy, p, c, reference, hold, out):
+def sample(t, y, dy, p, c, reference, memory, out):
     """Firmware that holds what it read of the place [m]."""
-    hold[0] = -0.1 * y.place
+    memory[0] = -0.1 * y.place

@@ -4,13 +4,13 @@ import functools
 
 import numpy as np
 
+from hannes.control.firmware_memory import MEMORY
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
 from hannes.simulation.experiment.experiment import Experiment, Reference, Target
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.hand.model import EQUATIONS
-from hannes.simulation.integrate import HOLD
 from hannes.simulation.simulate import simulate
 
 GRASP = ((0.0, 0.0), (0.637, 9.84), (1.022, 0.0))
@@ -85,7 +85,7 @@ class Bench:
         self.compiled = hand.compiled()
         self.p = hand.vector(shape)
         self.rest = hand.rest(self.compiled)
-        self.hold = np.zeros(HOLD)
+        self.memory = np.zeros(MEMORY)
         self.knots = np.array([[0.0, 1.0], [0.0, 0.0]])
 
     def place(self, name):
@@ -94,7 +94,7 @@ class Bench:
 
     def rates(self, time, state):
         """Rates of all states."""
-        return self.compiled.fast.rates(time, state, self.p, self.knots, self.hold)
+        return self.compiled.fast.rates(time, state, self.p, self.knots, self.memory)
 
     def move(self, state, times):
         """States at `times` from `state` at times[0], shape (times, states)."""

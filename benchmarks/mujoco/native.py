@@ -26,11 +26,11 @@ from benchmarks.mujoco.engine import (
     Launch,
     as_numbers,
 )
-from benchmarks.mujoco.same import CONTROLLER, HOLD, KNOTS, P, Y, places
+from benchmarks.mujoco.same import CONTROLLER, KNOTS, MEMORY, P, Y, places
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand
 
-SIZES = (P.size, 2 * KNOTS, HOLD, Y.size, Y.size)
+SIZES = (P.size, 2 * KNOTS, MEMORY, Y.size, Y.size)
 VALUES, REFERENCE, HELD, STATE, RATE = range(len(SIZES))
 BOUNDS = np.cumsum((0, *SIZES))
 USER = int(BOUNDS[-1])
@@ -52,10 +52,10 @@ def callbacks(fast: ModuleType) -> dict[str, Any]:
     @numba.njit(error_model="numpy")
     def voltage(t, user):
         y, dy, p = part(user, STATE), part(user, RATE), part(user, VALUES)
-        reference, hold = part(user, REFERENCE).reshape((2, KNOTS)), part(user, HELD)
+        reference, memory = part(user, REFERENCE).reshape((2, KNOTS)), part(user, HELD)
         target = position_reference(t, y, dy, p, y, reference, dy)
-        position, current = sense(t, y, dy, p, y, hold, dy)
-        return pids(t, y, dy, p, y, hold, target, position, current, dy) * p[SUPPLY]
+        position, current = sense(t, y, dy, p, y, memory, dy)
+        return pids(t, y, dy, p, y, memory, target, position, current, dy) * p[SUPPLY]
 
     @numba.cfunc(GENERIC)
     def control(m, d):
@@ -80,7 +80,7 @@ def launch(hand: Hand, experiment: Experiment, idiom: Idiom, integrator: str, ev
     """The experiment in MuJoCo's own elements, `every` steps between two samples."""
     posed = hand.with_values(experiment.overrides())
     compiled = posed.compiled(())
-    rows = (posed.vector(experiment.shape, ()), experiment.reference.knots, np.zeros(HOLD))
+    rows = (posed.vector(experiment.shape, ()), experiment.reference.knots, np.zeros(MEMORY))
     userdata = np.zeros(USER)
     userdata[: BOUNDS[STATE]] = np.concatenate([np.ravel(row) for row in rows])
     m = model(posed, idiom, integrator, USER)

@@ -33,6 +33,7 @@ from benchmarks.mujoco.engine import (
     Launch,
     as_numbers,
 )
+from hannes.control.firmware_memory import MEMORY
 from hannes.core.kernels.smooth_switches import smoothstep
 from hannes.core.layout import Layout
 from hannes.simulation.experiment.experiment import Experiment
@@ -40,7 +41,6 @@ from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.hand.mjcf_bodies import skeleton
 from hannes.simulation.hand.variables import CHANNELS, LANES, PARAMETER_SLOTS, STATES
-from hannes.simulation.integrate import HOLD
 
 Y, C, P = Layout(STATES), Layout(CHANNELS), Layout(PARAMETER_SLOTS)
 
@@ -57,7 +57,7 @@ NV, NA = SPEEDS.size, CONTROLLER.size  # the winding's charge has a place but no
 FREE = np.array([0, 1, 2, NV - 1])  # all but the hinges: their force is inertia times rate
 KNOTS = 3
 # Rows of mjData.userdata: inertias, dampings, what the stages read, and room for them to work.
-SIZES = (1, NV, NV, P.size, 2 * KNOTS, HOLD, C.size, Y.size, Y.size)
+SIZES = (1, NV, NV, P.size, 2 * KNOTS, MEMORY, C.size, Y.size, Y.size)
 HELP, INERTIA, STEEP, VALUES, REFERENCE, HELD, CHANNEL, STATE, RATE = range(len(SIZES))
 BOUNDS = np.cumsum((0, *SIZES))
 USER = int(BOUNDS[-1])
@@ -128,10 +128,10 @@ def callbacks(fast: ModuleType) -> dict[str, Any]:
     @numba.njit(error_model="numpy")
     def stages(t, user):
         y, dy, p, c = part(user, STATE), part(user, RATE), part(user, VALUES), part(user, CHANNEL)
-        reference, hold = part(user, REFERENCE).reshape((2, KNOTS)), part(user, HELD)
+        reference, memory = part(user, REFERENCE).reshape((2, KNOTS)), part(user, HELD)
         target = position_reference(t, y, dy, p, c, reference, dy)
-        position, current = sense(t, y, dy, p, c, hold, dy)
-        duty = control(t, y, dy, p, c, hold, target, position, current, dy)
+        position, current = sense(t, y, dy, p, c, memory, dy)
+        duty = control(t, y, dy, p, c, memory, target, position, current, dy)
         torque_constant = drive(t, y, dy, p, c, duty, dy)
         kinematics(y, p, c)
         load = leader(t, y, dy, p, c, dy)
@@ -202,7 +202,7 @@ def launch(
     ]
     rows = (
         *([float(linearised)], inertia, steepness(posed)),
-        *(posed.vector(experiment.shape, ()), experiment.reference.knots, np.zeros(HOLD)),
+        *(posed.vector(experiment.shape, ()), experiment.reference.knots, np.zeros(MEMORY)),
     )
     userdata = np.zeros(USER)
     userdata[: BOUNDS[CHANNEL]] = np.concatenate([np.ravel(row) for row in rows])

@@ -88,7 +88,7 @@ def _add_models(commands: Any) -> None:
     run = _command(commands, "run", _run_experiment, "simulate an experiment and write its results")
     run.add_argument("experiment", help="a shipped experiment's name, or a .toml file")
     _add_output(run, "results/<experiment>")
-    run.add_argument("--method", default="Rodas", help="Rodas (default) or one of scipy's")
+    run.add_argument("--method", default="Rodas", help="solver: Rodas (default) or one of scipy's")
     run.add_argument("--rtol", type=float, default=1e-4, help="relative tolerance (default 1e-4)")
     add_trust(run)
 
@@ -96,11 +96,18 @@ def _add_models(commands: Any) -> None:
 
     effects = _command(commands, "effects", _effects, "list the effects, or describe one")
     effects.add_argument("effect", nargs="?", help="a name, or file.py:EFFECT of your own")
-    effects.add_argument("--plant", metavar="PLANT", help="whose: its own, or that yours is for")
+    effects.add_argument(
+        "--plant",
+        metavar="PLANT",
+        help="machine that has the effects: hand (default), axis, finger, module:object",
+    )
 
     hand = _command(commands, "hand", _hand, "show a hand: parts, equations, effects, values")
     hand.add_argument(
-        "hand", nargs="?", default="hannes", help="a hand.toml, of any plant (default: shipped)"
+        "hand",
+        nargs="?",
+        default="hannes",
+        help="a hand.toml of any machine (default: the shipped hand)",
     )
     hand.add_argument("--equations", action="store_true", help="print the assembled equations")
     hand.add_argument("--values", action="store_true", help="print every value with its source")

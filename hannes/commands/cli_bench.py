@@ -45,30 +45,38 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     """Add the commands; `command(name, call, description)` makes the parser of one."""
     board = command("board", _board, "a virtual board: the hand's model behind a serial port")
     board.add_argument("specification", help="a shipped experiment, or a board's .toml file")
-    board.add_argument("--tcp", type=int, metavar="PORT", help="on a socket of this machine")
-    board.add_argument("--seconds", type=float, default=0.0, help="end after so long (never)")
+    board.add_argument(
+        "--tcp", type=int, metavar="PORT", help="serve on this TCP port, not on a terminal"
+    )
+    board.add_argument("--seconds", type=float, default=0.0, help="run time [s] (0: no end)")
 
     record = command("record", _record, "send an experiment's command to a board, and record")
     record.add_argument("experiment", nargs="?", help="a shipped experiment, or a .toml file")
     _add_link(record, "--port")
     record.add_argument("--out", required=True, metavar="FILE", help="a .h5 or .csv file")
     record.add_argument("--reconnect", type=float, default=0.0, metavar="SECONDS",
-                        help="wait so long for a link that was lost (0: end)")  # fmt: skip
-    record.add_argument("--recover", metavar="RAWLOG", help="make a recording of a raw log")
+                        help="wait so long for a lost link [s] (0, the default: end)")  # fmt: skip
+    record.add_argument(
+        "--recover", metavar="RAWLOG", help="make the recording from this raw log, without a board"
+    )
     add_force(record)
     add_json(record)
 
     port = command("port", _port, "list serial ports, or measure the link to a board")
     _add_link(port, "port")
-    port.add_argument("--seconds", type=float, default=3.0, help="how long to measure (3)")
+    port.add_argument("--seconds", type=float, default=3.0, help="measuring time [s] (default 3)")
     add_json(port)
 
 
 def _add_link(parser: argparse.ArgumentParser, name: str) -> None:
     where = {} if name.startswith("-") else {"nargs": "?"}
     parser.add_argument(name, help="device, or socket://HOST:PORT", **where)  # type: ignore[arg-type]
-    parser.add_argument("--board", default="hannes", help="hannes (default), text, feetech")
-    parser.add_argument("--baud", type=int, default=0, help="baud rate (the board's own)")
+    parser.add_argument(
+        "--board", default="hannes", help="protocol: hannes (default), text, feetech"
+    )
+    parser.add_argument(
+        "--baud", type=int, default=0, help="bits per second (default: the board's own)"
+    )
 
 
 def _link(chosen: argparse.Namespace) -> "Link":

@@ -9,6 +9,10 @@ from hannes.commands import (
     cli_trust,
     cli_views,
 )
+from hannes.identification.diagnosis.settings import Settings
+
+SCATTER = f"{100.0 * Settings.scatter:g} %"
+RUN_SCATTER = f"{100.0 * Settings.run_scatter:g} %"
 
 EXAMPLES = {
     "": """\
@@ -59,7 +63,7 @@ campaign.toml, after its [[recording]]s; all of it may be left out:
   [calibrate.nuisance]                    # run-to-run standard deviation
   start_time = "10 ms"
   "motor.dry_friction" = "1 %\"""",
-    "diagnose": """\
+    "diagnose": f"""\
 hannes diagnose campaign.toml
 hannes diagnose campaign.toml --out results/verdict --json
 
@@ -72,9 +76,9 @@ campaign.toml (docs/reference/campaign.md has all of it):
   condition = "void, full speed"
   role = "fit"                            # or select, show; drawn where absent
   [diagnose]                              # standard deviations; may be left out
-  scatter = "2 %"                         # of nominal values (3 %)
-  run_scatter = "0.5 %"                   # of friction from run to run (1 %)
-  start_time = "0.2 ms"                   # of when a run starts (10 ms)""",
+  scatter = "2 %"                         # of nominal values ({SCATTER})
+  run_scatter = "0.5 %"                   # of friction from run to run ({RUN_SCATTER})
+  start_time = "0.2 ms"                   # of when a run starts (10 ms for a hand)""",
     **cli_recordings.EXAMPLES,
     **cli_compare.EXAMPLES,
     **cli_learning.EXAMPLES,

@@ -66,30 +66,52 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     dataset = command("dataset", _dataset, "simulate many grasps into one HDF5 file")
     dataset.add_argument("spec", help="a shipped specification's name, or a .toml file")
     dataset.add_argument("--out", metavar="FILE.h5", help="the data set (results/<spec>.h5)")
-    dataset.add_argument("--workers", type=int, help="local processes (default: all cores)")
-    dataset.add_argument("--backend", default="local", help="local (default) or dask")
-    dataset.add_argument("--scheduler", default="", metavar="ADDRESS", help="of a Dask cluster")
     dataset.add_argument(
-        "--grasp", type=int, metavar="K", help="only this one, as a recording to --out"
+        "--workers", type=int, help="number of local processes (default: all cores)"
+    )
+    dataset.add_argument(
+        "--backend", default="local", help="where grasps run: local (default) or dask"
+    )
+    dataset.add_argument(
+        "--scheduler", default="", metavar="ADDRESS", help="address of a Dask cluster"
+    )
+    dataset.add_argument(
+        "--grasp", type=int, metavar="K", help="only grasp number K, counted from 0, as a recording"
     )
     add_trust(dataset)
     add_force(dataset)
     add_json(dataset)
 
+    _add_models(command)
+
+
+def _add_models(command: Callable[..., argparse.ArgumentParser]) -> None:
     train = command("train", _train, "train rigid or soft, stiffness and force on a data set")
     train.add_argument("dataset", help="a data set made by `hannes dataset`")
     train.add_argument("--out", metavar="MODEL.h5", help="the model (<dataset>-model.h5)")
-    train.add_argument("--trees", type=int, help="bagged trees for the class (default 320)")
-    train.add_argument("--seed", type=int, default=0, help="of what is drawn (default 0)")
-    train.add_argument("--window", default="50 ms", help="length of a window (default 50 ms)")
-    train.add_argument("--hop", default="10 ms", help="from window to window (default 10 ms)")
+    train.add_argument("--trees", type=int, help="number of bagged trees (default 320)")
+    train.add_argument("--seed", type=int, default=0, help="seed of all random draws (default 0)")
+    train.add_argument(
+        "--window",
+        default="50 ms",
+        metavar="TIME",
+        help="time that one window spans (default 50 ms)",
+    )
+    train.add_argument(
+        "--hop",
+        default="10 ms",
+        metavar="TIME",
+        help="from one window's start to the next's (default 10 ms)",
+    )
     add_force(train)
     add_json(train)
 
     evaluate = command("evaluate", _evaluate, "score a model on recordings, or apply it to one")
     evaluate.add_argument("model", help="a model made by `hannes train`")
     evaluate.add_argument("recordings", help="an evaluation.toml, or one recording")
-    evaluate.add_argument("--out", metavar="FOLDER", help="folder of evaluation.json")
+    evaluate.add_argument(
+        "--out", metavar="FOLDER", help="folder that evaluation.json is written to"
+    )
     evaluate.add_argument(
         "--learning-curve",
         metavar="DATASET.h5",

@@ -97,7 +97,12 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
         nargs="+",
         help="text (also .gz), HDF5, MATLAB, JSON, npz, xlsx, Parquet, MCAP, bags",
     )
-    convert.add_argument("--mapping", required=True, metavar="MAP.toml", help="what is what")
+    convert.add_argument(
+        "--mapping",
+        required=True,
+        metavar="MAP.toml",
+        help="says which column is which channel, and in which unit",
+    )
     convert.add_argument(
         "--out", required=True, metavar="FILE", help="a .csv or .h5 file, or a folder for several"
     )
@@ -107,15 +112,25 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
 
     begin = command("begin", _begin, "from unknown logs to a mapping and a campaign")
     begin.add_argument("file", nargs="+", help="logs of any kind, all of one layout")
-    begin.add_argument("--out", default="bench", metavar="FOLDER", help="where to write (bench)")
-    begin.add_argument("--plant", default="hand", help="hand (default), axis, finger, your own")
+    begin.add_argument(
+        "--out", default="bench", metavar="FOLDER", help="folder of the results (bench)"
+    )
+    begin.add_argument(
+        "--plant",
+        default="hand",
+        help="recorded machine: hand (default), axis, finger, module:object",
+    )
     add_json(begin)
 
     check = command("check", _check, "say what may be wrong with recordings, before any fit")
     check.add_argument("file", nargs="+", help="recordings, or a campaign's .toml file")
-    check.add_argument("--plant", help="hand (default), axis, or module:object of your own")
     check.add_argument(
-        "--experiment", metavar="NAME", help="what was done, where the file does not say"
+        "--plant", help="recorded machine: hand (default), axis, finger, module:object"
+    )
+    check.add_argument(
+        "--experiment",
+        metavar="NAME",
+        help="experiment that was recorded, where the file does not say",
     )
     check.add_argument("--notes", action="store_true", help="print notes too: noise, resolution")
     add_trust(check)

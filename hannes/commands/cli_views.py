@@ -54,7 +54,9 @@ def add(command: Callable[..., argparse.ArgumentParser], whole: argparse.Argumen
 
     fmu = command("fmu", _fmu, "write a hand as an FMU for co-simulation")
     fmu.add_argument("experiment", help="a shipped experiment's name, or a .toml file")
-    fmu.add_argument("--out", default="results/hand.fmu", metavar="FILE", help="(results/hand.fmu)")
+    fmu.add_argument(
+        "--out", default="results/hand.fmu", metavar="FILE", help="the FMU (results/hand.fmu)"
+    )
     add_trust(fmu)
     add_force(fmu)
 

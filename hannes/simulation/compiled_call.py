@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hannes.control.firmware_memory import MEMORY
 from hannes.core.errors import BadInput, nearest
 from hannes.core.kernels.jit import compiles
 from hannes.core.layout import Layout
 from hannes.simulation.compiler.assemble import Compiled
 from hannes.simulation.compiler.entry_points import ASTRAY, MOST
 from hannes.simulation.experiment.experiment import Experiment
-from hannes.simulation.integrate import HOLD, tolerances
+from hannes.simulation.integrate import tolerances
 from hannes.simulation.rodas.step import NOT_FINITE, TOO_MANY
 from hannes.simulation.trajectory import Cost, Outcome
 
@@ -24,7 +25,7 @@ class Ran:
     """What a compiled call leaves, see `grasps` in entry_points.py; and the seconds it took."""
 
     rows: np.ndarray
-    holds: np.ndarray
+    memories: np.ndarray
     kept: np.ndarray
     counts: np.ndarray
     seconds: float
@@ -81,7 +82,7 @@ class Plan:
         size, count = self.times.size, vectors.shape[0]
         ran = Ran(
             np.empty((size, starts.shape[1])),
-            np.zeros((size, HOLD)),
+            np.zeros((size, MEMORY)),
             np.empty((count, self.columns.size, size)),
             np.zeros((count, 6), np.int64),
             time.perf_counter(),
@@ -91,7 +92,7 @@ class Plan:
         with np.errstate(all="ignore"):  # where nothing is compiled
             self.compiled.fast.grasps(
                 *given, self.columns, self.needed, self.rtol, self.atol, stop, alike,
-                ran.rows, ran.holds, ran.kept, ran.counts,
+                ran.rows, ran.memories, ran.kept, ran.counts,
             )  # fmt: skip
         return replace(ran, seconds=time.perf_counter() - ran.seconds)
 

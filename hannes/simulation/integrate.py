@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from hannes.control.firmware_memory import MEMORY, READING_AGE
 from hannes.simulation.compiler.assemble import Compiled
 from hannes.simulation.compiler.entry_points import LONGEST, MOST
 from hannes.simulation.experiment.experiment import Experiment
@@ -16,8 +17,6 @@ from hannes.simulation.trajectory import Cost, Outcome, Trajectory
 
 METHODS = ("Rodas", "LSODA", "BDF", "Radau", "RK45", "RK23", "DOP853")
 IMPLICIT = ("LSODA", "BDF", "Radau")
-HOLD = 10  # numbers that firmware holds, see `sample` in equations.py
-AGE = 9  # place among them of the age of its readings
 RUN = 512  # steps that Rodas takes between two returns to scipy: most grasps are one
 _ready: set[tuple[Compiled, str]] = set()  # whose machine code this process has at hand
 
@@ -42,14 +41,14 @@ class Initial:
     ) -> None:
         self.compiled, self.p, self.experiment = compiled, p, experiment
         self.method, self.rtol, self.atol = method, rtol, tolerances(compiled, rtol)
-        self.hold = np.zeros(HOLD)
+        self.memory = np.zeros(MEMORY)
         self.state, self.first = rest, rest.copy()
         self.past: list[Callable[[float], np.ndarray]] = []  # by tick, where readings are old
         self.cost, self.message = Cost(), "completed"
         self.outcome = Outcome.COMPLETED
         self.times = experiment.times
         self.rows: list[np.ndarray] = []
-        self.holds: list[np.ndarray] = []
+        self.memories: list[np.ndarray] = []
         self.filled = 0
 
     def run(self) -> Trajectory:
@@ -87,12 +86,12 @@ class Initial:
         knots, duration = self.experiment.reference.knots, self.experiment.duration
         period = float(self.p[self.compiled.parameters["controller_period"]][0])
         for k in range(int(np.ceil(duration / period - 1e-9))):
-            self.compiled.fast.tick(k * period, self._read(k, period), self.p, knots, self.hold)
+            self.compiled.fast.tick(k * period, self._read(k, period), self.p, knots, self.memory)
             yield k * period, min((k + 1) * period, duration), knots
 
     def _read(self, tick: int, period: float) -> np.ndarray:
         """The state that the firmware reads at a tick."""
-        moment = tick * period - self.hold[AGE]
+        moment = tick * period - self.memory[READING_AGE]
         if not self.past:
             return self.state
         return self.first if moment <= 0.0 else self.past[math.ceil(moment / period) - 1](moment)
@@ -137,7 +136,7 @@ class Initial:
             t_eval=times,
             rtol=self.rtol,
             atol=self.atol,
-            dense_output=bool(self.hold[AGE]),
+            dense_output=bool(self.memory[READING_AGE]),
             **self._method(knots),
         )
 
@@ -157,12 +156,12 @@ class Initial:
 
     def _store(self, rows: np.ndarray) -> None:
         self.rows.append(rows)
-        self.holds.append(np.full((rows.shape[0], HOLD), self.hold))
+        self.memories.append(np.full((rows.shape[0], MEMORY), self.memory))
         self.filled += rows.shape[0]
 
     def _rates(self, knots: np.ndarray) -> Callable[[float, np.ndarray], np.ndarray]:
-        rates, p, hold = self.compiled.fast.rates, self.p, self.hold
-        return lambda t, y: rates(t, y, p, knots, hold)
+        rates, p, memory = self.compiled.fast.rates, self.p, self.memory
+        return lambda t, y: rates(t, y, p, knots, memory)
 
     def _sets_out(self, rates: Callable[..., np.ndarray], start: float) -> bool:
         """Return whether the rates are finite: else scipy's methods would not advance."""
@@ -181,15 +180,15 @@ class Initial:
             return self._rodas(knots)
         if self.method not in IMPLICIT:
             return {"method": self.method}
-        jacobian, p, hold = self.compiled.fast.jacobian, self.p, self.hold
-        return {"method": self.method, "jac": lambda t, y: jacobian(t, y, p, knots, hold)}
+        jacobian, p, memory = self.compiled.fast.jacobian, self.p, self.memory
+        return {"method": self.method, "jac": lambda t, y: jacobian(t, y, p, knots, memory)}
 
     def _rodas(self, knots: np.ndarray) -> dict[str, Any]:
         from hannes.simulation.rodas.scipy_solver import Rodas
 
         return {
             "method": Rodas,
-            "problem": self.compiled.problem(self.p, knots, self.hold),
+            "problem": self.compiled.problem(self.p, knots, self.memory),
             "run": RUN,
             "kinks": knots[0] if self.experiment.reference.kinked else (),
             "max_step": LONGEST,
@@ -209,7 +208,7 @@ class Initial:
             self.compiled,
             self.p,
             self.experiment.reference.knots,
-            _stacked(self.holds, HOLD),
+            _stacked(self.memories, MEMORY),
         )
 
 

@@ -51,7 +51,7 @@ def _firmware(plan: Plan, experiment: Experiment, p: np.ndarray, rest: np.ndarra
         plan.compiled,
         p,
         plan.knots,
-        ran.holds[:reached],
+        ran.memories[:reached],
     )
 
 

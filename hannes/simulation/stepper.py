@@ -8,6 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from hannes.control.firmware_memory import MEMORY, READING_AGE
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, ComputationFailed, nearest
 from hannes.simulation.compiler.assemble import Compiled
@@ -15,7 +16,7 @@ from hannes.simulation.compiler.entry_points import LONGEST
 from hannes.simulation.compiler.workspace import RUN
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand
-from hannes.simulation.integrate import AGE, HOLD, tolerances
+from hannes.simulation.integrate import tolerances
 from hannes.simulation.rodas.step import WORK
 from hannes.simulation.simulate import check_tolerance
 
@@ -44,7 +45,7 @@ class Stepper:
         self._p[compiled.parameters["controller_sampled"]] = 1.0
         self._rest = posed.rest(compiled)
         self._build(compiled)
-        self._y, self._hold, self._tick = self._rest.copy(), np.zeros(HOLD), 0
+        self._y, self._memory, self._tick = self._rest.copy(), np.zeros(MEMORY), 0
         self._knots, self._times = experiment.reference.knots, experiment.times
         self._own: np.ndarray | None = None  # set points so far, where they do not come from there
         self._past: list[tuple[np.ndarray, np.ndarray]] = []  # dense output of ticks gone by
@@ -86,7 +87,7 @@ class Stepper:
         ComputationFailed where the solver gives up.
         """
         now, fast, given = self.time, self._compiled.fast, self._given(reference)
-        fast.tick(now, self._read(), self._p, given, self._hold)
+        fast.tick(now, self._read(), self._p, given, self._memory)
         sampled = self._sample_time(now)
         row = self._integrate(now, (self._tick + 1) * self.period, given, sampled)
         self._tick += 1
@@ -108,7 +109,7 @@ class Stepper:
 
     def _read(self) -> np.ndarray:
         """The state that the firmware reads at this tick: an older one where readings are late."""
-        age = self._hold[AGE]
+        age = self._memory[READING_AGE]
         if age <= 0.0:
             return self._y
         moment = self.time - age
@@ -130,7 +131,7 @@ class Stepper:
     def _outputs(self, now: float, state: np.ndarray, knots: np.ndarray) -> dict[str, Any]:
         layout = self._compiled.outputs
         row = self._compiled.observed.observe(
-            np.array([now]), state, self._p, knots, self._hold[np.newaxis]
+            np.array([now]), state, self._p, knots, self._memory[np.newaxis]
         )[0]
         return {
             slot.name: row[layout[slot.name]].copy()
@@ -146,10 +147,10 @@ class Stepper:
         clock[:] = start, end - start, end, LONGEST, 1.0
         counts[:] = 0
         bounds = np.array([end])
-        keep = self._hold[AGE] > 0.0
+        keep = self._memory[READING_AGE] > 0.0
         while clock[0] != end:
             taken = self._compiled.fast.steps_on(
-                (self._p, knots, self._hold), self._y, self.rtol, self._atol,
+                (self._p, knots, self._memory), self._y, self.rtol, self._atol,
                 clock, counts, bounds, self._ends, self._pieces, self._work,
             )  # fmt: skip
             if counts[4] != 0:
@@ -163,7 +164,7 @@ class Stepper:
                     (self._ends[: taken + 1].copy(), self._pieces[: taken + 1].copy())
                 )
         if keep:
-            oldest = end - self._hold[AGE] - self.period
+            oldest = end - self._memory[READING_AGE] - self.period
             self._past = [each for each in self._past if each[0][-1] >= oldest]
         return row
 

@@ -69,7 +69,7 @@ class Trajectory(ByValue):
     compiled: Compiled
     parameters: np.ndarray
     knots: np.ndarray
-    holds: np.ndarray
+    memories: np.ndarray
 
     def __repr__(self) -> str:
         end = f"{self.time[-1]:g} s" if self.time.size else "none"
@@ -91,7 +91,7 @@ class Trajectory(ByValue):
     def outputs(self) -> np.ndarray:
         """All outputs at the sample times, shape (n, outputs); see hand/variables.py."""
         observe: Callable[..., np.ndarray] = self.compiled.observed.observe
-        return observe(self.time, self.states, self.parameters, self.knots, self.holds)
+        return observe(self.time, self.states, self.parameters, self.knots, self.memories)
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return an output or a state by name, shape (n,) or (n, size); BadInput when unknown."""

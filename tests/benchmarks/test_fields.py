@@ -1,4 +1,4 @@
-"""The trial of records with fields in place of the filled text."""
+"""The trial of records with fields in place of the expanded text."""
 
 from types import SimpleNamespace
 
@@ -20,11 +20,11 @@ def test_a_field_is_its_slot():
 
 
 def test_the_texts_differ_in_slots_alone():
-    filled, fields, unknown = (texts()[way] for way in WAYS)
+    expanded, fields, unknown = (texts()[way] for way in WAYS)
     assert "c.spring_torque[joint] = spring_torque(" in fields
-    assert "c.spring_torque" not in filled
+    assert "c.spring_torque" not in expanded
     assert "in range(p.rest.size)" in fields and "in range(unknown(p.rest.size))" in unknown
-    assert len(filled.splitlines()) == len(fields.splitlines()) == len(unknown.splitlines())
+    assert len(expanded.splitlines()) == len(fields.splitlines()) == len(unknown.splitlines())
     assert "out.force" in EQUATIONS.source() and "out.force" not in fields
 
 
@@ -36,7 +36,7 @@ def test_joints_over_fields_leave_the_same_bits(compiling):
         states=states,
         parameters=Hand().vector("cylinder", ()),
         knots=np.zeros((2, 2)),
-        holds=np.zeros((1, 10)),
+        memories=np.zeros((1, 10)),
     )
     left = []
     for way in (WAYS[0], WAYS[1]):

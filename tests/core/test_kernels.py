@@ -18,6 +18,7 @@ from runs import grasp
 import hannes.contact
 import hannes.control
 import hannes.dynamics
+from hannes.control.firmware_memory import MEMORY
 from hannes.core.io.units import quantity
 from hannes.core.kernels import smooth_switches
 from hannes.core.kernels.jit import compiles, plain
@@ -25,7 +26,6 @@ from hannes.plants.axis import plant
 from hannes.simulation.catalogue import effects
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.hand.model import EQUATIONS
-from hannes.simulation.integrate import HOLD
 from hannes.simulation.simulate import simulate
 
 POSITIVE = re.compile(
@@ -118,15 +118,15 @@ given = np.load(sys.argv[1])
 chosen = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
 from hannes.simulation.hand.hand import Hand
 model = Hand(chosen).compiled(chosen)
-p, knots, hold = given["p"], given["knots"], given["hold"]
-rates = [model.fast.rates(t, y, p, knots, hold) for t, y in zip(given["t"], given["y"])]
-outputs = model.observed.observe(given["t"], given["y"], p, knots, given["holds"])
+p, knots, memory = given["p"], given["knots"], given["memory"]
+rates = [model.fast.rates(t, y, p, knots, memory) for t, y in zip(given["t"], given["y"])]
+outputs = model.observed.observe(given["t"], given["y"], p, knots, given["memories"])
 sampled = p.copy()
 sampled[model.parameters["controller_sampled"]] = 1.0
-held = [model.fast.rates(t, y, sampled, knots, hold) for t, y in zip(given["t"], given["y"])]
+held = [model.fast.rates(t, y, sampled, knots, memory) for t, y in zip(given["t"], given["y"])]
 ticks = []
 for t, y in zip(given["t"], given["y"]):
-    after = hold.copy()
+    after = memory.copy()
     model.fast.tick(t, y, sampled, knots, after)
     ticks.append(after)
 np.savez(sys.argv[2], rates=rates, outputs=outputs, held=held, ticks=ticks)
@@ -158,8 +158,8 @@ def both(tmp_path_factory, compiling):
         "y": states,
         "p": run.parameters,
         "knots": run.knots,
-        "hold": rng.uniform(-0.5, 0.5, HOLD),
-        "holds": np.zeros((states.shape[0], HOLD)),
+        "memory": rng.uniform(-0.5, 0.5, MEMORY),
+        "memories": np.zeros((states.shape[0], MEMORY)),
     }
     np.savez(folder / "given.npz", **given)
     done = subprocess.run(
@@ -186,7 +186,7 @@ def test_compiled_rates_equal_plain_python(both, sampled):
     p = given["p"].copy()
     p[model.parameters["controller_sampled"]] = float(sampled)
     rates = [
-        model.fast.rates(t, y, p, given["knots"], given["hold"])
+        model.fast.rates(t, y, p, given["knots"], given["memory"])
         for t, y in zip(given["t"], given["y"], strict=True)
     ]
     assert np.isfinite(rates).all()
@@ -195,7 +195,7 @@ def test_compiled_rates_equal_plain_python(both, sampled):
 
 def test_compiled_outputs_equal_plain_python(both):
     model, given, found = both
-    names = ("t", "y", "p", "knots", "holds")
+    names = ("t", "y", "p", "knots", "memories")
     outputs = model.observed.observe(*(given[name] for name in names))
     assert outputs[:, model.outputs["force"]].max() > 1.0
     assert close(outputs, found["outputs"])
@@ -206,7 +206,7 @@ def test_compiled_ticks_equal_plain_python(both):
     p, ticks = given["p"].copy(), []
     p[model.parameters["controller_sampled"]] = 1.0
     for t, y in zip(given["t"], given["y"], strict=True):
-        ticks.append(given["hold"].copy())
+        ticks.append(given["memory"].copy())
         model.fast.tick(t, y, p, given["knots"], ticks[-1])
     assert close(np.array(ticks), found["ticks"])
 

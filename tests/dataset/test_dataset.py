@@ -1,4 +1,4 @@
-"""Data sets: each grasp hangs on its seed alone, nothing is lost, the bytes are always the same."""
+"""Data sets: each grasp depends on its seed alone, nothing is lost, bytes are always the same."""
 
 import json
 import re

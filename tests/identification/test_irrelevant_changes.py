@@ -1,4 +1,4 @@
-"""A verdict hangs on what was recorded: not on names, places, order of keys, or processors."""
+"""A verdict depends on what was recorded: not on names, places, order of keys, or processors."""
 
 import json
 import os

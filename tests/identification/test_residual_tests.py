@@ -1,4 +1,4 @@
-"""What hangs together in what a model leaves: seen where it is, and hardly ever where it is not."""
+"""Autocorrelation of what a model leaves: seen where it is, and hardly ever where it is not."""
 
 from types import SimpleNamespace
 

@@ -43,13 +43,13 @@ def test_agrees_with_solve_ivp_from_tick_to_tick():
     fast = assemble(EQUATIONS).fast
     p, reference = axis.parameters.vector(), np.array([record.time, record["reference"]])
     state = start_state(record)
-    hold = np.array([0.0, state[0] - 1e-3 * state[1], state[0] - 2e-3 * state[1], 0.0])
+    memory = np.array([0.0, state[0] - 1e-3 * state[1], state[0] - 2e-3 * state[1], 0.0])
     positions = []
     for start, end in zip(record.time[:-1], record.time[1:], strict=True):
         positions.append(state[0])
-        fast.tick(start, state, p, reference, hold)
+        fast.tick(start, state, p, reference, memory)
         part = solve_ivp(
-            lambda t, y: fast.rates(t, y, p, reference, hold),
+            lambda t, y: fast.rates(t, y, p, reference, memory),
             (start, end),
             state,
             rtol=1e-10,
@@ -88,14 +88,14 @@ def test_a_kernel_may_look_up_a_table_and_allocate():
     mine = Effect("tabled", "made for a test", "table", "none (2026)", (amount,), (term,))
     axis = Axis().with_effects(mine)
     fast = assemble(EQUATIONS, (mine,)).fast
-    p, hold = axis.parameters.with_values({"tabled.size": 10.0}).vector(), np.zeros(4)
+    p, memory = axis.parameters.with_values({"tabled.size": 10.0}).vector(), np.zeros(4)
     reference, y = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([0.0, 0.1])
-    bare = fast.rates(0.0, y, axis.parameters.vector(), reference, hold)
-    made = fast.rates(0.0, y, p, reference, hold)
+    bare = fast.rates(0.0, y, axis.parameters.vector(), reference, memory)
+    made = fast.rates(0.0, y, p, reference, memory)
     expected = -10.0 * np.interp(0.1, SPEEDS, FORCES) / axis.parameters["axis.mass"]
     assert made[1] - bare[1] == pytest.approx(expected, rel=1e-9)
     slopes, differences = (
-        each(0.0, y, p, reference, hold) for each in (fast.jacobian, fast.differences)
+        each(0.0, y, p, reference, memory) for each in (fast.jacobian, fast.differences)
     )
     assert slopes == pytest.approx(differences, rel=1e-4, abs=1e-6)
 

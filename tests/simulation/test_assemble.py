@@ -233,15 +233,15 @@ from hannes.core.kernels.insertion import effects
 from hannes.dynamics.friction import dry
 
 
-def equations(t, y, dy, p, c, reference, hold, out):
+def equations(t, y, dy, p, c, reference, memory, out):
     push = 0.0
     push = effects(push)
     dy.place = y.speed
     dy.speed = push - restoring(y.place, p.stiffness) - dry(y.speed, p.level, 1.0)
 
 
-def sample(t, y, dy, p, c, reference, hold, out):
-    hold[0] = 0.0
+def sample(t, y, dy, p, c, reference, memory, out):
+    memory[0] = 0.0
 ''',
     "springs.py": """
 from hannes.core.kernels.jit import kernel
@@ -371,7 +371,7 @@ def test_an_edit_of_the_package_never_runs_stale_machine_code(plant):
 
 
 READ_BACK = '''
-def equations(t, y, dy, p, c, reference, hold, out):
+def equations(t, y, dy, p, c, reference, memory, out):
     """An output filled, then read."""
     out.goal = 2.0 * y.place
     out.reached[0] = y.place

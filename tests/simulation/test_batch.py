@@ -15,6 +15,7 @@ import pytest
 from runs import BREAK, grasp
 from scipy.integrate import solve_ivp
 
+from hannes.control.firmware_memory import MEMORY
 from hannes.core.errors import BadInput, ComputationFailed
 from hannes.simulation.batch import chunks
 from hannes.simulation.batch.simulate_many import simulate_alike, simulate_many
@@ -22,7 +23,7 @@ from hannes.simulation.compiled_call import ended
 from hannes.simulation.compiler import entry_points
 from hannes.simulation.compiler.entry_points import LONGEST, TOO_MANY
 from hannes.simulation.hand.hand import Hand
-from hannes.simulation.integrate import HOLD, tolerances
+from hannes.simulation.integrate import tolerances
 from hannes.simulation.rodas.scipy_solver import Rodas
 from hannes.simulation.simulate import simulate
 from hannes.simulation.trajectory import Outcome
@@ -194,7 +195,7 @@ def test_the_compiled_loop_takes_the_steps_of_solve_ivp():
     hand, experiment = Hand(), grasp()
     posed = hand.with_values(experiment.overrides())
     compiled, knots = posed.compiled(), experiment.reference.knots
-    problem = compiled.problem(posed.vector("cylinder"), knots, np.zeros(HOLD))
+    problem = compiled.problem(posed.vector("cylinder"), knots, np.zeros(MEMORY))
     found = solve_ivp(
         None,
         (0.0, experiment.duration),

@@ -26,12 +26,12 @@ def ran(times):
             memory=1,
         )
     )
-    rows, holds = np.zeros((times.size, 2)), np.zeros((times.size, 1))
+    rows, memories = np.zeros((times.size, 2)), np.zeros((times.size, 1))
     kept, counts = np.zeros((1, 1, times.size)), np.zeros((1, 6), np.int64)
     model.fast.grasps(
         *(np.array([[3.0, 100.0]]), np.array([[1.0, 0.0]]), np.array([[0.0, 1.0], [0.0, 2.0]])),
         *(times[-1:], np.zeros(1), times, np.zeros(1, np.int64), model.needed.by([0])),
-        *(1e-4, np.full(2, 1e-7), np.zeros(1, np.bool_), False, rows, holds, kept, counts),
+        *(1e-4, np.full(2, 1e-7), np.zeros(1, np.bool_), False, rows, memories, kept, counts),
     )
     assert counts[0, 4] == 0
     return model.fast.grasps, rows

@@ -128,7 +128,7 @@ def test_motor_step_response_is_two_exponentials():
     """L i' = V - R i - k w and J w' = k i - f w after a step of voltage, the wire unwinding."""
     values = {"motor.dry_friction": 0.0, "motor.viscous_friction": 2e-6, "controller.sampled": 1.0}
     bench = Bench(values | {"motor.inductance": 2e-3})
-    bench.hold[0] = -0.5  # duty; backwards, so that the leader stays slack
+    bench.memory[0] = -0.5  # duty; backwards, so that the leader stays slack
     shipped = Hand().parameters
     voltage = -0.5 * shipped["supply.voltage"]
     resistance, constant = shipped["motor.resistance"], shipped["motor.torque_constant"]

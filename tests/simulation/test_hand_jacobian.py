@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from runs import GRASP, reference, run
 
+from hannes.control.firmware_memory import MEMORY
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.layout import Slot
@@ -16,7 +17,6 @@ from hannes.core.parameter import Parameter
 from hannes.simulation.catalogue import effects
 from hannes.simulation.experiment.experiment import Experiment, Target
 from hannes.simulation.hand.hand import Hand
-from hannes.simulation.integrate import HOLD
 from hannes.simulation.simulate import simulate
 
 
@@ -161,7 +161,7 @@ CASES = {
     "an object that moves, a constant that does not stay": ("followed", "saturating"),
     "no arrow": ("coupled",),
 }
-KNOTS, HELD = reference(GRASP).knots, np.zeros(HOLD)
+KNOTS, HELD = reference(GRASP).knots, np.zeros(MEMORY)
 
 
 @functools.cache
@@ -200,9 +200,9 @@ def solved(compiled):
     gather, decompose, resolve = fast.gather, fast.decompose, fast.resolve
 
     @kernel
-    def within(room, t, y, p, reference, hold, shift, columns, drift, b):
+    def within(room, t, y, p, reference, memory, shift, columns, drift, b):
         data, rates = room[0], np.zeros(y.size)
-        prepare(data, p, reference, hold)
+        prepare(data, p, reference, memory)
         slope(t, y, rates, data)
         linearise(t, y, rates, drift, data)
         gather(data, columns)
@@ -210,8 +210,8 @@ def solved(compiled):
         resolve(b, data)
 
     @kernel
-    def both(t, y, p, reference, hold, shift, columns, drift, b):
-        within(np.zeros(1, kind), t, y, p, reference, hold, shift, columns, drift, b)
+    def both(t, y, p, reference, memory, shift, columns, drift, b):
+        within(np.zeros(1, kind), t, y, p, reference, memory, shift, columns, drift, b)
 
     return both
 

@@ -23,7 +23,7 @@ def stages(needed: ProgramSlice, *names: str) -> list[int]:
 
 def of(*lines: str, others: str = "") -> ProgramSlice:
     body = "\n".join("    " + line for line in lines)
-    head = "def equations(t, y, dy, p, c, reference, hold, out):\n"
+    head = "def equations(t, y, dy, p, c, reference, memory, out):\n"
     return ProgramSlice.of(head + body + "\n\n\n" + others, OUT)
 
 
@@ -58,7 +58,7 @@ def test_an_array_that_is_handed_to_who_knows_whom_may_be_written_there():
 
 def filled(*chosen: Effect) -> str:
     parts = (EQUATIONS.parameters, EQUATIONS.states, EQUATIONS.channels, EQUATIONS.outputs)
-    return Layouts(*parts, chosen).fill(EQUATIONS.source())
+    return Layouts(*parts, chosen).expanded(EQUATIONS.source())
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def filled(*chosen: Effect) -> str:
     [
         ["v = np.zeros(3)", "v[0] = y[0]", "out[0] = v[0]"],
         ["v = c[2:5]", "v[0] = 1.0", "out[0] = c[2 + 1]"],
-        ["hold[9] = 2.0", "out[0] = hold[9]"],
+        ["memory[9] = 2.0", "out[0] = memory[9]"],
         ["t = t + 1.0", "out[0] = t"],
         ["x = y[0]", "out[0] = logged(t, k=x)"],
         ["named(y, c)", "out[0] = c[2]"],
@@ -80,14 +80,14 @@ def test_text_that_is_not_followed_runs_as_a_whole(lines):
     others = "def named(y, chan):\n    chan[2] = 1.0\n\n\ndef logged(t, k):\n    return k\n"
     assert of(*lines, others=others).statements == ()
     body = "\n".join("    " + line for line in lines)
-    text = f"def equations(t, y, dy, p, c, reference, hold, out):\n{body}\n\n\n{others}"
+    text = f"def equations(t, y, dy, p, c, reference, memory, out):\n{body}\n\n\n{others}"
     assert "if needed" not in guarded(text)
-    assert "hold, out, needed):" in guarded(text)
+    assert "memory, out, needed):" in guarded(text)
 
 
 def test_a_signature_of_any_form_takes_what_is_needed():
     text = guarded(
-        "def equations(\n    t, y, dy, p,\n    c, reference, hold, out,\n) -> None:  # all\n"
+        "def equations(\n    t, y, dy, p,\n    c, reference, memory, out,\n) -> None:  # all\n"
         '    """Fill."""\n    a = 1.0; out[0] = a\n'
     )
     ran = {}

@@ -45,7 +45,7 @@ def _fitted(model: Model, seed: int, progress: Progress) -> tuple[Linearisation,
     """The nominal machine and the baseline fit, with noise estimated at the baseline."""
     progress("the machine as given")
     nominal = first(model, COARSE, seed)
-    progress("the base")
+    progress("the baseline")
     baseline = fitted(nominal, 5, restarts=1)
     corrected = model.with_sampling_correction(baseline.x, list(model.space.effects))
     for _ in range(NOISE.noise_estimates):

@@ -153,7 +153,7 @@ def _back(
     With contacts chi-squared has several local minima. An effect may only have led out of one. The
     machine's own parameters take over as much of its work as they can.
     """
-    progress("the base from there")
+    progress("the baseline from there")
     rows = without(best.point, best.effects)
     point = baseline.moved(rows[np.argmin(baseline.chi2_at(rows))], baseline.active)
     if point is None:

@@ -60,7 +60,7 @@ def _stepped(point: Linearisation) -> Linearisation | None:
     """
     step = newton_step(point)
     place, chi2 = _best(point, [step])
-    if chi2 > point.chi2 - FIT.kept_reduction * _promised(point, step):
+    if chi2 > point.chi2 - FIT.kept_reduction * _predicted(point, step):
         steps = [
             share * newton_step(point, each) for each in FIT.dampings for share in FIT.step_shares
         ]
@@ -81,7 +81,7 @@ def _best(point: Linearisation, steps: Sequence[np.ndarray]) -> tuple[np.ndarray
     return places[best], float(values[best])
 
 
-def _promised(point: Linearisation, step: np.ndarray) -> float:
+def _predicted(point: Linearisation, step: np.ndarray) -> float:
     """Predicted reduction of chi-squared by a step."""
     return float(2.0 * step @ point.gradient - step @ point.hessian @ step)
 

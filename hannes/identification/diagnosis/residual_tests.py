@@ -21,7 +21,7 @@ from hannes.identification.diagnosis.tuning import FIT, VERDICT
 
 @dataclass(frozen=True)
 class StructuredResidual:
-    """What is left of a channel in one run and hangs together.
+    """What is left of a channel in one run and is autocorrelated.
 
     where: channel and run, in words
     excess: squared standard deviations beyond what noise leaves: of `autocorrelated` in all

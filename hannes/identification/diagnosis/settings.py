@@ -1,9 +1,12 @@
 """How uncertain the machine is: the table [diagnose] of a campaign, every part with a default."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from hannes.core.io.toml_table import Table
-from hannes.plants.protocol import Plant
+
+if TYPE_CHECKING:  # the help of the command line shows these defaults, and answers at once
+    from hannes.plants.protocol import Plant
 
 KEYS = ("scatter", "run_scatter", "start_time")
 
@@ -23,7 +26,7 @@ class Settings:
     start_time: float = 0.0
 
 
-def read_settings(table: Table, plant: Plant) -> Settings:
+def read_settings(table: Table, plant: "Plant") -> Settings:
     """The settings of a campaign; BadInput for an unknown key, a wrong unit, an impossible size."""
     table = Table(table.content, table.where, KEYS, table.prefix)
     if table.content and not getattr(plant, "uncertain", {}):
@@ -43,7 +46,7 @@ def _share(table: Table, key: str, default: float) -> float:
     return share
 
 
-def _time(table: Table, plant: Plant) -> float:
+def _time(table: Table, plant: "Plant") -> float:
     usual = float(getattr(plant, "start_time", 0.0))
     spread = table.quantity("start_time", "s", "0.2 ms") if "start_time" in table else usual
     if spread < 0.0:

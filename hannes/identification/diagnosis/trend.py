@@ -30,7 +30,9 @@ def strongest_trend(point: Linearisation, guesses: Sequence[Guess]) -> Trend | N
     groups = point.model.groups
     if not any(_ordered(group) for group in groups):
         return None
-    found = [Trend(each.effect, _gain(point, row)) for each in guesses for row in each.signature]
+    found = [
+        Trend(each.effect, _reduction(point, row)) for each in guesses for row in each.signature
+    ]
     return max(found, key=lambda each: each.delta_chi2, default=None)
 
 
@@ -39,7 +41,7 @@ def _ordered(group: Group) -> bool:
     return group.count >= VERDICT.fewest_repeats and float(np.ptp(group.numbers)) > 0.0
 
 
-def _gain(point: Linearisation, signature: np.ndarray) -> float:
+def _reduction(point: Linearisation, signature: np.ndarray) -> float:
     """Reduction of a signature, whitened, (N,), times the number of runs before each."""
     groups = point.model.groups
     signatures = np.split(signature, np.cumsum([group.part.size for group in groups])[:-1])

@@ -1,7 +1,7 @@
 """A motor-driven axis, stage by stage: the EMPS machine as its authors publish it.
 
 The same conventions as the hand's equations.py. The drive is an ideal force on the moving mass;
-friction comes from the hand's own kernels. `hold`: volts of the drive, the last two positions,
+friction comes from the hand's own kernels. `memory`: volts of the drive, the last two positions,
 volts that are added behind the controller's limit.
 """
 
@@ -11,11 +11,11 @@ from hannes.core.kernels.insertion import effects
 from hannes.dynamics.friction import dry
 
 
-def equations(t, y, dy, p, c, reference, hold, out):
+def equations(t, y, dy, p, c, reference, memory, out):
     """Fill dy with the rates of position [m] and speed [m/s]."""
     out.reference = position_reference(t, y, dy, p, c, reference, out)
     out.position = sense(t, y, dy, p, c, out)
-    force = drive(t, y, dy, p, c, hold, out)
+    force = drive(t, y, dy, p, c, memory, out)
     gear(t, y, dy, p, c, force, out)
 
 
@@ -33,23 +33,23 @@ def sense(t, y, dy, p, c, out):
     return measured_position
 
 
-def sample(t, y, dy, p, c, reference, hold, out):
+def sample(t, y, dy, p, c, reference, memory, out):
     """One sample of the controller: u = k_v (k_p (target - q) - q') and the added volts."""
     target = position_reference(t, y, dy, p, c, reference, out)
     position = sense(t, y, dy, p, c, out)
-    speed = mean_difference(position, hold[1], hold[2], p.cascade_period)
+    speed = mean_difference(position, memory[1], memory[2], p.cascade_period)
     asked = cascade(
         target, position, speed, p.cascade_position_gain, p.cascade_speed_gain, p.cascade_limit
     )
-    hold[2], hold[1] = hold[1], position
-    hold[0] = asked + hold[3]
+    memory[2], memory[1] = memory[1], position
+    memory[0] = asked + memory[3]
 
 
-def drive(t, y, dy, p, c, hold, out):
+def drive(t, y, dy, p, c, memory, out):
     """Ideal amplifier and motor: force [N] = gain times volts, held from sample to sample."""
-    voltage = hold[0]
+    voltage = memory[0]
     voltage = effects(voltage)
-    out.drive = hold[0]
+    out.drive = memory[0]
     return p.axis_force_gain * voltage
 
 

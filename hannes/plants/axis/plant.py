@@ -45,24 +45,24 @@ PARAMETERS = (
 _RUN = '''
 
 @entry
-def run(times, y, p, reference, added, hold, substeps, states, holds):
-    """Fill states (n, 2) and holds (n, 4) at `times` [s]; y is the state at times[0]."""
+def run(times, y, p, reference, added, memory, substeps, states, memories):
+    """Fill states (n, 2) and memories (n, 4) at `times` [s]; y is the state at times[0]."""
     c, out, scratch = np.zeros(CHANNELS), np.zeros(OUTPUTS), np.zeros(STATES)
     k1, k2, k3, k4 = np.zeros(STATES), scratch.copy(), scratch.copy(), scratch.copy()
     for k in range(times.size):
         t = times[k]
-        hold[3] = added[k]
-        sample(t, y, scratch, p, c, reference, hold, out)
+        memory[3] = added[k]
+        sample(t, y, scratch, p, c, reference, memory, out)
         states[k] = y
-        holds[k] = hold
+        memories[k] = memory
         if k + 1 == times.size:
             break
         h = (times[k + 1] - t) / substeps
         for part in range(substeps):
-            equations(t, y, k1, p, c, reference, hold, out)
-            equations(t + 0.5 * h, y + 0.5 * h * k1, k2, p, c, reference, hold, out)
-            equations(t + 0.5 * h, y + 0.5 * h * k2, k3, p, c, reference, hold, out)
-            equations(t + h, y + h * k3, k4, p, c, reference, hold, out)
+            equations(t, y, k1, p, c, reference, memory, out)
+            equations(t + 0.5 * h, y + 0.5 * h * k1, k2, p, c, reference, memory, out)
+            equations(t + 0.5 * h, y + 0.5 * h * k2, k3, p, c, reference, memory, out)
+            equations(t + h, y + h * k3, k4, p, c, reference, memory, out)
             y += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
             t += h
 '''
@@ -192,12 +192,12 @@ class Axis(ByValue):
         state = start_state(recording)
         period = p[compiled.parameters["cascade_period"]][0]
         before = [state[0] - k * period * state[1] for k in (1, 2)]
-        hold, states = np.array([0.0, *before, 0.0]), np.zeros((times.size, 2))
-        holds = np.zeros((times.size, 4))
-        compiled.fast.run(times, state, p, reference, added, hold, substeps, states, holds)
+        memory, states = np.array([0.0, *before, 0.0]), np.zeros((times.size, 2))
+        memories = np.zeros((times.size, 4))
+        compiled.fast.run(times, state, p, reference, added, memory, substeps, states, memories)
         if not np.isfinite(states).all():
             raise ComputationFailed("the simulated axis runs away; check its gains and its mass")
-        rows = compiled.observed.observe(times, states, p, reference, holds)
+        rows = compiled.observed.observe(times, states, p, reference, memories)
         layout = compiled.outputs
         return {slot.name: rows[:, layout[slot.name]][:, 0] for slot in layout.slots}
 

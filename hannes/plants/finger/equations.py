@@ -1,7 +1,7 @@
 """A finger on a fixed object, stage by stage: its recorded angle presses, a sensor logs the force.
 
 The same conventions as the hand's equations.py. Angle and force are the hand's own counts, as it
-logs them. `hold`: angle of the first sample, its reading, speed of closing [100 counts/s].
+logs them. `memory`: angle of the first sample, its reading, speed of closing [100 counts/s].
 """
 
 from hannes.control.reference import interpolate
@@ -9,12 +9,12 @@ from hannes.core.kernels.insertion import effects
 from hannes.plants.finger.elastic import pressed
 
 
-def equations(t, y, dy, p, c, reference, hold, out):
+def equations(t, y, dy, p, c, reference, memory, out):
     """Fill dy with the rates of whatever states the effects bring; the base has none."""
     angle = closed(t, y, dy, p, c, reference, out)
-    rested = pressed(hold[0], p.contact_stiffness, p.contact_angle, p.contact_exponent)
-    force = contact(t, y, dy, p, c, angle, rested, hold[2], out)
-    sensor(t, y, dy, p, c, force, hold[1], out)
+    rested = pressed(memory[0], p.contact_stiffness, p.contact_angle, p.contact_exponent)
+    force = contact(t, y, dy, p, c, angle, rested, memory[2], out)
+    sensor(t, y, dy, p, c, force, memory[1], out)
 
 
 def closed(t, y, dy, p, c, reference, out):

@@ -41,18 +41,18 @@ PARAMETERS = group(
 _RUN = '''
 
 @entry
-def run(times, y, p, reference, holds, states):
+def run(times, y, p, reference, memories, states):
     """Fill states (n, states) at `times` [s]; y is the state at times[0]."""
     rate, moved, other = np.zeros(STATES), np.zeros(STATES), np.zeros(STATES)
     c, out = np.zeros(CHANNELS), np.zeros(OUTPUTS)
     for k in range(times.size):
         if k > 0:
             t, h = times[k], times[k] - times[k - 1]
-            equations(t, y, rate, p, c, reference, holds[k], out)
+            equations(t, y, rate, p, c, reference, memories[k], out)
             for j in range(STATES):
                 moved[:] = y
                 moved[j] += 1e-6 * max(abs(y[j]), 1.0)
-                equations(t, moved, other, p, c, reference, holds[k], out)
+                equations(t, moved, other, p, c, reference, memories[k], out)
                 decay = h * (other[j] - rate[j]) / (moved[j] - y[j])
                 share = np.expm1(decay) / decay if abs(decay) > 1e-9 else 1.0
                 states[k, j] = y[j] + share * h * rate[j]
@@ -171,10 +171,10 @@ class Finger(ByValue):
         compiled = assemble(EQUATIONS, self.effects)
         p = self.parameters.with_values(parameters).vector()
         times, reference = recording.time, np.array([recording.time, recording["angle"]])
-        holds, state = _holds(recording), np.zeros(compiled.states.size)
+        memories, state = _memories(recording), np.zeros(compiled.states.size)
         states = np.zeros((times.size, state.size))
-        compiled.fast.run(times, state, p, reference, holds, states)
-        rows = compiled.observed.observe(times, states, p, reference, holds)
+        compiled.fast.run(times, state, p, reference, memories, states)
+        rows = compiled.observed.observe(times, states, p, reference, memories)
         if not np.isfinite(rows).all():
             raise ComputationFailed("the simulated force is not finite; check the angle's scale")
         layout = compiled.outputs
@@ -203,7 +203,7 @@ class Finger(ByValue):
         }
 
 
-def _holds(recording: Recording) -> np.ndarray:
+def _memories(recording: Recording) -> np.ndarray:
     """First angle, first reading, speed of closing [100 counts/s] of each sample, shape (n, 3)."""
     angle, size = recording["angle"], len(recording)
     speed = -0.01 * np.diff(angle) / np.diff(recording.time)

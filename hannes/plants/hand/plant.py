@@ -110,7 +110,7 @@ class HandPlant(ByValue):
 
     @property
     def free(self) -> Mapping[str, float]:
-        """Standard deviation of what a refit fits [SI]: 3 % of each nominal value."""
+        """Standard deviation of what a refit fits [SI]: `SPREAD` times each nominal value."""
         return {name: SPREAD * abs(self.parameters[name]) for name in FREE}
 
     @property

@@ -147,9 +147,9 @@ class Compiled:
     jacobian_kind: str = "dense differences"
     effects: tuple[Effect, ...] = ()
 
-    def problem(self, p: np.ndarray, reference: np.ndarray, hold: np.ndarray) -> Problem:
+    def problem(self, p: np.ndarray, reference: np.ndarray, memory: np.ndarray) -> Problem:
         """The rates with these parameters as a problem for `Rodas`."""
-        return Problem(self.fast.steps_on, self.fast.look_up, (p, reference, hold))
+        return Problem(self.fast.steps_on, self.fast.look_up, (p, reference, memory))
 
     def is_warm(self, entry: str = "rates") -> bool:
         """Whether machine code of a former run can be used for an entry point."""
@@ -177,7 +177,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
             "them is dropped where the integrator runs; keep the value in a local variable"
         )
     layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, effects)
-    text = layouts.fill(plant.source())
+    text = layouts.expanded(plant.source())
     sizes = layouts.sizes() | {"MEMORY": str(plant.memory)}
     solution, kind = _solution(plant, layouts, text)
     names = _names(plant, solution.modules, effects)
@@ -188,7 +188,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
         "observed", guarded(text) + _functions(observed), names, origin, sizes
     )
     solved = "".join(map(_functions, solution.modules))
-    quick = without_outputs(text) + layouts.fill(solved) + solution.written
+    quick = without_outputs(text) + layouts.expanded(solved) + solution.written
     quick += method.source() + _functions(entries) + plant.entries
     names |= {name: value for name, value in vars(entries).items() if name.isupper()}
     names["fill_outputs"] = seen.fill_outputs
@@ -203,7 +203,7 @@ def jacobian_kind(plant: Equations, effects: Iterable[Effect] = ()) -> str:
     """How the Jacobian of `plant` with `effects` is had: "structured", or what else and why."""
     chosen = tuple(effects)
     layouts = Layouts(plant.parameters, plant.states, plant.channels, plant.outputs, chosen)
-    return _solution(plant, layouts, layouts.fill(plant.source()))[1]
+    return _solution(plant, layouts, layouts.expanded(plant.source()))[1]
 
 
 def _names(

@@ -18,7 +18,7 @@ _OF_STAGES = {
     "out": ("OUTPUTS",),
     "needed": ("STATEMENTS",),
     "reference": ("reference.shape[0]", "reference.shape[1]"),
-    "hold": ("hold.size",),
+    "memory": ("memory.size",),
 }
 _OF_STEPS = {
     "y": _ROW,
@@ -45,7 +45,7 @@ SHAPES: dict[str, dict[str, tuple[str, ...]]] = {
         **_OF_STAGES,
         "times": ("times.size",),
         "states": ("times.size", "unknown(STATES)"),
-        "holds": ("times.size", "holds.shape[1]"),
+        "memories": ("times.size", "memories.shape[1]"),
         "rows": ("times.size", "OUTPUTS"),
     },
     **dict.fromkeys(("first_step", "advance", "sample_pieces"), _OF_STEPS),

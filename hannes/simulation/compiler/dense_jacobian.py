@@ -21,23 +21,23 @@ FIELDS = {"matrix": "(STATES, STATES)", "factors": "(STATES, STATES)", "exchange
 def slope(t, y, dy, data):
     """Fill dy with f(t, y)."""
     reference = numbers_at(data.reference[0], (data.reference[1], data.reference[2]))
-    equations(t, y, dy, data.p, data.c, reference, data.hold, data.out)
+    equations(t, y, dy, data.p, data.c, reference, data.memory, data.out)
 
 
 def linearise(t, y, rates, drift, data):
     """Keep df/dy, one column a state; fill drift with df/dt."""
-    p, hold, c, out, dy, moved = data.p, data.hold, data.c, data.out, data.dy, data.moved
+    p, memory, c, out, dy, moved = data.p, data.memory, data.c, data.out, data.dy, data.moved
     reference = numbers_at(data.reference[0], (data.reference[1], data.reference[2]))
     matrix = data.matrix
     copy_to(moved, y)
     for j in range(y.size):
         moved[j] += 1e-7 * max(abs(y[j]), steps[j])
-        equations(t, moved, dy, p, c, reference, hold, out)
+        equations(t, moved, dy, p, c, reference, memory, out)
         for i in range(y.size):
             matrix[i, j] = (dy[i] - rates[i]) / (moved[j] - y[j])
         moved[j] = y[j]
     later = t + 1e-7 * max(1.0, abs(t))
-    equations(later, y, dy, p, c, reference, hold, out)
+    equations(later, y, dy, p, c, reference, memory, out)
     for i in range(y.size):
         drift[i] = (dy[i] - rates[i]) / (later - t)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hannes.control.firmware_memory import READING_AGE
 from hannes.core.kernels.pointers import address, pointer, shaped, unknown
 from hannes.simulation.compiler.dense_jacobian import gather, linearise, slope
 from hannes.simulation.compiler.workspace import RUN
@@ -31,59 +32,59 @@ APART = 20  # times as many steps: a grasp that needs them is not near the one i
 ASTRAY = -4  # failure of one that does, beside those of rodas/step.py
 
 
-def rates(t, y, p, reference, hold):
+def rates(t, y, p, reference, memory):
     """dy/dt, shape (states,)."""
     dy, y = np.zeros(STATES), np.ascontiguousarray(y)
-    equations(t, y, dy, p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
+    equations(t, y, dy, p, np.zeros(CHANNELS), reference, memory, np.zeros(OUTPUTS))
     return dy
 
 
-def jacobian(t, y, p, reference, hold):
+def jacobian(t, y, p, reference, memory):
     """df/dy as the integrator has it, shape (states, states)."""
     columns, y = np.zeros((STATES, STATES)), np.ascontiguousarray(y)
-    fill_jacobian(np.zeros(1, WORKSPACE), t, y, p, reference, hold, columns)
+    fill_jacobian(np.zeros(1, WORKSPACE), t, y, p, reference, memory, columns)
     return columns
 
 
-def fill_jacobian(room, t, y, p, reference, hold, columns):
+def fill_jacobian(room, t, y, p, reference, memory, columns):
     """The same into `columns`."""
     data = room[0]
-    prepare(data, p, reference, hold)
+    prepare(data, p, reference, memory)
     slope(t, y, data.work[0], data)
     linearise(t, y, data.work[0], data.work[1], data)
     gather(data, columns)
 
 
-def prepare(data, p, reference, hold):
-    """Give an empty workspace parameters, reference and numbers that firmware holds."""
+def prepare(data, p, reference, memory):
+    """Give an empty workspace parameters, reference and numbers that firmware keeps."""
     data.reference[0] = address(reference)
     data.reference[1], data.reference[2] = reference.shape
     copy_to(data.p, p)
-    for i in range(hold.size):
-        data.hold[i] = hold[i]
+    for i in range(memory.size):
+        data.memory[i] = memory[i]
 
 
-def differences(t, y, p, reference, hold):
+def differences(t, y, p, reference, memory):
     """df/dy by forward differences, one column a state."""
     c, out, moved = np.zeros(CHANNELS), np.zeros(OUTPUTS), y.copy()
     base, dy, columns = np.zeros(STATES), np.zeros(STATES), np.zeros((STATES, STATES))
-    equations(t, moved, base, p, c, reference, hold, out)
+    equations(t, moved, base, p, c, reference, memory, out)
     for j in range(STATES):
         moved[j] += 1e-7 * max(abs(y[j]), steps[j])
-        equations(t, moved, dy, p, c, reference, hold, out)
+        equations(t, moved, dy, p, c, reference, memory, out)
         columns[:, j] = (dy - base) / (moved[j] - y[j])
         moved[j] = y[j]
     return columns
 
 
-def tick(t, y, p, reference, hold):
-    """One tick of the sampled controller, upon `hold`."""
+def tick(t, y, p, reference, memory):
+    """One tick of the sampled controller, upon `memory`."""
     y = np.ascontiguousarray(y)
-    sample(t, y, np.zeros(STATES), p, np.zeros(CHANNELS), reference, hold, np.zeros(OUTPUTS))
+    sample(t, y, np.zeros(STATES), p, np.zeros(CHANNELS), reference, memory, np.zeros(OUTPUTS))
 
 
 def steps_on(given, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
-    """Take steps, see rodas/step.py. given: parameters, reference, hold."""
+    """Take steps, see rodas/step.py. given: parameters, reference, memory."""
     room = np.zeros(1, WORKSPACE)
     return step_on(room, given, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
 
@@ -102,7 +103,7 @@ def look_up(times, ends, pieces, rows):
 
 def grasps(
     vectors, starts, reference, bounds, periods, times, columns, needed,
-    rtol, atol, stop, alike, rows, holds, kept, counts,
+    rtol, atol, stop, alike, rows, memories, kept, counts,
 ):  # fmt: skip
     """Run one grasp for each row of `vectors` (m, parameters), from `starts` (m, states).
 
@@ -112,7 +113,7 @@ def grasps(
 
     bounds (b,) [s]: ends of the smooth parts, the last one that of the grasp; periods (m,) [s]
     of the sampled controller, 0 for the continuous one. Samples at `times` (n,) go into `rows`
-    (n, states) and `holds` (n, held numbers), which the next grasp overwrites, and the `columns`
+    (n, states) and `memories` (n, kept numbers), which the next grasp overwrites, and the `columns`
     (w,) among outputs, then states, into `kept` (m, w, n), outputs by the statements that are
     `needed` (see output_slice.py). counts (m, 6): evaluations, Jacobians,
     factorings, rejected steps, failure or 0, samples before it. Ends early where stop[0].
@@ -133,28 +134,28 @@ def grasps(
                 seen = np.ones((int(age / periods[k]) + 2, 1)) * starts[k]
         reached = grasp(
             room, starts[k], vectors[k], reference, bounds, periods[k], times, seen,
-            rtol, atol, stop, way, rows, holds, own,
+            rtol, atol, stop, way, rows, memories, own,
         )  # fmt: skip
         counts[k, 5] = finite(rows, reached)
         if counts[k, 5] < reached:
             counts[k, 4] = NOT_FINITE
             path[0] = path[0] if k > 0 else 0.0
         asked, filled = (columns, needed), counts[k, 5]
-        keep(vectors[k], reference, times, asked, rows, holds, outputs, kept[k], filled)
+        keep(vectors[k], reference, times, asked, rows, memories, outputs, kept[k], filled)
 
 
 def reading_age(room, y, p, reference):
     """How old the readings of the firmware's first tick are [s]."""
     data = room[0]
     data.everything[:] = 0.0
-    prepare(data, p, reference, data.hold[:0])
-    sample(0.0, y, data.dy, data.p, data.c, reference, data.hold, data.out)
-    return data.hold[9]
+    prepare(data, p, reference, data.memory[:0])
+    sample(0.0, y, data.dy, data.p, data.c, reference, data.memory, data.out)
+    return data.memory[READING_AGE]
 
 
 def grasp(
     room, y, p, reference, bounds, period, times, seen,
-    rtol, atol, stop, path, rows, holds, counts,
+    rtol, atol, stop, path, rows, memories, counts,
 ):  # fmt: skip
     """Smooth part after smooth part, or tick after tick; returns how many samples were reached.
 
@@ -164,8 +165,8 @@ def grasp(
     """
     data = room[0]
     data.everything[:] = 0.0
-    prepare(data, p, reference, data.hold[:0])
-    hold, ends, clock, ahead = data.hold, data.ends, data.clock, data.ahead
+    prepare(data, p, reference, data.memory[:0])
+    memory, ends, clock, ahead = data.memory, data.ends, data.clock, data.ahead
     work = shaped(pointer(data.work), (WORK, unknown(STATES)))
     pieces = shaped(pointer(data.pieces), (RUN + 1, 3, unknown(STATES)))
     last, end, filled = bounds[bounds.size - 1], 0.0, 0
@@ -178,8 +179,8 @@ def grasp(
         if period > 0.0:
             goal, ahead[0] = ahead[:], end
             clock[0], clock[1], clock[2] = start, end - start, end
-            then = seen[part % seen.shape[0]] if hold[9] > 0.0 else y
-            sample(start, then, data.dy, data.p, data.c, reference, hold, data.out)
+            then = seen[part % seen.shape[0]] if memory[READING_AGE] > 0.0 else y
+            sample(start, then, data.dy, data.p, data.c, reference, memory, data.out)
         while clock[0] != end:
             if follow:
                 goal = ahead[:]
@@ -190,21 +191,21 @@ def grasp(
             taken = advance(data, y, rtol, atol, clock, counts, goal, ends, pieces, work)
             if not follow:
                 place = noted(ends, taken, path, place)
-            if hold[9] > 0.0:
-                read_ahead(hold[9], period, ends[: taken + 1], pieces, data.turn, seen)
-            before = ends[taken] if period == 0.0 else ends[taken] * (1.0 - 1e-12)
-            filled = take_samples(times, filled, before, ends, taken, pieces, rows, holds, hold)
+            if memory[READING_AGE] > 0.0:
+                read_ahead(memory[READING_AGE], period, ends[: taken + 1], pieces, data.turn, seen)
+            until = ends[taken] if period == 0.0 else ends[taken] * (1.0 - 1e-12)
+            filled = take_samples(times, filled, until, ends, taken, pieces, rows, memories, memory)
             judge(counts, path, follow)
             if counts[4] != 0 or stop[0]:
                 return filled
     for row in range(filled, times.size):
         copy_to(rows[row], y)
-        copy_to(holds[row], hold)
+        copy_to(memories[row], memory)
     path[0] = place if place < path.size else 0.0
     return times.size
 
 
-def take_samples(times, first, before, ends, taken, pieces, rows, holds, hold):
+def take_samples(times, first, before, ends, taken, pieces, rows, memories, memory):
     """Sample the dense output of `taken` steps from sample `first` up to the time `before`.
 
     Returns how many samples there are now.
@@ -214,7 +215,7 @@ def take_samples(times, first, before, ends, taken, pieces, rows, holds, hold):
         filled += 1
     sample_pieces(times[first:filled], ends[: taken + 1], pieces, rows[first:filled])
     for row in range(first, filled):
-        copy_to(holds[row], hold)
+        copy_to(memories[row], memory)
     return filled
 
 
@@ -259,11 +260,11 @@ def finite(rows, filled):
     return filled
 
 
-def keep(p, reference, times, asked, rows, holds, outputs, kept, filled):
+def keep(p, reference, times, asked, rows, memories, outputs, kept, filled):
     """Fill `kept` (w, n) with what was asked for."""
     columns, needed = asked
     if outputs.size > 0:
-        fill_outputs(times[:filled], rows, p, reference, holds, needed, outputs)
+        fill_outputs(times[:filled], rows, p, reference, memories, needed, outputs)
     for w in range(columns.size):
         column = columns[w]
         for row in range(filled):

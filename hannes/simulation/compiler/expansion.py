@@ -1,4 +1,4 @@
-"""Slots and effects filled into the text of written equations.
+"""Slots and effects expanded into the text of written equations.
 
 Names of slots become subscripts of plain arrays. In place of each statement
 `a, b = effects(a, b)` stand the calls of the effects that add to these channels.
@@ -58,7 +58,7 @@ class Layouts:
         }  # fmt: skip
         return {"steps": f"np.array({steps})", **{name: str(n) for name, n in counts.items()}}
 
-    def fill(self, source: str) -> str:
+    def expanded(self, source: str) -> str:
         """Return the source with the calls of effects in place and slots as subscripts."""
         lines: list[str] = []
         for line in source.splitlines():
@@ -159,14 +159,14 @@ def without_outputs(text: str) -> str:
 def output_read_back(source: str) -> str:
     """Name of an output that equations in `source` read, or nothing."""
     tree = ast.parse(source)
-    filled = {
+    targets = {
         id(node.value)
         for node in ast.walk(tree)
         if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store)
     }
     for node in ast.walk(tree):
         match node:
-            case ast.Attribute(ast.Name("out"), name, ast.Load()) if id(node) not in filled:
+            case ast.Attribute(ast.Name("out"), name, ast.Load()) if id(node) not in targets:
                 return name
     return ""
 

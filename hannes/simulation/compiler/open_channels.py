@@ -11,7 +11,7 @@ from hannes.core.parameter import Parameter
 from hannes.simulation.compiler.assemble import Equations
 
 _SIZE = Parameter("size", 0.0, "1", (0.0, 1.0), "of what is added", off=0.0)
-_ARRAYS = {"t", "y", "dy", "p", "c", "reference", "hold", "out"}  # that stages hand each other
+_ARRAYS = {"t", "y", "dy", "p", "c", "reference", "memory", "out"}  # that stages hand each other
 
 
 @dataclass(frozen=True)
@@ -60,12 +60,12 @@ def _bound(equations: Equations, stage: str) -> list[str]:
 
 
 def _readable(equations: Equations, name: str, channel: str) -> bool:
-    kernel = _taking(name)
+    kernel = _kernel_reading(name)
     term = Term(kernel, (channel,))
     return not equations.accepts(Effect("probe", "", "", "", (_SIZE,), (term,)))
 
 
-def _taking(name: str) -> Callable[..., float]:
+def _kernel_reading(name: str) -> Callable[..., float]:
     """A kernel that takes the effect's size and one quantity."""
 
     def kernel(*given: float) -> float:

@@ -12,18 +12,18 @@ STATES, CHANNELS, OUTPUTS, STATEMENTS = 1, 1, 1, 1
 equations: Any = None
 
 
-def observe(times, states, p, reference, holds):
+def observe(times, states, p, reference, memories):
     """Outputs at `states` (n, states), shape (n, outputs)."""
-    states, holds = np.ascontiguousarray(states), np.ascontiguousarray(holds)
+    states, memories = np.ascontiguousarray(states), np.ascontiguousarray(memories)
     rows = np.zeros((times.size, OUTPUTS))
-    fill_outputs(times, states, p, reference, holds, np.ones(STATEMENTS, np.bool_), rows)
+    fill_outputs(times, states, p, reference, memories, np.ones(STATEMENTS, np.bool_), rows)
     return rows
 
 
-def fill_outputs(times, states, p, reference, holds, needed, rows):
+def fill_outputs(times, states, p, reference, memories, needed, rows):
     """The same into the first rows of `rows`, by statements that are `needed` (output_slice.py)."""
     dy, c = np.zeros(STATES), np.zeros(CHANNELS)
     for k in range(times.size):
         for i in range(OUTPUTS):
             rows[k, i] = 0.0
-        equations(times[k], states[k], dy, p, c, reference, holds[k], rows[k], needed)
+        equations(times[k], states[k], dy, p, c, reference, memories[k], rows[k], needed)

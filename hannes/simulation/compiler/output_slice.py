@@ -15,7 +15,7 @@ import numpy as np
 from hannes.core.layout import Layout
 
 _ARRAYS = ("c", "dy", "out")
-_GIVEN = {"t", "y", "p", "reference", "hold"}
+_GIVEN = {"t", "y", "p", "reference", "memory"}
 _READING = {"sum", "max", "min", "mean", "size"}  # of an array
 _ANY = "*"
 Place = tuple[str, str]  # array and start of a slot, or nothing and a local name
@@ -39,7 +39,7 @@ class ProgramSlice:
 
     @staticmethod
     def of(text: str, outputs: Layout) -> "ProgramSlice":
-        """Read the filled text of all stages."""
+        """Read the expanded text of all stages."""
         found = _touched(text)
         return ProgramSlice(() if _odd(found) else tuple(found), outputs)
 

@@ -15,7 +15,7 @@ RUN = 16  # steps whose dense output is kept until it is sampled
 _COMMON = {
     "reference": "(3,)",  # address, then shape of its array
     "p": "(PARAMETERS,)",
-    "hold": "(MEMORY,)",
+    "memory": "(MEMORY,)",
     "c": "(CHANNELS,)",
     "out": "(OUTPUTS,)",
     "dy": "(STATES,)",

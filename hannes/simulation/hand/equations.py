@@ -14,6 +14,18 @@ from hannes.contact.penalty import normal_law, sensed, tangential_law
 from hannes.contact.section import contact_place, signed_distance
 from hannes.control.drive import drive_voltage
 from hannes.control.encoder import quantised
+from hannes.control.firmware_memory import (
+    CURRENT_INTEGRAL,
+    CURRENT_REFERENCE,
+    DUTY,
+    FILTERED_SPEED,
+    LAST_ANGLE,
+    LAST_CURRENT,
+    POSITION_INTEGRAL,
+    PROBED_CURRENT,
+    PROBED_SHAFT,
+    READING_AGE,
+)
 from hannes.control.pid import integral_rate, pid, saturated
 from hannes.control.reference import interpolate
 from hannes.control.sensor_noise import gaussian
@@ -27,13 +39,13 @@ from hannes.dynamics.motor import current_rate, speed_rate
 from hannes.dynamics.wires import follower_stretch, leader_stretch, tension
 
 
-def equations(t, y, dy, p, c, reference, hold, out):
+def equations(t, y, dy, p, c, reference, memory, out):
     """Fill dy with the rates of all states."""
     for i in range(dy.size):
         dy[i] = 0.0  # of effects in a stage that is left out
     target = position_reference(t, y, dy, p, c, reference, out)
-    position, current = sense(t, y, dy, p, c, hold, out)
-    duty = control(t, y, dy, p, c, hold, target, position, current, out)
+    position, current = sense(t, y, dy, p, c, memory, out)
+    duty = control(t, y, dy, p, c, memory, target, position, current, out)
     torque_constant = drive(t, y, dy, p, c, duty, out)
     kinematics(y, p, c)
     load = leader(t, y, dy, p, c, out)
@@ -61,10 +73,10 @@ def probe(t, y, dy, p, c, out):
     return shaft_position, sensed_current
 
 
-def sense(t, y, dy, p, c, hold, out):
+def sense(t, y, dy, p, c, memory, out):
     """What the controller sees: encoder [rad, output shaft] and current sensor [A]."""
     shaft_position, sensed_current = probe(t, y, dy, p, c, out)
-    held_position, held_current = hold[7], hold[8]
+    held_position, held_current = memory[PROBED_SHAFT], memory[PROBED_CURRENT]
     delayed_position, delayed_current = shaft_position, sensed_current
     delayed_position, delayed_current = effects(delayed_position, delayed_current)
     measured_position, measured_current = delayed_position, delayed_current
@@ -77,14 +89,14 @@ def sense(t, y, dy, p, c, hold, out):
     return measured_position, measured_current
 
 
-def control(t, y, dy, p, c, hold, target, position, current, out):
+def control(t, y, dy, p, c, memory, target, position, current, out):
     """Two nested PIDs: position -> current reference -> duty; firmware holds its last duty."""
     dy.position_integral, dy.position_lag = 0.0, 0.0
     dy.current_integral, dy.current_lag = 0.0, 0.0
     if p.controller_sampled > 0.5:
-        out.duty = hold[0]
-        out.current_reference = hold[6]
-        return hold[0]
+        out.duty = memory[DUTY]
+        out.current_reference = memory[CURRENT_REFERENCE]
+        return memory[DUTY]
     angle = position * p.gear_ratio
     speed = (angle - y.position_lag) / p.position_pid_filter
     error = target * p.gear_ratio - angle
@@ -111,39 +123,49 @@ def control(t, y, dy, p, c, hold, target, position, current, out):
     return given / p.supply_voltage
 
 
-def sample(t, y, dy, p, c, reference, hold, out):
+def sample(t, y, dy, p, c, reference, memory, out):
     """One tick of the firmware: read, filter, two PIDs, and hold the duty until the next.
 
-    hold: duty, both integrals, filtered speed, last angle and current, current reference; shaft
-    and current as they were probed, and how old the next tick's will be [s]. `y` is of then.
+    `memory` is what it keeps from tick to tick (firmware_memory.py). The state `y` is of the moment
+    of its readings: as old as the tick before left in `memory`.
     """
     target = position_reference(t, y, dy, p, c, reference, out)
     reading_age = 0.0
     reading_age = effects(reading_age)
-    hold[9] = reading_age
-    hold[7], hold[8] = probe(t, y, dy, p, c, out)
-    position, current = sense(t, y, dy, p, c, hold, out)
+    memory[READING_AGE] = reading_age
+    memory[PROBED_SHAFT], memory[PROBED_CURRENT] = probe(t, y, dy, p, c, out)
+    position, current = sense(t, y, dy, p, c, memory, out)
     angle = quantised(position, p.encoder_bits) * p.gear_ratio
     period = p.controller_period
     if p.controller_current_step > 0.0:
         current = p.controller_current_step * round(current / p.controller_current_step)
-    hold[3] += p.controller_speed_weight * ((angle - hold[4]) / period - hold[3])
-    rise = (current - hold[5]) / period
+    memory[FILTERED_SPEED] += p.controller_speed_weight * (
+        (angle - memory[LAST_ANGLE]) / period - memory[FILTERED_SPEED]
+    )
+    rise = (current - memory[LAST_CURRENT]) / period
     error = target * p.gear_ratio - angle
-    wanted = pid(error, hold[1], hold[3], p.position_pid_proportional, p.position_pid_derivative)
+    wanted = pid(
+        error,
+        memory[POSITION_INTEGRAL],
+        memory[FILTERED_SPEED],
+        p.position_pid_proportional,
+        p.position_pid_derivative,
+    )
     asked = min(max(wanted, -p.position_pid_limit), p.position_pid_limit)
-    hold[1] += period * integral_rate(
+    memory[POSITION_INTEGRAL] += period * integral_rate(
         error, wanted, asked, p.position_pid_proportional, p.position_pid_integral
     )
     error = asked - current
-    wanted = pid(error, hold[2], rise, p.current_pid_proportional, p.current_pid_derivative)
+    wanted = pid(
+        error, memory[CURRENT_INTEGRAL], rise, p.current_pid_proportional, p.current_pid_derivative
+    )
     given = min(max(wanted, -p.supply_voltage), p.supply_voltage)
-    hold[2] += period * integral_rate(
+    memory[CURRENT_INTEGRAL] += period * integral_rate(
         error, wanted, given, p.current_pid_proportional, p.current_pid_integral
     )
-    hold[4], hold[5] = angle, current
-    hold[6] = asked
-    hold[0] = given / p.supply_voltage
+    memory[LAST_ANGLE], memory[LAST_CURRENT] = angle, current
+    memory[CURRENT_REFERENCE] = asked
+    memory[DUTY] = given / p.supply_voltage
 
 
 def drive(t, y, dy, p, c, duty, out):

@@ -16,7 +16,7 @@ from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.model import EQUATIONS
 from hannes.simulation.hand.variables import LANES
 
-# What the object's sections hang on.
+# What the object's sections depend on.
 _POSE = ("turn", "tilt_x", "tilt_y")
 _CUT = {f"object.{name}" for name in ("radius", "half_x", "half_y", "z", *_POSE)} | {
     f"{finger}.{name}" for finger in FINGERS for name in ("mount_z", "radius")
@@ -105,7 +105,7 @@ class Hand:
     ) -> np.ndarray:
         """Pack `count` vectors that differ in `columns` (full name -> (count,)), one a row.
 
-        A column is copied to its places at once, but where the object's sections hang on it.
+        A column is copied to its places at once, but where the object's sections depend on it.
         """
         if _CUT & columns.keys():
             rows = zip(*columns.values(), strict=True)

@@ -156,7 +156,7 @@ CHANNELS = (
         penetration_rate | m/s | into the object
         normal_force     | N | of the object on the phalanx
         drag             | N | of the object along the phalanx, against its slip
-        held_drag        | N | part of it that does not hang on the slip's speed alone
+        held_drag        | N | part of it that does not depend on the slip's speed alone
         place            | m | of the contact along the phalanx, from its joint
         normal_x         | 1 | out of the object, in the finger's plane
         normal_y         | 1 | out of the object, in the finger's plane

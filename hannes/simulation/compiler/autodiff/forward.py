@@ -1,7 +1,7 @@
 """A function followed statement by statement, with the lines for its derivatives.
 
 It is followed as it would run, functions that it calls and loops of known length written out; for
-every number it computes, lines compute its derivative by each of the inputs that it hangs on, and
+every number it computes, lines compute its derivative by each of the inputs that it depends on, and
 by no other. What the rules do not know (a search, a loop that ends by what it finds) is
 differenced: that one call, not what stands around it.
 """

@@ -36,7 +36,7 @@ _SMOOTH = {
     "exp_minus_one": ("exp_minus_one", "1.0 + {v}"),
     "soft_sign": ("soft_sign", "1.0 - {v} * {v}"),
 }
-# By these names derived text calls them.
+# By these names generated text calls them.
 LANES = {"exp_minus_one": exp_minus_one, "soft_sign": soft_sign}
 
 _STEPS = {"floor": "math.floor", "ceil": "math.ceil", "round": "round", "int": "int"}
@@ -151,11 +151,12 @@ class Arithmetic:
         x, y = self.named(a.text), self.named(b.text)
         sign = (">" if name == "max" else "<") + ("" if b.derivatives else "=")
         first = self.named(f"{x} {sign} {y}")
+        ours, theirs = a.derivatives, b.derivatives
         derivatives = {
             column: self.named(
-                f"{a.derivatives.get(column, '0.0')} if {first} else {b.derivatives.get(column, '0.0')}"
+                f"{ours.get(column, '0.0')} if {first} else {theirs.get(column, '0.0')}"
             )
-            for column in {**a.derivatives, **b.derivatives}
+            for column in {**ours, **theirs}
         }
         return Value(f"{name}({x}, {y})", derivatives)
 

@@ -7,12 +7,12 @@ takes up, and its rate:
 
     dx_f/dt = F_f x_f + a_f T_f + C_f border,    (T, dborder/dt) = Z (border, l, dl/dt)
 
-The border's blocks are differentiated from its stages' text (drivetrain_block.py), the fingers' come in
-closed form (finger_blocks.py), or, where effects are in their stages that have none, from
+The border's blocks are differentiated from its stages' text (drivetrain_block.py). The fingers'
+come in closed form (finger_blocks.py), or, where effects are in their stages that have none, from
 differences of one state at a time with what they receive held (finger_differences.py). sparsity.py
 decides which of the two, which states an effect adds to a finger or to the border, what it reads,
-and when this shape does not hold. Arrays over fingers have the finger last, so that the five are worked
-on at once.
+and when this shape does not hold. Arrays over fingers have the finger last, so that the five are
+worked on at once.
 """
 
 from typing import Any
@@ -60,12 +60,12 @@ FIELDS = {
 def slope(t, y, dy, data):
     """Fill dy with f(t, y)."""
     reference = numbers_at(data.reference[0], (data.reference[1], data.reference[2]))
-    equations(t, y, dy, data.p, data.c, reference, data.hold, data.out)
+    equations(t, y, dy, data.p, data.c, reference, data.memory, data.out)
 
 
 def linearise(t, y, rates, drift, data):
     """Fill the blocks of df/dy, and df/dt; `rates` = f(t, y) was the last evaluation."""
-    hold, out, dy = data.hold, data.out, shaped(pointer(data.dy), (unknown(STATES),))
+    memory, out, dy = data.memory, data.out, shaped(pointer(data.dy), (unknown(STATES),))
     c = shaped(pointer(data.c), (CHANNELS,))
     reference = numbers_at(data.reference[0], (data.reference[1], data.reference[2]))
     tensions = data.tensions
@@ -74,13 +74,13 @@ def linearise(t, y, rates, drift, data):
     copy_to(moved, y)
     copy_to(tensions, c.tendon_tension)
     finger_columns(t, y, moved, rates, dy, p, c, out, tensions, data.blocks)
-    border_columns(t, y, rates, dy, drift, p, c, reference, hold, out, data.border)
+    border_columns(t, y, rates, dy, drift, p, c, reference, memory, out, data.border)
 
 
-def difference_time(t, y, rates, dy, drift, p, c, reference, hold, out):
+def difference_time(t, y, rates, dy, drift, p, c, reference, memory, out):
     """Fill df/dt where more than the border's rates changes with time."""
     later = t + 1e-7 * max(1.0, abs(t))
-    equations(later, y, dy, p, c, reference, hold, out)
+    equations(later, y, dy, p, c, reference, memory, out)
     for i in range(y.size):
         drift[i] = (dy[i] - rates[i]) / (later - t)
 

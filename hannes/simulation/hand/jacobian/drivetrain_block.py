@@ -23,10 +23,10 @@ from hannes.simulation.compiler.autodiff.forward import Differentiation
 from hannes.simulation.compiler.autodiff.values import Array, Value, Written
 
 STAGES = """
-def border(t, y, dy, p, c, reference, hold, out):
+def border(t, y, dy, p, c, reference, memory, out):
     target = position_reference(t, y, dy, p, c, reference, out)
-    position, current = sense(t, y, dy, p, c, hold, out)
-    duty = control(t, y, dy, p, c, hold, target, position, current, out)
+    position, current = sense(t, y, dy, p, c, memory, out)
+    duty = control(t, y, dy, p, c, memory, target, position, current, out)
     torque_constant = drive(t, y, dy, p, c, duty, out)
     load = leader(t, y, dy, p, c, out)
     gear(t, y, dy, p, c, torque_constant, load, out)
@@ -75,9 +75,9 @@ def differentiated(
     ]
     rates = zip(border, rows[FINGERS:], strict=True)
     lines += [f"drift[{at}] = {row[TIME]}" for at, row in rates if TIME in row and not timed]
-    lines += ["difference_time(t, y, rates, dy, drift, p, c, reference, hold, out)"] * timed
+    lines += ["difference_time(t, y, rates, dy, drift, p, c, reference, memory, out)"] * timed
     head = [
-        "def border_columns(t, y, rates, dy, drift, p, c, reference, hold, out, border):",
+        "def border_columns(t, y, rates, dy, drift, p, c, reference, memory, out, border):",
         '    """Fill `border` and `drift`, df/dt; see workspace in arrowhead.py."""',
         "    drift[:] = 0.0",
         "    excursions(y, p, c)",
@@ -102,6 +102,6 @@ def _run(
         for f in range(FINGERS):
             place, column = channels[name].start + f, len(border) + FINGERS * kind + f
             found.store["c", place] = Value(f"c[{place}]", {column: "1.0"})
-    arrays = ("y", "dy", "p", "c", "reference", "hold", "out")
+    arrays = ("y", "dy", "p", "c", "reference", "memory", "out")
     found.run("border", [Value(TIME, {TIME: "1.0"}), *map(Array, arrays)])
     return found

@@ -106,7 +106,7 @@ def text(
         ),
         "    return moves",
     )
-    return layouts.fill("\n".join(parts))
+    return layouts.expanded("\n".join(parts))
 
 
 def _loop(count: int, lines: Sequence[str]) -> list[str]:

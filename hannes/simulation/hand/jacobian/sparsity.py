@@ -32,7 +32,7 @@ PER_FINGER = {"joint": 2, "phalanx": 2, "finger": 1}
 _LOGGED = ("logged_force", "logged_sensor")
 _SHARED = {"joint_torque", *_LOGGED}  # by both joints of a finger
 _TAKEN_UP = ("excursion", "excursion_rate")
-_WHOLE = ("y", "dy", "c", "out", "reference", "hold")
+_WHOLE = ("y", "dy", "c", "out", "reference", "memory")
 _OF_CART = ("leader_pull", "cart_friction", "follower_slip", "follower_loss")
 _FROM_WIRES = (*_OF_CART, "tendon_tension")
 
