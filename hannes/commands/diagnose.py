@@ -11,6 +11,7 @@ from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.campaigns.segments import split_campaign
 from hannes.campaigns.warnings import campaign_warnings
+from hannes.core import former_names
 from hannes.core.by_value import ByValue
 from hannes.core.io import atomic_files
 from hannes.core.io.outputs import reserved
@@ -31,6 +32,7 @@ from hannes.plants.plant_file import plant_toml
 from hannes.plants.protocol import Plant
 
 
+@former_names.attributes({"floors": "noise_floors", "deep": "details"})
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis(ByValue):
     """The verdict, the plant with what was found, and everything needed to draw it.

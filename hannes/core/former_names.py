@@ -1,4 +1,4 @@
-"""Modules that users' files imported before hannes was sorted into packages, for one release.
+"""Former names of modules, channels and attributes that users' files have, for one release.
 
 `from hannes.effect import Effect` still works: it loads the module of today, and warns.
 """
@@ -6,9 +6,12 @@
 import importlib
 import sys
 import warnings
+from collections.abc import Callable, Mapping
 from importlib.machinery import ModuleSpec
 from types import ModuleType
-from typing import Any, cast
+from typing import Any, TypeVar, cast
+
+AnyClass = TypeVar("AnyClass", bound=type)
 
 # Name within hannes before -> today.
 MOVED = {
@@ -98,6 +101,29 @@ def channel(name: str) -> str:
         advice = f"the channel {name} goes with the next release: write {CHANNELS[name]}"
         warnings.warn(advice, MovedWarning, 2)
     return CHANNELS.get(name, name)
+
+
+def attributes(names: Mapping[str, str]) -> Callable[[AnyClass], AnyClass]:
+    """Decorate a class so that former names of its attributes can be read, with a warning.
+
+    names: former name -> that of today
+    """
+
+    def with_former(owner: AnyClass) -> AnyClass:
+        for former, today in names.items():
+            setattr(owner, former, _former(owner.__name__, former, today))
+        return owner
+
+    return with_former
+
+
+def _former(owner: str, former: str, today: str) -> property:
+    def read(instance: Any) -> Any:
+        advice = f"{owner}.{former} goes with the next release: write {today}"
+        warnings.warn(advice, MovedWarning, 2)
+        return getattr(instance, today)
+
+    return property(read, doc=f"Former name of `{today}`.")
 
 
 def install() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from hannes.core import former_names
 from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, ComputationFailed, nearest
@@ -52,6 +53,7 @@ def failed(title: str, outcome: Outcome, message: str, time: np.ndarray) -> Comp
     )
 
 
+@former_names.attributes({"holds": "memories"})
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(ByValue):
     """States at the sample times, shape (n, states); outputs are computed when asked for.

@@ -6,17 +6,23 @@ import runpy
 import subprocess
 import sys
 import warnings
+from dataclasses import fields
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import hannes
+from hannes.commands.diagnose import Diagnosis
 from hannes.core import former_names
 from hannes.core.effect import Term
 from hannes.core.former_names import MOVED, MovedWarning
+from hannes.identification.calibration.identifiability import Answer
+from hannes.identification.calibration.result import Fit
 from hannes.plants.protocol import find_plant
 from hannes.simulation.catalogue import effect
+from hannes.simulation.trajectory import Trajectory
 
 PACKAGE = Path(hannes.__file__).parent
 SHOWN = """
@@ -188,3 +194,20 @@ def test_an_effect_on_a_channel_by_its_former_name_adds_to_the_present_one():
     with pytest.warns(MovedWarning, match="write logged_force"):
         term = Term(shifted, writes=("told_force",))
         assert term.writes == ("logged_force",) and term.arguments == ("logged_force", "size")
+
+
+@pytest.mark.parametrize(
+    ("owner", "former", "today"),
+    [
+        (Diagnosis, "floors", "noise_floors"),
+        (Diagnosis, "deep", "details"),
+        (Fit, "remains", "repeatable_residual"),
+        (Fit, "findings", "data_issues"),
+        (Answer, "given", "nominal"),
+        (Trajectory, "holds", "memories"),
+    ],
+)
+def test_former_attributes_are_read_with_a_warning(owner, former, today):
+    assert today in {each.name for each in fields(owner)}
+    with pytest.warns(MovedWarning, match=f"{owner.__name__}.{former} .* write {today}$"):
+        assert getattr(owner, former).fget(SimpleNamespace(**{today: 7})) == 7

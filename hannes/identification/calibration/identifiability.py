@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hannes.core import former_names
 from hannes.identification.calibration.intervals import Spread
 from hannes.identification.calibration.linearisation import State
 from hannes.identification.calibration.tuning import CALIBRATION
@@ -14,6 +15,7 @@ IDENTIFIED, AT_BOUND = "identified", "at its bound"
 NOT_IDENTIFIED, CONFOUNDED = "not identified", "confounded"
 
 
+@former_names.attributes({"given": "nominal"})
 @dataclass(frozen=True)
 class Answer:
     """One parameter after a calibration; SI, `low` and `high` bound its 95 % interval.

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from hannes.campaigns.campaign import Campaign
+from hannes.core import former_names
 from hannes.core.by_value import ByValue
 from hannes.core.io.provenance import versions
 from hannes.identification.calibration.data_check import DataIssues
@@ -29,6 +30,7 @@ _MILLI = re.compile(
 )  # units in which a small value is printed in thousandths
 
 
+@former_names.attributes({"remains": "repeatable_residual", "findings": "data_issues"})
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(ByValue):
     """Everything that a calibration found; `calibrate` adds the campaign's view of it.
