@@ -29,7 +29,7 @@ run: env  ## the paper's experiments and a first diagnosis: pages in results/
 	$(bin)/hannes dataset large --out results/large.h5
 	$(bin)/hannes train results/large.h5 --out results/large-model.h5
 	$(bin)/hannes evaluate results/large-model.h5 results/ten-objects/evaluation.toml --out results/rigid-or-soft \
-	    --learning-curve results/large.h5
+	    --learning-curve results/large.h5 --baselines results/large.h5
 	$(bin)/hannes reproduce --out results/reproduce --slack results/hidden-slack --taut results/no-slack \
 	    --recognition results/rigid-or-soft
 

@@ -121,7 +121,7 @@ def levels(quick: bool) -> tuple[list[Row], list[Row]]:
         for level in some
     }
     with runners(cases) as found:
-        turns(found, "many", 3 if quick else 9)
+        turns(found, "many", 3 if quick else 61)
         times = {name: float(np.median(each.took["many"])) for name, each in found.items()}
         digests = {each.digest["many"] for each in found.values()}
     least = min(times.values())
@@ -141,7 +141,7 @@ def beside(base: Path, quick: bool) -> tuple[list[Row], list[Row]]:
     rows, bounds = list[Row](), list[Row]()
     with runners({"base": ({}, base), "now": ({}, ROOT)}) as found:
         for way, what in (("many", "simulate_many, rtol 0.01"), ("one", "simulate, rtol 0.001")):
-            turns(found, way, 7 if quick else 25)
+            turns(found, way, 7 if quick else 61)
             took = {name: np.array(each.took[way]) for name, each in found.items()}
             over = took["now"] / took["base"]
             row = {"value": float(np.median(over)), **interval(over.tolist())}

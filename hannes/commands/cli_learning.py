@@ -50,6 +50,7 @@ hannes evaluate model.h5 evaluation.toml
 hannes evaluate model.h5 grasp.h5                  rigid or soft, how stiff, how hard
 hannes evaluate model.h5 evaluation.toml --out results/evaluation --json
 hannes evaluate model.h5 evaluation.toml --learning-curve results/large.h5
+hannes evaluate model.h5 evaluation.toml --baselines results/large.h5
 
 evaluation.toml, whose recordings have the force, by which contact and release are found:
   title = "My objects"
@@ -109,13 +110,16 @@ def _add_models(command: Callable[..., argparse.ArgumentParser]) -> None:
     evaluate = command("evaluate", _evaluate, "score a model on recordings, or apply it to one")
     evaluate.add_argument("model", help="a model made by `hannes train`")
     evaluate.add_argument("recordings", help="an evaluation.toml, or one recording")
-    evaluate.add_argument(
-        "--out", metavar="FOLDER", help="folder that evaluation.json is written to"
-    )
+    evaluate.add_argument("--out", metavar="FOLDER", help="folder for the page and evaluation.json")
     evaluate.add_argument(
         "--learning-curve",
         metavar="DATASET.h5",
         help="also score models trained on more and more of these grasps (about a minute)",
+    )
+    evaluate.add_argument(
+        "--baselines",
+        metavar="DATASET.h5",
+        help="also score a look-up of current, by these grasps, and an analytic estimate",
     )
     add_force(evaluate)
     add_json(evaluate)
@@ -196,6 +200,7 @@ def _train(chosen: argparse.Namespace) -> None:
 def _evaluate(chosen: argparse.Namespace) -> None:
     from pathlib import Path
 
+    from hannes.commands.evaluate import simpler_ways, write
     from hannes.core.errors import BadInput
     from hannes.core.io.inputs import noted
     from hannes.core.io.outputs import require_free, reserved
@@ -206,19 +211,20 @@ def _evaluate(chosen: argparse.Namespace) -> None:
         learning_curve,
         prediction_of,
         read_subjects,
-        write,
     )
     from hannes.recognition.train import curve
 
     targets = [chosen.out] if chosen.out else []
-    given = [each for each in (chosen.model, chosen.recordings, chosen.learning_curve) if each]
+    of_grasps = (chosen.learning_curve, chosen.baselines)
+    given = [each for each in (chosen.model, chosen.recordings, *of_grasps) if each]
     for out in targets:
         require_free("evaluate", out, given, folder=True, force=chosen.force)
     model = model_file.read(chosen.model)
     if not chosen.recordings.endswith(".toml"):
-        if chosen.out or chosen.learning_curve:
+        if chosen.out or any(of_grasps):
             raise BadInput(
-                f"{chosen.recordings}: --out and --learning-curve are for an evaluation.toml"
+                f"{chosen.recordings}: --out, --learning-curve and --baselines are for an "
+                "evaluation.toml"
             )
         result = prediction_of(model, Recording.read(chosen.recordings))
         print_json(result) if chosen.json else print(_grasp(result))
@@ -231,9 +237,16 @@ def _evaluate(chosen: argparse.Namespace) -> None:
         if chosen.learning_curve:
             models = curve(chosen.learning_curve, windowing=model.windowing)
             result["learning_curve"] = learning_curve(models, subjects)
+        if chosen.baselines:
+            result["baselines"] = simpler_ways(chosen.baselines, model, subjects)
         if chosen.out:
             write(chosen.out, result, chosen.force)
-    print_json(result) if chosen.json else print(_scores(result))
+    if chosen.json:
+        print_json(result)
+        return
+    print(_scores(result))
+    if chosen.out:
+        print(f"open {chosen.out}/report.html")
 
 
 def _grasp(result: dict[str, Any]) -> str:
@@ -261,6 +274,10 @@ def _scores(result: dict[str, Any]) -> str:
         f"{100 * result['f1_grasps']:8.1f} % {100 * result['stable_in_time']:12.0f} %"
     )
     lines += [
+        f"  {words:<27} {100 * row['f1_windows']:10.1f} % {100 * row['f1_grasps']:8.1f} %"
+        for words, row in _simpler(result)
+    ]
+    lines += [
         f"  {row['grasps']:>8} grasps trained   {100 * row['f1_windows']:10.1f} % "
         f"{100 * row['f1_grasps']:8.1f} % {100 * row['stable_in_time']:12.0f} %"
         for row in result.get("learning_curve", ())
@@ -270,6 +287,11 @@ def _scores(result: dict[str, Any]) -> str:
     error = 100 * result["reliability"]["calibration_error"]
     lines.append(f"  probabilities are off by {error:.1f} points on average")
     return "\n".join(lines)
+
+
+def _simpler(result: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    words = {"look_up": "a look-up of current", "analytic": "an analytic estimate"}
+    return [(words[name], row) for name, row in result.get("baselines", {}).items()]
 
 
 def _estimates(words: str, result: dict[str, Any]) -> str:

@@ -10,7 +10,6 @@ F1 = 2 R / (R + 1). "Don't know" is wrong. Windows are classified one by one. Th
 and the time of it, come from the running decision, which does not know the time of contact.
 """
 
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from hannes.core.errors import BadInput
-from hannes.core.io.atomic_files import atomic_folder
 from hannes.core.io.file_patterns import matching
 from hannes.core.io.toml_table import Table, read_text
 from hannes.core.recording.recording import Recording
@@ -27,6 +25,7 @@ from hannes.dataset.shard import touching
 from hannes.recognition.interval_scores import judged
 from hannes.recognition.model import RIGID, UNKNOWN, WORDS, Model, decided, plain
 from hannes.recognition.training_set import scored
+from hannes.recognition.windowing import Windowing
 
 CLASSES = WORDS[:2]
 STABLE = 0.15  # s from contact
@@ -136,12 +135,8 @@ def learning_curve(
 def _grasp(model: Model, subject: Subject, recording: Recording) -> dict[str, Any]:
     """One grasp: class of each scored window, delay of the decision, the peak force."""
     predicted, force = model.predict(recording), recording["force"]
+    inside = grasp_scope(subject, recording, model.windowing, predicted.time)
     contact, release = touching(recording.time, force)
-    if np.isnan(contact):
-        raise BadInput(f"{subject.name}: a recording in which nothing is touched")
-    inside = scored(predicted.time, model.windowing, np.array([contact]), np.array([release]))[0]
-    if not inside.any():
-        raise BadInput(f"{subject.name}: an object was held for less than one window")
     during = (predicted.time >= contact) & (predicted.time <= release)
     right = decided(predicted.running, model.sure) == subject.label
     first, _ = touching(recording.time, force, share=0.0)
@@ -157,6 +152,19 @@ def _grasp(model: Model, subject: Subject, recording: Recording) -> dict[str, An
         "peak": predicted.peak_force,
         "stiffness": predicted.stiffness,
     }
+
+
+def grasp_scope(
+    subject: Subject, recording: Recording, windowing: Windowing, times: np.ndarray
+) -> np.ndarray:
+    """Which windows (their `times` [s]) count; BadInput where none lies within the contact."""
+    contact, release = touching(recording.time, recording["force"])
+    if np.isnan(contact):
+        raise BadInput(f"{subject.name}: a recording in which nothing is touched")
+    inside = scored(times, windowing, np.array([contact]), np.array([release]))[0]
+    if not inside.any():
+        raise BadInput(f"{subject.name}: an object was held for less than one window")
+    return inside
 
 
 def delay(times: np.ndarray, right: np.ndarray, contact: float, release: float) -> float:
@@ -238,13 +246,3 @@ def prediction_of(model: Model, recording: Recording) -> dict[str, Any]:
         "stiffness": plain(predicted.stiffness, "N/m"),
         "peak_force": plain(predicted.peak_force, "N"),
     }
-
-
-def write(out: str | Path, predicted: dict[str, Any], force: bool = False) -> None:
-    """Write evaluation.json to a folder, whole or not at all.
-
-    `force`: results of another command there are replaced, too.
-    """
-    with atomic_folder(out, "evaluate", force) as folder:
-        text = json.dumps(predicted, indent=1, ensure_ascii=False, allow_nan=False)
-        (folder / "evaluation.json").write_text(text + "\n", encoding="utf-8")

@@ -406,7 +406,7 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
         'title = "two"\n[[object]]\nname = "a"\nclass = "soft"\nfile = "soft-*.h5"\n'
         '[[object]]\nname = "b"\nclass = "rigid"\nfile = "hard-*.h5"\nstiffness = "38.3 kN/m"\n'
     )
-    more = ["--out", "scores", "--learning-curve", str(data), "--json"]
+    more = ["--out", "scores", "--learning-curve", str(data), "--baselines", str(data), "--json"]
     assert main(["evaluate", "model.h5", "evaluation.toml", *more]) == 0
     prediction = json.loads(capsys.readouterr().out)
     assert prediction == json.loads(Path("scores/evaluation.json").read_text())
@@ -422,6 +422,12 @@ def test_the_commands_train_and_evaluate(data, arrays, tmp_path, capsys, monkeyp
     assert prediction["stiffness"]["grasps"] == 2  # only one object's is known
     assert [row["grasps"] for row in prediction["learning_curve"]] == [80]
     assert prediction["learning_curve"][0]["f1_grasps"] == 1.0
+    for each in prediction["baselines"].values():
+        assert [row["name"] for row in each["objects"]] == ["a", "b"]
+        assert 0.0 <= each["f1_windows"] <= 1.0
+    page = Path("scores/report.html").read_text()
+    for said in ("over 2 objects", "Look-up of current", "Learning curve", "Least well recognised"):
+        assert said in page
     assert main(["evaluate", "model.h5", "soft-2.h5"]) == 0
     assert re.match(r"soft .*\n  stiffness .* N/m .*\n  peak grip", capsys.readouterr().out)
     assert main(["evaluate", "model.h5", "evaluation.toml"]) == 0

@@ -2,10 +2,16 @@
 
 import json
 from pathlib import Path
-from statistics import fmean, stdev
 from typing import Any
 
 from hannes.core.errors import BadInput
+from hannes.report.evaluation_tables import (
+    baselines,
+    confusion,
+    estimates,
+    learning_curves,
+    of_class,
+)
 from hannes.report.formats import decimals, number
 from hannes.report.paper.checks import Row, row
 from hannes.report.paper.published import TABLE_3, TABLE_3_AVERAGE, TABLE_3_BY_CLASS
@@ -20,13 +26,6 @@ NOTE = (
     "force, and whole grasps. Features look back, so the first window ends 100 ms after contact. "
     "“Don't know” counts as wrong. The paper has real objects and a real hand. Ours are virtual, "
     "with stiffnesses chosen within published ranges: the tasks compare, the figures do not."
-)
-NO_ESTIMATE = (
-    "Grasps without an estimate, because the motor current showed no contact, count as further off "
-    "than any other, and as outside their interval."
-)
-CURVE = (
-    "Each row is a classifier of its own, trained on that many grasps; the objects are the same."
 )
 
 
@@ -59,8 +58,13 @@ def checks(evaluation: dict[str, Any]) -> list[Row]:
 def found(evaluation: dict[str, Any]) -> Finding:
     """The section of the page."""
     title, about = ABOUT["recognition"]
-    curve = [_curve(evaluation)] if "learning_curve" in evaluation else []
-    tables = (_table(evaluation), _confusion(evaluation), _estimates(evaluation), *curve)
+    tables = (
+        _table(evaluation),
+        confusion(evaluation),
+        estimates(evaluation),
+        *baselines(evaluation),
+        *learning_curves(evaluation),
+    )
     return Finding("recognition", title, about, tables=tables)
 
 
@@ -92,73 +96,6 @@ def _class_row(
     evaluation: dict[str, Any], label: str, paper: tuple[float, float]
 ) -> tuple[str, ...]:
     """Mean and standard deviation of F1 over the objects of a class."""
-    objects = [each for each in evaluation["objects"] if each["class"] == label]
-    ours = (_mean([100.0 * each[key] for each in objects]) for key in ("f1_windows", "f1_grasps"))
+    ours = (of_class(evaluation["objects"], label, key) for key in ("f1_windows", "f1_grasps"))
     published = f"{decimals(paper[0], 1)} ± {decimals(paper[1], 1)}"
     return (f"{label.capitalize()} objects, mean ± SD", label, published, *ours, "", "")
-
-
-def _mean(values: list[float]) -> str:
-    """Mean with the sample standard deviation, as the paper's; without it of one value."""
-    if len(values) < 2:
-        return decimals(values[0] if values else float("nan"), 1)
-    return f"{decimals(fmean(values), 1)} ± {decimals(stdev(values), 1)}"
-
-
-def _confusion(evaluation: dict[str, Any]) -> Table:
-    """Windows by class and prediction, and the calibration error of the probabilities."""
-    words, rows = list(next(iter(evaluation["confusion"].values()))), []
-    for true, answers in evaluation["confusion"].items():
-        whole = sum(answers.values())
-        shares = [decimals(100.0 * answers[word] / max(1, whole), 1) for word in words]
-        rows.append((true, str(whole), *shares))
-    error = decimals(100.0 * evaluation["reliability"]["calibration_error"], 1)
-    since = {
-        word: "never" if time is None else f"{number(1e3 * time, 2)} ms after contact"
-        for word, time in evaluation["stable_after_s"].items()
-    }
-    note = (
-        f"Probabilities are {error} points off on average (expected calibration error over "
-        f"tenths). Median time of the final decision: soft objects {since['soft']}, rigid ones "
-        f"{since['rigid']}; an object without contact counts as soft."
-    )
-    columns = ("Object is", "Windows", *(f"Predicted {word} [%]" for word in words))
-    return Table("confusion", "Predictions by window", columns, tuple(rows), note)
-
-
-def _estimates(evaluation: dict[str, Any]) -> Table:
-    """Peak force and stiffness: their errors, and the coverage of their intervals."""
-    named = (("force", "Peak grip force"), ("stiffness", "Stiffness"))
-    rows = tuple(
-        (
-            words,
-            f"{each['answered']} of {each['grasps']}",
-            decimals(_known(each["median_error_percent"]), 1),
-            decimals(100.0 * each["interval_holds"], 1),
-            decimals(each["interval_width"], 1),
-        )
-        for key, words in named
-        if (each := evaluation[key])["answered"]
-    )
-    columns = (
-        "From current and position alone", "Estimated grasps", "Median error [%]",
-        "Coverage of 95 % intervals [%]", "Upper end over lower, median",
-    )  # fmt: skip
-    return Table("estimates", "Peak force and stiffness", columns, rows, NO_ESTIMATE)
-
-
-def _known(value: float | None) -> float:
-    return float("nan") if value is None else value
-
-
-def _curve(evaluation: dict[str, Any]) -> Table:
-    keys = ("f1_windows", "f1_grasps", "f1_worst", "stable_in_time")
-    rows = tuple(
-        (str(each["grasps"]), *(decimals(100.0 * each[key], 1) for key in keys))
-        for each in evaluation["learning_curve"]
-    )
-    columns = (
-        "Training grasps", "F1, windows [%]", "F1, grasps [%]", "Worst object [%]",
-        "Final decision within 150 ms [%]",
-    )  # fmt: skip
-    return Table("learning", "Learning curve", columns, rows, CURVE)
