@@ -1,0 +1,1 @@
+"""Kills of every verb that writes: `python -m benchmarks.kills`."""
