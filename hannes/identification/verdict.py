@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from hannes.core.io.provenance import versions
+from hannes.identification.next_step import NEXT
 
 MOST_MOVED = 5  # parameters in the line of a terminal
 FAINT = 0.2  # squared noise floors, mean over channels: a gap that is less above one is not visible
@@ -68,10 +69,28 @@ class Verdict:
         logged = f", with {also} logged" if also else ""
         return f"Record next: {self.next_run['experiment']}{logged}; {self.next_run['why']}."
 
+    @property
+    def disagreement(self) -> str:
+        """Where the refitted baseline disagrees most, in one sentence; empty where it does not."""
+        if not self.where or self.where[0]["times_floor"] <= 1.0:
+            return ""
+        worst = self.where[0]
+        return (
+            f"Without any new effect it disagrees most in {worst['channel']}, {worst['phase']}: "
+            f"{worst['times_floor']:.2g} times the noise floor."
+        )
+
+    @property
+    def next_step(self) -> str:
+        """What to do now."""
+        return f"Next: {NEXT[self.verdict]}"
+
     def summary(self) -> str:
         """Some lines for a terminal."""
         lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
         lines += [_moved_most(self)] if self.verdict == "recalibrated" and self.baseline else []
+        lines += [self.disagreement] if self.disagreement else []
+        lines.append(self.next_step)
         lines += [self.advice] if self.next_run else []
         if self.gap:
             lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")

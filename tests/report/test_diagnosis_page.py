@@ -9,8 +9,9 @@ from browser import browser, opened
 
 from hannes import Hand, Recording
 from hannes.campaigns.campaign import Campaign, Entry
+from hannes.identification.next_step import NEXT
 from hannes.identification.residuals import Traces
-from hannes.identification.verdict import Verdict
+from hannes.identification.verdict import SENTENCES, Verdict
 from hannes.plants.hand.plant import HandPlant
 from hannes.report.diagnosis import page
 from hannes.report.residual_map import residual_map
@@ -77,6 +78,8 @@ def test_page_has_in_order_what_it_is_what_it_does_where_and_who_else(diagnosis)
     text = page(diagnosis)
     marks = (
         "Leader slack, length 3.1 mm (2.9 to 3.3)",  # the sentence
+        "it disagrees most in current, closing: 6 times the noise floor",
+        "Next: Simulate with hand.toml",
         "The leader wire has come loose",
         "s_L = r_p th/N - length",
         'id="schematic"',
@@ -111,6 +114,11 @@ def test_without_an_effect_there_is_no_section_of_one(diagnosis):
     text = page(SimpleNamespace(**{**vars(diagnosis), "verdict": verdict}))
     assert 'id="effect"' not in text and 'id="schematic"' not in text
     assert "Something is missing" in text and "Where it disagreed" in text
+    assert "Next: Add no effect yet." in text
+
+
+def test_every_verdict_has_a_next_step():
+    assert NEXT.keys() == SENTENCES.keys()
 
 
 def test_the_schematic_restyles_no_other_drawing():

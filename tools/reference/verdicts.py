@@ -4,31 +4,19 @@ from dataclasses import fields
 
 from hannes.commands.edge import INTERRUPTED, PIPE_CLOSED, UNFORESEEN
 from hannes.core.errors import BadInput, ComputationFailed
+from hannes.identification.next_step import NEXT
 from hannes.identification.verdict import SENTENCES, Verdict
 from tools.reference.markdown import code, table
 
-NEXT_RUN = "record `next_run`: its `experiment`, with the channels of `also_log` too"
 MEANINGS = {
-    "named": (
-        "one effect, or two, explain what was missing",
-        "run with `hand.toml`; read the parameters' intervals",
-    ),
-    "named_with_remainder": (
-        "the same, and something else is left",
-        "the page's map says where it is left",
-    ),
-    "one_of": ("one of `effects`; these recordings do not decide which", NEXT_RUN),
-    "unknown": (
-        "something is missing, and which effect is not decidable",
-        f"{NEXT_RUN}; look at the map of the gap; write an effect of your own",
-    ),
-    "recalibrated": (
-        "refitted values explain all that is seen; what is missing, if anything, is smaller than "
-        "`smallest_detectable`",
-        "use the refitted `hand.toml`",
-    ),
-    "no_gap": ("the simulation agrees as given", ""),
-    "undecided": ("too few recordings for an answer; `reason` says what is lacking", "record it"),
+    "named": "one effect, or two, explain what was missing",
+    "named_with_remainder": "the same, and something else is left",
+    "one_of": "one of `effects`; these recordings do not decide which",
+    "unknown": "something is missing, and which effect is not decidable",
+    "recalibrated": "refitted values explain all that is seen; what is missing, if anything, is "
+    "smaller than `smallest_detectable`",
+    "no_gap": "the simulation agrees as given",
+    "undecided": "too few recordings for an answer; `reason` says what is lacking",
 }
 FIELDS = {
     "verdict": "one of the words above",
@@ -70,7 +58,7 @@ STATUSES = (
 
 def page() -> str:
     """Text of the page; a verdict, or a field, without a meaning here is an error."""
-    verdicts = [(code(each), *MEANINGS[each]) for each in SENTENCES]
+    verdicts = [(code(each), MEANINGS[each], NEXT[each]) for each in SENTENCES]
     keys = [(code(each.name), FIELDS[each.name]) for each in fields(Verdict)]
     return f"""# Verdicts and exit statuses
 
@@ -80,6 +68,9 @@ and `verdict.json`.
 ## Verdicts
 
 {table(("`verdict`", "means", "next"), verdicts)}
+
+Where `next_run` is given, it is the run to record: its `experiment`, with the channels of
+`also_log` too.
 
 ## Fields of verdict.json
 

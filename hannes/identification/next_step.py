@@ -1,0 +1,22 @@
+"""What a person does after a verdict, in one sentence each."""
+
+from collections.abc import Mapping
+
+NEXT: Mapping[str, str] = {
+    "no_gap": "Go on with the machine as it is; nothing needs to be added or refitted.",
+    "recalibrated": "Simulate with hand.toml, which has the refitted values; add no effect.",
+    "named": (
+        "Simulate with hand.toml, which has the effect at this size; look at that part of the "
+        "machine."
+    ),
+    "one_of": "Record another run that separates them; add neither before.",
+    "named_with_remainder": (
+        "Simulate with hand.toml, which has the effect at this size; then look below for where "
+        "the rest is left, for something else is missing there."
+    ),
+    "unknown": (
+        "Add no effect yet. Look below for where it disagrees, and at that part of the machine; "
+        "record other runs, or write an effect of your own."
+    ),
+    "undecided": "Record what the reason says is lacking, and diagnose again.",
+}
