@@ -3,15 +3,16 @@
 How a function is cut into calls, and how much these hand on, is LLVM's choice: it must not decide
 over the time of a grasp. 200 dynamometer grasps through `simulate_many` on one core at rtol 1e-2,
 processor time, all cases in turn. The processor that runs it is named, for ratios differ by it.
-With `HANNES_BASE=FOLDER` (a checkout with an environment of its own) its time is compared too, and
-that of `simulate` at rtol 1e-3.
+With `HANNES_BASE=FOLDER` (a checkout with an environment of its own) `beside` compares its time
+too, and that of `simulate` at rtol 1e-3; `diagnoses` that of the two diagnoses of `make run`, once
+compiled. These take about a minute each: some twenty in all, `--quick` twelve.
 """
 
 import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -22,9 +23,10 @@ from benchmarks.harness import Row, aligned, interval, main, must_show, processo
 
 ROOT = Path(__file__).parent.parent
 LEVELS = (1, 2, 3)
+PARTS = ("levels", "beside", "diagnoses")
 NAMES = ("", "znver2", "skylake-avx512", "haswell")  # of processors; the first one is this one's
 WORKER = """
-import hashlib, sys, time
+import hashlib, os, sys, time
 import numpy as np
 try:
     from hannes.core.kernels import numba_private
@@ -48,7 +50,13 @@ def one():
         ran = simulate(hand, experiment, rtol=1e-3).require()
     return hashlib.sha256(ran["current"].tobytes()).hexdigest()
 
+def diagnosed(name):
+    from hannes import diagnose
+    found = diagnose(os.path.join(os.environ["CAMPAIGNS"], name, "campaign.toml")).verdict
+    return hashlib.sha256(repr((found.verdict, found.effects)).encode()).hexdigest()
+
 ways = {"many": (many, 200), "one": (one, 40)}
+ways |= {name: (lambda name=name: diagnosed(name), 1) for name in ("hidden-slack", "no-slack")}
 for line in sys.stdin:
     run, grasps = ways[line.strip()]
     start = time.process_time()
@@ -151,15 +159,45 @@ def beside(base: Path, quick: bool) -> tuple[list[Row], list[Row]]:
     return rows, bounds
 
 
-def measure(quick: bool) -> tuple[list[Row], list[Row]]:
-    """A row for each level and processor name."""
+def diagnoses(base: Path, quick: bool) -> tuple[list[Row], list[Row]]:
+    """Times of the two diagnoses of `make run` over those of another checkout, both warm."""
+    rows, bounds = list[Row](), list[Row]()
+    with tempfile.TemporaryDirectory() as folder:
+        campaigns = {"CAMPAIGNS": folder}
+        for name, slack in (("hidden-slack", "3 mm"), ("no-slack", "none")):
+            write_campaign(Path(folder) / name, slack)
+        with runners({"base": (campaigns, base), "now": (campaigns, ROOT)}) as found:
+            for name in ("hidden-slack", "no-slack"):
+                turns(found, name, 3 if quick else 7)
+                took = {each: np.array(found[each].took[name]) for each in found}
+                over = took["now"] / took["base"]
+                row = {"value": float(np.median(over)), **interval(over.tolist())}
+                seconds = 1e-3 * float(np.median(took["now"]))
+                rows.append({"diagnosis": name, "s_of_processor": seconds, "pairs": over.size})
+                held = row["high"] < 1.05
+                bounds.append(must_show(f"diagnosis {name}, over base", 0.0, 1.05, held) | row)
+                same = found["now"].digest[name] == found["base"].digest[name]
+                bounds.append(must_show(f"diagnosis {name}: other verdicts", not same, 0, same))
+    return rows, bounds
+
+
+def write_campaign(folder: Path, slack: str) -> None:
+    """Closures of the independent truth, as `make run` makes them."""
+    made = ["--out", str(folder), "--slack", slack, "--runs", "6", "--seed", "1"]
+    command = [sys.executable, "-m", "benchmarks.truth.closures", *made]
+    subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+
+
+def measure(quick: bool, only: Sequence[str]) -> tuple[list[Row], list[Row]]:
+    """A row for each level and processor name, and for what is compared with another checkout."""
     print(f"processors: {processor()}", file=sys.stderr, flush=True)
-    rows, bounds = levels(quick)
-    if base := os.environ.get("HANNES_BASE"):
-        more, further = beside(Path(base), quick)
-        rows, bounds = rows + more, bounds + further
+    rows, bounds = levels(quick) if "levels" in only else ([], [])
+    for name, part in (("beside", beside), ("diagnoses", diagnoses)):
+        if (base := os.environ.get("HANNES_BASE")) and name in only:
+            more, further = part(Path(base), quick)
+            rows, bounds = rows + more, bounds + further
     return aligned(rows), bounds
 
 
 if __name__ == "__main__":
-    main(__doc__, "processors", measure)
+    main(__doc__, "processors", measure, PARTS)
