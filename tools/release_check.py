@@ -121,15 +121,20 @@ def installed(wheel: Path, folder: Path) -> Path:
     return folder / "bin"
 
 
-def inputs(folder: Path) -> None:
-    """Files that the README's lines take for granted: another logger's, a campaign, objects."""
+def write_log(folder: Path) -> None:
+    """A closure as another logger has it: log.csv."""
     from hannes import Hand, load_experiment, observe, simulate
 
     (shipped,) = load_experiment("void-closure")
-    found = observe(simulate(Hand(), shipped.experiment).require())
+    found = observe(Hand(), simulate(Hand(), shipped.experiment))
     rows = zip(found.time, found["current"], found["position"], strict=True)
     text = "".join(f"{1e3 * t:.3f},{1e3 * i:.4f},{57.2957795 * q:.5f}\n" for t, i, q in rows)
     (folder / "log.csv").write_text("t [ms],i [mA],angle [deg]\n" + text, encoding="utf-8")
+
+
+def inputs(folder: Path) -> None:
+    """Files that the README's lines take for granted: another logger's, a campaign, objects."""
+    write_log(folder)
     (folder / "rig.toml").write_text(RIG, encoding="utf-8")
     (folder / "campaign.toml").write_text(CAMPAIGN, encoding="utf-8")
     objects = [sys.executable, "-m", "benchmarks.truth.objects", "--out", ".", "--grasps", "2"]

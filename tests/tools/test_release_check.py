@@ -1,6 +1,6 @@
 """Which lines of the README a release runs, and that none is forgotten."""
 
-from tools.release_check import commands, missing, readme_lines, runnable
+from tools.release_check import commands, missing, readme_lines, runnable, write_log
 
 README = """\
 Some `hannes prose` is no command.
@@ -48,3 +48,9 @@ def test_a_command_without_a_line_is_seen():
 def test_what_waits_for_a_machine_only_shows_its_help():
     assert runnable(["hannes", "board", "--port", "x"]) == ["hannes", "board", "--help"]
     assert runnable(["hannes", "run", "x"]) == ["hannes", "run", "x"]
+
+
+def test_the_log_that_convert_reads_is_a_closure(tmp_path):
+    write_log(tmp_path)
+    head, *rows = (tmp_path / "log.csv").read_text(encoding="utf-8").splitlines()
+    assert head == "t [ms],i [mA],angle [deg]" and len(rows) > 500
