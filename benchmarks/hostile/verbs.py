@@ -40,6 +40,10 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
     "board": [("hand", "board {} --seconds 0.01")],
     "record": [("raw log", "record --recover {} --out OUT/r.h5")],
     "port": None,
+    "panel": [
+        ("hand", "panel /dev/no-such-port --beside {}"),
+        ("model", "panel /dev/no-such-port --model {}"),
+    ],
     "export-c": [("model", "export-c {} --out OUT/m.c")],
     "view": [("recording", "view {} --out OUT/v.html")],
     "fmu": [("evaluation", "fmu {} --out OUT/x.fmu")],

@@ -13,6 +13,7 @@ from hannes.commands import (
     cli_compare,
     cli_firmware,
     cli_learning,
+    cli_panel,
     cli_recordings,
     cli_trust,
     cli_views,
@@ -79,6 +80,7 @@ def make_parser() -> _Parser:
     cli_learning.add(partial(_command, commands))
     cli_bench.add(partial(_command, commands))
     cli_firmware.add(partial(_command, commands))
+    cli_panel.add(partial(_command, commands))
     cli_views.add(partial(_command, commands), parser)
     cli_trust.add(partial(_command, commands))
     return parser

@@ -52,7 +52,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
 
     record = command("record", _record, "send an experiment's command to a board, and record")
     record.add_argument("experiment", nargs="?", help="a shipped experiment, or a .toml file")
-    _add_link(record, "--port")
+    add_link(record, "--port")
     record.add_argument("--out", required=True, metavar="FILE", help="a .h5 or .csv file")
     record.add_argument("--reconnect", type=float, default=0.0, metavar="SECONDS",
                         help="wait so long for a lost link [s] (0, the default: end)")  # fmt: skip
@@ -63,12 +63,13 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     add_json(record)
 
     port = command("port", _port, "list serial ports, or measure the link to a board")
-    _add_link(port, "port")
+    add_link(port, "port")
     port.add_argument("--seconds", type=float, default=3.0, help="measuring time [s] (default 3)")
     add_json(port)
 
 
-def _add_link(parser: argparse.ArgumentParser, name: str) -> None:
+def add_link(parser: argparse.ArgumentParser, name: str) -> None:
+    """Add what names a board: its port as the argument or option `name`, protocol, baud rate."""
     where = {} if name.startswith("-") else {"nargs": "?"}
     parser.add_argument(name, help="device, or socket://HOST:PORT", **where)  # type: ignore[arg-type]
     parser.add_argument(
@@ -79,7 +80,8 @@ def _add_link(parser: argparse.ArgumentParser, name: str) -> None:
     )
 
 
-def _link(chosen: argparse.Namespace) -> "Link":
+def link(chosen: argparse.Namespace) -> "Link":
+    """The link that the options of `add_link` ask for; BadInput where one is wrong."""
     from hannes.bench.adapters import adapter
     from hannes.bench.reader import Link
 
@@ -133,7 +135,7 @@ def _recorded(chosen: argparse.Namespace, out: Path, raw: Path) -> None:
         return
     if not chosen.experiment:
         raise BadInput("no experiment given; `hannes experiments` lists them")
-    done = record(chosen.experiment, _link(chosen), raw, progress=_say)
+    done = record(chosen.experiment, link(chosen), raw, progress=_say)
     write_marked(done.recording, out, "record")
     said = {"out": str(out), "raw": str(raw), "samples": done.recording.time.size}
     _said(chosen, said | {"stop_seen": done.stopped})
@@ -158,7 +160,7 @@ def _port(chosen: argparse.Namespace) -> None:
         else:
             print("\n".join(f"{n}  {w}" for n, w in found) or "no serial port on this machine")
         return
-    report = examine(_link(chosen), chosen.seconds)
+    report = examine(link(chosen), chosen.seconds)
     if chosen.json:
         print_json(asdict(report) | {"advice": report.advice()})
         return

@@ -5,6 +5,7 @@ from hannes.commands import (
     cli_compare,
     cli_firmware,
     cli_learning,
+    cli_panel,
     cli_recordings,
     cli_trust,
     cli_views,
@@ -84,6 +85,7 @@ campaign.toml (docs/reference/campaign.md has all of it):
     **cli_learning.EXAMPLES,
     **cli_bench.EXAMPLES,
     **cli_firmware.EXAMPLES,
+    **cli_panel.EXAMPLES,
     **cli_views.EXAMPLES,
     **cli_trust.EXAMPLES,
 }

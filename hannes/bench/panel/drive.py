@@ -1,0 +1,170 @@
+"""What the page's buttons do to the board: set points towards a goal, or a profile, or a stop."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hannes.bench.events import Adapter, Event, Reply, Row, Status
+from hannes.bench.messages import Kind, Reason, State
+from hannes.core.errors import BadInput
+
+SILENCE = 0.5  # s without a word of the page after which the board is stopped
+EVERY = 0.01  # s between set points
+PATIENCE = 3.0  # s within which a stop is answered, and a start moves the board
+Knots = Sequence[tuple[float, float]]
+MOVING = (State.RUNNING, State.FOLLOWING)
+
+
+@dataclass(frozen=True)
+class Range:
+    """Angles of the output shaft [rad], hand open and closed; speed towards a goal [rad/s]."""
+
+    opened: float = 0.0
+    closed: float = 9.84
+    speed: float = 15.4
+
+
+class Drive:
+    """Turns what the page asks for into bytes for the board; `send` hands them over.
+
+    `doing`: what is being done, in words, "" for nothing. `said`: why it was refused or ended.
+    """
+
+    def __init__(
+        self,
+        speaker: Adapter,
+        send: Callable[[bytes], None],
+        profile_of: Callable[[str], Knots],
+        within: Range,
+    ) -> None:
+        self._speaker, self._send, self._profile_of = speaker, send, profile_of
+        self.within = within
+        self.doing, self.said = "", ""
+        self._set_point, self._goal = 0.0, 0.0
+        self._path: Knots = ()
+        self._began, self._sent, self._heard = 0.0, -EVERY, 0.0
+        self._position, self._state, self._place = 0.0, State.IDLE, -1
+        self._stops, self._stopped, self._moved = 0, 0.0, False  # sent and not answered; when
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the board was last seen to move."""
+        return self._state in MOVING
+
+    @property
+    def state(self) -> State:
+        """State of the board, as it was last seen."""
+        return self._state
+
+    def channels(self, names: Sequence[str]) -> None:
+        """Note the board's channels."""
+        self._place = names.index("position") if "position" in names else -1
+
+    def see(self, event: Event, now: float) -> None:
+        """Take what the board says at host time `now` [s]."""
+        if isinstance(event, Row) and self._place >= 0:
+            self._position = event.values[self._place]
+        elif isinstance(event, Status):
+            self._state = event.state
+            if self.doing and not self._awaits_stop(now):
+                self._judge(event.state, now)
+        elif isinstance(event, Reply) and event.kind == Kind.STOP:
+            self._stops = max(0, self._stops - 1)
+        elif isinstance(event, Reply) and event.reason is not Reason.DONE and self.doing:
+            self.stop(f"the board refused it: {_words(event.reason.name)}")
+
+    def _awaits_stop(self, now: float) -> bool:
+        """Whether what the board says may still be of before the last stop."""
+        return self._stops > 0 and now - self._stopped < PATIENCE
+
+    def _judge(self, state: State, now: float) -> None:
+        """End what is being done where the board has stopped moving, or never began."""
+        if state in MOVING:
+            self._moved = True
+        elif self._moved:
+            ended = state in (State.IDLE, State.STOPPED)
+            self.stop("" if ended else f"the board stopped: {_words(state.name)}")
+        elif now - self._began > PATIENCE:
+            self.stop("the board did not move")
+
+    def ask(self, message: Mapping[str, Any], now: float) -> None:
+        """Take one message of the page, at host time `now` [s]; any of them counts as its word."""
+        self._heard = now
+        what, value = message.get("do"), message.get("value")
+        if what == "stop":
+            self.stop("")
+        elif what == "close":
+            self._towards(self.within.closed, "closing", now)
+        elif what == "open":
+            self._towards(self.within.opened, "opening", now)
+        elif what == "reference":
+            self._refer(value, now)
+        elif what == "experiment":
+            self._run(value, now)
+        elif what != "beat":
+            self.said = "the page asked for something unknown"
+
+    def stop(self, why: str) -> None:
+        """Open the drive, now; `why` is shown on the page."""
+        self._send(self._speaker.stop())
+        self._stops, self._stopped = self._stops + 1, self._heard
+        self.doing, self.said, self._path = "", why, ()
+
+    def go_on(self, now: float) -> None:
+        """Send the set point that is due; stop where the page has been silent for too long."""
+        if not self.doing:
+            return
+        if now - self._heard > SILENCE:
+            self.stop("stopped: the page was silent")
+        elif self._path and now - self._began > self._path[-1][0]:
+            self.stop("")
+        elif self.doing != "profile" and now - self._sent >= EVERY:
+            self._set_point = self._next(now)
+            self._sent = now
+            self._send(self._speaker.set_point(self._set_point))
+
+    def _next(self, now: float) -> float:
+        """The set point at `now`: on the path of an experiment, or a step nearer to the goal."""
+        if self._path:
+            import numpy as np
+
+            times, values = np.array(self._path).T
+            return float(np.interp(now - self._began, times, values))
+        most = self.within.speed * min(max(now - self._sent, 0.0), 2.0 * EVERY)
+        return min(max(self._goal, self._set_point - most), self._set_point + most)
+
+    def _towards(self, goal: float, doing: str, now: float) -> None:
+        if self.doing in ("profile", "experiment"):
+            self.stop("")
+        if not self.doing:
+            self._set_point, self._sent, self._began, self._moved = self._position, now, now, False
+        self._goal, self.doing, self.said, self._path = goal, doing, "", ()
+
+    def _refer(self, value: Any, now: float) -> None:
+        low, high = self.within.opened, self.within.closed
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not number or not low <= value <= high:
+            self.said = f"expected a reference from {low:g} to {high:g} rad"
+        else:
+            self._towards(float(value), "reference", now)
+
+    def _run(self, name: Any, now: float) -> None:
+        """Send an experiment's command whole, or follow it where the board takes no profile."""
+        try:
+            points = self._profile_of(name if isinstance(name, str) else "")
+        except BadInput as error:
+            self.said = str(error)
+            return
+        if self.doing:
+            self.stop("")
+        self._began, self.said, self._moved = now, "", False
+        if packets := self._speaker.profile(list(points)):
+            for packet in [*packets, self._speaker.start()]:
+                self._send(packet)
+            self.doing, self._path = "profile", ()
+        else:
+            self.doing, self._path, self._sent = "experiment", points, now - EVERY
+
+
+def _words(name: str) -> str:
+    return name.lower().replace("_", " ")

@@ -1,0 +1,134 @@
+"""`hannes panel PORT`: the board, the model beside it and the page, until Ctrl-C."""
+
+import contextlib
+import math
+import queue
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hannes.bench.panel.drive import Drive, Knots, Range
+from hannes.bench.panel.page import panel_page
+from hannes.bench.panel.server import PanelServer
+from hannes.bench.panel.traces import Traces
+from hannes.bench.reader import Link
+from hannes.bench.record import command_points
+from hannes.bench.session import Session, session
+from hannes.core.errors import BadInput, ComputationFailed
+from hannes.recognition.model import Model
+from hannes.simulation.experiment import shipped
+from hannes.simulation.experiment.load import load_experiment
+from hannes.simulation.experiment.variants import Variant
+
+POLL = 0.004  # s
+AT_ONCE = 5  # events between two looks at what the page asks
+Progress = Callable[[str], None]
+BEGINS = ("close", "experiment")  # with these a new grasp begins
+
+
+@dataclass(frozen=True)
+class Panel:
+    """What a panel shows: `beside` steps as the model, `model` recognises, `port` 0: any.
+
+    raw: where the bytes are kept as they came, None for nowhere.
+    """
+
+    link: Link
+    beside: Variant
+    model: Model | None = None
+    port: int = 0
+    raw: Path | None = None
+
+
+def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: False) -> None:
+    """Serve the panel until `until` says so; `say` is given its address, and notes.
+
+    Raises BadInput where board or address cannot be had, ComputationFailed where the link is lost.
+    Whatever ends it, the board is stopped.
+    """
+    traces = Traces(panel.beside.hand, panel.beside.experiment, panel.model)
+    within = Range(closed=_closed(panel.beside))
+    with _raw(panel.raw) as raw, session(panel.link, raw) as talk:
+        board = talk.hello()
+        drive = Drive(talk.speaker, talk.reader.send, _profile, within)
+        drive.channels(list(board.channels))
+        traces.see(board, False)
+        page = panel_page(panel.link.port, _experiments(), within, panel.model is not None)
+        with PanelServer(page, lambda: _state(talk, drive, traces), panel.port) as server:
+            say(f"{panel.link.port}: {board.firmware}, {len(board.channels)} channels")
+            say(f"open {server.address}")
+            _loop(talk, drive, traces, server, until)
+
+
+def _loop(
+    talk: Session, drive: Drive, traces: Traces, server: PanelServer, until: Callable[[], bool]
+) -> None:
+    while not until():
+        for count, event in enumerate(talk.events()):
+            drive.see(event, time.monotonic())
+            traces.see(event, drive.is_moving)
+            if count % AT_ONCE == 0:
+                _attend(drive, traces, server)
+        _attend(drive, traces, server)
+        if not talk.reader.is_alive():
+            raise ComputationFailed(talk.heard.lost or f"{talk.link.port}: the link was lost")
+        time.sleep(POLL)
+
+
+def _attend(drive: Drive, traces: Traces, server: PanelServer) -> None:
+    """Do what the page has asked for, and what is due."""
+    with contextlib.suppress(queue.Empty):
+        while True:
+            asked = server.asked.get_nowait()
+            if asked.get("do") in BEGINS and not drive.doing:
+                traces.begin()
+            drive.ask(asked, time.monotonic())
+    drive.go_on(time.monotonic())
+
+
+def _state(talk: Session, drive: Drive, traces: Traces) -> dict[str, Any]:
+    """What the page is sent each time."""
+    return {
+        "board": drive.state.name.lower().replace("_", " "),
+        "doing": drive.doing,
+        "said": drive.said,
+        "samples": talk.heard.rows,
+        **traces.take(),
+    }
+
+
+def _closed(beside: Variant) -> float:
+    """The furthest reference of the experiment [rad], whole hundredths."""
+    most = max(float(each) for each in beside.experiment.reference.knots[1])
+    return math.floor(100.0 * most + 1e-6) / 100.0 if most > 0.0 else Range().closed
+
+
+def _experiments() -> list[str]:
+    """Shipped experiments of one run."""
+    found = []
+    for name in shipped.names():
+        with contextlib.suppress(BadInput):  # one that needs no simulation
+            found += [name] if len(load_experiment(name)) == 1 else []
+    return found
+
+
+def _profile(name: str) -> Knots:
+    """Corners of a shipped experiment's reference."""
+    if name not in shipped.names():
+        raise BadInput(f'no experiment "{name:.60}"')
+    return command_points(load_experiment(name)[0].experiment)
+
+
+@contextlib.contextmanager
+def _raw(path: Path | None) -> Iterator[Path]:
+    """Where the reader writes: as asked, or a folder that goes with the panel."""
+    if path is not None:
+        if path.exists():
+            raise BadInput(f"{path}: is there already; a raw log is never written over")
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder) / "panel.rawlog"

@@ -1,0 +1,101 @@
+"""What the page draws: measured samples, the model stepping beside them, recognition."""
+
+import threading
+from typing import Any
+
+from hannes.bench.events import About, Event, Row
+from hannes.bench.live import Decision, LiveRecogniser
+from hannes.bench.virtual_hand import VirtualHand
+from hannes.recognition.model import Estimate, Model
+from hannes.simulation.experiment.experiment import Experiment
+from hannes.simulation.hand.hand import Hand
+
+EVERY = 5  # samples for one that is drawn
+LONGEST_GAP = 200  # ticks without samples that the model steps through
+MOST = 500  # drawn samples that wait for the page
+MEASURED = ("reference", "position", "current")
+
+
+class Traces:
+    """Takes events, gives rows of time, MEASURED, and the model's position, current and force.
+
+    Without a trained model nothing is recognised. `take` may be called from another thread.
+    """
+
+    def __init__(self, hand: Hand, experiment: Experiment, model: Model | None) -> None:
+        self._hand, self._experiment, self._trained = hand, experiment, model
+        self._beside = VirtualHand(hand, experiment)
+        self._beside.step(None)  # compiled before anything moves
+        self._live: LiveRecogniser | None = None
+        self._about: About | None = None
+        self._places: list[int] = []
+        self._last, self._count, self._reference = -1.0, 0, 0.0
+        self._rows: list[list[float]] = []
+        self._decision: Decision | None = None
+        self._lock = threading.Lock()
+
+    def begin(self) -> None:
+        """A new grasp: the model is at rest, nothing is known of an object."""
+        self._beside = VirtualHand(self._hand, self._experiment)
+        self._decision = None
+        self._live = LiveRecogniser(self._trained) if self._trained else None
+        if self._live and self._about:
+            self._live.feed(self._about)
+
+    def see(self, event: Event, moving: bool) -> None:
+        """Take one event; `moving`: the drive is on."""
+        if isinstance(event, About):
+            self._about = event
+            names = list(event.channels)
+            self._places = [names.index(each) if each in names else -1 for each in MEASURED]
+            self.begin()
+            return
+        if self._live and (decisions := self._live.feed(event)):
+            self._decision = decisions[-1]
+        if isinstance(event, Row) and self._about and event.time > self._last:
+            self._sample(event, moving)
+
+    def _sample(self, row: Row, moving: bool) -> None:
+        measured = [row.values[k] if k >= 0 else None for k in self._places]
+        reference = measured[0]
+        if reference is not None:
+            self._reference = reference
+        model = self._stepped(row.time, moving)
+        self._last, self._count = row.time, self._count + 1
+        if self._count % EVERY == 0:
+            drawn = [row.time, *measured, model["position"], model["current"], model["force"]]
+            with self._lock:
+                self._rows.append(drawn)  # type: ignore[arg-type]
+                del self._rows[:-MOST]
+
+    def _stepped(self, time: float, moving: bool) -> dict[str, float]:
+        """The model as many ticks on as the board is; a gap is gone through with one reference."""
+        ticks = round((time - self._last) * self._beside.rate) if self._last >= 0.0 else 1
+        values: dict[str, float] = {}
+        for _ in range(min(max(ticks, 1), LONGEST_GAP)):
+            values = self._beside.step(self._reference if moving else None)
+        return values | {"force": self._beside.truth["force"]}
+
+    def take(self) -> dict[str, Any]:
+        """What is new since the last call, as JSON has it."""
+        with self._lock:
+            rows, self._rows = self._rows, []
+        return {
+            "rows": [[None if x is None else round(x, 5) for x in row] for row in rows],
+            "recognised": _plain(self._decision),
+        }
+
+
+def _plain(decision: Decision | None) -> dict[str, Any] | None:
+    if decision is None:
+        return None
+    return {
+        "word": decision.word if decision.held or decision.stiffness else "",
+        "rigid": round(decision.rigid, 3),
+        "stiffness": _ends(decision.stiffness),
+        "force": _ends(decision.force),
+    }
+
+
+def _ends(estimate: Estimate | None) -> list[float] | None:
+    return [estimate.value, estimate.low, estimate.high] if estimate else None

@@ -1,0 +1,45 @@
+"""The command of the panel: a hand on a port, in a browser on the same machine."""
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+EXAMPLES = {
+    "panel": """\
+hannes panel /dev/ttyUSB0
+hannes panel /dev/ttyUSB0 --model results/large-model.h5
+hannes panel socket://127.0.0.1:4000 --beside dynamometer --raw session.rawlog""",
+}
+
+
+def add(command: Callable[..., argparse.ArgumentParser]) -> None:
+    """Add the command; `command(name, call, description)` makes its parser."""
+    from hannes.commands.cli_bench import add_link
+
+    panel = command("panel", _panel, "drive a hand on a port from a page in the browser")
+    add_link(panel, "port")
+    panel.add_argument("--model", metavar="MODEL.h5", help="recognise with it (`hannes train`)")
+    panel.add_argument(
+        "--beside", default="void-closure", metavar="EXPERIMENT",
+        help="whose hand and object step beside the measured ones (void-closure)",
+    )  # fmt: skip
+    panel.add_argument("--http", type=int, default=0, metavar="PORT", help="port of the page (any)")
+    panel.add_argument(
+        "--raw", metavar="FILE", help="keep all bytes, for `hannes record --recover`"
+    )
+
+
+def _panel(chosen: argparse.Namespace) -> None:
+    from hannes.bench.board_file import read_board
+    from hannes.bench.panel.run import Panel, run_panel
+    from hannes.commands.cli_bench import link
+    from hannes.core.io.outputs import reserved
+    from hannes.recognition import model_file
+
+    model = model_file.read(chosen.model) if chosen.model else None
+    beside = read_board(chosen.beside).variant
+    raw = Path(chosen.raw) if chosen.raw else None
+    panel = Panel(link(chosen), beside, model, chosen.http, raw)
+    with reserved("panel", [raw] if raw else []):
+        run_panel(panel, lambda text: print(f"hannes: {text}", file=sys.stderr, flush=True))
