@@ -14,8 +14,8 @@ import numpy as np
 
 from hannes.bench.adapters import adapter
 from hannes.bench.clock_map import ClockMap, clock_map
-from hannes.bench.events import About, Adapter, Reply, Row
-from hannes.bench.messages import Kind, Reason
+from hannes.bench.events import About, Adapter, Row
+from hannes.bench.onset import Onset
 from hannes.bench.raw_log import EVENT, FROM_BOARD, RawLogReader
 from hannes.bench.reader import NANO
 from hannes.core.errors import BadInput
@@ -28,7 +28,7 @@ GAP = 1.5  # periods between two samples beyond which something is missing
 class Rows:
     """What a raw log holds: board times [s] (n,), host times [s] (n,), values (n, channels).
 
-    `start` is the board time [s] at which the last profile began, None without one.
+    `start` is the board time [s] at which the last command began, None without one.
     """
 
     about: About
@@ -50,7 +50,7 @@ def read_rows(path: str | Path) -> Rows:
     log = RawLogReader(path)
     listener = _listener(path, log.about)
     rows: list[tuple[Row, float]] = []
-    about, start, events = None, None, []
+    about, start, events, onset = None, None, [], Onset()
     for record in log.records():
         if record.direction == EVENT:
             events.append((record.time * NANO, record.data.decode(errors="replace")))
@@ -61,11 +61,8 @@ def read_rows(path: str | Path) -> Rows:
                 rows.append((event, record.time * NANO))
             elif isinstance(event, About):
                 about = event
-            elif isinstance(event, Reply) and (event.kind, event.reason) == (
-                Kind.START,
-                Reason.DONE,
-            ):
-                start = event.time
+            elif (began := onset.feed(event)) is not None:
+                start = began
     log.close()
     if about is None or not rows:
         raise BadInput(f"{path}: no sample came from the board; nothing to recover")

@@ -89,12 +89,30 @@ def _seed(seed: int, number: int) -> int:
 
 
 def _commanded(reference: Reference, values: Mapping[str, float]) -> Reference:
-    """The reference at `command.speed` times its speed, to `command.amplitude` times its angles."""
+    """The reference at `command.speed` times its speed, to `command.amplitude` times its angles.
+
+    Beyond `command.knee` [rad] only `command.share` of its travel is left, as a grip policy does.
+    """
     speed, amplitude = values.get("command.speed", 1.0), values.get("command.amplitude", 1.0)
-    if speed == amplitude == 1.0:
+    knee, share = values.get("command.knee", np.inf), values.get("command.share", 1.0)
+    if speed == amplitude == share == 1.0:
         return reference
     scale = np.array([[amplitude / speed], [amplitude]])
-    return Reference(reference.knots * scale, reference.kinked)
+    return Reference(_limited(reference.knots * scale, knee, share), reference.kinked)
+
+
+def _limited(knots: np.ndarray, knee: float, share: float) -> np.ndarray:
+    """Knots (2, n) of a reference whose travel beyond `knee` [rad] counts for `share` only."""
+    times, angles = knots
+    above = angles > knee
+    if share == 1.0 or not above.any():
+        return knots
+    crossed = np.flatnonzero(above[1:] != above[:-1])
+    part = (knee - angles[crossed]) / (angles[crossed + 1] - angles[crossed])
+    moments = times[crossed] + part * (times[crossed + 1] - times[crossed])
+    times = np.insert(times, crossed + 1, moments)
+    angles = np.insert(angles, crossed + 1, knee)
+    return np.stack([times, np.where(angles > knee, knee + share * (angles - knee), angles)])
 
 
 def rounded(values: np.ndarray, step: float) -> np.ndarray:

@@ -41,6 +41,8 @@ BORDER = "5.5 kN/m"  # about the geometric mean of the shipped dynamometer and o
 OWN: dict[str, tuple[str, float, float, float]] = {
     "command.speed": ("1", 0.05, 5.0, 1.0),
     "command.amplitude": ("1", 0.05, 2.0, 1.0),
+    "command.knee": ("rad", -100.0, 100.0, 100.0),
+    "command.share": ("1", 0.0, 1.0, 1.0),
     **{f"noise.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
     **{f"resolution.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
 }

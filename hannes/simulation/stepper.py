@@ -73,6 +73,13 @@ class Stepper:
         """Change a parameter from the next tick on, by its name in the compiled layout [SI]."""
         self._p[self._place(name)] = value
 
+    def set_state(self, name: str, value: Any) -> None:
+        """Put a state where a measurement has it, by its name in `state()` [SI units]."""
+        if name not in self._compiled.states:
+            known = [slot.name for slot in self._compiled.states.slots]
+            raise BadInput(f'no state "{name}"{nearest(name, known)}')
+        self._y[self._compiled.states[name]] = value
+
     def _place(self, name: str) -> slice:
         if name not in self._compiled.parameters:
             known = [slot.name for slot in self._compiled.parameters.slots]

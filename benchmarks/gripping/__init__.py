@@ -1,0 +1,1 @@
+"""Parts of the benchmark `grip`: objects that are held, pulled and shaken; estimates of force."""

@@ -1,0 +1,127 @@
+"""Recognition, force and grip policy as one loop: a board's events in, set points out.
+
+It has no port and no clock of its own, so that a live link, a benchmark in simulated time and a raw
+log read again run the same code.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from hannes.bench.events import About, Event, Row
+from hannes.bench.haptics import HapticCommand, HapticMemory, HapticSample, HapticSettings, haptic
+from hannes.bench.live import Decision, LiveRecogniser
+from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
+from hannes.recognition.model import Model
+
+RETREAT = 0.3  # rad behind the touch at which what was held is let go
+
+
+@dataclass(frozen=True)
+class Force:
+    """Force on the object [N] at board time [s], its 90 % band, and the residual.
+
+    residual: distance of the measurement from the observer's model, in standard deviations;
+    `warns`: whether the machine has left the model.
+    """
+
+    time: float
+    value: float
+    low: float
+    high: float
+    residual: float = 0.0
+    warns: bool = False
+
+
+class Observer(Protocol):
+    """What estimates the force at every sample."""
+
+    def feed(self, event: Event) -> Force | None:
+        """Take one event of the board; return the force at a sample."""
+        ...
+
+
+@dataclass(frozen=True)
+class GripPlan:
+    """What the loop does: whether it limits, by which settings; force set point [N], 0 for none."""
+
+    policy: bool = True
+    force_wanted: float = 0.0
+    settings: GripSettings = field(default_factory=GripSettings)
+    haptics: HapticSettings = field(default_factory=HapticSettings)
+
+
+@dataclass
+class Said:
+    """What came of one event."""
+
+    decisions: list[Decision] = field(default_factory=list)
+    force: Force | None = None
+    haptic: HapticCommand | None = None
+
+
+class GripLoop:
+    """Takes events and the command; `set_point` [rad] is what the board is to follow now."""
+
+    def __init__(
+        self, model: Model, plan: GripPlan | None = None, observer: Observer | None = None
+    ) -> None:
+        self.plan = plan or GripPlan()
+        self._recogniser, self._observer = LiveRecogniser(model), observer
+        self._places: dict[str, int] = {}
+        self._grip, self._haptic = GripMemory(), HapticMemory()
+        self._last: float | None = None
+        self._decision: Decision | None = None
+        self._held: Decision | None = None  # the last that touched, until it is let go
+        self._force = Force(0.0, 0.0, 0.0, 0.0)
+        self.set_point = 0.0
+
+    def feed(self, event: Event, wanted: float) -> Said:
+        """Take one event, while the command is `wanted` [rad]."""
+        said = Said(self._recogniser.feed(event))
+        if isinstance(event, About):
+            self._places = {name: k for k, name in enumerate(event.channels)}
+        if said.decisions:
+            self._decision = said.decisions[-1]
+        if self._observer is not None:
+            said.force = self._observer.feed(event)
+            self._force = said.force or self._force
+        elif said.decisions and (found := said.decisions[-1].force) is not None:
+            time = said.decisions[-1].board_time
+            said.force = self._force = Force(time, found.value, found.low, found.high)
+        if isinstance(event, Row):
+            self._tick(event, wanted, said)
+        return said
+
+    @property
+    def firm(self) -> bool:
+        """Whether the policy holds the object firmly."""
+        return self._grip.firm
+
+    def _tick(self, row: Row, wanted: float, said: Said) -> None:
+        period = max(row.time - self._last, 0.0) if self._last is not None else 0.0
+        self._last = row.time
+        position = row.values[self._places["position"]]
+        held = self._holds(position)
+        rigid = held.rigid if held else 0.5
+        self._haptic, said.haptic = haptic(
+            self.plan.haptics, self._haptic,
+            HapticSample(period, held is not None, rigid, self._force.low if held else 0.0),
+        )  # fmt: skip
+        if not self.plan.policy:
+            self.set_point = wanted
+            return
+        sample = GripSample(
+            period, wanted, position, held is not None, held.touch_position if held else 0.0,
+            rigid, self._force.value, self._force.high, self.plan.force_wanted,
+        )  # fmt: skip
+        self._grip, point = grip(self.plan.settings, self._grip, sample)
+        self.set_point = point if math.isfinite(point) else self.set_point
+
+    def _holds(self, position: float) -> Decision | None:
+        """What recognition last said of the object, until the hand has let it go."""
+        if self._decision is not None and self._decision.touched:
+            self._held = self._decision
+        if self._held is not None and position < self._held.touch_position - RETREAT:
+            self._held = self._decision = None
+        return self._held
