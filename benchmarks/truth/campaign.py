@@ -25,7 +25,7 @@ from benchmarks.truth.fitness import fit
 from benchmarks.truth.parameters import flat, parse_hand, to_si
 from benchmarks.truth.protocol import PROTOCOLS, Condition, Protocol
 from benchmarks.truth.record import checked, posed
-from benchmarks.truth.scatter import LAWS, run_scatter, scatter
+from benchmarks.truth.scatter import LAWS, finger_scatter, run_scatter, scatter
 from benchmarks.truth.simulation import trace
 from benchmarks.truth.state import CREPT
 from hannes.core.errors import BadInput, ComputationFailed, HannesError
@@ -34,7 +34,7 @@ from hannes.core.recording.recording import Recording
 
 SHIPPED = 'base = "hannes"\n'
 MOST_DRAWS = 200
-HAND, RUN, SENSORS = 0, 1, 2  # streams of random numbers
+HAND, RUN, SENSORS, JOINTS = 0, 1, 2, 4  # streams of random numbers
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,15 @@ class Spread:
     """How far hands differ from the nominal one, and a hand from run to run.
 
     hand: standard deviation (law "normal") or half width ("uniform"), relative; run: standard
-    deviation, relative; timing: standard deviation of a run's start (s).
+    deviation, relative; timing: standard deviation of a run's start (s); finger: standard
+    deviation by which each joint's arm, spring and friction is off for itself, relative.
     """
 
     hand: float = 0.02
     law: str = "normal"
     run: float = 0.005
     timing: float = 0.2e-3
+    finger: float = 0.0
 
     @property
     def lines(self) -> list[str]:
@@ -96,6 +98,18 @@ class Made:
         write_text(out / "campaign.toml", self._campaign(suffix, experiment))
         answer = json.dumps(self.answer, indent=1, sort_keys=True)
         write_text(out / "sealed" / "answer.json", answer + "\n")
+
+    def write_unstated(self, out: Path, experiments: Mapping[str, str]) -> None:
+        """The same by a user who states nothing: CSV, no hand, no scatter, shipped experiments.
+
+        experiments: condition -> name of the shipped experiment that stands for it
+        """
+        lines = ['plant = "hand"', 'out = "diagnosis"']
+        for name, condition in self.conditions.items():
+            self.recordings[name].write(out / f"{name}.csv")
+            lines += ["", "[[recording]]", f'file = "{name}.csv"', f'condition = "{condition}"']
+            lines.append(f'experiment = "{experiments[condition]}"')
+        write_text(out / "campaign.toml", "\n".join(lines) + "\n")
 
     def _campaign(self, suffix: str, experiment: str) -> str:
         lines = ['plant = "hand"', 'base = "hand.toml"', 'out = "diagnosis"']
@@ -155,6 +169,8 @@ def real_hand(nominal: Mapping[str, Any], seed: int, spread: Spread) -> tuple[di
     rng = np.random.default_rng([seed, HAND])
     for refused in range(MOST_DRAWS):
         values = scatter(nominal, rng, spread.hand, spread.law)
+        joints = np.random.default_rng([seed, JOINTS, refused])
+        values = finger_scatter(values, joints, spread.finger)
         if fit(values):
             return values, refused
     raise ComputationFailed(
@@ -257,6 +273,8 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--scatter-hand", type=float, default=0.02, metavar="SHARE")
     parser.add_argument("--law", choices=LAWS, default="normal", help="of the hand's scatter")
     parser.add_argument("--scatter-run", type=float, default=0.005, metavar="SHARE")
+    parser.add_argument("--scatter-finger", type=float, default=0.0, metavar="SHARE",
+                        help="of each joint for itself")  # fmt: skip
     parser.add_argument("--timing", default="0.2 ms", help="scatter of a run's start")
     parser.add_argument("--hand", type=Path, help="hand.toml of the nominal hand")
     return parser.parse_args(words)
@@ -267,7 +285,8 @@ def main(words: Sequence[str] | None = None) -> int:
     asked = _arguments(words)
     try:
         timing = to_si(asked.timing, "s")
-        spread = Spread(asked.scatter_hand, asked.law, asked.scatter_run, timing)
+        spread = Spread(asked.scatter_hand, asked.law, asked.scatter_run, timing,
+                        asked.scatter_finger)  # fmt: skip
         hand = asked.hand.read_text(encoding="utf-8") if asked.hand else SHIPPED
         hidden = hidden_from(asked.hide)
         made = make(asked.protocol, asked.seed, hidden, spread, hand, sys.stderr.isatty())

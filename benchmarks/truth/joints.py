@@ -47,14 +47,15 @@ def mcp_torque(h, f, start, gain, y, dy):
     stop = (h.mcp_stop_stiffness, h.mcp_stop_damping, h.mcp_stop_onset)
     drag = friction(
         speed,
-        h.mcp_breakaway_friction,
-        h.mcp_coulomb_friction,
+        h.mcp_breakaway_friction * h.finger_share_mcp_breakaway_friction[f],
+        h.mcp_coulomb_friction * h.finger_share_mcp_coulomb_friction[f],
         h.mcp_breakaway_speed,
-        h.mcp_viscous_friction,
+        h.mcp_viscous_friction * h.finger_share_mcp_viscous_friction[f],
     )
     drag += friction_step.drag(h, joint, angle, speed, h.mcp_breakaway_speed)
     drag += joint_torque(h, joint, angle, speed)
-    stiffness, preload = h.mcp_spring_stiffness, h.mcp_spring_preload
+    stiffness = h.mcp_spring_stiffness * h.finger_share_mcp_spring_stiffness[f]
+    preload = h.mcp_spring_preload * h.finger_share_mcp_spring_preload[f]
     open_ = spring(h, joint, stiffness, preload, angle - rest, start, gain, y, dy)
     return stops(angle, speed, (rest, upper), preload, stop) - open_ - drag
 
@@ -68,13 +69,14 @@ def pip_torque(h, f, start, gain, y, dy):
     stop = (h.pip_stop_stiffness, h.pip_stop_damping, h.pip_stop_onset)
     drag = friction(
         speed,
-        h.pip_breakaway_friction,
-        h.pip_coulomb_friction,
+        h.pip_breakaway_friction * h.finger_share_pip_breakaway_friction[f],
+        h.pip_coulomb_friction * h.finger_share_pip_coulomb_friction[f],
         h.pip_breakaway_speed,
-        h.pip_viscous_friction,
+        h.pip_viscous_friction * h.finger_share_pip_viscous_friction[f],
     )
     drag += friction_step.drag(h, joint, angle, speed, h.pip_breakaway_speed)
     drag += joint_torque(h, joint, angle, speed)
-    stiffness, preload = h.pip_spring_stiffness, h.pip_spring_preload
+    stiffness = h.pip_spring_stiffness * h.finger_share_pip_spring_stiffness[f]
+    preload = h.pip_spring_preload * h.finger_share_pip_spring_preload[f]
     open_ = spring(h, joint, stiffness, preload, angle - rest, start, gain, y, dy)
     return stops(angle, speed, (rest, upper), preload, stop) - open_ - drag

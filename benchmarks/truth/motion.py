@@ -21,7 +21,7 @@ from benchmarks.truth.state import (
     SIZE,
     SPEED,
 )
-from benchmarks.truth.wires import follower_tensions, leader_pulls, leader_tension
+from benchmarks.truth.wires import follower_tensions, leader_pulls, leader_tension, moment_arms
 
 
 @compiled
@@ -43,9 +43,10 @@ def move(h, start, gain, y, dy):
 def finger_rates(h, f, tension, start, gain, y, dy):
     """Writes finger f's rates; its normal force on the object and its push on the face (N)."""
     i, j = 2 * f, 2 * f + 1
+    mcp_arm, pip_arm = moment_arms(h, f)
     torques = (
-        mcp_torque(h, f, start, gain, y, dy) + h.mcp_moment_arm * tension,
-        pip_torque(h, f, start, gain, y, dy) + h.pip_moment_arm * tension,
+        mcp_torque(h, f, start, gain, y, dy) + mcp_arm * tension,
+        pip_torque(h, f, start, gain, y, dy) + pip_arm * tension,
     )
     lengths = (h.fingers_proximal_length[f], h.fingers_distal_length[f])
     masses = (h.fingers_proximal_mass[f], h.fingers_distal_mass[f])

@@ -92,6 +92,19 @@ NOMINAL: dict[str, Any] = {
 }
 
 
+# Factors of one finger's own value to that which all share; 1 in the nominal hand.
+OWN = tuple(
+    f"finger_share.{joint}_{what}"
+    for joint in ("mcp", "pip")
+    for what in (
+        "moment_arm",
+        "spring_stiffness",
+        "spring_preload",
+        "breakaway_friction",
+        "coulomb_friction",
+        "viscous_friction",
+    )
+)
 # What a hand.toml calls each finger's values.
 FINGERS = ("index", "middle", "ring", "little", "thumb")
 GEOMETRY = {
@@ -128,7 +141,7 @@ def named(values: Mapping[str, Any]) -> dict[str, Any]:
     out = dict(NOMINAL)
     for name, value in values.items():
         part, _, what = name.partition(".")
-        if name in NOMINAL:
+        if name in NOMINAL or name in OWN:
             out[name] = value
         elif part in FINGERS and what in GEOMETRY:
             row = list(out[GEOMETRY[what]])
@@ -146,6 +159,8 @@ def flat(values: Mapping[str, Any]) -> dict[str, float]:
         if name.startswith("fingers."):
             what = next(key for key, home in GEOMETRY.items() if home == name)
             out |= {f"{f}.{what}": float(x) for f, x in zip(FINGERS, value, strict=True)}
+        elif name in OWN:
+            out |= {f"{name}.{f}": float(x) for f, x in zip(FINGERS, value, strict=True)}
         else:
             out[name] = float(value)
     return out

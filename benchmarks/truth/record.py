@@ -7,13 +7,14 @@ import numpy as np
 
 from benchmarks.truth.effects import SIZES
 from benchmarks.truth.effects.object_misplacement import placed
-from benchmarks.truth.parameters import NOMINAL, named
+from benchmarks.truth.parameters import NOMINAL, OWN, named
 
 _SECTION = ("section_radius", "section_x", "section_y")  # per finger, in its own plane
 # Built from NOMINAL and SIZES so that a parameter has one home; dots become underscores.
 _BOX = ("section_half_x", "section_half_y")  # of a prism, within its rounded edges
 _ONE = [name for name in (*NOMINAL, *SIZES, *_BOX) if not name.startswith("fingers.")]
-_FIVE = [*(name for name in NOMINAL if name.startswith("fingers.")), *_SECTION]
+_FIVE = [*(name for name in NOMINAL if name.startswith("fingers.")), *_SECTION, *OWN]
+_ALIKE = dict.fromkeys(OWN, (1.0,) * 5)
 HALVES = ("half_x", "half_y")
 SHAPES = ("cylinder", "sphere", "prism")
 LAYOUT = np.dtype(
@@ -70,7 +71,7 @@ def pack(
     effects: Mapping[str, float] | None = None,
 ) -> np.record:
     """Everything the kernels need: parameters (any subset; the rest nominal), object, effects."""
-    values, hidden = posed(parameters, thing), checked(effects or {})
+    values, hidden = {**_ALIKE, **posed(parameters, thing)}, checked(effects or {})
     cut = sections(values, thing["shape"], hidden) if thing else np.zeros((3, 5))
     if thing and thing["shape"] == "prism":
         least = min(values["object.radius"], values["object.half_x"], values["object.half_y"])

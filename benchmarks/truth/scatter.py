@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.truth.parameters import OWN
+
 Draw = Callable[[np.random.Generator, Any], np.ndarray]
 
 # Known exactly (firmware, counts of teeth, calipers) or no property of a hand (regularisations,
@@ -67,6 +69,14 @@ def scatter(
         elif not name.startswith(EXACT):
             out[name] = _times(values[name], 1.0 + z)
     return out
+
+
+def finger_scatter(
+    values: Mapping[str, Any], rng: np.random.Generator, spread: float
+) -> dict[str, Any]:
+    """A hand whose joints differ: each one's arm, spring and friction off for itself (normal)."""
+    own = {name: tuple((1.0 + spread * normal(rng, 5)).tolist()) for name in OWN}
+    return {**values, **own} if spread > 0.0 else dict(values)
 
 
 def run_scatter(

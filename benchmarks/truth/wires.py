@@ -13,9 +13,17 @@ from benchmarks.truth.state import ANGLE, CART, CART_SPEED, CREPT, SHAFT, SHAFT_
 
 
 @compiled
+def moment_arms(h, f):
+    """Levers (m) of finger f's flexor about MCP and PIP."""
+    mcp = h.mcp_moment_arm * h.finger_share_mcp_moment_arm[f]
+    return mcp, h.pip_moment_arm * h.finger_share_pip_moment_arm[f]
+
+
+@compiled
 def excursion(h, y, f):
     """Flexor taken up by finger f (m) and its rate (m/s)."""
-    r1, r2, i, j = h.mcp_moment_arm, h.pip_moment_arm, 2 * f, 2 * f + 1
+    i, j = 2 * f, 2 * f + 1
+    r1, r2 = moment_arms(h, f)
     taken = r1 * (y[ANGLE + i] - h.fingers_mcp_rest[f])
     taken += r2 * (y[ANGLE + j] - h.fingers_pip_rest[f])
     return taken, r1 * y[SPEED + i] + r2 * y[SPEED + j]

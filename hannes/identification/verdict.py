@@ -10,6 +10,7 @@ from hannes.identification.next_step import NEXT
 
 MOST_MOVED = 5  # parameters in the line of a terminal
 FAINT = 0.2  # squared noise floors, mean over channels: a gap that is less above one is not visible
+LITTLE = 1.2  # noise floors on unfitted recordings: what is little more than that
 _SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 
 
@@ -196,7 +197,8 @@ def _with_remainder(result: Verdict) -> str:
     """What is left comes first: the name alone would promise too much."""
     named = _named(result)
     named = named[:1].lower() + named[1:]
-    if explained(result.gap) > 0.995:
+    above = max((each["after"] / each["floor"] for each in result.gap.values()), default=0.0)
+    if explained(result.gap) > 0.995 and above < LITTLE:
         return f"A little above the noise floor remains: {named}"
     return f"Something else is missing, too: {named}"
 

@@ -53,6 +53,10 @@ class Plant(Protocol):
                                    nothing; this isolates the effect of sampling
     firmware:   channels that the controller reads or writes: effects on them are corrected for
                 its sampling
+    sampled(recording):            the recording under a sampled controller, None where its
+                experiment has one. With `tick`, the parameter that is its period, diagnose sees
+                whether recordings were made so though their experiments say otherwise
+    counted(recording):            whether its position stands in whole counts of an encoder
     nominal(recording):            nominal value of every parameter for a run
     proposals(recorded):           candidate experiments, by name, beside those of each condition
     loggable:   channel -> its unit: what the controller knows, and could log in any run

@@ -139,8 +139,9 @@ def _tried(diagnosis: "Diagnosis") -> Table:
         if attempt["effect"] in unfit:
             continue
         row = candidates.get(attempt["effect"])
-        share = f"{decimals(round(100.0 * row['gain_select']), 0)} %" if row else "–"
-        sigma = number(row["evidence"], 2) if row else "–"
+        about = "" if row is None or row.get("refitted", True) else "≈ "
+        share = f"{about}{decimals(round(100.0 * row['gain_select']), 0)} %" if row else "–"
+        sigma = f"{about}{number(row['evidence'], 2)}" if row else "–"
         confusable = ", ".join(row["confusable_with"]) if row else ""
         least = _least(diagnosis, attempt["effect"])
         rows.append((attempt["effect"], share, sigma, least, confusable or "–", attempt["why"]))
@@ -150,6 +151,8 @@ def _tried(diagnosis: "Diagnosis") -> Table:
         f"{level} {diagnosis.verdict.alpha:g}. Minimum detectable size: "
         "at 80 % power, by a linear fit; “none” where it lies beyond the physical bounds."
     )
+    if diagnosis.details is not None:
+        note += " ≈: by a linear estimate; not fitted, as others promised more."
     if unfit:
         note += f" Not tried: {', '.join(unfit)}; verdict.json says why."
     return Table("tried", "What was tried", columns, tuple(rows), note)

@@ -14,18 +14,19 @@ from hannes.identification.residuals import Raw, Traces
 STAGES = ("as_given", "before", "after")
 
 
-def simulated(model: Model, entries: Sequence[Entry], places: np.ndarray) -> list[list[Channels]]:
-    """Channels of each recording at each of the points x, shape (stages, size).
+def simulated(
+    model: Model, entries: Sequence[Entry], places: np.ndarray
+) -> list[list[Channels | None]]:
+    """Channels of each recording at each of the points x, (stages, size); None where it fails.
 
-    Raises ComputationFailed where one cannot be simulated.
+    Raises ComputationFailed where the first fails, the machine as given.
     """
-    found: dict[int, list[Channels]] = {}
+    found: dict[int, list[Channels | None]] = {}
     for group in grouped(model.small, entries):
         made = model.simulated(group, places, True, exact=True)
-        runs = [each for each in made if each is not None]
-        if len(runs) < len(places):
-            raise ComputationFailed(f"{group.entries[0].name} cannot be simulated as refitted")
-        found.update({id(entry): runs for entry in group.entries})
+        if made[0] is None:
+            raise ComputationFailed(f"{group.entries[0].name} cannot be simulated as given")
+        found.update({id(entry): made for entry in group.entries})
     return [found[id(entry)] for entry in entries]
 
 

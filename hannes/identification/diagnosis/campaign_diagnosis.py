@@ -10,17 +10,22 @@ from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_campaign
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.baseline_intervals import refitted_baseline
-from hannes.identification.diagnosis.before_after import STAGES, left, simulated, traced
+from hannes.identification.diagnosis.before_after import STAGES, simulated, traced
 from hannes.identification.diagnosis.decision import Decision, decide
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.effect_sizes import interval, with_sizes
 from hannes.identification.diagnosis.evidence_tables import EvidenceTables
 from hannes.identification.diagnosis.experiment_design import next_run
 from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENERIC
+from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
+from hannes.identification.diagnosis.observed_controller import as_recorded
+from hannes.identification.diagnosis.repeat_groups import Channels
 from hannes.identification.diagnosis.run_to_run import disagreement
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import VERDICT
+from hannes.identification.diagnosis.untested import untested
+from hannes.identification.diagnosis.work_bound import SearchEnded
 from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
 from hannes.plants.protocol import Plant
@@ -33,7 +38,7 @@ class Result:
     """The verdict, the plant with what was found, and what the page draws.
 
     traces: of the held-out recordings;  noise_floors: channel -> its unit
-    found, decision: what the verdict follows from
+    found, decision, stages: what the verdict follows from
     """
 
     verdict: Verdict
@@ -42,6 +47,7 @@ class Result:
     noise_floors: dict[str, float]
     found: SearchResult
     decision: Decision
+    stages: Stages
 
 
 def declares_uncertainty(plant: Plant) -> bool:
@@ -59,19 +65,37 @@ def diagnose_campaign(
     import scipy.linalg  # noqa: F401  loaded now, or its threads are not limited
     from threadpoolctl import threadpool_limits
 
-    known = campaign.of("fit", "select")
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]
     usable += [each for each in GENERIC if not campaign.plant.accepts(each)]
     with threadpool_limits(1, "blas"):  # sums over several threads round otherwise
+        campaign, observed = as_recorded(campaign, settings, seed, progress)
+        known = campaign.of("fit", "select")
         found = search_effects(campaign.plant, known, usable, settings, seed, progress)
-        decision = decide(found, *(_masks(found, role) for role in ("fit", "select")))
-        decision, spread = with_sizes(decision, seed, found.variance_factor, progress)
+        decision, spread = _decided(found, seed, progress)
         progress("the test recordings")
         closing = _Closing(campaign, found, decision, spread, seed)
         result = closing.result(tried)
-    cautions = disagreement(settings, closing.model.space.settings)
+    cautions = [observed] if observed else []
+    cautions += disagreement(settings, closing.model.space.settings)
+    cautions += result.verdict.cautions
     return replace(result, verdict=replace(result.verdict, cautions=cautions))
+
+
+def _decided(
+    found: SearchResult, seed: int, progress: Progress
+) -> tuple[Decision, dict[int, float]]:
+    """The decision and how certain its sizes are; unknown where the search was ended."""
+    work = found.baseline.model.work
+    try:
+        if found.ended:
+            raise SearchEnded
+        decision = decide(found, *(_masks(found, role) for role in ("fit", "select")))
+        return with_sizes(decision, seed, found.variance_factor, progress)
+    except SearchEnded:
+        return Decision("unknown", (), work.ended, found.baseline), {}
+    finally:
+        work.bounded = False
 
 
 def candidates(campaign: Campaign) -> dict[str, tuple[Effect, str]]:
@@ -114,29 +138,24 @@ class _Closing:
         self.spread = spread  # standard deviation of each fitted parameter, by index
         segments, _ = split_campaign(campaign)
         self.known, self.heldout = (in_roles(segments, *r) for r in (("fit", "select"), ("show",)))
+        self.segments = [*self.known, *self.heldout]
         self.noise_floors, self.how = noise_floors(campaign.plant, self.known)
         self.model = found.baseline.model
         self.names = {each.name: name for name, each in campaign.effects.items()}
 
     def result(self, tried: dict[str, tuple[Effect, str]]) -> Result:
-        decision, plant = self.decision, self.campaign.plant
-        places = np.array(
-            [each.x for each in (self.found.nominal, self.found.baseline, decision.point)]
-        )
-        runs = simulated(self.model, _entries(self.heldout), places)
-        stages = {key: [each[k] for each in runs] for k, key in enumerate(STAGES)}
-        raws = {
-            key: left(self.heldout, each, list(self.noise_floors)) for key, each in stages.items()
-        }
-        baseline = simulated(self.model, _entries(self.known), places[1:2])
-        kept = left(self.known, [each[0] for each in baseline], list(self.noise_floors))
+        plant, stood = self.campaign.plant, guarded(self.decision, self.stages())
+        self.decision = decision = stood.decision
+        self.spread = self.spread if decision.effects else {}
+        stages = stood.stages
+        raws = {key: stages.raw(k, "show") for k, key in enumerate(STAGES)}
         tables = EvidenceTables(self.found, self.names)
         verdict = Verdict(
             verdict=decision.kind,
             effects=[self.names[name] for name in decision.effects],
             parameters=self.parameters(),
             gap=tabled(raws, self.heldout, plant.channels, self.noise_floors),
-            where=located(plant, self.known, kept, self.noise_floors),
+            where=located(plant, self.known, stages.raw(1, "fit", "select"), self.noise_floors),
             candidates=tables.candidates(),
             reason=decision.reason,
             tried=tables.tried(tried, decision.effects),
@@ -151,13 +170,34 @@ class _Closing:
             next_run=self.next_run(),
             smallest_detectable=tables.detectable(),
             confusability=tables.confusability(),
-            baseline=refitted_baseline(self.found.baseline, self.found.variance_factor),
+            baseline=refitted_baseline(self.found.baseline, self.found.variance_factor)
+            if stood.refitted
+            else None,
+            cautions=stood.cautions + untested(self.found, decision.kind),
         )
         traces = tuple(
-            traced(segment, each, list(self.noise_floors))
-            for segment, each in zip(self.heldout, runs, strict=True)
+            traced(segment, [each[k] for each in stages.runs], list(self.noise_floors))
+            for k, segment in enumerate(self.segments)
+            if segment.role == "show"
         )
-        return Result(verdict, self.refitted(), traces, self.noise_floors, self.found, decision)
+        return Result(
+            verdict, self.refitted(), traces, self.noise_floors, self.found, decision, stages
+        )
+
+    def stages(self) -> Stages:
+        """The machine as given, refitted, and with what was found, simulated whole."""
+        points = (self.found.nominal, self.found.baseline, self.decision.point)
+        places = np.array([each.x for each in points])
+        made = simulated(self.model, _entries(self.segments), places)
+        failed = {k for k in range(len(points)) if any(each[k] is None for each in made)}
+        runs: list[list[Channels]] = []
+        for k in range(len(points)):
+            there = [each[k] for each in made]
+            runs.append([each for each in there if each] if k not in failed else runs[-1])
+        plant = self.campaign.plant
+        return Stages(
+            plant, self.segments, self.noise_floors, points, tuple(runs), frozenset(failed)
+        )
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Value and 95 % interval of each parameter of the named effects, within its bounds."""

@@ -114,6 +114,8 @@ def _reason(row: dict[str, Any], named: bool) -> str:
     if named:
         return "accepted"
     delta_chi2 = row["evidence"] ** 2
+    if not row["refitted"]:
+        return f"would lower the misfit by {delta_chi2:.0f} by a linear estimate; not fitted"
     if delta_chi2 < SEARCH.name_limit:
         return f"lowers the misfit by {delta_chi2:.0f}; a name needs {SEARCH.name_limit:.0f}"
     return f"lowers the misfit by {delta_chi2:.0f}, which the verdict weighs"

@@ -174,7 +174,9 @@ def _rests(
 
 
 def _covariances(width: float, runs: list[dict[str, np.ndarray]]) -> dict[tuple, np.ndarray]:
-    lags = np.arange(max(2, round(NOISE.correlation_time / width)) + 1)
+    shortest = min(values.size for run in runs for values in run.values())
+    most = min(max(2, round(NOISE.correlation_time / width)), shortest - 1)
+    lags = np.arange(most + 1)
     taper = 0.5 * (1.0 + np.cos(np.pi * lags / lags.size))
     names = sorted({name for run in runs for name in run})
     found = {}

@@ -11,6 +11,7 @@ from hannes.identification.diagnosis.residual_tests import (
     autocorrelated,
     channel_excess,
 )
+from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.trend import Trend, strongest_trend
 from hannes.identification.diagnosis.trials import SearchResult, Trial, near
 from hannes.identification.diagnosis.tuning import FIT, SEARCH, VERDICT
@@ -79,9 +80,7 @@ def something_more(found: SearchResult, trial: Trial) -> str:
         return f"{more}, so something else is there"
     rest, needed = found.remaining, max(SEARCH.name_limit, SEARCH.second_share * trial.delta_chi2)
     if rest is not None and rest.delta_chi2 / found.variance_factor > needed:
-        more = rest.effect.replace("_", " ")
-        further = rest.delta_chi2 / found.variance_factor
-        return f"{further:.0f} more would go with {more}, so something else is there"
+        return f"{_further(found, rest)}, so something else is there"
     if far := _far_from_prior(trial):
         ratio = f"{far.ratio:.1f} times as far as scatter allows"
         return f"it takes a machine whose values are off {ratio}: so they are, or hide something"
@@ -124,7 +123,10 @@ def trend_text(found: SearchResult, trend: Trend) -> str:
     """A trend across runs in words."""
     name = trend.effect.replace("_", " ")
     further = trend.delta_chi2 / found.variance_factor
-    return f"{further:.0f} would go with {name} that grows from run to run"
+    return (
+        f"by a linear estimate, not fitted, {further:.0f} would go with {name} that grows from run "
+        "to run"
+    )
 
 
 def small_second_effect(found: SearchResult, trial: Trial) -> str:
@@ -134,9 +136,15 @@ def small_second_effect(found: SearchResult, trial: Trial) -> str:
         VERDICT.remainder, 0.5 * SEARCH.second_share * trial.delta_chi2
     ):
         return ""
-    name = rest.effect.replace("_", " ")
-    further = rest.delta_chi2 / found.variance_factor
-    return f"; {further:.0f} more would go with {name}, too little to name it"
+    return f"; {_further(found, rest)}, too little to name it"
+
+
+def _further(found: SearchResult, rest: Guess) -> str:
+    """What one more effect would explain, and whether it was fitted."""
+    name, further = rest.effect.replace("_", " "), rest.delta_chi2 / found.variance_factor
+    if rest.refitted:
+        return f"{name} beside it lowers the misfit by {further:.0f} more"
+    return f"by a linear estimate, not fitted, {further:.0f} more would go with {name}"
 
 
 def explained_share(found: SearchResult, trial: Trial) -> float:

@@ -24,6 +24,7 @@ class Guess:
 
     x: values of the effect's parameters at `places`
     signature: whitened derivatives by its amplitudes, (amplitudes, N)
+    refitted: whether its reduction is one of a fit by now
     """
 
     effect: str
@@ -31,6 +32,7 @@ class Guess:
     places: np.ndarray
     x: np.ndarray
     signature: np.ndarray
+    refitted: bool = False
 
 
 def screened(

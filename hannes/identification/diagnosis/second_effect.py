@@ -67,7 +67,10 @@ def _refuted(
         each.effects[-1]: (each.delta_chi2 - best.delta_chi2) * variance_factor
         for each in reversed(pairs)
     }
-    remaining = [replace(g, delta_chi2=reductions.get(g.effect, g.delta_chi2)) for g in guesses]
+    remaining = [
+        replace(g, delta_chi2=reductions[g.effect], refitted=True) if g.effect in reductions else g
+        for g in guesses
+    ]
     return max(remaining, key=lambda each: each.delta_chi2, default=None)
 
 

@@ -12,6 +12,7 @@ from hannes.core.recording.white_noise import roughness
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.tuning import NOISE
+from hannes.identification.diagnosis.work_bound import Work
 from hannes.plants.protocol import Plant
 
 NOWHERE = (
@@ -87,6 +88,7 @@ class Model:
         self.groups, self.space = list(groups), space
         self.small, self.whole = plant, plant.with_effects(*effects)
         self._corrections: dict[int, dict[int, SamplingCorrection]] = {}  # group, place
+        self.work = Work()  # of this model and all made of it
         self._held = False  # whether effects are a fixed part of the machine
 
     def with_sampling_correction(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
@@ -171,6 +173,7 @@ class Model:
         further: columns by full name [SI], shape (m,) each, beside those of x
         """
         effects = effects or self._held
+        self._count(group, len(rows), exact)
         plant = self.whole if effects else self.small
         columns = self.space.columns(group, rows, effects) | dict(further)
         many = getattr(plant, "many", None)
@@ -180,6 +183,9 @@ class Model:
             _alone(plant, {name: float(column[k]) for name, column in columns.items()}, group)
             for k in range(len(rows))
         ]
+
+    def _count(self, group: Group, runs: int, exact: bool) -> None:
+        self.work.add(runs, float(np.ptp(group.recording.time)), exact)
 
     def vectors(
         self, group: Group, rows: np.ndarray, effects: bool, exact: bool = False
@@ -210,6 +216,7 @@ class Model:
         if same_steps is None:
             made = self.vectors(group, stacked, effects)
         else:
+            self._count(group, len(stacked), False)
             columns = self.space.columns(group, stacked, effects)
             made = self._vectors(group, same_steps(columns, group.recording, group.names))
             made = self._corrected(group, made, stacked) if effects else made

@@ -35,6 +35,7 @@ class SearchResult:
     remaining: the best guess for what is left after the last of them
     variance_factor: variance of the noise over the assumed one, by which chi-squared is divided
     generic: the best generic disturbance, where a guess makes one worth fitting
+    ended: what ended the search before its end, in words, or ""
     """
 
     nominal: Linearisation
@@ -46,6 +47,7 @@ class SearchResult:
     variance_factor: float
     other_pairs: tuple[Trial, ...] = ()
     generic: Trial | None = None
+    ended: str = ""
 
     @property
     def bins(self) -> int:

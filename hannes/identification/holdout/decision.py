@@ -61,14 +61,26 @@ def lacking(campaign: Campaign, segments: Sequence[Segment], trials: Sequence[Tr
             f"run under the same command{longer * may_be_split(campaign.plant)}"
         )
     blocks = [trial.block_reductions.size for trial in trials if trial.applicable]
-    few = blocks and max(blocks) < HOLDOUT.fewest_blocks
-    return "the recordings to choose by are too short: record longer runs" if few else ""
+    if not blocks or max(blocks) >= HOLDOUT.fewest_blocks:
+        return ""
+    return (
+        f"the recordings to choose by have {max(blocks)} blocks, of which chance favours all in "
+        f"{100.0 * 0.5 ** max(blocks):.2g} %, more than the {100.0 * HOLDOUT.false_alarms:g} % "
+        "asked for: record longer runs"
+    )
 
 
-def confirmed(fields: VerdictFields, gap: Mapping[str, Mapping[str, float]]) -> VerdictFields:
-    """Withdraw a name that the test recordings do not confirm; state a remainder."""
+def confirmed(
+    fields: VerdictFields, gap: Mapping[str, Mapping[str, float]], refused: str
+) -> VerdictFields:
+    """Withdraw a name that the test recordings do not confirm; state a remainder.
+
+    refused: why they speak against it channel by channel, or ""
+    """
     if not fields["effects"]:
         return fields
+    if refused:
+        return _fields("unknown", f"{fields['reason']}; but {refused}")
     squares = [
         sum((each[key] / each["floor"]) ** 2 for each in gap.values())
         for key in ("before", "after")

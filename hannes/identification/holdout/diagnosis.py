@@ -15,6 +15,7 @@ from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.segments import Segment, in_roles, noise_floors, split_campaign
 from hannes.core.effect import Effect
 from hannes.identification.baseline_table import Refitted, baseline_table
+from hannes.identification.gap_change import GapChange, gap_changes, refusal
 from hannes.identification.holdout import decision
 from hannes.identification.holdout.effect_test import (
     Trial,
@@ -24,6 +25,7 @@ from hannes.identification.holdout.effect_test import (
     with_confusable,
 )
 from hannes.identification.holdout.least_squares import Fitted, Progress, WeightedResidual, fit
+from hannes.identification.holdout.starting_points import start
 from hannes.identification.holdout.tuning import HOLDOUT
 from hannes.identification.residuals import (
     Traces,
@@ -102,7 +104,8 @@ class _HoldoutDiagnosis:
     def baseline(self, training: Sequence[Segment]) -> tuple[Fitted, dict[str, float]]:
         """The baseline fit, twice: first weighted by the noise floor, then by its residual."""
         first = self.residual(training)
-        rough = fit(first, self.plant, progress=self.progress)
+        begun = start(first, self.plant, self.progress)
+        rough = fit(first, self.plant, begun, self.progress)
         scales = inflated_noise_floors(self.noise_floors, first, rough)
         residual = WeightedResidual(self.plant, training, scales)
         return fit(residual, self.plant, rough.values, self.progress), scales
@@ -159,8 +162,10 @@ class _HoldoutDiagnosis:
     ) -> HoldoutResult:
         """Open the test recordings and assemble the verdict."""
         test, gap_on = self.test()
+        before, caution = self.taken(test, before)
+        after = before if best is None else after
         gap = gaps(self.residual(test), before, after)
-        fields = decision.confirmed(fields, gap)
+        fields = decision.confirmed(fields, gap, refusal(self.change(test, before, after)))
         named = best is not None and bool(fields["effects"])
         found = after if named else before
         verdict = Verdict(
@@ -180,7 +185,8 @@ class _HoldoutDiagnosis:
             floor_from=self.how,
             cut=self.note,
             smallest_detectable=minimum_detectable_sizes(trials) or None,
-            baseline=_baseline(before),
+            baseline=None if caution else _baseline(before),
+            cautions=[caution] if caution else [],
         )
         usable = verdict.verdict not in ("undecided", "no_gap")
         plant = found.plant.with_values(found.values) if usable else self.plant
@@ -189,6 +195,22 @@ class _HoldoutDiagnosis:
             for entry in self.campaign.entries
         )
         return HoldoutResult(verdict, plant, drawn, self.noise_floors, tuple(trials))
+
+    def taken(self, test: Sequence[Segment], before: Fitted) -> tuple[Fitted, str]:
+        """The refitted baseline, or as given where unfitted recordings oppose it; and why."""
+        given = self.as_given(before)
+        why = refusal(self.change(test, given, before)) if self.of("show") else ""
+        return (given, f"the refitted baseline is not taken: {why}") if why else (before, "")
+
+    def as_given(self, fitted: Fitted) -> Fitted:
+        """The same fit with every parameter at its given value."""
+        return replace(fitted, values={name: self.plant.parameters[name] for name in fitted.names})
+
+    def change(self, test: Sequence[Segment], before: Fitted, after: Fitted) -> list[GapChange]:
+        """How the gap of recordings that were not fitted changes between two fits."""
+        residual = self.residual(test)
+        raws = (residual.raw(each.plant, each.values) for each in (before, after))
+        return gap_changes(self.plant, self.segments, test, *raws)
 
     def test(self) -> tuple[list[Segment], str]:
         """The segments on which the gaps are measured, and what they are."""

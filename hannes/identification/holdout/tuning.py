@@ -11,7 +11,11 @@ class HoldoutTuning:
 
     false_alarms: float = constant(0.01, "1", "accepted for each effect", CONVENTION)
     resamples: int = constant(2000, "1", "of blocks, for the lower limit of a reduction", COST)
-    fewest_blocks: int = constant(6, "1", "to judge a reduction by")
+    fewest_blocks: int = constant(
+        7,
+        "1",
+        "to judge a reduction by: chance alone favours all of six in 1.6 %, of seven in 0.8 %",
+    )
     least_share: float = constant(0.2, "1", "of the reducible chi-squared, to be explained")
     least_reduction: float = constant(0.2, "squared noise floors", "mean over samples, likewise")
     rival_share: float = constant(
@@ -27,6 +31,13 @@ class HoldoutTuning:
     scanned_sizes: tuple[float, ...] = constant(
         (-4.0, -1.0, 1.0, 4.0), "twentieths of an effect's range", "from off, where a fit starts"
     )
+    starts_alone: tuple[float, ...] = constant(
+        (-1.0, 1.0, -2.0, 2.0, -4.0, 4.0),
+        "standard deviations",
+        "of each free parameter, where a channel does not answer as given",
+    )
+    starts_together: int = constant(5, "powers of two", "of points with all moved, likewise", COST)
+    starts_looked_at: int = constant(6, "1", "of these, nearest first", COST)
     max_evaluations: int = constant(12, "1", "of each fit", COST)
     moments_per_block: int = constant(4, "1", "of a plant's block, taken as independent")
 

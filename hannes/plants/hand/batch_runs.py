@@ -152,6 +152,14 @@ class _Runs:
         return run
 
 
+def counted(hand: Hand, recording: Recording) -> bool:
+    """Whether a recorded position stands in whole counts of the hand's encoder, and moves."""
+    step = 2.0 * np.pi / 2.0 ** hand.parameters["encoder.bits"]
+    if "position" not in recording or np.ptp(recording["position"]) < step:
+        return False
+    return _in_steps(recording["position"], step)
+
+
 def _in_steps(values: np.ndarray, step: float) -> bool:
     counts = values / step
     return bool(np.all(np.abs(counts - np.round(counts)) < COUNTED))

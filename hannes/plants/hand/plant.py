@@ -12,7 +12,12 @@ from hannes.core.parameter import ParameterSet
 from hannes.core.recording.recording import Recording
 from hannes.plants.hand import batch_runs, candidate_runs
 from hannes.plants.hand.channel_limits import EXPECTED
-from hannes.plants.hand.recorded_experiment import effects_on_object, experiment_of, motion
+from hannes.plants.hand.recorded_experiment import (
+    effects_on_object,
+    experiment_of,
+    motion,
+    with_sampled_controller,
+)
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand import variables as channels
 from hannes.simulation.hand.hand import Hand
@@ -220,10 +225,19 @@ class HandPlant(ByValue):
         return batch_runs.noisy(self.hand, experiment_of(recording), recording, count)
 
     firmware = batch_runs.FIRMWARE
+    tick = "controller.period"
+
+    def sampled(self, recording: Recording) -> Recording | None:
+        """The recording under firmware's ticks; None where its experiment has them, or none."""
+        return with_sampled_controller(recording)
 
     def unrounded(self, count: int) -> dict[str, np.ndarray]:
         """Columns for `many` by which the controller rounds nothing, see batch_runs.py."""
         return batch_runs.unrounded(count)
+
+    def counted(self, recording: Recording) -> bool:
+        """Whether its position stands in whole counts of this hand's encoder."""
+        return batch_runs.counted(self.hand, recording)
 
     def nominal(self, recording: Recording) -> dict[str, float]:
         """Nominal value of every parameter for a recording's run [SI]."""

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from hannes.core.errors import BadInput
-from hannes.core.io.toml_table import Table
+from hannes.core.io.toml_table import Table, parsed
 from hannes.core.recording.recording import Recording
 from hannes.simulation.catalogue import laws_of_objects
 from hannes.simulation.experiment.experiment import Experiment, Reference
@@ -35,6 +35,20 @@ def experiment_of(recording: Recording) -> Experiment:
     if planned is None:
         return Experiment("recorded", duration, reference, sampling=sampling)
     return replace(planned, duration=duration, reference=reference, sampling=sampling, noise={})
+
+
+def with_sampled_controller(recording: Recording) -> Recording | None:
+    """The same with a sampled controller in its experiment; None where it has one already.
+
+    None too where it has no experiment: the continuous controller stands for it then.
+    """
+    import tomli_w
+
+    planned = _planned(recording)
+    if planned is None or planned.controller == "sampled":
+        return None
+    content = {**parsed(recording.experiment), "controller": "sampled"}
+    return replace(recording, experiment=tomli_w.dumps(content))
 
 
 def _planned(recording: Recording) -> Experiment | None:

@@ -63,6 +63,21 @@ class NoiseTuning:
         (0.5, 1.0, 1.5), "1", "times the size that an effect has, likewise"
     )
     fewest_simulations: int = constant(2, "1", "that must succeed", NUMERICS)
+    nearer_controller: float = constant(
+        0.9, "1", "of the distance that the stated controller leaves, for another to be taken"
+    )
+    counted_controller: float = constant(
+        1.25, "1", "the same where positions are whole encoder counts, which firmware reads"
+    )
+    known_mean: float = constant(
+        0.05, "squared noise floors", "to which a mean of repeats is known at most"
+    )
+    logged_periods: tuple[float, float] = constant(
+        (2e-4, 5e-3), "s", "between which the interval of a log may be the controller's period"
+    )
+    alive: float = constant(
+        20.0, "times its roughness", "range of a recorded channel that surely is not zero"
+    )
     start_shift: float = constant(0.4e-3, "s", "by which a start time is differenced", NUMERICS)
     excess_ratios: tuple[float, ...] = constant(
         (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0),

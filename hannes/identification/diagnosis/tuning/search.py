@@ -9,6 +9,15 @@ from hannes.identification.tuning_table import COST, DEVELOPMENT, NUMERICS, cons
 class SearchTuning:
     """How the catalogue is searched."""
 
+    most_simulated: float = constant(
+        36_000.0,
+        "s",
+        "of simulated runs in one search, which then ends: about 120 s of a processor",
+        COST,
+    )
+    exact_weight: float = constant(
+        4.0, "1", "of a run with the sampled controller among these", COST
+    )
     shortlist: int = constant(5, "1", "effects of each screening that are refitted", COST)
     faint: float = constant(
         6.0, "chi2", "reduction below which an effect is not refitted", DEVELOPMENT

@@ -1,0 +1,126 @@
+"""What a decision must stand on recordings that were not fitted, simulated as the machine runs.
+
+A fit moves a hundred parameters and compares bin means with quick simulations. What it leads to may
+do otherwise under firmware's ticks, or between bins. So what was refitted or named is simulated
+whole. It is withdrawn where it raises a gap, lowers none, or leaves too much anywhere.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from hannes.campaigns.segments import Segment, in_roles
+from hannes.identification.diagnosis.before_after import left
+from hannes.identification.diagnosis.decision import Decision
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.repeat_groups import Channels
+from hannes.identification.gap_change import GapChange, gap_changes, refusal, too_faint
+from hannes.identification.remainder import SMALL, Remainder, largest, remainders
+from hannes.identification.residuals import Raw
+from hannes.plants.protocol import Plant
+
+FAINT = (
+    "what is named is too small to show in recordings that were not fitted: only the misfit of "
+    "the fitted ones speaks for it"
+)
+
+
+@dataclass(frozen=True)
+class Stages:
+    """The machine as given, refitted, and with what was found: points and their simulations.
+
+    runs: of each point, the channels of every segment;  failed: points that cannot be simulated
+    """
+
+    plant: Plant
+    segments: Sequence[Segment]
+    noise_floors: Mapping[str, float]
+    points: tuple[Linearisation, ...]
+    runs: tuple[Sequence[Channels], ...]
+    failed: frozenset[int] = frozenset()
+
+    def raw(self, number: int, *roles: str) -> Raw:
+        """Simulated minus recorded of every segment, or of those in some roles, at a stage."""
+        pairs = zip(self.segments, self.runs[number], strict=True)
+        some = [(segment, run) for segment, run in pairs if not roles or segment.role in roles]
+        return left([s for s, _ in some], [run for _, run in some], list(self.noise_floors))
+
+    def change(self, one: int, other: int) -> list[GapChange]:
+        """How the gap of unfitted recordings changes between two stages."""
+        unfitted = in_roles(self.segments, "show")
+        raws = (self.raw(k, "show") for k in (one, other))
+        return gap_changes(self.plant, self.segments, unfitted, *raws)
+
+    def remaining(self, one: int, other: int) -> list[Remainder]:
+        """What is left in each place at one stage, beside another."""
+        before, after = self.raw(one), self.raw(other)
+        return remainders(self.plant, self.segments, before, after, self.noise_floors)
+
+    def with_stage(self, number: int, other: int) -> "Stages":
+        """The same with one stage in place of another."""
+        points, runs = list(self.points), list(self.runs)
+        points[number], runs[number] = points[other], runs[other]
+        return replace(self, points=tuple(points), runs=tuple(runs))
+
+    def refusal(self, one: int, other: int) -> str:
+        """Why another stage is not taken after one, or an empty string."""
+        if other in self.failed:
+            return "it cannot be simulated as the machine runs"
+        return refusal(self.change(one, other))
+
+
+@dataclass(frozen=True)
+class Guarded:
+    """The decision that stands, the stages it is shown with, what a reader must know.
+
+    refitted: whether the refitted baseline is taken
+    """
+
+    decision: Decision
+    stages: Stages
+    cautions: list[str]
+    refitted: bool
+
+
+def guarded(decision: Decision, stages: Stages) -> Guarded:
+    """The decision, or what is left of it."""
+    cautions, refitted = list[str](), True
+    if why := stages.refusal(0, 1):
+        cautions.append(f"the refitted baseline is not taken: {why}")
+        stages, refitted = stages.with_stage(1, 0), False
+    if decision.effects:
+        decision, more = _named(decision, stages)
+        cautions += more
+    elif decision.kind == "recalibrated":
+        decision = _recalibrated(decision, stages, refitted)
+    if not decision.effects:
+        stages = stages.with_stage(2, 1)
+        decision = replace(decision, point=stages.points[2])
+    return Guarded(decision, stages, cautions, refitted)
+
+
+def _named(decision: Decision, stages: Stages) -> tuple[Decision, list[str]]:
+    """The same, or unknown; and a caution where unfitted recordings can say nothing."""
+    if why := stages.refusal(1, 2):
+        return _unknown(decision, stages, why), []
+    rest = stages.remaining(1, 2)
+    if worst := largest(rest):
+        return _unknown(decision, stages, f"it leaves {worst.text}"), []
+    if decision.kind == "named_with_remainder" and rest:
+        decision = replace(decision, reason=f"{decision.reason}; most is left as {rest[0].text}")
+    return decision, [FAINT] if too_faint(stages.change(1, 2)) else []
+
+
+def _recalibrated(decision: Decision, stages: Stages, refitted: bool) -> Decision:
+    """The same, no gap where refitting only worsens, or unknown where much is left."""
+    rest = stages.remaining(0, 1)
+    if refitted:
+        worst = largest(rest)
+        return _unknown(decision, stages, f"it leaves {worst.text}") if worst else decision
+    if rest and rest[0].after > SMALL:
+        return _unknown(decision, stages, f"as given it leaves {rest[0].text}")
+    reason = f"as given it leaves no more than {SMALL:g} times the noise floor anywhere"
+    return Decision("no_gap", (), reason, stages.points[0])
+
+
+def _unknown(decision: Decision, stages: Stages, why: str) -> Decision:
+    return Decision("unknown", (), f"{decision.reason}, but {why}", stages.points[1])

@@ -1,0 +1,127 @@
+"""Whether recordings show a sampled controller where their experiments say a continuous one.
+
+Who names a shipped experiment takes its continuous controller along, and hardly any real hand has
+one. Firmware's ticks and rounding shift currents by more than noise; read as parameters, they make
+a sound hand look wrong. So both are simulated as the machine runs, as given and refitted coarsely,
+and the controller that is nearer to the means of repeats is taken. Where something large is
+missing neither is near; whole encoder counts then speak for firmware.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hannes.campaigns.campaign import Campaign, Entry
+from hannes.campaigns.segments import in_roles, noise_floors, split_campaign
+from hannes.core.errors import ComputationFailed
+from hannes.identification.diagnosis.baseline import COARSE
+from hannes.identification.diagnosis.gauss_newton import fitted
+from hannes.identification.diagnosis.linearisation import first
+from hannes.identification.diagnosis.multistart import Progress
+from hannes.identification.diagnosis.parameter_space import ParameterSpace
+from hannes.identification.diagnosis.repeat_groups import Group, grouped
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.simulator import Model
+from hannes.identification.diagnosis.tuning import NOISE
+from hannes.plants.protocol import Plant
+
+
+@dataclass(frozen=True)
+class Controller:
+    """A plant and its recordings under one controller; period [s], 0 for the one as stated."""
+
+    plant: Plant
+    entries: tuple[Entry, ...]
+    period: float = 0.0
+
+
+def as_recorded(
+    campaign: Campaign, settings: Settings, seed: int, progress: Progress
+) -> tuple[Campaign, str]:
+    """The campaign under the controller that its recordings show, and what was changed or ""."""
+    others = list(_sampled(campaign))
+    if not others:
+        return campaign, ""
+    progress("the controller")
+    known = in_roles(split_campaign(campaign)[0], "fit", "select")
+    levels, _ = noise_floors(campaign.plant, known)
+    stated = _apart(Controller(campaign.plant, campaign.entries), levels, settings, seed)
+    apart = [_apart(each, levels, settings, seed) for each in others]
+    nearest = int(np.argmin(apart))
+    counted = _counted(campaign)
+    needed = NOISE.counted_controller if counted else NOISE.nearer_controller
+    if not apart[nearest] < needed * stated:
+        return campaign, ""
+    taken, counts = others[nearest], "whole encoder counts and " if counted else ""
+    said = (
+        f"experiments say a continuous controller; the recordings show {counts}one sampled every "
+        f"{1e3 * taken.period:.3g} ms, which comes {stated / apart[nearest]:.2g} times as near: "
+        "that is taken"
+    )
+    return replace(campaign, plant=taken.plant, entries=taken.entries), said
+
+
+def _counted(campaign: Campaign) -> bool:
+    """Whether every recording holds whole counts of an encoder, as firmware reads them."""
+    counted = getattr(campaign.plant, "counted", None)
+    return counted is not None and all(counted(each.recording) for each in campaign.entries)
+
+
+def _sampled(campaign: Campaign) -> Iterator[Controller]:
+    """The campaign under sampled controllers, where any of its experiments has a continuous one."""
+    make, tick = (getattr(campaign.plant, name, None) for name in ("sampled", "tick"))
+    if make is None or tick is None:
+        return
+    made = [make(each.recording) for each in campaign.entries]
+    if not any(made):
+        return
+    entries = tuple(
+        each if other is None else replace(each, recording=other)
+        for each, other in zip(campaign.entries, made, strict=True)
+    )
+    for period in _periods(campaign.plant.parameters[tick], entries):
+        yield Controller(campaign.plant.with_values({tick: period}), entries, period)
+
+
+def _periods(usual: float, entries: Sequence[Entry]) -> list[float]:
+    """Periods [s] to try: that of the machine, and how often it was logged."""
+    logged = float(np.median([np.median(np.diff(each.recording.time)) for each in entries]))
+    low, high = NOISE.logged_periods
+    other = [logged] if abs(logged / usual - 1.0) > 0.01 and low <= logged <= high else []
+    return [usual, *other]
+
+
+def _apart(
+    controller: Controller, levels: Mapping[str, float], settings: Settings, seed: int
+) -> float:
+    """RMS of simulated minus mean recorded in noise floors, geometric mean over channels.
+
+    As given or refitted, whichever is nearer; infinite where it cannot be simulated.
+    """
+    known = [each for each in controller.entries if each.role in ("fit", "select")]
+    groups = grouped(controller.plant, known)
+    model = Model(
+        controller.plant, groups, ParameterSpace(controller.plant, groups, settings, ()), ()
+    )
+    try:
+        given = first(model, COARSE, seed)
+        places = np.array([given.x, fitted(given, 5, restarts=1).x])
+    except ComputationFailed:
+        return float("inf")
+    made = [model.vectors(group, places, False, exact=True) for group in groups]
+    return min(_between(groups, [each[k] for each in made], levels) for k in range(len(places)))
+
+
+def _between(
+    groups: Sequence[Group], made: Sequence[np.ndarray], levels: Mapping[str, float]
+) -> float:
+    """The same of one simulation of each group, shape (n,)."""
+    squares: dict[str, list[float]] = {}
+    for group, vector in zip(groups, made, strict=True):
+        apart = group.mean - vector
+        for name in group.names:
+            size = float(np.mean((apart[group.of(name)] / levels[name]) ** 2))
+            squares.setdefault(name, []).append(size)
+    means = [np.mean(each) + NOISE.known_mean for each in squares.values()]
+    return float(np.exp(0.5 * np.mean(np.log(means))))

@@ -1,0 +1,150 @@
+"""Whether another simulation is nearer to recordings that were not fitted, or farther.
+
+Let u be the difference of two simulations and e how a run differs from its repeats. The sum of
+squared residuals then changes by what u predicts, and by chance as 2 u'e does from run to run. That
+is measured with the repeats themselves, so noise of any colour and whatever differs between runs
+count as they are.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.campaigns.segments import Segment
+from hannes.core.recording.white_noise import roughness
+from hannes.plants.protocol import Plant
+
+LEVEL = 0.01  # one-sided, over all channels together
+SURELY = 2.33  # standard deviations: what is right would be missed once in a hundred
+WHITE = 1000.0  # degrees of freedom where white noise is all that is known
+
+Raw = Sequence[Mapping[str, np.ndarray]]
+
+
+@dataclass(frozen=True)
+class GapChange:
+    """Of one channel [its unit]: RMS residual before and after, and the squares' change.
+
+    rise:     sum of squares after less before;  expected: were the simulation after it right
+    spread:   standard deviation of the rise from run to run
+    quantile: of its distribution, in such standard deviations, at the level
+    """
+
+    channel: str
+    unit: str
+    before: float
+    after: float
+    rise: float
+    expected: float
+    spread: float
+    quantile: float
+
+    @property
+    def worse(self) -> bool:
+        """Whether the gap rises by more than runs differ by."""
+        return self.rise > self.quantile * self.spread
+
+    @property
+    def better(self) -> bool:
+        """Whether it falls beyond chance."""
+        return self.rise < -self.quantile * self.spread
+
+    @property
+    def could_show(self) -> bool:
+        """Whether the fall would surely be seen, were the simulation after it right."""
+        return self.expected < -(self.quantile + SURELY) * self.spread
+
+    @property
+    def text(self) -> str:
+        """`that of the current from 0.012 to 0.071 A`."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"that of the {self.channel} from {self.before:.3g} to {self.after:.3g}{unit}"
+
+
+def gap_changes(
+    plant: Plant, segments: Sequence[Segment], unfitted: Sequence[Segment], before: Raw, after: Raw
+) -> list[GapChange]:
+    """The change of each channel over `unfitted`, some of all `segments`; see above.
+
+    before, after: simulated minus recorded of each unfitted segment
+    """
+    names = [n for n in plant.judged if any(n in each for each in before)]
+    if not unfitted:
+        return []
+    return [_change(plant, segments, unfitted, before, after, n, len(names)) for n in names]
+
+
+def _change(
+    plant: Plant,
+    segments: Sequence[Segment],
+    unfitted: Sequence[Segment],
+    before: Raw,
+    after: Raw,
+    name: str,
+    channels: int,
+) -> GapChange:
+    from scipy.stats import t
+
+    variance, freedom = 0.0, dict[int, float]()
+    pairs = [(s, b[name], a[name]) for s, b, a in zip(unfitted, before, after, strict=True)
+             if name in b]  # fmt: skip
+    for segment, was, now in pairs:
+        repeats = _repeats(plant, segments, segment, name)
+        variance += _variance(segment.recording[name], repeats, now - was)
+        freedom[id(repeats[0])] = len(repeats) - 1.0 if len(repeats) > 1 else WHITE
+    old, new = (np.concatenate([pair[k] for pair in pairs]) for k in (1, 2))
+    return GapChange(
+        name,
+        plant.channels[name],
+        float(np.sqrt(np.mean(old**2))),
+        float(np.sqrt(np.mean(new**2))),
+        float(new @ new - old @ old),
+        -float((new - old) @ (new - old)),
+        float(np.sqrt(variance)),
+        float(t.ppf(1.0 - LEVEL / channels, sum(freedom.values()))),
+    )
+
+
+def _repeats(plant: Plant, segments: Sequence[Segment], of: Segment, name: str) -> list[np.ndarray]:
+    """Counted samples of a channel in a segment's repeats, itself among them."""
+    key = of.entry.condition, plant.same_run(of.recording), of.mask.tobytes()
+    return [
+        each.recording[name][of.mask]
+        for each in segments
+        if name in each.recording
+        and (each.entry.condition, plant.same_run(each.recording), each.mask.tobytes()) == key
+    ]
+
+
+def _variance(values: np.ndarray, repeats: Sequence[np.ndarray], moved: np.ndarray) -> float:
+    """Variance of 2 u'e between runs, plus that of the mean that was fitted."""
+    if len(repeats) < 2:
+        return 4.0 * roughness(values) ** 2 * float(moved @ moved)
+    along = np.array([2.0 * float(moved @ each) for each in repeats])
+    return float(np.var(along, ddof=1)) * (1.0 + 1.0 / len(repeats))
+
+
+def worsened(changes: Sequence[GapChange]) -> str:
+    """The gaps that rise by more than runs differ by, in words; empty where none does."""
+    return " and ".join(each.text for each in changes if each.worse)
+
+
+def lacks_gain(changes: Sequence[GapChange]) -> bool:
+    """Whether no gap falls beyond chance though one would show it, were the simulation right."""
+    shown = any(each.better for each in changes)
+    return not shown and any(each.could_show for each in changes)
+
+
+def refusal(changes: Sequence[GapChange]) -> str:
+    """Why what made this change is not taken, or an empty string."""
+    if worse := worsened(changes):
+        return f"on recordings that were not fitted it raises the gap, {worse}"
+    if lacks_gain(changes):
+        return "on recordings that were not fitted no gap falls by more than runs differ by"
+    return ""
+
+
+def too_faint(changes: Sequence[GapChange]) -> bool:
+    """Whether no fall could surely have shown in these recordings."""
+    return not any(each.better or each.could_show for each in changes)

@@ -1,0 +1,95 @@
+"""Where something is left of the gap: by condition, channel and phase, in noise floors of there."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.campaigns.segments import Segment
+from hannes.plants.protocol import Plant
+
+SMALL = 2.0  # noise floors: what a small remainder is at most
+SMALL_SHARE = 0.1  # of what was there before, which a small remainder may be instead
+LEAST_FLOOR = 0.3  # of a channel's noise floor: at rest it may be nearly none
+FEWEST = 20  # samples of a phase that count
+
+Raw = Sequence[Mapping[str, np.ndarray]]
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What is left in one place beyond noise: RMS in noise floors of there, before and after."""
+
+    condition: str
+    channel: str
+    phase: str
+    before: float
+    after: float
+
+    @property
+    def small(self) -> bool:
+        """Whether it is small beside noise, or beside what was there."""
+        return self.after <= max(SMALL, SMALL_SHARE * self.before)
+
+    @property
+    def text(self) -> str:
+        """`2.4 times the noise floor in the force while closing (dynamometer)`."""
+        return (
+            f"{self.after:.2g} times the noise floor in the {self.channel}, {self.phase} of "
+            f"{self.condition}"
+        )
+
+
+def remainders(
+    plant: Plant,
+    segments: Sequence[Segment],
+    before: Raw,
+    after: Raw,
+    noise_floors: Mapping[str, float],
+) -> list[Remainder]:
+    """The remainder of every place, the largest first.
+
+    before, after: simulated minus recorded of each segment, over its counted samples. Repeats are
+    averaged; what their mean still holds of noise is subtracted.
+    """
+    found = []
+    for numbers in _repeated(plant, segments):
+        first = segments[numbers[0]]
+        for phase, mask in plant.phases(first.recording).items():
+            inside = mask[first.mask]
+            if np.count_nonzero(inside) < FEWEST:
+                continue
+            for name in (n for n in noise_floors if n in first.recording):
+                old, new = ([raw[k][name][inside] for k in numbers] for raw in (before, after))
+                sizes = list(_sizes(old, new, noise_floors[name]))
+                found.append(Remainder(first.entry.condition, name, phase, *sizes))
+    return sorted(found, key=lambda each: -each.after)
+
+
+def _repeated(plant: Plant, segments: Sequence[Segment]) -> list[list[int]]:
+    """Numbers of the segments that repeat each other."""
+    found: dict[tuple[object, ...], list[int]] = {}
+    for number, each in enumerate(segments):
+        names = tuple(each.recording.names)
+        key = each.entry.condition, plant.same_run(each.recording), each.mask.tobytes(), names
+        found.setdefault(key, []).append(number)
+    return list(found.values())
+
+
+def _sizes(
+    before: Sequence[np.ndarray], after: Sequence[np.ndarray], channel_floor: float
+) -> Iterator[float]:
+    """RMS of each mean residual in noise floors of the place, less the noise of that mean."""
+    runs, floor = len(before), channel_floor
+    if runs > 1:
+        spread = np.array(after) - np.mean(after, axis=0)
+        here = float(np.sqrt(np.sum(spread**2) / (spread.size - spread.shape[1])))
+        floor = max(here, LEAST_FLOOR * channel_floor)
+    for rows in (before, after):
+        square = float(np.mean(np.square(np.mean(rows, axis=0))))
+        yield float(np.sqrt(max(0.0, square - floor**2 / runs))) / floor
+
+
+def largest(found: Sequence[Remainder]) -> Remainder | None:
+    """The largest remainder that is not small, or None."""
+    return next((each for each in found if not each.small), None)

@@ -1,0 +1,286 @@
+"""What a diagnosis must stand beside recordings that were not fitted, and in any place of them."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sled import HARDENING, TIMES, UNITS, Sled, found
+
+from hannes.campaigns.campaign import Campaign, Entry
+from hannes.campaigns.segments import Segment
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
+from hannes.identification.diagnosis import baseline, work_bound
+from hannes.identification.diagnosis.decision import Decision
+from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
+from hannes.identification.diagnosis.reservations import _further
+from hannes.identification.diagnosis.score_test import Guess
+from hannes.identification.gap_change import gap_changes, refusal, too_faint
+from hannes.identification.remainder import largest, remainders
+from hannes.plants.finger.plant import Finger
+from hannes.plants.hand.plant import HandPlant
+
+POINTS = tuple(SimpleNamespace(x=np.zeros(1), name=name) for name in ("given", "base", "found"))
+FLOORS = {"position": 0.01, "speed": 0.1}
+WAVE = np.sin(6.0 * TIMES)
+
+
+def segments(runs=6, seed=0):
+    """Repeats of one command: position is a wave that differs in size from run to run, noise."""
+    made = []
+    for k in range(runs):
+        rng = np.random.default_rng([seed, k])
+        size = 1.0 + 0.005 * rng.standard_normal()
+        channels = {
+            "time": TIMES,
+            "drive": np.sin(TIMES),
+            "position": size * WAVE + 0.01 * rng.standard_normal(TIMES.size),
+            "speed": 0.1 * rng.standard_normal(TIMES.size),
+        }
+        entry = Entry(f"{k}.csv", Recording(channels, UNITS), "pushed", "show" if k > 4 else "fit")
+        made.append(Segment(entry, entry.role, np.ones(TIMES.size, bool)))
+    return made
+
+
+def stages(*runs, failed=()):
+    """Simulations as given, refitted, and with what was found; the same for every repeat."""
+    these = segments()
+    many = tuple([run] * len(these) for run in runs)
+    return Stages(Sled(), these, FLOORS, POINTS, many, frozenset(failed))
+
+
+def run(position=WAVE, speed=0.0 * WAVE):
+    """Channels of one simulation."""
+    return {"position": position, "speed": speed}
+
+
+def decided(kind="named", *effects):
+    """A decision before the guard."""
+    return Decision(kind, effects, "it fits", POINTS[2])
+
+
+LACKING = run(0.9 * WAVE)
+RIGHT = run()
+
+
+def change(before, after):
+    """Of the unfitted recording's gaps."""
+    return stages(before, before, after).change(1, 2)
+
+
+def test_a_gap_that_falls_beyond_chance_is_better_and_one_that_rises_is_worse():
+    position, speed = change(LACKING, RIGHT)
+    assert position.better and position.could_show and not position.worse
+    assert not (speed.better or speed.worse)
+    position, _ = change(RIGHT, LACKING)
+    assert position.worse and "that of the position from 0.0" in position.text
+
+
+def test_what_moves_less_than_runs_differ_is_neither_and_is_called_faint():
+    moved = change(RIGHT, run(1.002 * WAVE))
+    assert not any(each.better or each.worse for each in moved)
+    assert refusal(moved) == "" and too_faint(moved)
+
+
+def test_a_rise_is_rarely_seen_where_there_is_none():
+    """The better simulation of two is called worse in one of a hundred at most, by its spread."""
+    worse = 0
+    for seed in range(200):
+        these = segments(seed=seed + 1)
+        before, after = (
+            [{n: sim[n] - these[-1].recording[n] for n in FLOORS}] for sim in (LACKING, RIGHT)
+        )
+        near = [{n: run(0.998 * WAVE)[n] - these[-1].recording[n] for n in FLOORS}]
+        worse += any(e.worse for e in gap_changes(Sled(), these, these[-1:], near, after))
+        assert not any(e.worse for e in gap_changes(Sled(), these, these[-1:], before, after))
+    assert worse <= 6
+
+
+def test_a_name_that_raises_one_gap_is_withdrawn_though_another_falls():
+    ripple = 0.5 * np.sin(300.0 * TIMES)
+    stood = guarded(decided("named", "slack"), stages(LACKING, LACKING, run(speed=ripple)))
+    assert (stood.decision.kind, stood.decision.effects) == ("unknown", ())
+    assert "raises the gap, that of the speed from 0.0" in stood.decision.reason
+    assert stood.decision.point is POINTS[1]
+    assert stood.stages.raw(2)[0]["speed"] == pytest.approx(stood.stages.raw(1)[0]["speed"])
+
+
+def test_a_name_that_lowers_no_gap_though_it_would_show_is_withdrawn():
+    other = run(WAVE + 0.1 * np.cos(25.0 * TIMES))
+    middle = run(WAVE + 0.1 * np.sin(25.0 * TIMES))
+    stood = guarded(decided("named", "slack"), stages(middle, middle, other))
+    assert stood.decision.kind == "unknown"
+
+
+def test_a_right_name_stands():
+    stood = guarded(decided("named", "slack"), stages(LACKING, LACKING, RIGHT))
+    assert (stood.decision.kind, stood.cautions, stood.refitted) == ("named", [], True)
+
+
+def test_a_refitted_baseline_that_oscillates_is_not_taken():
+    """Between bins a refit may do anything: what was seen swung by 28 A where 0.06 A were off."""
+    swings = run(speed=20.0 * np.sin(1500.0 * TIMES))
+    stood = guarded(decided("recalibrated"), stages(run(0.99 * WAVE), swings, swings))
+    assert not stood.refitted and stood.decision.kind == "no_gap"
+    assert stood.decision.point is POINTS[0]
+    assert stood.cautions[0].startswith("the refitted baseline is not taken: on recordings that")
+    far = guarded(decided("recalibrated"), stages(LACKING, swings, swings))
+    assert far.decision.kind == "unknown" and "times the noise floor" in far.decision.reason
+
+
+def test_what_cannot_be_simulated_whole_is_not_taken():
+    stood = guarded(decided("named", "slack"), stages(LACKING, LACKING, LACKING, failed=[2]))
+    assert stood.decision.kind == "unknown" and "cannot be simulated" in stood.decision.reason
+
+
+def test_a_remainder_is_found_where_it_is():
+    """Five noise floors in one tenth of a run are hardly more than one in its RMS."""
+    local = WAVE + 0.05 * (TIMES > 0.9)
+    sled = Sled()
+    sled.phases = lambda recording: {"early": TIMES <= 0.9, "late": TIMES > 0.9}
+    these = stages(LACKING, LACKING, run(local))
+    found = remainders(sled, these.segments, these.raw(1), these.raw(2), FLOORS)
+    worst = largest(found)
+    assert (worst.channel, worst.phase) == ("position", "late") and 4.0 < worst.after < 6.0
+    assert largest(remainders(sled, these.segments, these.raw(1), these.raw(1), FLOORS))
+    quiet = stages(LACKING, LACKING, RIGHT)
+    assert largest(remainders(sled, quiet.segments, quiet.raw(1), quiet.raw(2), FLOORS)) is None
+
+
+def test_a_name_with_a_large_remainder_is_unknown():
+    left = run(0.97 * WAVE)
+    stood = guarded(decided("named_with_remainder", "slack"), stages(LACKING, LACKING, left))
+    assert stood.decision.kind == "unknown" and "it leaves" in stood.decision.reason
+
+
+def test_a_linear_estimate_is_never_stated_as_a_fact():
+    guess = Guess("gear_load", 40.0, np.zeros(1, int), np.zeros(1), np.zeros((1, 1)))
+    state = SimpleNamespace(variance_factor=1.0)
+    assert _further(state, guess).startswith("by a linear estimate, not fitted, 40 more")
+    fitted = replace(guess, refitted=True)
+    assert _further(state, fitted) == "gear load beside it lowers the misfit by 40 more"
+    verdict = found(1, ((HARDENING, 900.0),))
+    refitted = {row["effect"]: row["refitted"] for row in verdict.candidates}
+    for row in verdict.tried:
+        assert refitted[row["effect"]] or row["accepted"] or "linear estimate" in row["why"]
+
+
+def test_a_search_that_reaches_its_bound_is_unknown_and_says_so(monkeypatch):
+    monkeypatch.setattr(work_bound, "SEARCH", replace(work_bound.SEARCH, most_simulated=300.0))
+    verdict = found(1, ((HARDENING, 901.0),))
+    assert (verdict.verdict, verdict.effects) == ("unknown", [])
+    assert verdict.reason.startswith("the search was ended at its bound, 300 s of simulated runs")
+
+
+def test_a_verdict_of_absence_says_what_could_not_have_shown():
+    verdict = found(2)
+    assert verdict.verdict == "recalibrated"
+    assert any("repeats alone" in each for each in verdict.cautions)
+
+
+def finger(contact, nearest, role, seed, effect=None):
+    """A finger that closes to an angle [counts] and touches at `contact` [100 counts]."""
+    plant, rng, time = Finger(), np.random.default_rng(seed), np.arange(0.0, 12.0, 0.02)
+    closing = np.clip(1.0 - np.abs(time % 6.0 - 3.0) / 3.0, 0.0, 1.0)
+    angle = np.round(1000.0 - (1000.0 - nearest) * closing)
+    units = {"time": "s", "angle": "1", "force": "1"}
+    bare = Recording({"time": time, "angle": angle, "force": np.zeros(time.size)}, units)
+    values = {"contact.angle": contact}
+    if effect:
+        plant = plant.with_effects(plant.catalogue[effect])
+        values[f"{effect}.time"] = 0.15
+    force = plant.simulate(values, bare)["force"] + 2.0 * rng.standard_normal(time.size)
+    return Entry(f"{seed}.csv", Recording({**bare.channels, "force": force}, units), "", role)
+
+
+def finger_campaign(contact, effect=None):
+    """Nine closings, none of which goes below the angle that the finger is given."""
+    roles = ("fit", "select", "show")
+    entries = tuple(
+        finger(contact, 790.0 + 20.0 * (k % 3), roles[k // 3], k, effect) for k in range(9)
+    )
+    return Campaign(Finger(), Finger(), entries, None, dict(Finger.catalogue), base="finger")
+
+
+def test_a_finger_that_never_touches_as_given_is_started_elsewhere():
+    from hannes.commands.diagnose import diagnose
+
+    verdict = diagnose(finger_campaign(8.6, "force_lag"), progress=False).verdict
+    assert "force_lag" in verdict.effects
+    gap = verdict.gap["force"]
+    assert gap["after"] < 2.0 * gap["floor"] < gap["before"] < gap["as_given"]
+
+
+def test_a_finger_that_cannot_touch_is_refused_in_words():
+    from hannes.commands.diagnose import diagnose
+
+    campaign = finger_campaign(8.6)
+    far = tuple(
+        replace(each, recording=Recording(
+            {**each.recording.channels, "angle": each.recording["angle"] + 2000.0},
+            each.recording.units))
+        for each in campaign.entries
+    )  # fmt: skip
+    with pytest.raises(BadInput, match=r"does not answer to contact\.stiffness, contact\.angle"):
+        diagnose(replace(campaign, entries=far), progress=False)
+
+
+def test_a_channel_that_stays_zero_is_refused_in_words(monkeypatch):
+    group = SimpleNamespace(
+        names=("force",), of=lambda name: slice(0, 3), mean=np.array([0.0, 50.0, 0.0]),
+        entries=[SimpleNamespace(name="grasp_1.csv")],
+    )  # fmt: skip
+    nominal = SimpleNamespace(
+        model=SimpleNamespace(groups=[group]), vectors=[np.zeros(3)], derivatives=[np.zeros((2, 3))]
+    )
+    monkeypatch.setattr(baseline, "recorded_roughness", lambda group: {"force": 0.2})
+    with pytest.raises(BadInput, match=r"grasp_1\.csv: the simulated force is zero throughout"):
+        baseline._require_answers(nominal)
+    nominal.derivatives = [np.ones((2, 3))]
+    baseline._require_answers(nominal)
+
+
+def closures(controller, runs=4):
+    """A user who states nothing: short closures by a hand, its experiments say "continuous"."""
+    text = SHORT.replace("continuous", controller)
+    stated, entries = HandPlant(), []
+    time = np.arange(0.0, 0.401, 1e-3)
+    units = {"time": "s", "reference": "rad", "position": "rad", "current": "A"}
+    blank = {"time": time, "reference": np.interp(time, [0.0, 0.25, 0.4], [0.0, 3.9, 1.4])}
+    for k in range(runs):
+        rng = np.random.default_rng(k)
+        start = {**blank, "position": 0.0 * time, "current": 0.0 * time}
+        bare = Recording(start, units, experiment=text)
+        made = stated.with_values({"motor.dry_friction": 4.75e-3}).simulate({}, bare)
+        noisy = made["current"] + 0.01 * rng.standard_normal(time.size)
+        channels = {**blank, "position": made["position"], "current": noisy}
+        recording = Recording(channels, units, experiment=SHORT)
+        entries.append(Entry(f"{k}.csv", recording, "void", ("fit", "fit", "select", "show")[k]))
+    return Campaign(stated, stated, tuple(entries), None, {})
+
+
+SHORT = """
+title = "short"
+duration = "0.4 s"
+sampling = "1 kHz"
+controller = "continuous"
+[reference]
+kind = "ramp"
+points = [["0 s", "0 rad"], ["0.25 s", "3.9 rad"], ["0.4 s", "1.4 rad"]]
+"""
+
+
+@pytest.mark.parametrize(("controller", "taken"), [("sampled", True), ("continuous", False)])
+def test_a_sampled_controller_is_read_from_the_recordings(controller, taken):
+    from hannes.identification.diagnosis.observed_controller import as_recorded
+    from hannes.identification.diagnosis.settings import Settings
+
+    campaign = closures(controller)
+    found, said = as_recorded(campaign, Settings(0.03, 0.01, 0.01), 0, lambda text: None)
+    assert bool(said) == taken
+    assert all('"sampled"' in e.recording.experiment for e in found.entries) == taken
+    if taken:
+        assert "one sampled every 1 ms" in said
+        again, nothing = as_recorded(found, Settings(), 0, lambda text: None)
+        assert again is found and nothing == ""
