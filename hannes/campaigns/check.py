@@ -4,12 +4,30 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from hannes.campaigns.quality import clock, command, held, magnitudes, motion, sensors
+from hannes.campaigns.quality import (
+    clock,
+    command,
+    disabled,
+    held,
+    jumps,
+    lost,
+    magnitudes,
+    motion,
+    sensors,
+)
 from hannes.campaigns.quality.finding import LEVELS, Finding
-from hannes.campaigns.quality.subject import Subject
+from hannes.campaigns.quality.one_line import one_line_each
+from hannes.campaigns.quality.subject import Plan, Subject
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import SUFFIXES, Recording
-from hannes.plants.protocol import PLANTS, Plant, expectations, find_plant, shipped_plant
+from hannes.plants.protocol import (
+    PLANTS,
+    Plant,
+    commanded,
+    expectations,
+    find_plant,
+    shipped_plant,
+)
 from hannes.simulation.experiment.reader import experiment_text, parse_experiment
 
 
@@ -21,31 +39,27 @@ def check(recording: Recording, plant: Plant | None = None) -> list[Finding]:
     says that the recording would mislead a fit, and what to do about it.
     """
     expected = dict(expectations(plant)) if plant is not None else {}
-    subject = Subject(recording, expected, plant.block if plant is not None else 0.0, _asked(plant))
-    found = list(_found(subject))
-    return sorted(found, key=lambda each: LEVELS.index(each.level))
+    asked = commanded(plant) if plant is not None else frozenset()
+    block = plant.block if plant is not None else 0.0
+    subject = Subject(recording, expected, block, asked, _plan(recording))
+    found = sorted(_found(subject), key=lambda each: LEVELS.index(each.level))
+    return one_line_each(found, subject)
 
 
 def _found(subject: Subject) -> Iterator[Finding]:
     yield from clock.inspect(subject)
     yield from held.inspect(subject)
+    yield from lost.inspect(subject)
+    yield from jumps.inspect(subject)
+    yield from disabled.inspect(subject)
     yield from sensors.inspect(subject)
     yield from magnitudes.inspect(subject)
     yield from motion.inspect(subject)
-    plan = _plan(subject.recording)
-    if plan is not None:
-        yield from command.inspect(subject, plan)
+    if subject.plan is not None:
+        yield from command.inspect(subject, subject.plan)
 
 
-def _asked(plant: Plant | None) -> frozenset[str]:
-    """Commands: what a plant requires, does not judge, and does not say to follow anything."""
-    if plant is None:
-        return frozenset()
-    following = {name for name, each in expectations(plant).items() if each.follows}
-    return frozenset(plant.required) - {*plant.judged, *following, "time"}
-
-
-def _plan(recording: Recording) -> command.Plan | None:
+def _plan(recording: Recording) -> Plan | None:
     """The command of the experiment that a recording carries, None where it carries none."""
     if not recording.experiment:
         return None
@@ -53,7 +67,7 @@ def _plan(recording: Recording) -> command.Plan | None:
         experiment = parse_experiment(recording.experiment)
     except BadInput:  # of another plant
         return None
-    return command.Plan(*experiment.reference.knots)
+    return Plan(*experiment.reference.knots)
 
 
 def subjects(

@@ -131,6 +131,7 @@ def _report(
             "unit": "s",
         },
         "resampled_Hz": mapping.time.resample or None,
+        "cut_s": [list(pair) for pair in mapping.time.cut],
         "dropped_rows": run.dropped,
         "disordered_rows": run.disordered,
         "filled_values": dict(run.filled),

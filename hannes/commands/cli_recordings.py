@@ -49,6 +49,8 @@ rig.toml; all of it but time and channels may be left out:
   from_zero = true
   offset = "0.2 s"                # added to every time
   resample = "1 kHz"              # else times stay as recorded
+  repeats = "drop"                # rows that the logger wrote again
+  cut = [["0.41 s", "0.52 s"]]    # stretches that are left out
   [channels.position]
   column = "encoder"              # name or number; HDF5, MATLAB: path, with index = 2
   unit = "deg"

@@ -17,9 +17,16 @@ class HannesError(Exception):
 
 
 class BadInput(HannesError):
-    """The input cannot be used: what was expected, what came, what to do."""
+    """The input cannot be used: what was expected, what came, what to do.
+
+    `mend`: lines to be added to a mapping, where one of its keys helps.
+    """
 
     exit_status = 2
+
+    def __init__(self, text: str = "", mend: tuple[str, ...] = ()) -> None:
+        super().__init__(text)
+        self.mend = mend
 
 
 class NotTrusted(BadInput):

@@ -195,6 +195,18 @@ def expectations(plant: Plant) -> Mapping[str, Expected]:
     return getattr(plant, "expected", {})
 
 
+def commanded(plant: Plant) -> frozenset[str]:
+    """Channels that were asked for, not measured.
+
+    What another follows, and what a plant requires, does not judge, and does not say to follow.
+    """
+    expected = expectations(plant)
+    following = {name for name, each in expected.items() if each.follows}
+    followed = {each.follows for each in expected.values() if each.follows}
+    asked = frozenset(plant.required) - {*plant.judged, *following, "time"}
+    return asked | followed | {"reference", "pulses"} & plant.channels.keys()
+
+
 def run_to_run_spread(plant: Plant) -> Mapping[str, float]:
     """Return the run-to-run standard deviation of each parameter [SI]; empty where undeclared.
 

@@ -8,7 +8,7 @@ negated where `reversed`, plus `offset`.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from hannes.plants.protocol import Plant
+from hannes.plants.protocol import Plant, commanded
 
 FILLS = ("drop", "hold", "linear")  # of a missing value: its row is dropped, or it is filled
 ORDERS = ("refuse", "drop", "mean", "sort")  # of stamps that are doubled or out of order
@@ -37,6 +37,7 @@ class ChannelRule:
     turn:     raw values after which a counter begins anew, 0 for none
     supply:   a current at the supply's side, to be divided by the channel duty
     constant: the same throughout a run [channel's unit], without a column
+    repeats:  "keep", or "linear" between readings of which each is another than the one before
     source:   the further file that has the column, "" for the first
     """
 
@@ -49,6 +50,7 @@ class ChannelRule:
     supply: bool = False
     constant: float = 0.0
     source: str = ""
+    repeats: str = "keep"
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,8 @@ class TimeRule:
     resample: [Hz], 0 where times are kept
     turn:     raw ticks after which the clock begins anew, 0 for none
     order:    what happens to stamps that are doubled or out of order
-    repeats:  whether rows that repeat all channels of the one before are kept
+    repeats:  whether rows of a logger that wrote its last frame again are kept
+    cut:      stretches that are left out, as pairs of times [s] of the recording
     """
 
     column: Column | None
@@ -73,6 +76,7 @@ class TimeRule:
     turn: float = 0.0
     order: str = "refuse"
     repeats: bool = True
+    cut: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -136,3 +140,8 @@ class ColumnMap:
     align: AlignRule | None = None
     split_at: str = ""
     files: Mapping[str, FurtherFile] = field(default_factory=dict)
+
+    @property
+    def commands(self) -> frozenset[str]:
+        """Channels that were asked for, not measured."""
+        return commanded(self.plant)

@@ -12,7 +12,7 @@ from hannes.core.io.units import quantity
 TEXT = ("delimiter", "decimal", "comment", "header", "first", "encoding", "skip", "ragged")
 TIME = (
     "column", "index", "unit", "format", "sampling", "offset", "from_zero", "resample", "wrap",
-    "order", "repeats",
+    "order", "repeats", "cut",
 )  # fmt: skip
 FURTHER = ("replace", "by", "time")
 DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " "}
@@ -82,7 +82,21 @@ def time_rule(root: Table) -> TimeRule:
         above_zero(table, "wrap") if "wrap" in table else 0.0,
         table.choice("order", ORDERS, "refuse"),
         table.choice("repeats", ("keep", "drop"), "keep") == "keep",
+        _cut(table),
     )
+
+
+def _cut(table: Table) -> tuple[tuple[float, float], ...]:
+    """Stretches to be left out [s], such as cut = [["0.41 s", "0.52 s"]]."""
+    found = []
+    for pair in table.items("cut"):
+        if not isinstance(pair, list) or len(pair) != 2:
+            table.refuse("cut", 'must be a list of pairs, such as [["0.41 s", "0.52 s"]]')
+        start, end = (quantity(each, "s", table.name("cut")) for each in pair)
+        if not start <= end:
+            table.refuse("cut", f"ends at {end:g} s before it begins at {start:g} s")
+        found.append((start, end))
+    return tuple(found)
 
 
 def _pattern(table: Table) -> str:

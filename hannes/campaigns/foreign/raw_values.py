@@ -69,6 +69,38 @@ def restarts(time: FloatArray) -> NDArray[np.intp]:
     return np.array(found, np.intp)
 
 
+def between_readings(values: FloatArray) -> FloatArray:
+    """Linear between readings of a channel that a logger renews less often than it writes.
+
+    A value that repeats the one before is no reading, unless it is the last.
+    """
+    fresh = np.flatnonzero(np.concatenate(([True], np.diff(values) != 0.0)) & np.isfinite(values))
+    if fresh.size < 2:
+        return values
+    found = np.interp(np.arange(values.size), fresh, values[fresh])
+    return np.where(np.isfinite(values), found, np.nan)
+
+
+def disorder(time: FloatArray) -> tuple[str, str]:
+    """What is wrong with times that do not increase, and the mapping's line that mends it."""
+    steps = np.diff(time)
+    forth = steps[steps > 0.0]
+    if restarts(time).size:
+        return "several runs in one file, whose clock begins anew", 'split_at = "restart"'
+    if np.mean(steps == 0.0) > COARSE and forth.size:
+        rate = float((time.size - 1) / (time[-1] - time[0]))
+        what = (
+            f"the clock is too coarse, {forth.min():.4g} s a step; by its ends it is {rate:.5g} Hz"
+        )
+        return what, f'time.sampling = "{rate:.6g} Hz"'
+    if (steps < 0.0).any():
+        return "rows are out of order", 'time.order = "sort"'
+    return "stamps are doubled", 'time.order = "mean"'
+
+
+COARSE = 0.4  # share of equal stamps from which a clock is too coarse
+
+
 def motor_current(supply: FloatArray, duty: FloatArray) -> FloatArray:
     """Current in the winding of a current drawn from the supply: i_supply = |duty| i_motor.
 

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.mapping import ChannelRule, ColumnMap, FurtherFile, TimeRule
 from hannes.campaigns.foreign.raw_values import (
+    between_readings,
+    disorder,
     forward,
     in_order,
     motor_current,
@@ -18,9 +20,12 @@ from hannes.campaigns.foreign.raw_values import (
 )
 from hannes.campaigns.foreign.resample import resampled
 from hannes.campaigns.foreign.sources import Source, open_source
+from hannes.campaigns.held_rows import held_rows
 from hannes.core.errors import BadInput
 
 FloatArray = NDArray[np.float64]
+
+ROUNDING = 1e-9  # s, of times that a mapping states
 
 
 @dataclass(frozen=True)
@@ -140,7 +145,8 @@ def _run(
         filled[name] = int(np.count_nonzero(np.isfinite(channels[name]) & ~np.isfinite(values)))
         known &= np.isfinite(channels[name])
     if not rule.repeats:
-        known &= ~_repeats(channels)
+        measured = [x[known] for name, x in channels.items() if name not in mapping.commands]
+        known[known] = ~held_rows(measured)
     kept = rows[known]
     if kept.size < 2:
         raise BadInput(f"{source.place(int(rows[0]))}: fewer than two complete rows follow")
@@ -153,12 +159,6 @@ def _run(
     return _clocked(Run(ordered, found, kept, dropped, counts, put_right), rule)
 
 
-def _repeats(channels: Mapping[str, FloatArray]) -> NDArray[np.bool_]:
-    """Rows that repeat all channels of the one before, of a logger that holds frames."""
-    same = np.all([np.diff(each) == 0.0 for each in channels.values()], axis=0)
-    return np.concatenate(([False], same))
-
-
 def _values(
     mapping: ColumnMap, name: str, raw: Mapping[str, FloatArray], rows: NDArray[np.intp]
 ) -> FloatArray:
@@ -167,6 +167,8 @@ def _values(
     if how.column is None:
         return np.full(rows.size, how.constant)
     values = raw[name][rows]
+    if how.repeats == "linear":
+        values = between_readings(values)
     return motor_current(values, raw["duty"][rows]) if how.supply else values
 
 
@@ -186,19 +188,31 @@ def _require_increasing(source: Source, times: FloatArray, rows: NDArray[np.intp
     stalled = np.flatnonzero(np.diff(times) <= 0.0)
     if stalled.size:
         first = int(stalled[0])
+        what, mend = disorder(times)
         raise BadInput(
             f"{source.place(int(rows[first + 1]))}: time does not increase, {times[first]:.9g} s "
-            f"is followed by {times[first + 1]:.9g} s ({stalled.size} such rows); several "
-            'runs in one file: split = "COLUMN" or split_at = "restart"; doubled or swapped rows: '
-            'time.order = "drop", "mean" or "sort"; a clock too coarse: time.sampling instead'
+            f"is followed by {times[first + 1]:.9g} s ({stalled.size} such rows): {what}: {mend}",
+            (mend,),
         )
 
 
 def _clocked(run: Run, rule: TimeRule) -> Run:
     """Apply start, offset and resampling."""
     start = run.time[0] if rule.from_zero else 0.0
-    times = run.time - start + rule.offset
+    run = _without(replace(run, time=run.time - start + rule.offset), rule)
     if not rule.resample:
-        return replace(run, time=times)
-    times, channels = resampled(times, run.channels, rule.resample)
+        return run
+    times, channels = resampled(run.time, run.channels, rule.resample)
     return replace(run, time=times, channels=channels)
+
+
+def _without(run: Run, rule: TimeRule) -> Run:
+    """Leave out the stretches that the mapping cuts."""
+    bad = np.zeros(run.time.size, np.bool_)
+    for start, end in rule.cut:
+        bad |= (run.time >= start - ROUNDING) & (run.time <= end + ROUNDING)
+    if np.count_nonzero(~bad) < 2:
+        raise BadInput("time.cut leaves fewer than two rows")
+    channels = {name: x[~bad] for name, x in run.channels.items()}
+    return replace(run, time=run.time[~bad], channels=channels, rows=run.rows[~bad],
+                   dropped=run.dropped + int(np.count_nonzero(bad)))  # fmt: skip

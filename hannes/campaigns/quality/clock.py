@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
 from hannes.campaigns.quality.subject import Subject, speeds, sustained
 
@@ -14,11 +15,12 @@ GAP = 1.5  # median intervals
 JITTER = 0.05  # of the median interval, from which uneven times give a note
 LEAST_DRIFT = 2e-3  # of the rate, from the recording's start to its end
 SURE = 10.0  # standard deviations, from six degrees of freedom
-LEAST_LOST = 0.5  # samples by which a drifting clock is off
+LEAST_LOST = 0.15  # samples by which a drifting clock is off
 PARTS = 8  # of a recording, whose rates are compared
 FEWEST = 80  # samples to compare rates by
 SLOWEST = 0.5  # of the plant's `block`, between two samples
 AROUND = 8  # samples on each side of a gap
+BEYOND = 3.0  # times the fastest plausible speed, that only a wrong clock gives
 MILLI = 1000.0
 
 
@@ -33,7 +35,8 @@ def inspect(subject: Subject) -> Iterator[Finding]:
 
 
 def _gaps(subject: Subject, intervals: FloatArray, wide: NDArray[np.bool_]) -> Iterator[Finding]:
-    places = np.array([k for k in np.flatnonzero(wide) if _lost(subject, int(k)) > 0], np.intp)
+    missing = (k for k in np.flatnonzero(wide) if not _cut(subject, int(k)))
+    places = np.array([k for k in missing if _lost(subject, int(k)) > 0], np.intp)
     if not places.size:
         return
     worst = int(places[np.argmax(intervals[places])])
@@ -47,6 +50,13 @@ def _gaps(subject: Subject, intervals: FloatArray, wide: NDArray[np.bool_]) -> I
         time=float(subject.time[places[0]]),
         size=float(intervals[worst]),
     )
+
+
+def _cut(subject: Subject, place: int) -> bool:
+    """Whether a wide interval is one that the mapping cut."""
+    cuts = subject.converted.get("cut_s", ())
+    before, after = subject.time[place], subject.time[place + 1]
+    return any(before <= end and start <= after for start, end in cuts)
 
 
 def _lost(subject: Subject, place: int) -> int:
@@ -87,14 +97,16 @@ def _drift(subject: Subject, intervals: FloatArray, even: NDArray[np.bool_]) -> 
     rest = means / means.mean() - 1.0 - change * place
     deviation = float(np.sqrt(rest @ rest / (PARTS - 2) / (place @ place)))
     lost = abs(change) * intervals.size / 8.0  # samples off a steady clock, at worst
+    rate = intervals.size / float(subject.time[-1] - subject.time[0])
     if abs(change) > max(LEAST_DRIFT, SURE * deviation) and lost > LEAST_LOST:
         yield warning(
             "drift",
             "time",
             f"the clock drifts: intervals change by {100 * change:+.2g} % from start to end "
             f"against the count of samples, {lost * subject.interval:.2g} s in all: take times "
-            "from a steady clock, or give time.sampling when converting",
+            f'from a steady clock, or convert with time.sampling = "{rate:.6g} Hz", the mean',
             size=change,
+            mend=mends.rate(rate),
         )
 
 
@@ -106,20 +118,23 @@ def _unit(subject: Subject) -> Iterator[Finding]:
             "unit",
             "time",
             f"samples lie {subject.interval:.4g} s apart, too far to see the plant move: "
-            "milliseconds taken for seconds? convert with time.unit",
+            'milliseconds taken for seconds? convert with time.unit = "ms"',
             size=MILLI,
+            mend=('time.unit = "ms"',),
         )
     for name, each in subject.expected.items():
         if not each.rate or name not in subject.recording:
             continue
         fastest = sustained(speeds(subject.time, subject.recording[name]))
-        if fastest > each.rate and _plausible(subject, name):
+        if fastest > BEYOND * each.rate and _plausible(subject, name):
             yield fault(
                 "unit",
                 "time",
                 f"{name} would move at {fastest:.3g} {subject.recording.units[name]}/s over "
-                f"{span:.3g} s in all: seconds taken for milliseconds? convert with time.unit",
+                f"{span:.3g} s in all: seconds taken for milliseconds? convert with times a "
+                'thousand times as long: time.unit = "s", or "ks" where that is "s"',
                 size=1.0 / MILLI,
+                mend=('time.unit = "ks"',),
             )
 
 

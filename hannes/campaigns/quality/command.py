@@ -1,35 +1,24 @@
 """The recorded command against that of the experiment: its unit, its clock, its start."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
 from hannes.campaigns.quality.motion import UNLIKE, found_lag, pace, timed, unlike
-from hannes.campaigns.quality.subject import Subject
+from hannes.campaigns.quality.subject import Plan, Subject
 
 FloatArray = NDArray[np.float64]
 
 SAME = 0.02  # of the range, that a command may differ from the plan and still be the same
 LEAST_DRIFT = 1e-3  # of the clock's rate
 GROSS_DRIFT = 1e-2  # beyond which a fit is misled
+GROSS_PACE = 0.02  # of the rate, by the motion alone, which lags its command
+FITS = 0.08  # of the range, that a motion may be off the experiment's command and still be of it
 FACTOR = 0.05  # relative, about a factor that a mistake would make
 ROUNDS = 30
-
-
-@dataclass(frozen=True)
-class Plan:
-    """The command of an experiment: `times` [s] and `values`, shape (m,), lines between."""
-
-    times: FloatArray
-    values: FloatArray
-
-    @property
-    def pace(self) -> float:
-        """Time through its whole range, see motion.pace [s]."""
-        return pace(self.times, self.values)
 
 
 def inspect(subject: Subject, plan: Plan, command: str = "reference") -> Iterator[Finding]:
@@ -50,13 +39,25 @@ def _unrecorded(subject: Subject, plan: Plan, name: str) -> Iterator[Finding]:
     if np.ptp(motion) == 0.0:
         text = f"stays at {subject.with_unit(float(motion[0]), name)} while {what} moves by "
         text += f"{np.ptp(plan.values):.4g}: check its sensor and its column, or the experiment"
-        yield fault("dead", name, text)
+        yield fault("dead", name, text, mend=mends.NO_FILE)
         return
     lag = found_lag(subject, motion, plan.times, plan.values)
     if lag is None or lag.against > UNLIKE:
+        other = found_lag(subject, -motion, plan.times, plan.values)
+        if other is not None and other.against <= UNLIKE and motion.max() < -motion.min():
+            return  # its sign is reversed, which its magnitude says
         yield from unlike(subject, name, what, plan.times, plan.values)
     else:
-        yield from timed(subject, name, what, plan.pace, lag)
+        found = list(timed(subject, name, what, pace(plan.times, plan.values), lag))
+        yield from found or _paced(subject, name, plan)
+
+
+def _paced(subject: Subject, name: str, plan: Plan) -> Iterator[Finding]:
+    """A motion that takes another time than the experiment: the clock runs at another rate."""
+    size = float(np.ptp(plan.values))
+    rate, rest = _clock(subject.time, subject.recording[name], plan)
+    if abs(rate - 1.0) > GROSS_PACE and rest < FITS * size:
+        yield _drift(subject, "time", rate, fault)
 
 
 def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
@@ -68,7 +69,8 @@ def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
     for what, factor in subject.of(command).mistakes.items():
         if abs(gain / factor - 1.0) < FACTOR or abs(gain * factor - 1.0) < FACTOR:
             text = f"is {gain:.4g} times the experiment's: {what} ({factor:.4g})?"
-            yield fault("unit", command, f"{text} convert with its unit or side", size=gain)
+            mend = mends.side(command) if "side" in what else mends.scaled(subject, command, gain)
+            yield fault("unit", command, f"{text} convert with {mend[0]}", size=gain, mend=mend)
             return
     rate, rest = _clock(time, values, plan)
     if rest > SAME * size:
@@ -86,13 +88,20 @@ def _drifting(subject: Subject, command: str, rate: float) -> Iterator[Finding]:
     off = abs(rate - 1.0) * float(subject.time[-1] - subject.time[0])
     if abs(rate - 1.0) < LEAST_DRIFT or off < subject.interval:
         return
-    found = fault if abs(rate - 1.0) > GROSS_DRIFT else warning
-    yield found(
+    yield _drift(subject, command, rate, fault if abs(rate - 1.0) > GROSS_DRIFT else warning)
+
+
+def _drift(subject: Subject, channel: str, rate: float, level: Callable[..., Finding]) -> Finding:
+    span = float(subject.time[-1] - subject.time[0])
+    mend = mends.rate((len(subject.recording) - 1) / (rate * span))
+    return level(
         "drift",
-        command,
+        channel,
         f"the recording's clock runs {100 * (1.0 / rate - 1.0):+.3g} % against the experiment's, "
-        f"{1e3 * off:.3g} ms over the recording: take the times of the controller's clock",
+        f"{1e3 * abs(rate - 1.0) * span:.3g} ms over the recording: take the times of the "
+        f"controller's clock, or convert with {mend[0]}",
         size=1.0 / rate - 1.0,
+        mend=mend,
     )
 
 

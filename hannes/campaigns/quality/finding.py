@@ -1,13 +1,24 @@
 """One thing found in a recording, in a plain line with what to do."""
 
 from dataclasses import dataclass
+from typing import Any
 
 # A fault must not be fitted as it is; of a recording with a warning a part misleads.
 LEVELS = ("fault", "warning", "note")
 KINDS = (
-    *("gap", "uneven", "drift", "late-start", "command", "clock", "held"),  # of time
-    *("dead", "saturated", "frozen", "jump", "resolution", "coarse"),  # of sensors
-    *("unit", "sign", "unlike", "magnitude"),  # of columns
+    *("gap", "uneven", "drift", "late-start", "command", "clock", "held", "lost"),  # of time
+    *(
+        "dead",
+        "saturated",
+        "frozen",
+        "jump",
+        "missing",
+        "resolution",
+        "coarse",
+        "zero",
+    ),  # of sensors
+    *("unit", "sign", "unlike", "magnitude", "swapped", "signed"),  # of columns
+    *("disabled", "supply", "mixed"),  # of machines
 )
 
 
@@ -17,6 +28,8 @@ class Finding:
 
     `kind` is one of KINDS; `channel` shows it; `time` [s] is its first instant, None for always.
     `text` says what was found and what to do; `size` is its magnitude, in the unit that text names.
+    `mend`: the same as lines to be added to a mapping, such as `time.order = "sort"`, or
+    "leave out channels.NAME", "leave out the file".
     """
 
     level: str
@@ -25,22 +38,23 @@ class Finding:
     text: str
     time: float | None = None
     size: float | None = None
+    mend: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         when = "" if self.time is None else f" at {self.time:.4g} s"
         return f"{self.level}: {self.channel}{when}: {self.text}"
 
 
-def fault(kind: str, channel: str, text: str, **more: float | None) -> Finding:
+def fault(kind: str, channel: str, text: str, **more: Any) -> Finding:
     """A fault: fitted as it is, the recording misleads."""
     return Finding("fault", kind, channel, text, **more)
 
 
-def warning(kind: str, channel: str, text: str, **more: float | None) -> Finding:
+def warning(kind: str, channel: str, text: str, **more: Any) -> Finding:
     """A warning: usable, but part of it misleads."""
     return Finding("warning", kind, channel, text, **more)
 
 
-def note(kind: str, channel: str, text: str, **more: float | None) -> Finding:
+def note(kind: str, channel: str, text: str, **more: Any) -> Finding:
     """A note: nothing wrong, good to know."""
     return Finding("note", kind, channel, text, **more)

@@ -5,14 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.held_rows import held_rows
 from hannes.campaigns.quality.finding import Finding, warning
 from hannes.campaigns.quality.subject import Subject, noise, quantum, true_runs
 
 FloatArray = NDArray[np.float64]
 
-FEWEST = 3  # repeated samples that are no chance
-AROUND = 6  # samples on each side by which a channel is seen to go on
-STEPS = 2.0  # of a channel's steps a sample: it cannot repeat itself
 REGULAR = 0.8  # share of changes that lie a whole number of periods apart
 FEWEST_CHANGES = 12
 SLOWER = 2  # samples between changes, at least
@@ -22,9 +20,7 @@ def inspect(subject: Subject) -> Iterator[Finding]:
     """Findings about samples that repeat."""
     if all(renewal(subject, name) == 1 for name in subject.recording.names):
         yield from _frames(subject)
-    for name in subject.recording.names:
-        if name not in subject.commands:
-            yield from _slower(subject, name)
+    yield from _slower(subject)
 
 
 def held_frames(subject: Subject) -> NDArray[np.bool_]:
@@ -34,25 +30,7 @@ def held_frames(subject: Subject) -> NDArray[np.bool_]:
     around it go on by several of their steps.
     """
     recording = subject.recording
-    measured = (name for name in recording.names if name not in subject.commands)
-    names = [name for name in measured if np.ptp(recording[name]) > 0.0]
-    same = np.zeros(len(subject.time), np.bool_)
-    if len(names) < 2:
-        return same
-    same[1:] = np.all([np.diff(recording[name]) == 0.0 for name in names], axis=0)
-    if not same.any():
-        return same
-    goes_on = np.any([_goes_on(recording[name]) for name in names], axis=0)
-    same &= goes_on
-    return same if np.count_nonzero(same) >= FEWEST else np.zeros_like(same)
-
-
-def _goes_on(values: FloatArray) -> NDArray[np.bool_]:
-    """Where a channel, by its samples around, changes by several of its steps a sample."""
-    step = max(quantum(values), 3.0 * noise(values), 1e-4 * float(np.ptp(values)))
-    ahead = np.roll(values, -AROUND) - np.roll(values, AROUND)
-    ahead[:AROUND], ahead[-AROUND:] = 0.0, 0.0
-    return np.abs(ahead) / (2 * AROUND) > STEPS * step
+    return held_rows([recording[n] for n in recording.names if n not in subject.commands])
 
 
 def _frames(subject: Subject) -> Iterator[Finding]:
@@ -71,6 +49,7 @@ def _frames(subject: Subject) -> Iterator[Finding]:
         'convert with time.repeats = "drop"',
         time=float(subject.time[runs[0][0]]),
         size=longest,
+        mend=('time.repeats = "drop"',),
     )
 
 
@@ -88,16 +67,20 @@ def renewal(subject: Subject, name: str) -> int:
     return period if large or noise(values[changes]) > 0.0 else 1
 
 
-def _slower(subject: Subject, name: str) -> Iterator[Finding]:
-    """A channel whose values are renewed less often than the log has samples."""
-    period = renewal(subject, name)
-    if period < SLOWER:
-        return
-    step = float(period * subject.interval)
-    yield warning(
-        "held",
-        name,
-        f"is renewed every {1e3 * step:.4g} ms only and held between: convert with "
-        f'time.resample = "{1.0 / step:.4g} Hz"',
-        size=step,
-    )
+def _slower(subject: Subject) -> Iterator[Finding]:
+    """Channels whose values are renewed less often than the log has samples, by their period."""
+    names = [name for name in subject.recording.names if name not in subject.commands]
+    periods = {name: renewal(subject, name) for name in names}
+    for period in sorted({each for each in periods.values() if each >= SLOWER}):
+        slow = [name for name in names if periods[name] == period]
+        step = float(period * subject.interval)
+        also = f" (so are {', '.join(slow[1:])})" if len(slow) > 1 else ""
+        keys = tuple(f'channels.{name}.repeats = "linear"' for name in slow)
+        yield warning(
+            "held",
+            slow[0],
+            f"is renewed every {1e3 * step:.4g} ms only and held between{also}: convert with "
+            f'{keys[0]}, or time.resample = "{1.0 / step:.6g} Hz"',
+            size=step,
+            mend=keys,
+        )

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, warning
 from hannes.campaigns.quality.subject import Subject, running_median, speeds, sustained
 from hannes.core.errors import BadInput
@@ -18,7 +19,14 @@ NEAR = 1.4  # factor within which a gain counts as that of a known mistake
 SURE = 0.9  # correlation that makes a small gain more than a blocked motion
 BEFORE = 5e-3  # s, by which a motion cannot run ahead of its command
 IN_MOTION = 0.15  # of the fastest sustained speed, at the first sample
-APART = 0.1  # of its range, that a command begins away from what follows it
+ENDS = 0.3  # relative, by which a shifted zero may differ at the end
+HELD_BACK = 0.1  # of the time through its range, by which friction holds a motion back
+APART = 0.03  # of its range, that a command begins away from what follows it
+DEGREES = 57.29578
+SMOOTHER = 3.0  # times, that a command is smoother than what a sensor reads
+# Correlation, below which an implausible lag is no lag but another run; of a motion that an object
+# ends early, and of a free one.
+SAME_RUN, BLOCKED = (0.85, 0.95), 0.8
 FAST = 0.3  # of the fastest sustained speed: surely moving
 UNLIKE = 0.45  # of the squared speed while the command does not move: no motion of this command
 FOLLOWS = 0.3  # correlation of velocities, below which nothing follows
@@ -52,7 +60,14 @@ def _started(subject: Subject, name: str) -> Iterator[Finding]:
             "it with the experiment when converting",
             time=float(subject.time[0]),
             size=float(speed[0]),
+            mend=_onto_experiment(subject),
         )
+
+
+def _onto_experiment(subject: Subject) -> tuple[str, ...]:
+    """A recording alone is moved onto its experiment; with its command it cannot be mended."""
+    alone = subject.plan is not None and "reference" not in subject.recording
+    return mends.aligned("experiment", 1.0) if alone else mends.NO_FILE
 
 
 def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
@@ -60,13 +75,19 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
     if np.ptp(asked) == 0.0:
         return
     lag = found_lag(subject, motion, subject.time, asked)
-    if lag is None:
-        if found_lag(subject, -motion, subject.time, asked) is not None:
-            yield fault(
-                "sign", name, f"runs against {command}: convert one with reversed = true", size=-1.0
-            )
+    if lag is None or _implausible(subject, name, lag) or lag.correlation < SURE:
+        against = found_lag(subject, -motion, subject.time, asked)
+        better = against is not None and (lag is None or against.correlation > lag.correlation)
+        if better and against is not None and not _implausible(subject, name, against):
+            mend = mends.reversed_sign(name)
+            text = f"runs against {command}: convert with {mend[0]}"
+            yield fault("sign", name, text, size=-1.0, mend=mend)
             return
+    if lag is None:
         yield from unlike(subject, name, command, subject.time, asked)
+        return
+    if _swapped(subject, name, command, lag):
+        yield _other_way_round(subject, name, command)
         return
     if lag.against > UNLIKE:
         yield _other_run(name, command, lag.against)
@@ -74,15 +95,52 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
     yield from _gain(subject, name, command, lag)
     yield from timed(subject, name, command, pace(subject.time, asked), lag)
     apart = float(motion[0] - asked[0])
+    ends = float(motion[-1] - asked[-1])
     if abs(apart) > APART * np.ptp(asked) and PLAUSIBLE[0] < lag.gain < PLAUSIBLE[1]:
-        yield warning(
-            "late-start",
-            name,
-            f"starts {subject.with_unit(apart, name)} away from {command}: the recording begins "
-            "after its command, or its zero is shifted (offset, when converting)",
-            time=float(subject.time[0]),
-            size=apart,
-        )
+        yield _apart(subject, name, command, apart, abs(ends - apart) < ENDS * abs(apart))
+
+
+def _apart(subject: Subject, name: str, command: str, apart: float, shifted: bool) -> Finding:
+    """A motion that starts away from its command, and maybe ends as far from it."""
+    line = f'channels.{name}.offset = "{-apart:.6g} {subject.recording.units[name]}"'
+    text = f"starts {subject.with_unit(apart, name)} away from {command}"
+    text += f" and ends as far: its zero is shifted; convert with {line}" if shifted else (
+        ": the recording begins after its command; start the logger earlier")  # fmt: skip
+    return warning(
+        "zero" if shifted else "late-start",
+        name,
+        text,
+        time=float(subject.time[0]),
+        size=apart,
+        mend=(line,) if shifted else mends.NO_FILE,
+    )
+
+
+def _implausible(subject: Subject, name: str, lag: Lag) -> bool:
+    """Whether a motion leads its command, or lags longer than a machine does."""
+    most = max(subject.of(name).lag, BEFORE)
+    return lag.value < -BEFORE - 3.0 * lag.deviation or lag.value > GROSS * most
+
+
+def _swapped(subject: Subject, name: str, command: str, lag: Lag) -> bool:
+    """A motion ahead of a command that is rough as a sensor is, while the motion is smooth."""
+    ahead = -lag.value > 2.0 * lag.deviation and lag.correlation > SURE
+    rough = [_roughness(subject.recording[each]) for each in (name, command)]
+    return ahead and rough[1] > SMOOTHER * rough[0]
+
+
+def _roughness(values: FloatArray) -> float:
+    """Scatter of second differences, over the range: small for what a computer drew."""
+    second = np.abs(np.diff(values, 2))
+    return float(np.median(second[second > 0.0])) / float(np.ptp(values)) if second.any() else 0.0
+
+
+def _other_way_round(subject: Subject, name: str, command: str) -> Finding:
+    columns = subject.converted.get("channels", {})
+    is_of, should = (columns.get(each, {}).get("column", each) for each in (name, command))
+    mend = (f'channels.{name}.column = "{should}"', f'channels.{command}.column = "{is_of}"')
+    text = f"moves before {command}, which is rough as a sensor is: the two columns are swapped; "
+    return fault("swapped", name, text + f"convert with {' and '.join(mend)}", mend=mend)
 
 
 def unlike(
@@ -92,7 +150,8 @@ def unlike(
     long = float(subject.time[-1] - subject.time[0]) + float(times[-1] - times[0])
     if time_apart(subject.time, times) > long:
         text = f"begins at {subject.time[0]:.10g} s, {command} ends at {times[-1]:.4g} s"
-        yield fault("clock", "time", f"{text}: convert with time.from_zero or time.offset")
+        mend = ("time.from_zero = true",)
+        yield fault("clock", "time", f"{text}: convert with {mend[0]}, or time.offset", mend=mend)
         return
     try:
         lag = best_lag(subject.time, subject.recording[name], times, values)
@@ -108,7 +167,7 @@ def _other_run(name: str, command: str, share: float) -> Finding:
     """A motion that is not of this command."""
     text = f"does not follow {command} at any lag ({100.0 * share:.0f} % of it while that stands "
     text += "or turns back): a wrong column, another run, or another experiment; name the right one"
-    return fault("unlike", name, text, size=share)
+    return fault("unlike", name, text, size=share, mend=mends.NO_FILE)
 
 
 def found_lag(
@@ -127,13 +186,18 @@ def _gain(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Findi
     if low <= lag.gain <= high or (lag.gain < low and lag.correlation < SURE):
         return
     moves = f"moves {lag.gain:.4g} times as far as {command}"
-    for what, factor in subject.of(name).mistakes.items():
+    degrees = {"degrees taken for rad": DEGREES} if subject.recording.units[name] == "rad" else {}
+    for what, factor in {**degrees, **subject.of(name).mistakes}.items():
         for culprit, gain in ((name, lag.gain), (command, 1.0 / lag.gain)):
             if max(gain / factor, factor / gain) < NEAR:
-                text = f"{moves}: {what} ({factor:.4g}) in {culprit}? convert with its unit or side"
-                yield fault("unit", name, text, size=lag.gain)
+                side = "side" in what
+                mend = mends.side(culprit) if side else mends.scaled(subject, culprit, factor)
+                text = f"{moves}: {what} ({factor:.4g}) in {culprit}? convert with {mend[0]}"
+                yield fault("unit", name, text, size=lag.gain, mend=mend)
                 return
-    yield fault("unit", name, f"{moves}: check unit and scale of both", size=lag.gain)
+    mend = (f"channels.{name}.scale = {1.0 / lag.gain:.4g}",)
+    text = f"{moves}: check unit and scale of both, such as {mend[0]}"
+    yield fault("unit", name, text, size=lag.gain, mend=mend)
 
 
 def pace(times: FloatArray, values: FloatArray) -> float:
@@ -148,17 +212,23 @@ def timed(subject: Subject, name: str, command: str, across: float, lag: Lag) ->
 
     `across` is the command's `pace` [s]: friction holds slow motion back by an angle, not a time.
     """
-    advice = "shift it with [align] when converting"
+    to = "reference" if command in subject.recording else "experiment"
+    mend = mends.aligned(to, lag.value)
+    advice = f"convert with {', '.join(mend)}"
     margin = 3.0 * lag.deviation
+    late = lag.value < -BEFORE - margin or _implausible(subject, name, lag)
+    if late and lag.correlation < SAME_RUN[lag.gain > BLOCKED]:
+        yield _other_run(name, command, lag.against)
+        return
     if lag.value < -BEFORE - margin:
         text = f"moves {1e3 * -lag.value:.4g} ms before {command}: two clocks; {advice}"
-        yield fault("late-start", name, text, size=lag.value)
+        yield fault("late-start", name, text, size=lag.value, mend=mend)
     longest = subject.of(name).lag
-    most = max(longest, APART * across)
+    most = max(longest, HELD_BACK * across)
     if longest and lag.value > most + margin:
         text = f"moves {1e3 * lag.value:.4g} ms behind {command}, longer than the machine takes"
         found = fault if lag.value > GROSS * most + margin else warning
-        yield found("late-start", name, f"{text}: {advice}", size=lag.value)
+        yield found("late-start", name, f"{text}: {advice}", size=lag.value, mend=mend)
 
 
 def _drives(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
@@ -170,8 +240,11 @@ def _drives(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
     level = AGAINST * float(np.sqrt(np.mean(push**2)))
     against = forth.size > 0 and forth.mean() < -level
     if against and back.size and back.mean() > level:
-        text = f"pushes against {moved} both ways: convert with reversed = true"
-        yield fault("sign", name, text, size=float(forth.mean()))
+        mend = mends.reversed_sign(name)
+        text = f"pushes against {moved} both ways: convert with {mend[0]}"
+        yield fault("sign", name, text, size=float(forth.mean()), mend=mend)
     elif against:
-        text = f"pushes against {moved} as it moves in + direction: is its sign reversed?"
-        yield warning("sign", name, text, size=float(forth.mean()))
+        mend = mends.reversed_sign(name)
+        text = f"pushes against {moved} as it moves in + direction: is its sign reversed? "
+        text += f"convert with {mend[0]}"
+        yield warning("sign", name, text, size=float(forth.mean()), mend=mend)

@@ -5,15 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
 from hannes.campaigns.quality.held import held_frames, renewal
 from hannes.campaigns.quality.subject import (
     Subject,
     noise,
     quantum,
-    running_median,
-    speeds,
-    sustained,
     true_runs,
 )
 
@@ -27,11 +25,12 @@ LONG_TOP = 12  # samples at the extreme, of a noisy channel, that no chance give
 ENTRY = 3  # samples before and after a flat top that give its slope
 ABRUPT = 3.0  # quantisation steps from sample to sample; less than one at a round top
 FEWEST_LEVELS = 8  # a signal of fewer values is switched, not measured
+FEWEST_COARSE = 3  # values of a driven quantity, that is measured
+CAUGHT_UP = 2.5  # following steps, by which a reading that was stuck catches up
+FEWEST_STUCK = 5  # equal readings of a position that moves
 LEAST_FROZEN = 20  # samples without any change, where there is noise otherwise
 REPEATS = 0.2  # share of repeated values from which a channel is at rest
 RARE = 4  # times longer than any other run of one value
-JUMP = 3.0  # times the fastest sustained move
-LEAST_JUMP = 0.01  # of the channel's range
 COARSE = 50.0  # steps in the range, below which resolution is poor
 
 
@@ -44,9 +43,8 @@ def inspect(subject: Subject) -> Iterator[Finding]:
             continue
         if name not in subject.commands:
             yield from _clipped(subject, name, values)
-            yield from _frozen(subject, name, values)
-        if subject.is_motion(name):
-            yield from _jumps(subject, name, values)
+            yield from _stuck(subject, name, values) if subject.is_motion(name) else _frozen(
+                subject, name, values)  # fmt: skip
         yield from _resolution(subject, name, values)
 
 
@@ -54,14 +52,17 @@ def _dead(subject: Subject, name: str) -> Finding:
     """A channel that never moves: a fault where the plant says that something must move it."""
     recording, expected = subject.recording, subject.of(name)
     value = subject.with_unit(float(recording[name][0]), name)
-    other = expected.follows or expected.drives
-    if other in recording and np.ptp(recording[other]) > 0.0:
+    driving = [n for n, each in subject.expected.items() if each.drives == name and n in recording]
+    other = next((n for n in (expected.follows, expected.drives, *driving)
+                  if n in recording and np.ptp(recording[n]) > 0.0), "")  # fmt: skip
+    if other:
         return fault(
             "dead",
             name,
             f"stays at {value} while {other} moves by "
             f"{subject.with_unit(float(np.ptp(recording[other])), other)}: leave the channel out, "
             "or check its sensor and its column",
+            mend=mends.without(name),
         )
     return note("dead", name, f"stays at {value} throughout")
 
@@ -88,9 +89,10 @@ def _clipped(subject: Subject, name: str, values: FloatArray) -> Iterator[Findin
             continue
         text = (
             f"flat at its {side} value {value} for {lasting:.3g} s: its sensor clips or holds; "
-            "widen the range, or cut these samples out"
+            "widen the range, or leave these samples out (time.cut)"
         )
-        yield warning("saturated", name, text, time=start, size=lasting)
+        mend = mends.cut(subject, tops, name)
+        yield warning("saturated", name, text, time=start, size=lasting, mend=mend)
 
 
 def _flat_tops(values: FloatArray, extreme: float) -> list[tuple[int, int]]:
@@ -148,45 +150,43 @@ def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding
         "frozen",
         name,
         f"exactly {subject.with_unit(float(values[first]), name)} for {lasting:.3g} s though it is "
-        "noisy otherwise: the sensor dropped out, or a dead band holds it; cut these samples out",
+        "noisy otherwise: the sensor dropped out, or a dead band holds it; leave it "
+        "out (time.cut)",
         time=float(subject.time[first]),
         size=lasting,
+        mend=mends.cut(subject, [(first, last + 1)], name),
     )
 
 
-def _jumps(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
-    """Steps from one sample to the next that inertia rules out."""
-    if renewal(subject, name) > 1:
+def _stuck(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
+    """Equal readings of a position that then catches up at once with what it missed."""
+    steps, step = np.diff(values), quantum(values)
+    if renewal(subject, name) > 1 or held_frames(subject).any():
         return
-    speed, steps = speeds(subject.time, values), np.diff(values)
-    usual = running_median(speed)
-    fastest = sustained(speed)
-    beyond = np.abs(speed - usual) > JUMP * fastest
-    odd = np.abs(steps - usual * np.diff(subject.time))
-    least = max(8.0 * quantum(values), 12.0 * noise(values), LEAST_JUMP * float(np.ptp(values)))
-    beyond &= ~held_frames(subject)[:-1]  # what follows a frame that was held
-    places = np.flatnonzero(beyond & (odd > least))
-    if not places.size or places.size > values.size / 20:
+    runs = []
+    for first, last in true_runs(steps == 0.0):
+        if last - first + 2 < FEWEST_STUCK or not 4 < first or last + 5 > steps.size:
+            continue
+        before, after = (float(np.median(each)) for each in (
+            steps[first - 4 : first], steps[last + 2 : last + 6]))  # fmt: skip
+        missed = 0.5 * (abs(before) + abs(after)) * (last - first + 1)
+        leap = abs(float(steps[last + 1]))
+        usual = max(abs(before), abs(after), 2.0 * step)
+        if leap > CAUGHT_UP * usual and 0.3 * missed < leap < 4.0 * missed:
+            runs.append((first, last + 1))
+    if not runs:
         return
-    worst = int(places[np.argmax(odd[places])])
-    yield fault(
-        "jump",
+    first, last = max(runs, key=lambda each: each[1] - each[0])
+    lasting = float(subject.time[last] - subject.time[first])
+    yield warning(
+        "frozen",
         name,
-        f"{places.size} step{'s' if places.size > 1 else ''} faster than anything moves, the "
-        f"largest {subject.with_unit(float(steps[worst]), name)} "
-        f"at {subject.time[worst + 1]:.4g} s: "
-        f"{_jump_advice(subject, steps[worst], worst)}",
-        time=float(subject.time[places[0] + 1]),
-        size=float(steps[worst]),
+        f"stays at {subject.with_unit(float(values[first]), name)} for {lasting:.3g} s and then "
+        "catches up at once: the sensor dropped out; leave these samples out (time.cut)",
+        time=float(subject.time[first]),
+        size=lasting,
+        mend=mends.cut(subject, runs, name),
     )
-
-
-def _jump_advice(subject: Subject, step: float, place: int) -> str:
-    for name in subject.commands & set(subject.recording.names):
-        moves = np.abs(np.diff(subject.recording[name]))
-        if moves[place] > JUMP * np.median(moves) and moves[place] > 0.3 * abs(step):
-            return f"{name} steps there too, so samples were lost though the times run on evenly"
-    return "the encoder lost count or wrapped round; unwrap it, or cut the recording there"
 
 
 def _resolution(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
@@ -198,7 +198,10 @@ def _resolution(subject: Subject, name: str, values: FloatArray) -> Iterator[Fin
     yield note("resolution", name, shown, size=rough)
     measured = name not in subject.commands and values.size >= FEWEST_LEVELS
     dithered = noise(values) > 0.5 * step  # noise resolves values between the steps
-    many = np.unique(values).size >= FEWEST_LEVELS
+    fewest = FEWEST_COARSE if subject.recording.units[name] in DRIVEN else FEWEST_LEVELS
+    many = np.unique(values).size >= fewest
     if measured and step * COARSE > span and many and not dithered:
         text = f"only {span / step:.0f} steps of {subject.with_unit(step, name)} cover its range"
-        yield warning("coarse", name, f"{text}: choose a finer range", size=step)
+        mend = mends.without(name)
+        text = f"{text}: choose a finer range, or leave the channel out"
+        yield warning("coarse", name, text, size=step, mend=mend)

@@ -1,38 +1,56 @@
 """A recording under inspection: limits of its channels, noise, quantisation, speeds."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hannes.core.recording.channel_limits import Expected
 from hannes.core.recording.recording import Recording
-from hannes.core.recording.white_noise import roughness
+from hannes.core.recording.white_noise import noise, quantum
 
 FloatArray = NDArray[np.float64]
+
+__all__ = [
+    "Plan",
+    "Subject",
+    "noise",
+    "quantum",
+    "running_median",
+    "speeds",
+    "sustained",
+    "true_runs",
+]
 
 NOTHING = Expected()
 MOTIONS = ("rad", "m", "deg", "mm")  # units of positions, which inertia keeps from jumping
 WINDOW = 9  # samples of a running median
-ALTERNATES = 0.55  # share of sign changes that separates noise from curvature
-FEWEST_SIGNS = 10
-ROUNDING = 1e-7  # of the range; less is the rounding of digits
-FINEST = 1e-5  # of the range; a smaller quantisation step is ignored
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The command of an experiment: `times` [s] and `values`, shape (m,), lines between."""
+
+    times: FloatArray
+    values: FloatArray
 
 
 @dataclass(frozen=True)
 class Subject:
     """`expected` by channel, empty where no plant is known; `block` [s] is 0 there.
 
-    asked: commanded channels, as far as the plant declares them.
+    asked: commanded channels, as far as the plant declares them; plan: what the experiment asks.
     """
 
     recording: Recording
     expected: Mapping[str, Expected] = field(default_factory=dict)
     block: float = 0.0
     asked: frozenset[str] = frozenset()
+    plan: "Plan | None" = None
 
     @property
     def time(self) -> FloatArray:
@@ -50,6 +68,26 @@ class Subject:
         followed = {each.follows for each in self.expected.values() if each.follows}
         return frozenset(followed | self.asked | {"reference", "pulses"})
 
+    @cached_property
+    def converted(self) -> Mapping[str, Any]:
+        """Report of the conversion that made the recording, empty where it is not known."""
+        try:
+            found = json.loads(self.recording.conversion or "{}")
+        except ValueError:
+            return {}
+        return found if isinstance(found, dict) else {}
+
+    def raw(self, name: str, value: float) -> float:
+        """A channel's value as its column has it, as far as the conversion is known."""
+        rule = self.converted.get("channels", {}).get(name, {})
+        factor, offset = float(rule.get("factor", 1.0)), float(rule.get("offset", 0.0))
+        return (value - offset) / factor if factor else value
+
+    @property
+    def planned(self) -> FloatArray | None:
+        """The experiment's command, None where it is not known."""
+        return None if self.plan is None else self.plan.values
+
     def of(self, name: str) -> Expected:
         """Plausible limits of a channel."""
         return self.expected.get(name, NOTHING)
@@ -63,35 +101,6 @@ class Subject:
         """A value with the channel's unit."""
         unit = self.recording.units[name]
         return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"
-
-
-def noise(values: FloatArray) -> float:
-    """Standard deviation of white noise from second differences; 0 for a smooth signal.
-
-    The second difference of white noise changes sign 73 times in 100 samples (its correlation
-    from one to the next is -2/3), that of a smooth signal hardly ever.
-    """
-    second = np.diff(values, 2)
-    signs = np.sign(second[second != 0.0])
-    if signs.size < FEWEST_SIGNS or np.mean(signs[1:] != signs[:-1]) < ALTERNATES:
-        return 0.0
-    size = roughness(values)
-    return size if size > ROUNDING * float(np.ptp(values)) else 0.0
-
-
-def quantum(values: FloatArray) -> float:
-    """Quantisation step, 0 where none is visible."""
-    levels = np.unique(values)
-    if levels.size < 3:
-        return 0.0
-    span = float(levels[-1] - levels[0])
-    gaps = np.diff(levels)
-    gaps = gaps[gaps > FINEST * span]
-    if gaps.size < 2:
-        return 0.0
-    multiples = gaps / gaps.min()
-    off = np.abs(multiples - np.round(multiples)) > 0.05
-    return float(np.median(gaps / np.round(multiples))) if off.mean() < 0.01 else 0.0
 
 
 def speeds(time: FloatArray, values: FloatArray) -> FloatArray:

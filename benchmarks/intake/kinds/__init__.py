@@ -1,0 +1,1 @@
+"""Kinds of fault, a function each; every module in this folder is read."""

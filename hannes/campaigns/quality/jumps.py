@@ -1,0 +1,192 @@
+"""Steps that inertia rules out, and single readings that are far off their neighbours."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hannes.campaigns.quality import mends
+from hannes.campaigns.quality.finding import Finding, fault, warning
+from hannes.campaigns.quality.held import held_frames, renewal
+from hannes.campaigns.quality.subject import (
+    Subject,
+    noise,
+    quantum,
+    running_median,
+    speeds,
+    sustained,
+    true_runs,
+)
+
+FloatArray = NDArray[np.float64]
+
+JUMP = 3.0  # times the fastest sustained move
+LEAST_JUMP = 0.01  # of the channel's range
+MOST = 0.05  # share of samples that may be far off, beyond which the channel is what it is
+NEIGHBOURS = 5  # samples of the median with which a reading is compared
+FAR = 12.0  # typical distances from that median
+FAR_OF_RANGE = 0.15  # of the range without the outermost hundredths
+EQUAL = 3  # outliers of one value that make it a code
+OUTSIDE = 1.5  # ranges of the other values, by which a code lies outside them
+ALIKE = 0.05  # relative, of jumps that are all of one turn
+FULL = 0.9  # of a turn, that the values of a counter that wraps reach over
+WORDS = 2.0**16
+
+
+def inspect(subject: Subject) -> Iterator[Finding]:
+    """Findings about outliers, codes for missing values, and jumps."""
+    for name in subject.recording.names:
+        values = subject.recording[name]
+        if np.ptp(values) == 0.0 or name in subject.commands:
+            continue
+        if (found := _code(subject, name, values)) or (found := _unsigned(subject, name, values)):
+            yield found
+            continue
+        odd = outliers(subject, name, values)
+        if odd.any():
+            yield _outliers(subject, name, values, odd)
+        elif subject.is_motion(name):
+            yield from _jumps(subject, name, values)
+
+
+def _code(subject: Subject, name: str, values: FloatArray) -> Finding | None:
+    """A number far outside of all others that stands for no value, such as -999."""
+    for extreme in (values.min(), values.max()):
+        same = values == extreme
+        rest = values[~same]
+        if not EQUAL <= np.count_nonzero(same) <= 0.3 * values.size or rest.size < EQUAL:
+            continue
+        span = max(float(np.ptp(rest)), 1e-12)
+        apart = float(np.min(np.abs(rest - extreme)))
+        raw = subject.raw(name, float(extreme))
+        whole = abs(raw - round(raw)) < 1e-6 * max(abs(raw), 1.0) and abs(raw) >= 99.0
+        if whole and apart > OUTSIDE * span:
+            return fault(
+                "missing",
+                name,
+                f"is {subject.with_unit(float(extreme), name)} in {np.count_nonzero(same)} "
+                "samples, far outside of all others: a code for no value? convert with "
+                f'missing = ["{raw:.10g}"]',
+                time=float(subject.time[int(np.argmax(same))]),
+                size=float(extreme),
+                mend=(f'missing = ["{raw:.10g}", "{round(raw)}.0"]',),
+            )
+    return None
+
+
+def _unsigned(subject: Subject, name: str, values: FloatArray) -> Finding | None:
+    """Values just below 2^16 beside small ones: integers below zero that lost their sign."""
+    raw = np.array([subject.raw(name, 0.0), subject.raw(name, 1.0)])
+    counts = raw[0] + (raw[1] - raw[0]) * values
+    for scale in (1.0, 10.0, 100.0, 1000.0):
+        whole = scale * counts
+        high = whole > 0.75 * WORDS
+        off = np.abs(whole - np.round(whole)).max() > 1e-3
+        if off or not high.any() or whole.max() >= WORDS or whole.min() < 0.0:
+            continue
+        if (whole[~high] < 0.25 * WORDS).all() and (~high).any():
+            text = f"jumps to {subject.with_unit(float(values.max()), name)}, 65536 counts above "
+            text += "zero: numbers of 16 bits that lost their sign; convert with "
+            mend = [f"channels.{name}.signed = 16"]
+            if scale > 1.0:
+                return fault("signed", name, f"{text}the raw counts and signed = 16", size=WORDS,
+                             mend=_by_turn(name, WORDS / scale))  # fmt: skip
+            return fault("signed", name, f"{text}{mend[0]}", size=WORDS, mend=tuple(mend))
+    return None
+
+
+def _by_turn(name: str, turn: float) -> tuple[str, ...]:
+    """Jumps of one turn taken out: the same as a sign, where values change by less than half."""
+    return (f"channels.{name}.unwrap = {turn:.10g}",)
+
+
+def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool_]:
+    """Readings far from the median of their neighbours, which agree; shape (n,)."""
+    from scipy.ndimage import median_filter
+
+    none = np.zeros(values.size, np.bool_)
+    if values.size < 4 * NEIGHBOURS:
+        return none
+    off = np.abs(values - median_filter(values, NEIGHBOURS, mode="nearest"))
+    low, high = np.quantile(values, (0.02, 0.98))
+    least = (LEAST_JUMP if subject.is_motion(name) else FAR_OF_RANGE) * float(high - low)
+    usual = float(np.quantile(off[off > 0.0], 0.8)) / 1.28 if off.any() else 0.0
+    typical = max(usual, quantum(values), noise(values))
+    far = off > max(FAR * typical, least)
+    if subject.is_motion(name):
+        steps = np.abs(np.diff(values))
+        usual = float(np.quantile(steps, 0.97))
+        far &= off > max(3.0 * usual, LEAST_JUMP * float(high - low))
+    long = [each for each in true_runs(far) if each[1] - each[0] + 1 <= NEIGHBOURS // 2]
+    single = none.copy()
+    for first, last in long:
+        single[first : last + 1] = True
+    return single if np.count_nonzero(single) <= MOST * values.size else none
+
+
+def _outliers(subject: Subject, name: str, values: FloatArray, odd: NDArray[np.bool_]) -> Finding:
+    runs = true_runs(odd)
+    first = runs[0][0]
+    many = f"{np.count_nonzero(odd)} reading{'s' if np.count_nonzero(odd) > 1 else ''}"
+    worst = float(np.abs(values - running_median(values))[odd].max())
+    level = fault if subject.is_motion(name) else warning
+    return level(
+        "jump",
+        name,
+        f"{many} far off their neighbours, by up to {subject.with_unit(worst, name)}: outliers; "
+        "leave them out (time.cut)",
+        time=float(subject.time[first]),
+        size=worst,
+        mend=mends.cut(subject, runs, name),
+    )
+
+
+def _jumps(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
+    """Steps from one sample to the next that inertia rules out."""
+    if renewal(subject, name) > 1:
+        return
+    speed, steps = speeds(subject.time, values), np.diff(values)
+    usual = running_median(speed)
+    fastest = sustained(speed)
+    beyond = np.abs(speed - usual) > JUMP * fastest
+    odd = np.abs(steps - usual * np.diff(subject.time))
+    least = max(8.0 * quantum(values), 12.0 * noise(values), LEAST_JUMP * float(np.ptp(values)))
+    beyond &= ~held_frames(subject)[:-1]  # what follows a frame that was held
+    places = np.flatnonzero(beyond & (odd > least))
+    if not places.size or places.size > values.size / 20:
+        return
+    worst = int(places[np.argmax(odd[places])])
+    advice, mend = _jump_advice(subject, name, steps - usual * np.diff(subject.time), places)
+    yield fault(
+        "jump",
+        name,
+        f"{places.size} step{'s' if places.size > 1 else ''} faster than anything moves, the "
+        f"largest {subject.with_unit(float(steps[worst]), name)} "
+        f"at {subject.time[worst + 1]:.4g} s: {advice}",
+        time=float(subject.time[places[0] + 1]),
+        size=float(steps[worst]),
+        mend=mend,
+    )
+
+
+def _jump_advice(
+    subject: Subject, name: str, steps: FloatArray, places: NDArray[np.intp]
+) -> tuple[str, tuple[str, ...]]:
+    first, last = int(places[0]), len(subject.recording) - 1
+    worst = int(places[np.argmax(np.abs(steps[places]))])
+    rest = mends.cut(subject, [(first + 1, last)])
+    if first < 0.05 * last:
+        rest = mends.NO_FILE
+    for other in subject.commands & set(subject.recording.names):
+        moves = np.abs(np.diff(subject.recording[other]))
+        if moves[worst] > JUMP * np.median(moves) and moves[worst] > 0.3 * abs(steps[worst]):
+            text = f"{other} steps there too, so samples were lost though the times run on evenly"
+            return f"{text}; leave out what follows (time.cut)", rest
+    turn = float(np.median(np.abs(steps[places])))
+    alike = float(np.abs(np.abs(steps[places]) / turn - 1.0).max()) < ALIKE
+    span = float(np.ptp(subject.recording[name]))
+    if alike and FULL * turn < span <= (1.0 + ALIKE) * turn:
+        raw = abs(subject.raw(name, turn) - subject.raw(name, 0.0))
+        text = f"a counter that wraps round; convert with channels.{name}.unwrap = {raw:.6g}"
+        return text, (f"channels.{name}.unwrap = {raw:.9g}",)
+    return "the encoder lost count; leave out what follows (time.cut)", rest
