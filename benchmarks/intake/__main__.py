@@ -1,4 +1,4 @@
-"""Faults of many kinds put into sound logs: found, named, mended; and sound logs that are left alone.
+"""Faults put into sound logs: found, named, mended; and sound logs that are left alone.
 
 Logs of the hand (by the independent truth), of an axis and of a position servo, with and without a
 recorded command, are spoiled at three strengths. Strength is what the fault does to a fit: gross

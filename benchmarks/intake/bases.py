@@ -50,15 +50,15 @@ SENSORS: Mapping[str, Mapping[str, tuple[float, float]]] = {
 
 @dataclass(frozen=True)
 class Base:
-    """One run of one machine at 1 kHz, as it is: channels by name, (n,); floors by channel.
+    """One run of one machine at 1 kHz, as it is: channels by name, (n,); noise_floors by channel.
 
-    experiment: what was done, where it is known by name; floors: RMS by which repeats differ.
+    experiment: what was done, where it is known by name; noise_floors: RMS by which repeats differ.
     """
 
     machine: str
     number: int
     channels: Mapping[str, FloatArray]
-    floors: Mapping[str, float]
+    noise_floors: Mapping[str, float]
     experiment: str = ""
 
 
@@ -82,16 +82,16 @@ def count(machine: str) -> int:
 def base(machine: str, number: int) -> Base:
     """One run of the pool, `number` from 0."""
     both = [_run(machine, number, repeat) for repeat in (0, 1)]
-    floors = {}
+    noise_floors = {}
     for name, values in both[0].items():
         if name not in ("time", "reference"):
             noise, step = SENSORS[machine][name]
             scatter = float(np.mean((values - both[1][name]) ** 2)) / 2.0
             moved = START * np.gradient(values, 1e-3) if name == "position" else np.zeros(1)
             scatter += float(np.mean(moved**2))
-            floors[name] = float(np.sqrt(scatter + noise**2 + step**2 / 12.0))
+            noise_floors[name] = float(np.sqrt(scatter + noise**2 + step**2 / 12.0))
     text = bench.experiment_text(_condition(number)) if machine == "hand" else ""
-    return Base(machine, number, both[0], floors, text)
+    return Base(machine, number, both[0], noise_floors, text)
 
 
 def other(machine: str, number: int) -> Base:

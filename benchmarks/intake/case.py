@@ -49,7 +49,7 @@ def case(name: str, strength: str, seed: int) -> dict[str, Any]:
 def _spoiled(kind: Kind, strength: str, rng: np.random.Generator) -> Spoiled | None:
     machine = str(rng.choice(MACHINES, p=[0.5, 0.25, 0.25]))
     run = base(machine, int(rng.integers(count(machine))))
-    referenced = bool(rng.random() < 0.6)
+    referenced = bool(rng.random() < 0.6) or machine == "axis"  # which needs its command
     sound = logged(run, Logger(float(rng.choice(RATES))), referenced, rng)
     state, goal = int(rng.integers(2**32)), _goal(strength, rng)
 
@@ -136,7 +136,7 @@ def plant_of(machine: str) -> Any:
     from benchmarks.intake.servo_plant import Servo
     from hannes.plants.protocol import shipped_plant
 
-    return Servo() if machine == "servo" else shippedplant_of(machine)
+    return Servo() if machine == "servo" else shipped_plant(machine)
 
 
 def _mending(

@@ -54,7 +54,7 @@ def consequence(run: Base, log: Log) -> float:
     if not np.all([np.isfinite(x).all() for x in log.columns.values()]):
         return REFUSED
     shift = _shift(run, log)
-    names = [name for name in log.columns if name in run.floors]
+    names = [name for name in log.columns if name in run.noise_floors]
     return min(
         max((_of_channel(run, log, name, by) for name in names), default=0.0)
         for by in {shift, shift + _start(run, log, shift)}
@@ -97,7 +97,7 @@ def _of_channel(run: Base, log: Log, name: str, shift: float) -> float:
         late = np.roll(asked, min(round(lag), asked.size // 2))
         added -= late
     shares, sizes = _columns(run.machine, run.number, name)
-    floor = run.floors[name]
+    floor = run.noise_floors[name]
     rows = np.column_stack([np.interp(at, time, each) for each in shares.T])
     used = sizes > COUNTS * floor
     moved, *_ = np.linalg.lstsq(rows[:, used], added, rcond=None) if used.any() else (np.zeros(0),)

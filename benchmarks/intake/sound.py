@@ -30,7 +30,7 @@ def case(seed: int) -> dict[str, Any]:
         jitter=float(rng.choice([0.0, 0.05, 0.2])),
         bits=int(rng.choice([0, 0, 8, 10, 12, 16])),
     )
-    log = logged(run, logger, bool(rng.random() < 0.6), rng)
+    log = logged(run, logger, bool(rng.random() < 0.6) or machine == "axis", rng)
     log = _with_gaps(log, rng) if rng.random() < 0.3 else log
     with tempfile.TemporaryDirectory() as folder:
         (made,) = recordings(run, log, sound_mapping(run, log), Path(folder))

@@ -20,7 +20,7 @@ def figures(done: Rows) -> tuple[list[Row], list[Row]]:
     bounds = [_found(shown, strength, bound) for strength, bound in FOUND.items()]
     heard = [each for each in shown if each["found"] and each["strength"] != "small"]
     bounds.append(_share("right kind named", heard, "named", NAMED))
-    bounds += _mended(names, heard)
+    bounds += _mend_bounds(names, heard)
     sound = [each for each in done if each["kind"] == "sound"]
     if sound:
         false = sum(bool(each["faults"]) for each in sound) / len(sound)
@@ -67,7 +67,7 @@ def _share(name: str, cases: Rows, key: str, bound: float) -> Row:
     return must_show(name, value, bound, value >= bound)
 
 
-def _mended(names: Sequence[str], heard: Rows) -> list[Row]:
+def _mend_bounds(names: Sequence[str], heard: Rows) -> list[Row]:
     """Kinds whose key restores the log, or leaves the bad samples out, in nine of ten cases."""
     bounds = []
     for restorable, what in ((True, "restored by the key named"), (False, "left out")):

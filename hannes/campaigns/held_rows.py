@@ -1,4 +1,4 @@
-"""Rows in which a logger wrote its last frame again, told apart from a machine at rest."""
+"""Rows in which a logger wrote its last frame again, as opposed to a machine at rest."""
 
 from collections.abc import Sequence
 
@@ -11,6 +11,7 @@ FloatArray = NDArray[np.float64]
 
 FEWEST = 3  # repeated samples that are no chance
 AROUND = 6  # samples on each side by which a channel is seen to go on
+SELDOM = 0.3  # share of repeats, below which a channel is noisy enough to count
 CHANCE = 1e-3  # runs of repeats that are expected by chance, below which one is none
 STEPS = 2.0  # of a channel's steps a sample: it cannot repeat itself
 
@@ -40,8 +41,9 @@ def _unlikely(channels: Sequence[FloatArray], same: NDArray[np.bool_]) -> NDArra
         return np.zeros_like(same)
     by_chance = 1.0
     for each in channels:
-        if noise(each[~same]) > 0.0:
-            by_chance *= max(float(np.mean(np.diff(each)[fresh] == 0.0)), 1.0 / same.size)
+        share = max(float(np.mean(np.diff(each)[fresh] == 0.0)), 1.0 / same.size)
+        if share < SELDOM and noise(each[~same]) > 0.0:
+            by_chance *= share
     edges = np.flatnonzero(np.diff(np.concatenate(([0], same.astype(np.int8), [0]))))
     found = np.zeros_like(same)
     for first, end in zip(edges[::2], edges[1::2], strict=True):

@@ -18,7 +18,7 @@ BACK = 0.3  # of the fastest sustained speed: surely moving
 FEWEST = 20  # samples of motion each way
 ZERO = 0.02  # of its rms, below zero
 LEAST = 0.2  # of its mean forth, that a magnitude has on the way back
-FEWEST_DRAWN = 60  # samples from which a supply's current is told apart
+FEWEST_DRAWN = 60  # samples from which a supply's current is recognised
 CLEARLY, EXPLAINED = 0.4, 0.5  # residual over that of a winding's current, and over its RMS
 CLEAR = 20.0  # peak over noise, above which a small signal is a signal
 
