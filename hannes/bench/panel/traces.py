@@ -19,7 +19,7 @@ MEASURED = ("reference", "position", "current")
 class Traces:
     """Takes events, gives rows of time, MEASURED, and the model's position, current and force.
 
-    Without a trained model nothing is recognised. `take` may be called from another thread.
+    Recognition starts with `begin`; without a trained model there is none. `take` may be called from another thread.
     """
 
     def __init__(self, hand: Hand, experiment: Experiment, model: Model | None) -> None:
@@ -48,7 +48,6 @@ class Traces:
             self._about = event
             names = list(event.channels)
             self._places = [names.index(each) if each in names else -1 for each in MEASURED]
-            self.begin()
             return
         if self._live and (decisions := self._live.feed(event)):
             self._decision = decisions[-1]
