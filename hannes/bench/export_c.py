@@ -1,32 +1,37 @@
 """`hannes export-c`: a trained model as one C file without allocation, for a board's firmware.
 
 What moves is the recognition that `hannes live` does: features, trees, calibration, decision,
-stiffness, and the most force so far. The peak force after release, which a Gaussian process over
+stiffness, the most force so far; and the grip policy that goes by them. The peak force after release, which a Gaussian process over
 thousands of grasps predicts, stays with the host.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
 from hannes.bench.c_tables import CForest, array, c_forest, number
 from hannes.bench.c_vectors import SAMPLES, vectors
+from hannes.bench.grip_loop import RETREAT
 from hannes.bench.live import LONGEST
+from hannes.bench.policy import GripSettings
 from hannes.core.errors import BadInput
 from hannes.recognition import features
 from hannes.recognition.model import EXTREME, FADE, HELD, NO_CONTACT, Band, Model
 
 FIRMWARE = Path(__file__).parent / "firmware"
 FLAGS = "-std=c99 -O2 -ffp-contract=off"
+GRIP = 8 * 9  # bytes of a struct HannesGrip: its two flags fill the place of a double
 FORESTS = ("rigid", "stiffness", "force")
+GRIP_NAMES = {"speed": "GRIP_SPEED"}  # of its settings, where they are not their own in capitals
 HEAD = """\
-/* Rigid or soft, stiffness and grip force from motor current, position and reference.
+/* Rigid or soft, stiffness and grip force from motor current, position and reference; grip policy.
  * Written by `hannes export-c`; do not edit it, export the model anew.
  *
  * Model:   {trained}
- * Memory:  {memory} bytes in one struct Hannes, all there is; nothing is allocated.
+ * Memory:  {memory} bytes in one struct Hannes and one struct HannesGrip, all there is; nothing is
+ *          allocated.
  * Tables:  {tables} bytes of constants in {trees} trees of {nodes} nodes.
  * Rate:    hannes_sample() once a sample, at {sampling:g} Hz; a decision every {hop:g} ms.
  * Build:   cc {flags} -c FILE.c      (C99 and <math.h>; no -ffast-math)
@@ -116,17 +121,19 @@ def _constants(model: Model) -> dict[str, str]:
         "SHARE": min(1.0, model.windowing.hop / FADE),
         "SURE": model.sure,
     }
+    values |= {GRIP_NAMES.get(key, key.upper()): x for key, x in asdict(GripSettings()).items()}
+    values["RETREAT"] = RETREAT
     return {name: f"({number(value)})" for name, value in values.items()}
 
 
 def _memory(sizes: dict[str, str]) -> int:
-    """Bytes of a struct Hannes where doubles stand at multiples of eight."""
+    """Bytes of both structs where doubles stand at multiples of eight."""
     kept, held, scratch, levels, count = (
         int(sizes[name].rstrip("u")) for name in ("KEPT", "HELD", "SCRATCH", "LEVELS", "FEATURES")
     )
     doubles = 2 + 4 * kept + 8 + levels + 1 + 2 * held + scratch
     rows = 4 * (count + count % 2)
-    return 16 + 8 * doubles + 8 + rows
+    return 16 + 8 * doubles + 8 + rows + GRIP
 
 
 def _defined(values: dict[str, str]) -> str:

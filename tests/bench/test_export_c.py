@@ -116,7 +116,7 @@ def test_other_windows_too(how, tmp_path):
 def test_nothing_is_allocated_and_memory_is_as_stated(model, program):
     made = export_c(model)
     assert not re.search(r"\b(malloc|calloc|realloc|alloca)\b", made.text)
-    assert f"{made.memory_bytes} bytes in one struct Hannes" in made.text
+    assert f"{made.memory_bytes} bytes in one struct Hannes and one struct HannesGrip" in made.text
     assert f"#define HANNES_MEMORY_BYTES {made.memory_bytes}u" in made.text
 
 

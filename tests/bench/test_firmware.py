@@ -6,13 +6,19 @@ import struct
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
+from drawn_model import drawn_model
 from toy_machine import Lag
 
 import hannes.bench
 from hannes.bench.adapters.framed import Framed
 from hannes.bench.board_logic import HOST_LENGTHS, BoardLogic, Settings
+from hannes.bench.events import About, Row, Status
+from hannes.bench.export_c import export_c
 from hannes.bench.frames import Splitter, encode
+from hannes.bench.grip_loop import GripLoop
+from hannes.bench.messages import State
 
 SOURCE = Path(hannes.bench.__file__).parent / "firmware" / "hannes_board.c"
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -73,3 +79,77 @@ def test_firmware_and_rules_say_the_same_bytes(firmware, seed):
     )
     said = subprocess.run([firmware], input=asked, capture_output=True, check=True).stdout
     assert said == of_python(steps)
+
+
+# ---- a strategy of its own: recognition and grip policy, without a host --------------------------
+
+GOAL, TICKS, PERIOD = 9.0, 1600, 1e-3
+
+
+@pytest.fixture(scope="module")
+def strategy(tmp_path_factory):
+    """The firmware with an exported model linked in, and that model."""
+    if COMPILER is None:
+        pytest.skip("no C compiler on this machine")
+    folder, model = tmp_path_factory.mktemp("strategy"), drawn_model()
+    (folder / "recogniser.c").write_text(export_c(model).text)
+    flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function"]
+    flags += ["-ffp-contract=off", "-DHANNES_HOST", '-DHANNES_STRATEGY="recogniser.c"']
+    command = [COMPILER, *flags, f"-I{folder}", SOURCE, "-o", folder / "board", "-lm"]
+    subprocess.run(command, check=True)
+    return folder / "board", model
+
+
+def run_alone(program, slope):
+    """Host and cable are there for a moment, then never again; a switch asks for a grasp.
+
+    Returns telemetry (n, 3) of reference, position and current, and the states that were said.
+    """
+    host = Framed()
+    hello = b"".join((host.ask(), host.alive(1)))
+    given = struct.pack("<BH", 0, len(hello)) + hello + struct.pack("<BH", 1, 10)
+    given += struct.pack("<BH", 2, round(1e3 * GOAL)) + struct.pack("<BH", 1, TICKS)
+    said = subprocess.run([program, str(slope)], input=given, capture_output=True, check=True)
+    events = Framed().feed(said.stdout, 0.0)
+    rows = np.array([each.values for each in events if isinstance(each, Row)])
+    return rows[10:], [each.state for each in events if isinstance(each, Status)]
+
+
+def python_alone(model, slope):
+    """References of the same grasp by Python's loop, on the same machine."""
+    loop, units = GripLoop(model), {"reference": "rad", "position": "rad", "current": "A"}
+    loop.feed(About("x", units, 1000.0, 0.2), 0.0)
+    shaft, command, reference, references = 0.0, 0.0, 0.0, []
+    for k in range(TICKS):
+        squeeze = max(shaft - 4.0, 0.0)
+        shaft += 0.06 * (reference - shaft) / (1.0 + slope * squeeze)
+        current = (0.25 if reference >= shaft else -0.125) + slope * squeeze
+        references.append(reference)
+        command = min(GOAL, command + 15.4 * PERIOD)
+        loop.feed(Row(k, k * PERIOD, (reference, shaft, current)), command)
+        reference = loop.set_point
+    return np.array(references), loop.firm
+
+
+@pytest.mark.parametrize(("slope", "firm"), [(0.1, False), (2.0, True)], ids=["soft", "rigid"])
+def test_the_policy_runs_with_the_cable_out(strategy, slope, firm):
+    program, model = strategy
+    rows, states = run_alone(program, slope)
+    assert set(states[2:]) == {State.FOLLOWING}  # no watchdog: nobody leads but the board itself
+    wanted, by_python = python_alone(model, slope)
+    assert by_python is firm
+    assert rows[:TICKS, 0] == pytest.approx(wanted[: len(rows)], abs=1.1e-6)  # telemetry's step
+    squeezed = rows[-1, 0] - 4.0
+    assert squeezed == pytest.approx(5.0, abs=0.01) if firm else squeezed < 0.7 * 5.0
+
+
+def test_a_host_that_leads_is_still_watched(strategy):
+    program, _ = strategy
+    host = Framed()
+    asked = host.ask() + host.set_point(1.0)
+    given = struct.pack("<BH", 0, len(asked)) + asked + struct.pack("<BH", 1, 100)
+    given += struct.pack("<BH", 2, 9000) + struct.pack("<BH", 1, 500)
+    said = subprocess.run([program], input=given, capture_output=True, check=True).stdout
+    events = Framed().feed(said, 0.0)
+    assert [each.state for each in events if isinstance(each, Status)][-1] is State.WATCHDOG
+    assert max(each.values[0] for each in events if isinstance(each, Row)) == 1.0

@@ -6,11 +6,17 @@
  * To put it on a microcontroller (written with an STM32G4 at 170 MHz in mind, nothing in it is
  * special to that one): call board_init() once, board_byte() for each byte that the UART received,
  * and board_tick() from a timer every 1 ms; provide the two functions under "hardware".
+ * With -DHANNES_STRATEGY='"recogniser.c"', a file of `hannes export-c`, the board also recognises what
+ * it holds and limits its grip: board_grasp(), called from a switch, needs no host.
  * A struct Board is all the memory there is: sizeof(struct Board), some 60 KiB as set below.
  */
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
+
+#ifdef HANNES_STRATEGY
+#include HANNES_STRATEGY
+#endif
 
 #ifndef RING
 #define RING 256u /* frames kept to be sent again */
@@ -91,7 +97,20 @@ struct Board {
     bool expected;
     uint32_t points, duration, check, at;
     double reference;
+#ifdef HANNES_STRATEGY
+    bool alone; /* a grasp of the board's own: it goes on without a host */
+    double goal, command, force_wanted, position;
+    struct Hannes hannes;
+    struct HannesGrip grip;
+    struct HannesDecision said;
+#endif
 };
+#ifdef HANNES_STRATEGY
+#define IS_ALONE(b) ((b)->alone)
+#define GRASP_SPEED 15.4 /* rad/s, of the command */
+#else
+#define IS_ALONE(b) false
+#endif
 
 /* ---- little-endian numbers, CRC-32, COBS ------------------------------------------------------ */
 
@@ -230,6 +249,16 @@ static bool within(int32_t reference)
     return LEAST_TRAVEL <= reference * MICRO && reference * MICRO <= MOST_TRAVEL;
 }
 
+/* A host leads from now on: its silence stops the board. */
+static void attended(struct Board *b)
+{
+#ifdef HANNES_STRATEGY
+    b->alone = false;
+#else
+    (void)b;
+#endif
+}
+
 static uint8_t expect(struct Board *b, const uint8_t *payload)
 {
     if (moving(b)) return BUSY;
@@ -272,6 +301,7 @@ static uint8_t start(struct Board *b, const uint8_t *payload)
     if (check != b->check || get(payload, 4) != check) return INCOMPLETE;
     if (!inside) return BEYOND_LIMITS;
     b->state = RUNNING;
+    attended(b);
     b->began = b->time;
     b->at = 0;
     return DONE;
@@ -280,10 +310,11 @@ static uint8_t start(struct Board *b, const uint8_t *payload)
 static uint8_t follow(struct Board *b, const uint8_t *payload)
 {
     int32_t reference = (int32_t)(uint32_t)get(payload, 4);
-    if (b->state == RUNNING) return BUSY;
+    if (b->state == RUNNING || (moving(b) && IS_ALONE(b))) return BUSY;
     if (!within(reference)) return BEYOND_LIMITS;
     b->state = FOLLOWING;
     b->reference = reference * MICRO;
+    attended(b);
     return DONE;
 }
 
@@ -408,14 +439,58 @@ static void limit(struct Board *b, const double *values)
     else if (position < LEAST_TRAVEL || position > MOST_TRAVEL) b->state = OVER_TRAVEL;
 }
 
+#ifdef HANNES_STRATEGY
+typedef char rate_is_that_of_the_model[HANNES_PERIOD * RATE == 1.0 ? 1 : -1];
+
+/* Close (or open) towards `goal` [rad] as far as the grip policy allows, without a host; with
+ * `force_wanted` [N] above zero, to that force. False where a host has the board. */
+bool board_grasp(struct Board *b, double goal, double force_wanted)
+{
+    if (!(LEAST_TRAVEL <= goal && goal <= MOST_TRAVEL)) return false;
+    if (moving(b) && !b->alone) return false;
+    if (!moving(b)) {
+        hannes_reset(&b->hannes);
+        hannes_grip_reset(&b->grip);
+        b->command = b->reference = b->position;
+        b->state = FOLLOWING;
+        b->alone = true;
+    }
+    b->goal = goal;
+    b->force_wanted = force_wanted;
+    return true;
+}
+
+void board_stop(struct Board *b)
+{
+    b->state = STOPPED;
+}
+
+/* Take in a tick's sample, and find the next tick's reference. */
+static void grip_on(struct Board *b, const double *values)
+{
+    double position = values[POSITION_CHANNEL], most = GRASP_SPEED * HANNES_PERIOD;
+    bool fresh = hannes_sample(&b->hannes, values[CURRENT_CHANNEL], position,
+                               values[REFERENCE_CHANNEL], &b->said);
+    b->command = g_within(b->goal, b->command - most, b->command + most);
+    b->reference = hannes_grip(&b->grip, fresh ? &b->said : NULL, HANNES_PERIOD, b->command,
+                               position, b->force_wanted);
+}
+#endif
+
 void board_tick(struct Board *b)
 {
     double values[CHANNELS], reference = 0.0;
     uint8_t payload[4u * CHANNELS], *end = payload;
-    if (moving(b) && b->time - b->heard > WATCHDOG) b->state = BY_WATCHDOG;
+    if (moving(b) && !IS_ALONE(b) && b->time - b->heard > WATCHDOG) b->state = BY_WATCHDOG;
     bool driven = wanted(b, &reference);
     hardware_step(!driven, reference, values);
+#ifdef HANNES_STRATEGY
+    b->position = values[POSITION_CHANNEL];
+#endif
     limit(b, values);
+#ifdef HANNES_STRATEGY
+    if (moving(b) && b->alone) grip_on(b, values);
+#endif
     for (unsigned k = 0; k < CHANNELS; k++)
         end = put(end, (uint64_t)raw(values[k], &channels[k]), channels[k].code == 'h' ? 2u : 4u);
     emit(b, TELEMETRY, payload, (uint8_t)(end - payload));
@@ -430,6 +505,9 @@ void board_tick(struct Board *b)
 
 #ifdef HANNES_HOST
 #include <stdio.h>
+#ifdef HANNES_STRATEGY
+#include <stdlib.h>
+#endif
 
 static double shaft;
 
@@ -438,6 +516,20 @@ void hardware_send(const uint8_t *bytes, size_t count)
     fwrite(bytes, 1, count, stdout);
 }
 
+#ifdef HANNES_STRATEGY
+static double slope; /* A/rad, of the current beyond the place of an object */
+#define OBJECT_AT 4.0 /* rad */
+
+void hardware_step(bool open, double reference, double *values)
+{
+    double target = open ? shaft : reference;
+    double squeeze = shaft > OBJECT_AT ? shaft - OBJECT_AT : 0.0;
+    shaft += 0.06 * (target - shaft) / (1.0 + slope * squeeze);
+    values[REFERENCE_CHANNEL] = target;
+    values[POSITION_CHANNEL] = shaft;
+    values[CURRENT_CHANNEL] = (open ? 0.0 : target >= shaft ? 0.25 : -0.125) + slope * squeeze;
+}
+#else
 void hardware_step(bool open, double reference, double *values)
 {
     double target = open ? shaft : reference, current = target - shaft;
@@ -446,15 +538,29 @@ void hardware_step(bool open, double reference, double *values)
     values[POSITION_CHANNEL] = shaft;
     values[CURRENT_CHANNEL] = current;
 }
+#endif
 
-/* Input: u8 what (0: bytes, 1: ticks), u16 count; then the bytes. */
-int main(void)
+/* Input: u8 what (0: bytes, 1: ticks), u16 count; then the bytes. With a strategy also 2: a switch
+ * asks for a grasp to `count` mrad; the slope of its object is the program's argument. */
+int main(int count_of_words, char **words)
 {
     static struct Board board;
     uint8_t head[3];
+#ifdef HANNES_STRATEGY
+    slope = count_of_words > 1 ? atof(words[1]) : 0.0;
+#else
+    (void)count_of_words;
+    (void)words;
+#endif
     board_init(&board);
     while (fread(head, 1, 3, stdin) == 3) {
         unsigned count = (unsigned)get(head + 1, 2);
+#ifdef HANNES_STRATEGY
+        if (head[0] == 2) {
+            board_grasp(&board, 1e-3 * count, 0.0);
+            continue;
+        }
+#endif
         for (unsigned k = 0; k < count; k++) {
             if (head[0]) board_tick(&board);
             else {

@@ -10,6 +10,8 @@ struct HannesDecision {
     uint8_t word;    /* HANNES_SOFT, HANNES_RIGID or HANNES_UNKNOWN */
     bool held;       /* an object is held now; only then is there a force */
     bool stiff;      /* an object was held so far; only then is there a stiffness */
+    bool touched;    /* a contact was detected */
+    double touch;    /* rad, where; before a contact, where the shaft is now */
     double window;   /* probability of rigid of this window alone */
     double rigid;    /* of the grasp so far, by which the word is said */
     double stiffness[3]; /* N/m: value, and the ends of its 95 % interval */
@@ -29,18 +31,32 @@ struct Hannes {
     float row[HANNES_FEATURES];
 };
 
+/* What the grip policy keeps from tick to tick. */
+struct HannesGrip {
+    bool firm, held;
+    double since, certain, offset, set_point; /* s, s, rad from the touch, rad */
+    double touch, rigid;      /* of what is held: rad, probability */
+    double force, force_high; /* N, the last estimate */
+};
+
 /* The memory that the head of this file states is all there is. */
-typedef char hannes_memory_as_stated[sizeof(struct Hannes) <= HANNES_MEMORY_BYTES ? 1 : -1];
+typedef char hannes_memory_as_stated[
+    sizeof(struct Hannes) + sizeof(struct HannesGrip) <= HANNES_MEMORY_BYTES ? 1 : -1];
 
 void hannes_reset(struct Hannes *h);
 /* Takes one sample; true where a window ended with it, and `said` is new. */
 bool hannes_sample(struct Hannes *h, double current, double position, double reference,
                    struct HannesDecision *said);
+void hannes_grip_reset(struct HannesGrip *g);
+/* Set point [rad] of the next tick, by what recognition says: `fresh` is what was just said, NULL
+ * where nothing was; `wanted` the command [rad]; `force_wanted` a force set point [N], 0 for none. */
+double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, double period,
+                   double wanted, double position, double force_wanted);
 
 /* ---- features ---------------------------------------------------------------------------------- */
 
 enum { H_START, H_FREE, H_FREE_SPEED, H_PEAK, H_FARTHEST, H_WORK, H_STEEPEST, H_LAST };
-enum { H_SINCE = 9, H_RISE = 10 };
+enum { H_SINCE = 9, H_RISE = 10, H_TOUCH = 21 };
 
 static double h_at(const double *values, int32_t sample)
 {
@@ -134,7 +150,7 @@ static void h_of_grasp(struct Hannes *h, double position, int32_t since)
     out[18] = (float)known[H_WORK];
     out[19] = (float)(known[H_WORK] / (square * square));
     out[20] = (float)(peak - rise);
-    out[21] = (float)known[H_START];
+    out[H_TOUCH] = (float)known[H_START];
     out[22] = (float)known[H_STEEPEST];
     for (int k = 0; k < HANNES_LEVELS; k++)
         out[23 + k] = (float)(h->passed[k] >= 0.0 ? h->passed[k] : hannes_levels[k] * secant);
@@ -287,6 +303,8 @@ static void h_decide(struct Hannes *h, struct HannesDecision *said)
         if (odds > HANNES_EXTREME) odds = HANNES_EXTREME;
     }
     h->odds += HANNES_SHARE * (odds - h->odds);
+    said->touched = touched;
+    said->touch = h->row[H_TOUCH];
     said->held = holds;
     said->stiff = holds || h->held;
     said->rigid = said->stiff ? 1.0 / (1.0 + exp(-h->odds)) : 0.5;
@@ -318,8 +336,78 @@ bool hannes_sample(struct Hannes *h, double current, double position, double ref
     h->row[7] = (float)least;
     h->row[8] = h->row[2];
     h->row[H_RISE] = (float)(level - least);
-    h->row[21] = (float)position;
+    h->row[H_TOUCH] = (float)position;
     if (h->touch >= 0) h_of_grasp(h, position, n - h->touch);
     h_decide(h, said);
     return true;
+}
+
+/* ---- grip policy ------------------------------------------------------------------------------- */
+
+static double g_within(double value, double low, double high)
+{
+    double raised = low > value ? low : value;
+    return high < raised ? high : raised;
+}
+
+void hannes_grip_reset(struct HannesGrip *g)
+{
+    memset(g, 0, sizeof *g);
+}
+
+/* What recognition last said of the object, until the hand has let it go. */
+static void g_hold(struct HannesGrip *g, const struct HannesDecision *fresh, double position)
+{
+    if (fresh && fresh->held) {
+        g->force = fresh->force[0];
+        g->force_high = fresh->force[2];
+    }
+    if (fresh && fresh->touched) {
+        g->held = true;
+        g->touch = fresh->touch;
+        g->rigid = fresh->rigid;
+    }
+    if (g->held && position < g->touch - HANNES_RETREAT) g->held = false;
+}
+
+static double g_offset(const struct HannesGrip *g, double period, double position, double most,
+                       double force_wanted)
+{
+    double rate = HANNES_FORCE_GAIN * (force_wanted - (g->firm ? g->force : g->force_high));
+    double start = g->since > 0.0 ? g->offset : position - g->touch, offset;
+    rate = g_within(rate, -HANNES_FORCE_SPEED, HANNES_FORCE_SPEED);
+    offset = start + rate * period;
+    return offset != offset ? 0.0 : g_within(offset, 0.0, most);
+}
+
+static double g_free(struct HannesGrip *g, double wanted, double since, double certain)
+{
+    g->since = since;
+    g->certain = certain;
+    g->offset = 0.0;
+    return g->set_point = wanted;
+}
+
+double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, double period,
+                   double wanted, double position, double force_wanted)
+{
+    g_hold(g, fresh, position);
+    if (!g->held) {
+        g->firm = false;
+        return g_free(g, wanted, 0.0, 0.0);
+    }
+    double since = g->since + period, most = HANNES_GRIP_SPEED * period;
+    double certain = g->rigid >= HANNES_RIGID_FROM ? g->certain + period : 0.0;
+    double beyond = wanted - g->touch, share;
+    if (g->firm) g->firm = g->rigid >= HANNES_SOFT_BELOW;
+    else g->firm = certain >= HANNES_DWELL || (since >= HANNES_PATIENCE && g->rigid > 0.5);
+    share = g->firm ? 1.0 : HANNES_SOFT_SHARE;
+    if (beyond <= 0.0) return g_free(g, wanted, since, certain); /* the command is to open */
+    if (force_wanted > 0.0)
+        share = g_offset(g, period, position, share * beyond, force_wanted) / beyond;
+    g->since = since;
+    g->certain = certain;
+    g->offset = share * beyond;
+    g->set_point = g_within(g->touch + share * beyond, g->set_point - most, g->set_point + most);
+    return g->set_point;
 }
