@@ -1,7 +1,7 @@
 """Test vectors of an exported model: drawn grasps, and what Python says of them.
 
 The grasps are plain sums and products of numbers from a linear congruential generator, the same
-here and in C (firmware/recogniser_test.c), so that a vector is a seed and what must come out.
+here and in C (firmware/parts/self_test.c), so that a vector is a seed and what must come out.
 """
 
 from collections.abc import Iterator

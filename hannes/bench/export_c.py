@@ -1,8 +1,8 @@
 """`hannes export-c`: a trained model as one C file without allocation, for a board's firmware.
 
 What moves is the recognition that `hannes live` does: features, trees, calibration, decision,
-stiffness, the most force so far; and the grip policy that goes by them. The peak force after release, which a Gaussian process over
-thousands of grasps predicts, stays with the host.
+stiffness, the most force so far; and the grip policy that goes by them. The peak force after
+release, which a Gaussian process over thousands of grasps predicts, stays with the host.
 """
 
 from collections.abc import Iterable, Sequence
@@ -20,7 +20,7 @@ from hannes.core.errors import BadInput
 from hannes.recognition import features
 from hannes.recognition.model import EXTREME, FADE, HELD, NO_CONTACT, Band, Model
 
-FIRMWARE = Path(__file__).parent / "firmware"
+PARTS = Path(__file__).parent / "firmware" / "parts"
 FLAGS = "-std=c99 -O2 -ffp-contract=off"
 GRIP = 8 * 9  # bytes of a struct HannesGrip: its two flags fill the place of a double
 FORESTS = ("rigid", "stiffness", "force")
@@ -73,9 +73,9 @@ def export_c(model: Model) -> Exported:
         head,
         _defined(sizes | {"MEMORY_BYTES": f"{memory}u"} | _constants(model)),
         _tables(model, forests.values()),
-        (FIRMWARE / "recogniser.c").read_text(encoding="utf-8"),
+        (PARTS / "recogniser.c").read_text(encoding="utf-8"),
         vectors(model),
-        (FIRMWARE / "recogniser_test.c").read_text(encoding="utf-8"),
+        (PARTS / "self_test.c").read_text(encoding="utf-8"),
     ]
     return Exported("\n".join(parts), memory, tables, trees, nodes)
 
@@ -101,6 +101,7 @@ def _sizes(model: Model) -> dict[str, str]:
         "LONGEST": f"{longest}u",
         "HELD": f"{held}u",
         "SCRATCH": f"{max(held, trees)}u",
+        "RATE": f"{round(windowing.sampling)}u",
         "FEATURES": f"{len(features.NAMES)}",
         "LEVELS": f"{len(features.LEVELS)}",
         "CALIBRATION": f"{model.calibration.x.size}u",

@@ -14,7 +14,9 @@ from hannes.bench.c_tables import below, preorder, short
 from hannes.bench.c_vectors import drawn, last_estimates, windows
 from hannes.bench.events import About, Row
 from hannes.bench.export_c import FLAGS, export_c
+from hannes.bench.grip_loop import RETREAT
 from hannes.bench.live import LiveRecogniser
+from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
 from hannes.commands.cli import main
 from hannes.recognition import model_file
 from hannes.recognition.model import WORDS
@@ -153,3 +155,62 @@ def test_the_command(model, tmp_path, capsys):
     )  # its own gives way
     assert main(["export-c", str(out), "--out", str(tmp_path / "y.c")]) == 2
     assert not (tmp_path / "y.c").exists()
+
+
+GRIP = """
+#include <stdio.h>
+#include "model.c"
+int main(void)
+{
+    static struct HannesGrip grip;
+    double s[9], point;
+    hannes_grip_reset(&grip);
+    while (fread(s, 8, 9, stdin) == 9) {
+        struct HannesDecision said = {.touched = s[1] > 0.0, .held = s[1] > 0.0, .touch = s[2],
+                                      .rigid = s[3], .force = {s[4], 0.0, s[5]}};
+        point = hannes_grip(&grip, s[0] > 0.0 ? &said : NULL, 1e-3, s[6], s[7], s[8]);
+        fwrite(&point, 8, 1, stdout);
+    }
+    return 0;
+}
+"""
+
+
+def drawn_policy_samples(count):
+    """Rows of fresh, touched, touch, rigid, force, its upper end, command, position, force set."""
+    chance = np.random.default_rng(5)
+    rows = np.zeros((count, 9))
+    rigid, wanted, position = 0.5, 0.0, 0.0
+    for k, row in enumerate(rows):
+        rigid = min(max(rigid + chance.normal(0.0, 0.05), 0.0), 1.0)
+        wanted += chance.uniform(-0.02, 0.024)
+        position += 0.03 * (wanted - position)
+        force = 20.0 * rigid + chance.uniform(0.0, 5.0)
+        row[:] = (
+            k % 10 == 0, chance.random() < 0.9, 1.0 + 0.001 * (k // 500), rigid, force, 1.2 * force,
+            wanted, position, 15.0 if k // 1000 % 2 else 0.0,
+        )  # fmt: skip
+    return rows
+
+
+def test_the_grip_policy_has_the_bits_of_python(model, program, tmp_path):
+    rows, memory, settings = drawn_policy_samples(8000), GripMemory(), GripSettings()
+    held, force, wanted = None, (0.0, 0.0), []
+    for fresh, touched, touch, rigid, value, high, command, position, force_wanted in rows:
+        if fresh and touched:
+            held, force = (touch, rigid), (value, high)
+        if held and position < held[0] - RETREAT:
+            held = None
+        known = (held is not None, *(held or (0.0, 0.5)))
+        sample = GripSample(1e-3, command, position, *known, *force, force_wanted)
+        memory, point = grip(settings, memory, sample)
+        wanted.append(point)
+    (tmp_path / "model.c").write_text(export_c(model).text)
+    (tmp_path / "grip.c").write_text(GRIP)
+    flags = [*FLAGS.split(), "-Wno-unused-function", "-o", tmp_path / "grip"]
+    subprocess.run([COMPILER, *flags, tmp_path / "grip.c", "-lm"], check=True)
+    done = subprocess.run(
+        [tmp_path / "grip"], input=rows.tobytes(), capture_output=True, check=True
+    )
+    assert np.array_equal(np.frombuffer(done.stdout), wanted)
+    assert 0.1 < np.mean(np.array(wanted) != rows[:, 6]) < 1.0  # it limits in part of them

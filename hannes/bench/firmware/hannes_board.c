@@ -440,7 +440,9 @@ static void limit(struct Board *b, const double *values)
 }
 
 #ifdef HANNES_STRATEGY
-typedef char rate_is_that_of_the_model[HANNES_PERIOD * RATE == 1.0 ? 1 : -1];
+#if HANNES_RATE != RATE
+#error "the model was trained at another rate than the board ticks"
+#endif
 
 /* Close (or open) towards `goal` [rad] as far as the grip policy allows, without a host; with
  * `force_wanted` [N] above zero, to that force. False where a host has the board. */
@@ -524,7 +526,7 @@ void hardware_step(bool open, double reference, double *values)
 {
     double target = open ? shaft : reference;
     double squeeze = shaft > OBJECT_AT ? shaft - OBJECT_AT : 0.0;
-    shaft += 0.06 * (target - shaft) / (1.0 + slope * squeeze);
+    shaft += 0.06 * (target - shaft - 0.8 * slope * squeeze);
     values[REFERENCE_CHANNEL] = target;
     values[POSITION_CHANNEL] = shaft;
     values[CURRENT_CHANNEL] = (open ? 0.0 : target >= shaft ? 0.25 : -0.125) + slope * squeeze;

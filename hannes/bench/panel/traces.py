@@ -19,7 +19,8 @@ MEASURED = ("reference", "position", "current")
 class Traces:
     """Takes events, gives rows of time, MEASURED, and the model's position, current and force.
 
-    Recognition starts with `begin`; without a trained model there is none. `take` may be called from another thread.
+    Recognition starts with `begin`; without a trained model there is none. `take` may be
+    called from another thread.
     """
 
     def __init__(self, hand: Hand, experiment: Experiment, model: Model | None) -> None:
