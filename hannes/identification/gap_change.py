@@ -16,6 +16,7 @@ from hannes.core.recording.white_noise import roughness
 from hannes.plants.protocol import Plant
 
 LEVEL = 0.01  # one-sided, over all channels together
+WIDE = 6.0  # standard deviations: a quantile beyond it sees only gross changes
 SURELY = 2.33  # standard deviations: what is right would be missed once in a hundred
 WHITE = 1000.0  # degrees of freedom where white noise is all that is known
 
@@ -123,6 +124,18 @@ def _variance(values: np.ndarray, repeats: Sequence[np.ndarray], moved: np.ndarr
         return 4.0 * roughness(values) ** 2 * float(moved @ moved)
     along = np.array([2.0 * float(moved @ each) for each in repeats])
     return float(np.var(along, ddof=1)) * (1.0 + 1.0 / len(repeats))
+
+
+def hardly_tested(changes: Sequence[GapChange]) -> str:
+    """What repeats too few to see a rise leave open, in words, or an empty string."""
+    widest = max((each.quantile for each in changes), default=0.0)
+    if widest <= WIDE:
+        return ""
+    return (
+        "few repeats say how far runs differ: on recordings that were not fitted only a rise of "
+        f"the gap beyond {widest:.2g} standard deviations could be seen, at {LEVEL:g} over all "
+        "channels"
+    )
 
 
 def worsened(changes: Sequence[GapChange]) -> str:

@@ -83,6 +83,14 @@ def test_what_moves_less_than_runs_differ_is_neither_and_is_called_faint():
     assert refusal(moved) == "" and too_faint(moved)
 
 
+def test_two_repeats_say_that_they_could_hardly_show_a_rise():
+    few = replace(stages(LACKING, RIGHT, RIGHT), segments=segments()[-2:], runs=([LACKING] * 2,
+                  [RIGHT] * 2, [RIGHT] * 2))  # fmt: skip
+    said = guarded(decided("recalibrated"), few).cautions
+    assert any("only a rise of the gap beyond 64 standard deviations" in each for each in said)
+    assert guarded(decided("recalibrated"), stages(LACKING, RIGHT, RIGHT)).cautions == []
+
+
 def test_a_rise_is_rarely_seen_where_there_is_none():
     """The better simulation of two is called worse in one of a hundred at most, by its spread."""
     worse = 0

@@ -13,7 +13,13 @@ from hannes.identification.diagnosis.before_after import left
 from hannes.identification.diagnosis.decision import Decision
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.repeat_groups import Channels
-from hannes.identification.gap_change import GapChange, gap_changes, refusal, too_faint
+from hannes.identification.gap_change import (
+    GapChange,
+    gap_changes,
+    hardly_tested,
+    refusal,
+    too_faint,
+)
 from hannes.identification.remainder import SMALL, Remainder, largest, remainders
 from hannes.identification.residuals import Raw
 from hannes.plants.protocol import Plant
@@ -83,7 +89,8 @@ class Guarded:
 
 def guarded(decision: Decision, stages: Stages) -> Guarded:
     """The decision, or what is left of it."""
-    cautions, refitted = list[str](), True
+    hardly, refitted = hardly_tested(stages.change(0, 1)), True
+    cautions = [hardly] if hardly else []
     if why := stages.refusal(0, 1):
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
