@@ -49,6 +49,19 @@ def recording(path: Path) -> None:
     check(Recording.read(path), shipped_plant("hand"))
 
 
+def dynamometer() -> bytes:
+    """A CSV export of a hand dynamometer."""
+    rows = [f"{0.01 * k:.2f},{max(0.0, 0.5 * (k - 40)):.2f}" for k in range(120)]
+    return "\n".join(['"Latest: Time (s)","Latest: Force (N)"', *rows]).encode()
+
+
+def use_dynamometer(path: Path) -> None:
+    """Read it, and look for its onset."""
+    from hannes.bench.dynamometer import read_vernier
+
+    read_vernier(path).onset()
+
+
 def converted(mapping: str) -> Callable[[Path], None]:
     """Convert through a mapping that aligns its clock."""
 
@@ -244,6 +257,10 @@ def of_data() -> Iterator[Reader]:
     yield Reader(
         "raw log", ".rawlog", raw_log, raw_logs.raw_log, use_raw_log,
         ("hannes.bench.finish:read_rows",),
+    )  # fmt: skip
+    yield Reader(
+        "dynamometer", ".csv", dynamometer, corpus.text, use_dynamometer,
+        ("hannes.bench.dynamometer:read_vernier",),
     )  # fmt: skip
     yield Reader("marks of results", ".h5", recording_hdf5, corpus.hdf5, marks, ())
 

@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ from hannes.commands.cli_output import add_force, add_json, print_json
 from hannes.core.errors import BadInput
 
 if TYPE_CHECKING:
+    from hannes.bench.dynamometer_live import LiveDynamometer
     from hannes.bench.reader import Link
 
 EXAMPLES = {
@@ -33,7 +35,8 @@ my_board.toml; all but the first line may be left out:
 hannes record void-closure --port /dev/ttyUSB0 --out void_01.h5
 hannes record dynamometer --port socket://127.0.0.1:4000 --out grasp.h5
 hannes record void-closure --port /dev/ttyACM0 --board text --baud 115200 --out void.csv
-hannes record --recover void_01.h5.rawlog --out void_01.h5""",
+hannes record --recover void_01.h5.rawlog --out void_01.h5
+hannes record --recover grasp.h5.rawlog --dynamometer vernier.csv --out grasp_force.h5""",
     "port": """\
 hannes port
 hannes port /dev/ttyUSB0
@@ -59,6 +62,10 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     record.add_argument(
         "--recover", metavar="RAWLOG", help="make the recording from this raw log, without a board"
     )
+    record.add_argument(
+        "--dynamometer", metavar="FILE.csv|live",
+        help="force of a Vernier dynamometer: its CSV export (with --recover), or live on USB",
+    )  # fmt: skip
     add_force(record)
     add_json(record)
 
@@ -120,25 +127,46 @@ def _record(chosen: argparse.Namespace) -> None:
 
     out, raw = Path(chosen.out), Path(chosen.out + RAW)
     reads = [chosen.recover] if chosen.recover else []
+    if chosen.dynamometer and chosen.dynamometer != "live":
+        if not chosen.recover:
+            raise BadInput(
+                f"--dynamometer {chosen.dynamometer}: its export comes after the recording; record "
+                f"first, then --recover {raw} with it"
+            )
+        reads.append(chosen.dynamometer)
     with reserved("record", results_at(out, "record"), reads, force=chosen.force):
         _recorded(chosen, out, raw)
 
 
 def _recorded(chosen: argparse.Namespace, out: Path, raw: Path) -> None:
+    from hannes.bench.dynamometer import merged, read_vernier
     from hannes.bench.record import record, recover
     from hannes.core.recording.marked import write_marked
 
     if chosen.recover:
+        if chosen.dynamometer == "live":
+            raise BadInput("--dynamometer live: nothing is live in a raw log; give its CSV export")
         made = recover(chosen.recover)
+        if chosen.dynamometer:
+            made = merged(made, read_vernier(chosen.dynamometer))
         write_marked(made, out, "record")
         _said(chosen, {"out": str(out), "samples": made.time.size, "raw": chosen.recover})
         return
     if not chosen.experiment:
         raise BadInput("no experiment given; `hannes experiments` lists them")
-    done = record(chosen.experiment, link(chosen), raw, progress=_say)
-    write_marked(done.recording, out, "record")
-    said = {"out": str(out), "raw": str(raw), "samples": done.recording.time.size}
+    with _dynamometer(chosen) as force:
+        done = record(chosen.experiment, link(chosen), raw, progress=_say)
+        made = merged(done.recording, force.log()) if force else done.recording
+    write_marked(made, out, "record")
+    said = {"out": str(out), "raw": str(raw), "samples": made.time.size}
     _said(chosen, said | {"stop_seen": done.stopped})
+
+
+def _dynamometer(chosen: argparse.Namespace) -> "AbstractContextManager[LiveDynamometer | None]":
+    """The live dynamometer that is asked for, or nothing."""
+    from hannes.bench.dynamometer_live import LiveDynamometer
+
+    return LiveDynamometer() if chosen.dynamometer else nullcontext()
 
 
 def _said(chosen: argparse.Namespace, report: dict[str, Any]) -> None:
