@@ -96,7 +96,9 @@ def held(found: Diagnosis, fresh: Sequence[Segment]) -> dict[str, Any]:
     raws = [left(shown, [each[k] or {} for each in made], names) for k in range(len(places))]
     worse, rows = [], []
     for what, first in (("refitted or named", 0), ("named", 1)):
-        for each in gap_changes(model.small, fresh, shown, raws[first], raws[2]):
+        for each in gap_changes(
+            model.small, fresh, shown, raws[first], raws[2], found.noise_floors
+        ):
             rows.append([what, *_row(each)])
             worse += [f"{what}: {each.text}"] if each.worse else []
     return {"worse": worse, "changes": rows}

@@ -3,7 +3,8 @@
 Let u be the difference of two simulations and e how a run differs from its repeats. The sum of
 squared residuals then changes by what u predicts, and by chance as 2 u'e does from run to run. That
 is measured with the repeats themselves, so noise of any colour and whatever differs between runs
-count as they are.
+count as they are. A run without repeats is taken to differ by the noise floor, the same over each
+of the plant's blocks of time: more than it likely does.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,13 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.campaigns.segments import Segment
-from hannes.core.recording.white_noise import roughness
 from hannes.plants.protocol import Plant
 
 LEVEL = 0.01  # one-sided, over all channels together
 WIDE = 6.0  # standard deviations: a quantile beyond it sees only gross changes
 SURELY = 2.33  # standard deviations: what is right would be missed once in a hundred
-WHITE = 1000.0  # degrees of freedom where white noise is all that is known
+ASSUMED = 1000.0  # degrees of freedom where a run has no repeats
 
 Raw = Sequence[Mapping[str, np.ndarray]]
 
@@ -64,7 +64,12 @@ class GapChange:
 
 
 def gap_changes(
-    plant: Plant, segments: Sequence[Segment], unfitted: Sequence[Segment], before: Raw, after: Raw
+    plant: Plant,
+    segments: Sequence[Segment],
+    unfitted: Sequence[Segment],
+    before: Raw,
+    after: Raw,
+    noise_floors: Mapping[str, float],
 ) -> list[GapChange]:
     """The change of each channel over `unfitted`, some of all `segments`; see above.
 
@@ -73,27 +78,36 @@ def gap_changes(
     names = [n for n in plant.judged if any(n in each for each in before)]
     if not unfitted:
         return []
-    return [_change(plant, segments, unfitted, before, after, n, len(names)) for n in names]
+    level = LEVEL / len(names) if names else LEVEL
+    return [
+        _change(plant, segments, unfitted, (before, after), name, noise_floors[name], level)
+        for name in names
+    ]
 
 
 def _change(
     plant: Plant,
     segments: Sequence[Segment],
     unfitted: Sequence[Segment],
-    before: Raw,
-    after: Raw,
+    raws: tuple[Raw, Raw],
     name: str,
-    channels: int,
+    noise_floor: float,
+    level: float,
 ) -> GapChange:
     from scipy.stats import t
 
-    variance, freedom = 0.0, dict[int, float]()
-    pairs = [(s, b[name], a[name]) for s, b, a in zip(unfitted, before, after, strict=True)
+    variance, freedom = 0.0, dict[tuple[object, ...], float]()
+    pairs = [(s, b[name], a[name]) for s, b, a in zip(unfitted, *raws, strict=True)
              if name in b]  # fmt: skip
     for segment, was, now in pairs:
         repeats = _repeats(plant, segments, segment, name)
-        variance += _variance(segment.recording[name], repeats, now - was)
-        freedom[id(repeats[0])] = len(repeats) - 1.0 if len(repeats) > 1 else WHITE
+        alone = len(repeats) < 2
+        freedom[_key(plant, segment)] = ASSUMED if alone else len(repeats) - 1.0
+        variance += (
+            _assumed(plant, segment, now - was, noise_floor)
+            if alone
+            else _variance(repeats, now - was)
+        )
     old, new = (np.concatenate([pair[k] for pair in pairs]) for k in (1, 2))
     return GapChange(
         name,
@@ -103,25 +117,34 @@ def _change(
         float(new @ new - old @ old),
         -float((new - old) @ (new - old)),
         float(np.sqrt(variance)),
-        float(t.ppf(1.0 - LEVEL / channels, sum(freedom.values()))),
+        float(t.ppf(1.0 - level, sum(freedom.values()))),
     )
 
 
 def _repeats(plant: Plant, segments: Sequence[Segment], of: Segment, name: str) -> list[np.ndarray]:
     """Counted samples of a channel in a segment's repeats, itself among them."""
-    key = of.entry.condition, plant.same_run(of.recording), of.mask.tobytes()
+    key = _key(plant, of)
     return [
         each.recording[name][of.mask]
         for each in segments
-        if name in each.recording
-        and (each.entry.condition, plant.same_run(each.recording), each.mask.tobytes()) == key
+        if name in each.recording and _key(plant, each) == key
     ]
 
 
-def _variance(values: np.ndarray, repeats: Sequence[np.ndarray], moved: np.ndarray) -> float:
+def _key(plant: Plant, segment: Segment) -> tuple[object, ...]:
+    """Equal for segments that repeat each other."""
+    return segment.entry.condition, plant.same_run(segment.recording), segment.mask.tobytes()
+
+
+def _assumed(plant: Plant, segment: Segment, moved: np.ndarray, noise_floor: float) -> float:
+    """Variance of 2 u'e of a run without repeats, e as large as the floor throughout a block."""
+    since = segment.recording.time[segment.mask] - segment.recording.time[0]
+    blocks = np.bincount((since / plant.block).astype(int), np.abs(moved))
+    return 4.0 * noise_floor**2 * float(blocks @ blocks)
+
+
+def _variance(repeats: Sequence[np.ndarray], moved: np.ndarray) -> float:
     """Variance of 2 u'e between runs, plus that of the mean that was fitted."""
-    if len(repeats) < 2:
-        return 4.0 * roughness(values) ** 2 * float(moved @ moved)
     along = np.array([2.0 * float(moved @ each) for each in repeats])
     return float(np.var(along, ddof=1)) * (1.0 + 1.0 / len(repeats))
 

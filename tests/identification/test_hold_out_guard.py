@@ -91,6 +91,13 @@ def test_two_repeats_say_that_they_could_hardly_show_a_rise():
     assert guarded(decided("recalibrated"), stages(LACKING, RIGHT, RIGHT)).cautions == []
 
 
+def test_a_run_without_repeats_is_taken_to_differ_by_the_noise_floor_throughout_a_block():
+    alone = replace(stages(LACKING, run(0.995 * WAVE), RIGHT), segments=segments()[-1:],
+                    runs=([LACKING], [run(0.995 * WAVE)], [RIGHT]))  # fmt: skip
+    assert alone.change(0, 2)[0].better and alone.change(2, 0)[0].worse
+    assert not any(each.better or each.worse for each in alone.change(1, 2))
+
+
 def test_a_rise_is_rarely_seen_where_there_is_none():
     """The better simulation of two is called worse in one of a hundred at most, by its spread."""
     worse = 0
@@ -100,8 +107,10 @@ def test_a_rise_is_rarely_seen_where_there_is_none():
             [{n: sim[n] - these[-1].recording[n] for n in FLOORS}] for sim in (LACKING, RIGHT)
         )
         near = [{n: run(0.998 * WAVE)[n] - these[-1].recording[n] for n in FLOORS}]
-        worse += any(e.worse for e in gap_changes(Sled(), these, these[-1:], near, after))
-        assert not any(e.worse for e in gap_changes(Sled(), these, these[-1:], before, after))
+        worse += any(e.worse for e in gap_changes(Sled(), these, these[-1:], near, after, FLOORS))
+        assert not any(
+            e.worse for e in gap_changes(Sled(), these, these[-1:], before, after, FLOORS)
+        )
     assert worse <= 6
 
 

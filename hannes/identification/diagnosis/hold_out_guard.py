@@ -53,8 +53,8 @@ class Stages:
     def change(self, one: int, other: int) -> list[GapChange]:
         """How the gap of unfitted recordings changes between two stages."""
         unfitted = in_roles(self.segments, "show")
-        raws = (self.raw(k, "show") for k in (one, other))
-        return gap_changes(self.plant, self.segments, unfitted, *raws)
+        before, after = self.raw(one, "show"), self.raw(other, "show")
+        return gap_changes(self.plant, self.segments, unfitted, before, after, self.noise_floors)
 
     def remaining(self, one: int, other: int) -> list[Remainder]:
         """What is left in each place at one stage, beside another."""

@@ -209,8 +209,8 @@ class _HoldoutDiagnosis:
     def change(self, test: Sequence[Segment], before: Fitted, after: Fitted) -> list[GapChange]:
         """How the gap of recordings that were not fitted changes between two fits."""
         residual = self.residual(test)
-        raws = (residual.raw(each.plant, each.values) for each in (before, after))
-        return gap_changes(self.plant, self.segments, test, *raws)
+        old, new = (residual.raw(each.plant, each.values) for each in (before, after))
+        return gap_changes(self.plant, self.segments, test, old, new, self.noise_floors)
 
     def test(self) -> tuple[list[Segment], str]:
         """The segments on which the gaps are measured, and what they are."""
