@@ -11,8 +11,6 @@ FloatArray = NDArray[np.float64]
 
 FEWEST = 3  # repeated samples that are no chance
 AROUND = 6  # samples on each side by which a channel is seen to go on
-SELDOM = 0.3  # share of repeats, below which a channel is noisy enough to count
-CHANCE = 1e-3  # runs of repeats that are expected by chance, below which one is none
 STEPS = 2.0  # of a channel's steps a sample: it cannot repeat itself
 
 
@@ -30,25 +28,8 @@ def held_rows(channels: Sequence[FloatArray]) -> NDArray[np.bool_]:
     same[1:] = np.all([np.diff(each) == 0.0 for each in moving], axis=0)
     if not same.any():
         return same
-    same &= np.any([_goes_on(each, same) for each in moving], axis=0) | _unlikely(moving, same)
+    same &= np.any([_goes_on(each, same) for each in moving], axis=0)
     return same if np.count_nonzero(same) >= FEWEST else np.zeros_like(same)
-
-
-def _unlikely(channels: Sequence[FloatArray], same: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Runs of repeats longer than the noise of the channels would leave by chance."""
-    fresh = ~same[1:]
-    if np.count_nonzero(fresh) < FEWEST:
-        return np.zeros_like(same)
-    by_chance = 1.0
-    for each in channels:
-        share = max(float(np.mean(np.diff(each)[fresh] == 0.0)), 1.0 / same.size)
-        if share < SELDOM and noise(each[~same]) > 0.0:
-            by_chance *= share
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], same.astype(np.int8), [0]))))
-    found = np.zeros_like(same)
-    for first, end in zip(edges[::2], edges[1::2], strict=True):
-        found[first:end] = by_chance ** (end - first) * same.size < CHANCE
-    return found
 
 
 def _goes_on(values: FloatArray, held: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -59,5 +40,11 @@ def _goes_on(values: FloatArray, held: NDArray[np.bool_]) -> NDArray[np.bool_]:
     before = np.searchsorted(fresh, place, side="right") - 1
     ahead = fresh[np.minimum(before + AROUND, fresh.size - 1)]
     behind = fresh[np.maximum(before - AROUND, 0)]
-    moved = np.abs(values[ahead] - values[behind]) / np.maximum(ahead - behind, 1)
+    way = np.stack(
+        [
+            np.abs(values[ahead] - values[place]) / np.maximum(ahead - place, 1),
+            np.abs(values[place] - values[behind]) / np.maximum(place - behind, 1),
+        ]
+    )
+    moved = way.min(axis=0)  # on both sides: a jump is no motion
     return (moved > STEPS * step) & (before + AROUND < fresh.size) & (before >= AROUND)

@@ -37,7 +37,7 @@ class ChannelRule:
     turn:     raw values after which a counter begins anew, 0 for none
     supply:   a current at the supply's side, to be divided by the channel duty
     constant: the same throughout a run [channel's unit], without a column
-    repeats:  "keep", or "linear" between readings of which each is another than the one before
+    renewed:  rows between two readings of a channel that a logger wrote more often, 0 for each row
     source:   the further file that has the column, "" for the first
     """
 
@@ -50,7 +50,7 @@ class ChannelRule:
     supply: bool = False
     constant: float = 0.0
     source: str = ""
-    repeats: str = "keep"
+    renewed: int = 0
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ KEYS = (
 )  # fmt: skip
 CHANNEL = (
     "column", "index", "unit", "scale", "reversed", "side", "ratio", "offset", "fill",
-    "signed", "unwrap", "kind", "constant", "from", "repeats",
+    "signed", "unwrap", "kind", "constant", "from", "renewed",
 )  # fmt: skip
 ALIGN = ("to", "by", "channel", "within", "lag")
 SIDES = ("output", "motor")
@@ -107,7 +107,7 @@ def _channel(table: Table, plant: Plant, name: str) -> ChannelRule:
         above_zero(table, "unwrap") if "unwrap" in table else 0.0,
         supply,
         source=table.text("from", ""),
-        repeats=table.choice("repeats", ("keep", "linear"), "keep"),
+        renewed=table.whole("renewed", 2, 10**6) if "renewed" in table else 0,
     )
 
 

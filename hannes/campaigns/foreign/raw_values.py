@@ -69,16 +69,14 @@ def restarts(time: FloatArray) -> NDArray[np.intp]:
     return np.array(found, np.intp)
 
 
-def between_readings(values: FloatArray) -> FloatArray:
-    """Linear between readings of a channel that a logger renews less often than it writes.
+def readings(values: FloatArray, period: int) -> FloatArray:
+    """Values in the rows of a channel's readings, NaN in those that only repeat them.
 
-    A value that repeats the one before is no reading, unless it is the last.
+    A reading comes every `period` rows, in the rows in which most changes are.
     """
-    fresh = np.flatnonzero(np.concatenate(([True], np.diff(values) != 0.0)) & np.isfinite(values))
-    if fresh.size < 2:
-        return values
-    found = np.interp(np.arange(values.size), fresh, values[fresh])
-    return np.where(np.isfinite(values), found, np.nan)
+    changes = np.flatnonzero(np.diff(values) != 0.0) + 1
+    phase = int(np.bincount(changes % period, minlength=period).argmax()) if changes.size else 0
+    return np.where(np.arange(values.size) % period == phase, values, np.nan)
 
 
 def disorder(time: FloatArray) -> tuple[str, str]:

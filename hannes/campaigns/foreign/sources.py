@@ -14,6 +14,7 @@ from hannes.campaigns.foreign.matlab_columns import open_mat
 from hannes.campaigns.foreign.message_columns import open_messages
 from hannes.campaigns.foreign.npz_columns import open_npz
 from hannes.campaigns.foreign.parquet_columns import is_lerobot, open_parquet
+from hannes.campaigns.foreign.plain_table import plain_table
 from hannes.campaigns.foreign.sheet_columns import open_sheet
 from hannes.campaigns.foreign.text_columns import Delimited
 from hannes.core.errors import BadInput
@@ -98,7 +99,9 @@ def open_source(path: Path, text: TextRule, missing: tuple[str, ...]) -> Source:
     Raises BadInput where it is of a kind that is not read, saying which, and what to do.
     """
     reader = reader_of(path)
-    return Delimited(path, text, missing) if reader is None else reader(path, missing)
+    if reader is not None:
+        return reader(path, missing)
+    return plain_table(path, text, missing) or Delimited(path, text, missing)
 
 
 def reader_of(path: Path) -> Opener | None:

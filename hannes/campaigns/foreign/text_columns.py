@@ -170,16 +170,8 @@ class Delimited:
             return column.name - 1
         found = [place for place, name in enumerate(self.names) if name == column.name]
         if len(found) != 1:
-            raise BadInput(f"{self.path}: {self._absent(column.name, len(found))}")
+            raise BadInput(f"{self.path}: {absent(self.names, column.name, len(found))}")
         return found[0]
-
-    def _absent(self, name: str, count: int) -> str:
-        if not self.names:
-            return f'has no header to look "{name}" up in; give the number of the column'
-        if count:
-            return f'{count} columns are called "{name}"; give the number of one'
-        shown = ", ".join(self.names)
-        return f'no column "{name}"{nearest(name, self.names)} (it has {shown:.300})'
 
     @property
     def _dotted(self) -> Iterable[str]:
@@ -233,6 +225,15 @@ class Delimited:
                 f"{self.place(row)}: {cell!r:.60} is no time stamp such as {example}; "
                 'give its form, as time.format = "%d.%m.%Y %H:%M:%S.%f"'
             ) from None
+
+
+def absent(names: list[str], name: str, count: int) -> str:
+    """Why a column of that name cannot be taken: there is none, or there are several."""
+    if not names:
+        return f'has no header to look "{name}" up in; give the number of the column'
+    if count:
+        return f'{count} columns are called "{name}"; give the number of one'
+    return f'no column "{name}"{nearest(name, names)} (it has {", ".join(names):.300})'
 
 
 def _as_number(text: str) -> float:

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.mapping import ChannelRule, ColumnMap, FurtherFile, TimeRule
 from hannes.campaigns.foreign.raw_values import (
-    between_readings,
     disorder,
     forward,
     in_order,
     motor_current,
+    readings,
     restarts,
     signed,
     unwrapped,
@@ -167,8 +167,8 @@ def _values(
     if how.column is None:
         return np.full(rows.size, how.constant)
     values = raw[name][rows]
-    if how.repeats == "linear":
-        values = between_readings(values)
+    if how.renewed:
+        values = readings(values, how.renewed)
     return motor_current(values, raw["duty"][rows]) if how.supply else values
 
 
@@ -208,6 +208,8 @@ def _clocked(run: Run, rule: TimeRule) -> Run:
 
 def _without(run: Run, rule: TimeRule) -> Run:
     """Leave out the stretches that the mapping cuts."""
+    if not rule.cut:
+        return run
     bad = np.zeros(run.time.size, np.bool_)
     for start, end in rule.cut:
         bad |= (run.time >= start - ROUNDING) & (run.time <= end + ROUNDING)

@@ -29,7 +29,11 @@ def inspect(subject: Subject) -> Iterator[Finding]:
     off = np.all([_idle(recording[name]) for name in drives], axis=0)
     used = np.any([_used(recording[name]) for name in drives], axis=0)
     runs = [
-        each for each in true_runs(off) if used[each[0]] and _behind(recording[moved], asked, *each)
+        each
+        for each in true_runs(off)
+        if used[each[0]]
+        and _behind(recording[moved], asked, *each)
+        and not any(_same(recording[name], *each) for name in drives)
     ]
     if not runs:
         return
@@ -61,6 +65,11 @@ def _idle(values: FloatArray) -> NDArray[np.bool_]:
 
     band = max(NOTHING * float(np.abs(values).max()), 4.0 * noise(values), quantum(values))
     return np.asarray(np.abs(median_filter(values, 3, mode="nearest")) <= band)
+
+
+def _same(values: FloatArray, first: int, last: int) -> bool:
+    """Whether a noisy channel does not even show its noise: its sensor stands, not the drive."""
+    return noise(values) > 0.0 and float(np.ptp(values[first : last + 1])) == 0.0
 
 
 def _used(values: FloatArray) -> NDArray[np.bool_]:

@@ -75,7 +75,7 @@ def _slower(subject: Subject) -> Iterator[Finding]:
         slow = [name for name in names if periods[name] == period]
         step = float(period * subject.interval)
         also = f" (so are {', '.join(slow[1:])})" if len(slow) > 1 else ""
-        keys = tuple(f'channels.{name}.repeats = "linear"' for name in slow)
+        keys = tuple(f"channels.{name}.renewed = {period}" for name in slow)
         yield warning(
             "held",
             slow[0],

@@ -27,6 +27,7 @@ NEIGHBOURS = 5  # samples of the median with which a reading is compared
 FAR = 12.0  # typical distances from that median
 FAR_OF_RANGE = 0.15  # of the range without the outermost hundredths
 EQUAL = 3  # outliers of one value that make it a code
+MANY = 50_000  # samples that are enough for a quantile
 OUTSIDE = 1.5  # ranges of the other values, by which a code lies outside them
 ALIKE = 0.05  # relative, of jumps that are all of one turn
 FULL = 0.9  # of a turn, that the values of a counter that wraps reach over
@@ -108,14 +109,15 @@ def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool
     if values.size < 4 * NEIGHBOURS:
         return none
     off = np.abs(values - median_filter(values, NEIGHBOURS, mode="nearest"))
-    low, high = np.quantile(values, (0.02, 0.98))
+    few = slice(None, None, max(values.size // MANY, 1))  # of which quantiles are taken
+    low, high = np.quantile(values[few], (0.02, 0.98))
     least = (LEAST_JUMP if subject.is_motion(name) else FAR_OF_RANGE) * float(high - low)
-    usual = float(np.quantile(off[off > 0.0], 0.8)) / 1.28 if off.any() else 0.0
+    usual = float(np.quantile(off[off > 0.0][few], 0.8)) / 1.28 if off.any() else 0.0
     typical = max(usual, quantum(values), noise(values))
     far = off > max(FAR * typical, least)
     if subject.is_motion(name):
         steps = np.abs(np.diff(values))
-        usual = float(np.quantile(steps, 0.97))
+        usual = float(np.quantile(steps[few], 0.97))
         far &= off > max(3.0 * usual, LEAST_JUMP * float(high - low))
     long = [each for each in true_runs(far) if each[1] - each[0] + 1 <= NEIGHBOURS // 2]
     single = none.copy()

@@ -6,6 +6,7 @@ import numpy as np
 
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault
+from hannes.campaigns.quality.motion import is_rougher
 from hannes.campaigns.quality.subject import Subject
 
 LEAP = 1.7  # steps of the command before and after, that one step of it is
@@ -17,6 +18,9 @@ LEAST = 1e-4  # of the command's range: smaller steps are no motion
 def inspect(subject: Subject) -> Iterator[Finding]:
     """A leap in a command that goes on evenly before and after it."""
     for name in subject.commands & set(subject.recording.names):
+        following = [n for n, each in subject.expected.items() if each.follows == name]
+        if any(is_rougher(subject, name, n) for n in following if n in subject.recording):
+            continue  # it is no command
         steps = np.diff(subject.recording[name])
         intervals = np.diff(subject.time)
         places = _leaps(steps, LEAST * float(np.ptp(subject.recording[name])))
@@ -44,10 +48,16 @@ def _usual(steps: np.ndarray, place: int) -> float:
 
 def _leaps(steps: np.ndarray, least: float) -> list[int]:
     """Places where a step is a multiple of those around, which are alike."""
+    if steps.size < 2 * AROUND + 2:
+        return []
+    places = np.arange(AROUND, steps.size - AROUND)
+    size = np.abs(steps)
+    near = np.maximum(size[places - 1], size[places + 1])
+    places = places[(size[places] > 2.0 * least) & (size[places] > 1.5 * near) & (near > least)]
+    if places.size > max(100, steps.size // 50):
+        return []
     found = []
-    for k in np.flatnonzero(np.abs(steps) > 2.0 * least):
-        if not AROUND <= k < steps.size - AROUND:
-            continue
+    for k in places:
         around = np.r_[steps[k - AROUND : k], steps[k + 1 : k + 1 + AROUND]]
         usual = float(np.median(around))
         alike = np.abs(around - usual).max() < ALIKE * abs(usual)

@@ -18,6 +18,7 @@ BACK = 0.3  # of the fastest sustained speed: surely moving
 FEWEST = 20  # samples of motion each way
 ZERO = 0.02  # of its rms, below zero
 LEAST = 0.2  # of its mean forth, that a magnitude has on the way back
+ENOUGH = 20_000  # samples by which that is judged
 FEWEST_DRAWN = 60  # samples from which a supply's current is recognised
 CLEARLY, EXPLAINED = 0.4, 0.5  # residual over that of a winding's current, and over its RMS
 CLEAR = 20.0  # peak over noise, above which a small signal is a signal
@@ -88,6 +89,8 @@ def _drawn(subject: Subject) -> bool:
         return False
     current, duty = recording["current"], recording["duty"]
     speed = savgol_filter(recording["position"], 21, 2, deriv=1)
+    few = slice(None, None, max(duty.size // ENOUGH, 1))
+    current, duty, speed = current[few], duty[few], speed[few]
     winding = np.column_stack((duty, speed, np.ones(duty.size)))
     left = [_left(each, current) for each in (winding, duty[:, None] * winding)]
     return left[1] < CLEARLY * left[0] and left[1] < EXPLAINED

@@ -23,6 +23,7 @@ ENDS = 0.3  # relative, by which a shifted zero may differ at the end
 HELD_BACK = 0.1  # of the time through its range, by which friction holds a motion back
 APART = 0.03  # of its range, that a command begins away from what follows it
 DEGREES = 57.29578
+FOLLOWED = 0.7  # correlation of a command that follows its motion
 SMOOTHER = 3.0  # times, that a command is smoother than what a sensor reads
 # Correlation, below which an implausible lag is no lag but another run; of a motion that an object
 # ends early, and of a free one.
@@ -83,11 +84,11 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
             text = f"runs against {command}: convert with {mend[0]}"
             yield fault("sign", name, text, size=-1.0, mend=mend)
             return
+    if _swapped(subject, name, command, lag or _best(subject, motion, asked)):
+        yield _other_way_round(subject, name, command)
+        return
     if lag is None:
         yield from unlike(subject, name, command, subject.time, asked)
-        return
-    if _swapped(subject, name, command, lag):
-        yield _other_way_round(subject, name, command)
         return
     if lag.against > UNLIKE:
         yield _other_run(name, command, lag.against)
@@ -122,11 +123,25 @@ def _implausible(subject: Subject, name: str, lag: Lag) -> bool:
     return lag.value < -BEFORE - 3.0 * lag.deviation or lag.value > GROSS * most
 
 
-def _swapped(subject: Subject, name: str, command: str, lag: Lag) -> bool:
+def _best(subject: Subject, motion: FloatArray, asked: FloatArray) -> Lag | None:
+    try:
+        return best_lag(subject.time, motion, subject.time, asked)
+    except BadInput:
+        return None
+
+
+def _swapped(subject: Subject, name: str, command: str, lag: Lag | None) -> bool:
     """A motion ahead of a command that is rough as a sensor is, while the motion is smooth."""
-    ahead = -lag.value > 2.0 * lag.deviation and lag.correlation > SURE
-    rough = [_roughness(subject.recording[each]) for each in (name, command)]
-    return ahead and rough[1] > SMOOTHER * rough[0]
+    if lag is None:
+        return False
+    ahead = -lag.value > 2.0 * lag.deviation and lag.correlation > FOLLOWED
+    return ahead and is_rougher(subject, command, name)
+
+
+def is_rougher(subject: Subject, name: str, other: str) -> bool:
+    """Whether a channel is rough as a sensor is, beside one that is smooth as what is drawn."""
+    rough = [_roughness(subject.recording[each]) for each in (name, other)]
+    return rough[0] > SMOOTHER * rough[1]
 
 
 def _roughness(values: FloatArray) -> float:

@@ -10,6 +10,7 @@ from hannes.campaigns.quality.finding import Finding, fault, note, warning
 from hannes.campaigns.quality.held import held_frames, renewal
 from hannes.campaigns.quality.subject import (
     Subject,
+    levels,
     noise,
     quantum,
     true_runs,
@@ -73,7 +74,7 @@ def _clipped(subject: Subject, name: str, values: FloatArray) -> Iterator[Findin
     declared = expected.drives or expected.limit
     if not declared and subject.recording.units[name] not in DRIVEN:
         return
-    if np.unique(values).size < FEWEST_LEVELS:
+    if levels(values) < FEWEST_LEVELS:
         return
     for side, extreme in (("largest", values.max()), ("smallest", values.min())):
         tops = _flat_tops(values, float(extreme))
@@ -167,6 +168,8 @@ def _stuck(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]
     for first, last in true_runs(steps == 0.0):
         if last - first + 2 < FEWEST_STUCK or not 4 < first or last + 5 > steps.size:
             continue
+        if abs(steps[last + 1]) < 2.0 * CAUGHT_UP * step:
+            continue
         before, after = (float(np.median(each)) for each in (
             steps[first - 4 : first], steps[last + 2 : last + 6]))  # fmt: skip
         missed = 0.5 * (abs(before) + abs(after)) * (last - first + 1)
@@ -198,8 +201,8 @@ def _resolution(subject: Subject, name: str, values: FloatArray) -> Iterator[Fin
     yield note("resolution", name, shown, size=rough)
     measured = name not in subject.commands and values.size >= FEWEST_LEVELS
     dithered = noise(values) > 0.5 * step  # noise resolves values between the steps
-    fewest = FEWEST_COARSE if subject.recording.units[name] in DRIVEN else FEWEST_LEVELS
-    many = np.unique(values).size >= fewest
+    fewest = FEWEST_COARSE if subject.of(name).drives else FEWEST_LEVELS
+    many = levels(values) >= fewest
     if measured and step * COARSE > span and many and not dithered:
         text = f"only {span / step:.0f} steps of {subject.with_unit(step, name)} cover its range"
         mend = mends.without(name)

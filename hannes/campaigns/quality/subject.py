@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from hannes.core.recording.channel_limits import Expected
 from hannes.core.recording.recording import Recording
-from hannes.core.recording.white_noise import noise, quantum
+from hannes.core.recording.white_noise import levels, noise, quantum
 
 FloatArray = NDArray[np.float64]
 
 __all__ = [
     "Plan",
     "Subject",
+    "levels",
     "noise",
     "quantum",
     "running_median",

@@ -1,6 +1,10 @@
 """White-noise level of a signal, whatever moves slowly in it."""
 
 import math
+import weakref
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -12,6 +16,27 @@ FINEST = 1e-5  # of the range; a smaller quantisation step is ignored
 SECOND = 6.0  # variance of white noise's second difference, 1 + 4 + 1, over its own
 
 
+T = TypeVar("T", int, float, np.ndarray)
+_KNOWN: dict[tuple[int, str], tuple[Any, Any]] = {}
+
+
+def remembered(function: Callable[[np.ndarray], T]) -> Callable[[np.ndarray], T]:
+    """Compute once for each array that cannot change, as channels of recordings are."""
+
+    @wraps(function)
+    def call(values: np.ndarray) -> T:
+        if values.flags.writeable or values.base is not None:
+            return function(values)
+        key = (id(values), function.__name__)
+        known = _KNOWN.get(key)
+        if known is None or known[0]() is not values:
+            gone = weakref.ref(values, lambda _: _KNOWN.pop(key, None))
+            known = _KNOWN[key] = (gone, function(values))
+        return cast(T, known[1])
+
+    return call
+
+
 def roughness(samples: np.ndarray) -> float:
     """Standard deviation of samples [their unit], shape (n >= 3,), were their noise white.
 
@@ -20,6 +45,7 @@ def roughness(samples: np.ndarray) -> float:
     return DEVIATION * float(np.median(np.abs(np.diff(samples, 2)))) / math.sqrt(SECOND)
 
 
+@remembered
 def noise(values: np.ndarray) -> float:
     """Standard deviation of white noise from second differences; 0 for a smooth signal.
 
@@ -34,9 +60,21 @@ def noise(values: np.ndarray) -> float:
     return size if size > ROUNDING * float(np.ptp(values)) else 0.0
 
 
+@remembered
+def levels(values: np.ndarray) -> int:
+    """How many different values there are."""
+    return int(_distinct(values).size)
+
+
+@remembered
+def _distinct(values: np.ndarray) -> np.ndarray:
+    return np.asarray(np.unique(values))
+
+
+@remembered
 def quantum(values: np.ndarray) -> float:
     """Quantisation step, 0 where none is visible."""
-    levels = np.unique(values)
+    levels = _distinct(values)
     if levels.size < 3:
         return 0.0
     span = float(levels[-1] - levels[0])
