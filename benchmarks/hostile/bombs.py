@@ -14,14 +14,19 @@ from typing import Any
 import numpy as np
 
 from benchmarks.harness import Row
-from benchmarks.hostile import corpus, models, tomls
-from benchmarks.hostile.readers import recording
+from benchmarks.hostile import corpus, models, packed_bombs, tomls
+from benchmarks.hostile.readers import MAPPINGS, recording
 from benchmarks.hostile.worker import A_BYTE, ABOVE, _resident
 from hannes.core.errors import BadInput
+from hannes.core.io import bounded
 from hannes.core.io.limits import VALUES
 
-LARGE = ("endless.csv.gz", "zeros.npz", "zeros.xlsx", "zeros.mat", "block.h5")  # long to write
+LARGE = (
+    "endless.csv.gz", "zeros.npz", "zeros.xlsx", "zeros.mat", "block.h5", "pages.parquet",
+    "lies.parquet", "lies.xlsx", "chunks.bag", "whole.zip",
+)  # long to write  # fmt: skip
 SECONDS = 30.0  # of processor time, reading up to the limit included
+AFTER = 2.0  # s of processor time after the last block below the limit was read
 Bomb = tuple[str, Callable[[Path], Any], Callable[[Path], None], int]  # ..., decoded bytes
 
 
@@ -40,19 +45,23 @@ def _row(path: Path, write: Callable[[Path], Any], use: Callable[[Path], None], 
     process.start()
     there.close()
     try:
-        outcome, seconds, grown = here.recv() if here.poll(120.0) else ("hung", 120.0, 0)
+        outcome, seconds, after, grown = (
+            here.recv() if here.poll(120.0) else ("hung", 120.0, 120.0, 0)
+        )
     except EOFError:
-        outcome, seconds, grown = "crashed", 0.0, 0
+        outcome, seconds, after, grown = "crashed", 0.0, 0.0, 0
     process.kill()
     process.join()
     packed = path.stat().st_size if path.is_file() else 0
     path.unlink()
     wrong = not outcome.startswith("refused") or grown > ABOVE + A_BYTE * size or seconds > SECONDS
+    wrong = wrong or after > AFTER
     return {
         "reader": f"bomb {path.name}",
         "bytes": packed,
         "MiB": round(grown / 2**20, 1),
         "s": round(seconds, 2),
+        "s after": round(after, 2),
         "wrong": int(wrong),
         "the first": outcome[:160],
     }
@@ -61,6 +70,7 @@ def _row(path: Path, write: Callable[[Path], Any], use: Callable[[Path], None], 
 def _use(path: Path, use: Callable[[Path], None], pipe: Any) -> None:
     outcome = "read"
     use_small(path, use)
+    last = _last_block()
     held, begun = _resident("VmRSS"), time.process_time()
     Path("/proc/self/clear_refs").write_text("5")
     try:
@@ -69,7 +79,24 @@ def _use(path: Path, use: Callable[[Path], None], pipe: Any) -> None:
         outcome = f"refused: {str(error).replace(str(path.parent), '')}"
     except BaseException as error:
         outcome = f"{type(error).__name__}: {error}"
-    pipe.send((outcome, time.process_time() - begun, _resident("VmHWM") - held))
+    ended = time.process_time()
+    pipe.send((outcome, ended - begun, ended - max(begun, last[0]), _resident("VmHWM") - held))
+
+
+def _last_block() -> list[float]:
+    """When the last block of a file was handed to its reader [s of processor time].
+
+    That is when a limit on what was decoded is reached; other limits are reached before.
+    """
+    last, blocks = [0.0], bounded.blocks
+
+    def stamped(*given: Any, **how: Any) -> Iterator[bytes]:
+        for each in blocks(*given, **how):
+            last[0] = time.process_time()
+            yield each
+
+    bounded.blocks = stamped
+    return last
 
 
 def use_small(path: Path, use: Callable[[Path], None]) -> None:
@@ -110,7 +137,16 @@ def _bombs() -> Iterator[Bomb]:
     yield "claims.h5", _claims, recording, 0
     yield "claims_set.h5", _set, tomls.data_set, 0
     yield "outside.h5", _outside, recording, 0
+    yield from packed_bombs.all_of(source)
+    yield "long.toml", _written(lambda: b"a = [" + b"1," * 6_000_000 + b"]"), tomls.hand, 12 * 10**6
+    yield "full.toml", _written(lambda: b"a = [" + b"1," * 499_990 + b"]"), tomls.hand, 10**6
+    yield "skip.toml", _written(_skip), tomls.mapping, 0
     yield "keys.toml", _written(lambda: b"[" + b"a." * 10**6 + b"a]"), tomls.hand, 2 * 10**6
+
+
+def _skip() -> bytes:
+    """A mapping with a pattern of time that is exponential in the length of a line."""
+    return (MAPPINGS["text"] + "[text]\nskip = '(a+)+$'\n").encode()
 
 
 def _written(content: Callable[[], bytes]) -> Callable[[Path], Any]:

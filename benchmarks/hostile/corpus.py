@@ -3,6 +3,7 @@
 import gzip
 import io
 import json
+import re
 import tomllib
 import zipfile
 from collections.abc import Callable
@@ -51,6 +52,20 @@ def as_json(data: bytes, rng: Rng) -> bytes:
     if rng.random() < 0.1:
         return nasty.octets(data, rng)
     return json.dumps(nasty.changed(json.loads(data), rng), default=str).encode()
+
+
+def python(data: bytes, rng: Rng) -> bytes:
+    """One to three numbers or texts of Python changed."""
+    whole = data.decode()
+    for _ in range(rng.integers(1, 4)):
+        found = [each.span() for each in re.finditer(r'"[^"\n]*"|\b\d[\d.e-]*\b', whole)]
+        start, end = found[rng.integers(0, len(found))]
+        text = str(nasty.TEXTS[rng.integers(0, len(nasty.TEXTS))])
+        new = repr(
+            text if whole[start] == '"' or rng.random() < 0.2 else rng.choice([-1.0, 1e300, 0])
+        )
+        whole = whole[:start] + new + whole[end:]
+    return whole.encode("utf-8", "replace")
 
 
 def json_lines(data: bytes, rng: Rng) -> bytes:

@@ -48,23 +48,26 @@ def model_bytes() -> bytes:
 
 
 def data_set_bytes() -> bytes:
-    """A data set of six grasps."""
+    """A data set of 24 grasps."""
     import h5py
 
     from hannes.core.recording.hdf5 import set_attribute
 
     memory = io.BytesIO()
     fields = [("role", "<i1"), ("completed", "<i1"), ("contact", "<f8"), ("release", "<f8")]
-    rows = np.ones(6, [*fields, ("peak_force", "<f8"), ("object.stiffness", "<f8")])
-    rows["role"] = [0, 0, 0, 0, 1, 1]
+    rows = np.ones(24, [*fields, ("peak_force", "<f8"), ("object.stiffness", "<f8")])
+    rows["role"] = [0] * 20 + [1] * 4
+    rows["contact"], rows["release"], rows["peak_force"] = 0.05, 1.15, 100.0
+    rows["object.stiffness"] = [800.0, 20e3] * 12
     with h5py.File(memory, "w") as file:
         texts = {"schema": "hannes-dataset-1", "roles": '["train", "test"]'}
         for key, text in {**texts, "title": "some", "fingerprint": "0"}.items():
             set_attribute(file, key, text)
         file.attrs["border"] = 5500.0
         file["grasps"] = rows
-        file["channels/time"] = corpus.TIME
+        file["channels/time"] = times = 1e-3 * np.arange(1200)
         for name in ("reference", "position", "current", "force"):
-            values = np.tile(corpus.COLUMNS.get(name, corpus.TIME).astype("<f4"), (6, 1))
+            row = np.interp(0.5 * times, corpus.TIME, corpus.COLUMNS.get(name, corpus.TIME))
+            values = np.tile(row.astype("<f4"), (24, 1))
             file.create_dataset(f"channels/{name}", data=values, compression="gzip", shuffle=True)
     return memory.getvalue()

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.hostile import corpus, raw_logs
+from benchmarks.hostile import bags, corpus, raw_logs
 from benchmarks.hostile.corpus import COLUMNS, COUNT, RECORDS, TIME, UNITS, Mutate
 
 FOREIGN = "hannes.campaigns.foreign."
@@ -28,7 +28,8 @@ CONVERTED = (
 class Reader:
     """One reader: `seed` is a sound file's content, `use` reads the file at a path.
 
-    covers: public functions (module:name) that `use` calls; sound: whether it accepts the seed.
+    covers: public functions (module:name) that `use` calls; sound: whether it accepts the seed;
+    seconds: of processor time that one mutant may take.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Reader:
     use: Callable[[Path], Any]
     covers: tuple[str, ...]
     sound: bool = True
+    seconds: float = 4.0
 
 
 def recording(path: Path) -> None:
@@ -100,6 +102,12 @@ MAPPINGS = {
         }
     ),
     "npy": mapping_of({name: f"data/{name}" for name in COLUMNS}),
+    "ROS": mapping_of(
+        {"time": "arm/time", **{name: f"arm/position/{name}" for name in bags.JOINTS}}
+    ),
+    "LeRobot": mapping_of(
+        {"time": "timestamp", **{name: f"observation.state/{name}" for name in bags.JOINTS}}
+    ),
 }
 
 
@@ -246,6 +254,7 @@ def of_data() -> Iterator[Reader]:
     )
     yield Reader("HDF5 recording", ".h5", recording_hdf5, corpus.hdf5, recording, of_hdf5)
     yield from of_foreign_files()
+    yield from of_bags()
     yield Reader("unknown log", ".txt", lambda: csv, corpus.text, begun, ())
     yield Reader(
         "finger log", ".csv", rh56, corpus.text, finger, ("hannes.plants.finger.rh56_log:load",)
@@ -263,6 +272,22 @@ def of_data() -> Iterator[Reader]:
         ("hannes.bench.dynamometer:read_vernier",),
     )  # fmt: skip
     yield Reader("marks of results", ".h5", recording_hdf5, corpus.hdf5, marks, ())
+
+
+def of_bags() -> Iterator[Reader]:
+    """ROS logs, and folders."""
+    ros, folder = converted("ROS"), bags.folder
+    in_folder = bags.unfolded(ros)
+    yield Reader("ROS 1 bag", ".bag", bags.bag, bags.changed_bag, ros, ())
+    yield Reader("rosbag2's SQLite", ".db3", bags.db3, bags.sqlite, ros, ())
+    yield Reader("rosbag2", ".zip", lambda: folder(bags.rosbag2), bags.member, in_folder, ())
+    yield Reader(
+        "rosbag2 in MCAP", ".zip", lambda: folder(bags.rosbag2_in_mcap), bags.member, in_folder, ()
+    )
+    yield Reader(
+        "LeRobot", ".zip", lambda: folder(bags.lerobot), bags.member,
+        bags.unfolded(converted("LeRobot")), (),
+    )  # fmt: skip
 
 
 def of_foreign_files() -> Iterator[Reader]:

@@ -55,4 +55,4 @@ def verbs() -> set[str]:
 
 
 # Endings that share a reader with another one, which stands for them.
-ALIKE = {".hdf5", ".hdf", ".he5", ".ndjson", ".xlsm", ".bag", ".db3"}
+ALIKE = {".hdf5", ".hdf", ".he5", ".ndjson", ".xlsm"}

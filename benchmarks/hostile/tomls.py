@@ -60,6 +60,19 @@ starts = 2
 [diagnose]
 run_scatter = "0.01"
 """
+AXIS = """
+title = "two runs of an axis"
+plant = "axis"
+out = "results"
+[[recording]]
+file = "axis.csv"
+condition = "back and forth"
+[[recording]]
+file = "axis_again.csv"
+condition = "back and forth"
+[calibrate]
+starts = 2
+"""
 SPEC = """
 title = "some"
 seed = 1
@@ -112,6 +125,13 @@ def furnish(folder: Path) -> None:
     (folder / "recording.h5").write_bytes(recording_hdf5())
     forces = {**corpus.COLUMNS, "force": 3.0 * corpus.COLUMNS["current"]}
     (folder / "forces.csv").write_text(corpus.table(forces, {**corpus.UNITS, "force": "N"}))
+    times = 2e-3 * np.arange(300)
+    travel = 0.05 * np.interp(times, corpus.TIME, corpus.ANGLE)
+    axis = {"time": times, "reference": travel, "position": travel, "drive": 9.0 * travel}
+    units = {"time": "s", "reference": "m", "position": "m", "drive": "V"}
+    for name in ("axis", "axis_again"):
+        (folder / f"{name}.csv").write_text(corpus.table(axis, units))
+    (folder / "evaluation.toml").write_text(EVALUATION)
     alone = EXPERIMENT.partition("[sweep]")[0]
     for name, text in (("hand", HAND), ("experiment", alone), ("campaign", CAMPAIGN)):
         (folder / f"{name}.toml").write_text(text)
@@ -238,6 +258,7 @@ def of_settings() -> Iterator[Reader]:
             "hannes.identification.calibration.settings:read_plan",
             "hannes.identification.diagnosis.settings:read_settings",
         )),
+        ("axis campaign", AXIS, campaign, ()),
         ("mapping", MAPPINGS["text"], mapping,
          ("hannes.campaigns.foreign.mapping_file:read_mapping",)),
         ("data set's specification", SPEC, spec, (

@@ -1,28 +1,34 @@
 """Every verb with mutants of what it reads, through the command line: no exit status but 0, 2, 3.
 
-Verbs that read no file of a stranger say so. Those that fit or simulate for long are given files
-of another kind, which they must refuse: their own are given to their readers.
+Verbs that read no file of a stranger say so. Those that fit are given campaigns of a plant that is
+quick, with recordings that are too few for a fit.
 """
 
+import io
 import tempfile
 from collections.abc import Callable
+from contextlib import redirect_stderr
 from pathlib import Path
 
+from benchmarks.hostile import corpus
 from benchmarks.hostile.readers import Reader, of_data
 from benchmarks.hostile.tomls import of_settings
 from hannes.core.errors import BadInput
 
+SECONDS = 30.0  # of processor time of one command: it simulates, too
+ROOT = Path(__file__).parents[2]
+
 # Verb -> (reader of which it gets mutants, words of the command; {} stands for the mutant, OUT for
 # a folder that is thrown away). None: it reads no file of a stranger.
 VERBS: dict[str, list[tuple[str, str]] | None] = {
-    "run": [("board", "run {} --out OUT/r")],
+    "run": [("experiment", "run {} --out OUT/r")],
     "experiments": None,
-    "effects": [("hand", "effects {}")],
+    "effects": [("own effect", "effects {}:EFFECT")],
     "hand": [("hand", "hand {}"), ("hand", "hand {} --values")],
     "reproduce": None,
-    "calibrate": [("evaluation", "calibrate {} --out OUT/c")],
-    "diagnose": [("evaluation", "diagnose {} --out OUT/d")],
-    "compare": [("evaluation", "compare {} --out OUT/p")],
+    "calibrate": [("axis campaign", "calibrate {} --out OUT/c")],
+    "diagnose": [("axis campaign", "diagnose {} --out OUT/d")],
+    "compare": [("campaign", "compare {} --out OUT/p")],
     "convert": [
         ("text", "convert {} --mapping text.mapping.toml --out OUT/x.h5"),
         ("mapping", "convert plain.csv --mapping {} --out OUT/x.csv"),
@@ -34,10 +40,10 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
         ("campaign", "check {}"),
         ("finger log", "check {} --plant finger"),
     ],
-    "dataset": [("hand", "dataset {} --out OUT/s.h5 --workers 1")],
+    "dataset": [("data set's specification", "dataset {} --out OUT/s.h5 --workers 1")],
     "train": [("data set", "train {} --out OUT/m.h5 --trees 2")],
     "evaluate": [("model", "evaluate {} evaluation.toml --out OUT/e")],
-    "board": [("hand", "board {} --seconds 0.01")],
+    "board": [("board", "board {} --seconds 0.01")],
     "record": [("raw log", "record --recover {} --out OUT/r.h5")],
     "port": None,
     "panel": [
@@ -46,7 +52,7 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
     ],
     "export-c": [("model", "export-c {} --out OUT/m.c")],
     "view": [("recording", "view {} --out OUT/v.html")],
-    "fmu": [("evaluation", "fmu {} --out OUT/x.fmu")],
+    "fmu": [("experiment", "fmu {} --out OUT/x.fmu")],
     "export": [
         ("recording", "export {} --out OUT/x.mat"),
         ("HDF5 recording", "export {} --out OUT/x.mat"),
@@ -56,12 +62,25 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
 }
 
 
+def own_effect() -> Reader:
+    """A file of Python with an effect, numbers and texts of which are changed."""
+    seed = (ROOT / "examples" / "own_effect" / "grease.py").read_bytes
+    return Reader("own effect", ".py", seed, corpus.python, lambda path: None, ())
+
+
 def every_verb() -> list[Reader]:
     """The verbs, each as a reader of mutants."""
-    known = {each.name: each for each in (*of_data(), *of_settings())}
+    known = {each.name: each for each in (*of_data(), *of_settings(), own_effect())}
     return [
         Reader(
-            words, known[name].ending, known[name].seed, known[name].mutate, _use(words), (), False
+            words,
+            known[name].ending,
+            known[name].seed,
+            known[name].mutate,
+            _use(words),
+            (),
+            False,
+            SECONDS,
         )
         for given in VERBS.values()
         for name, words in given or ()
@@ -74,10 +93,12 @@ def _use(words: str) -> Callable[[Path], None]:
 
         with tempfile.TemporaryDirectory() as out:
             texts = words.replace("{}", str(path)).replace("OUT", out).split()
-            status = main(texts)
+            with redirect_stderr(io.StringIO()) as said:
+                status = main(texts)
+        last = (said.getvalue().strip().splitlines() or [""])[-1]
         if status in (2, 3):
-            raise BadInput(f"exit {status}")
+            raise BadInput(last)
         if status:
-            raise RuntimeError(f"exit {status}")
+            raise RuntimeError(f"exit {status}: {last}")
 
     return use

@@ -21,7 +21,6 @@ from benchmarks.hostile import nasty
 from benchmarks.hostile.readers import Reader
 from hannes.core.errors import BadInput, ComputationFailed
 
-SECONDS = 4.0  # of processor time for one mutant
 SILENT = 60.0  # s without a mutant after which a process counts as hung
 ABOVE, A_BYTE = 100 << 20, 16  # bytes resident: above what was held before, and a byte decoded
 ADDRESSES = 3 << 30  # bytes of address space above that
@@ -190,7 +189,7 @@ def _limit_addresses() -> None:
 def _end(ends: Ends, number: int, reader: Reader, path: Path, size: int) -> None:
     held = _resident("VmRSS")
     Path("/proc/self/clear_refs").write_text("5")  # the peak begins anew
-    signal.setitimer(signal.ITIMER_PROF, SECONDS)
+    signal.setitimer(signal.ITIMER_PROF, reader.seconds)
     fault, refusal = "", None
     try:
         reader.use(path)
@@ -199,7 +198,7 @@ def _end(ends: Ends, number: int, reader: Reader, path: Path, size: int) -> None
     except ComputationFailed as error:
         refusal = str(error)
     except _Late:
-        fault = f"took more than {SECONDS} s"
+        fault = f"took more than {reader.seconds} s"
     except BaseException as error:
         fault = f"{type(error).__name__}: {error}"[:200]
     signal.setitimer(signal.ITIMER_PROF, 0.0)

@@ -11,6 +11,7 @@ what was done is not done again.
 import argparse
 import json
 import shutil
+import signal
 import sys
 import tempfile
 import threading
@@ -105,6 +106,10 @@ def summary(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
     return found, [must_show(names[key], total[key], 0, total[key] == 0) for key in names]
 
 
+def _heard(number: int, frame: object) -> None:
+    """Do nothing: under nohup commands would ignore the signal too, as they inherit that."""
+
+
 def main() -> int:
     """Kill, keep records, print the table; exit status 1 where a bound does not hold."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.kills", description=__doc__)
@@ -115,6 +120,7 @@ def main() -> int:
     parser.add_argument("--records", type=Path, default=Path("results/kills.jsonl"))
     parser.add_argument("--json", type=Path, metavar="FILE", help="write rows as JSON")
     asked = parser.parse_args()
+    signal.signal(signal.SIGHUP, _heard)
     if asked.quick:
         with tempfile.TemporaryDirectory() as place:
             rows = all_kills(asked.only, QUICK, Path(place) / "kills.jsonl", asked.at_once)

@@ -93,7 +93,7 @@ class ForkServer:
     def start(self, folder: Path, arguments: Sequence[str], hit: Hit, mark: str) -> Command:
         """Start a command; only once the one before has ended."""
         words = folder / "words.txt"
-        words.unlink(missing_ok=True)
+        words.write_bytes(b"")  # a process may be killed before it writes
         order = {"folder": str(folder), "mark": mark, "hit": asdict(hit), "words": str(words)}
         self._write(json.dumps({**order, "arguments": list(arguments)}))
         pid, status = self._read(), list[int]()

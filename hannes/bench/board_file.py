@@ -25,6 +25,8 @@ KEYS = ("experiment", "variant", "seed", "board", "misbehaviour")
 BOARD = {"watchdog": "s", "current_limit": "A", "temperature_limit": "K", "travel_limit": "rad"}
 SHARES = ("lost", "repeated", "damaged", "drift")
 TIMES = ("late", "stall", "stall_for", "cut", "cut_for", "reset")
+LONGEST = 1e6  # s, of any time
+FASTEST_DRIFT = 0.5  # of the board's clock
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,8 @@ def _settings(root: Table) -> Settings:
     values = {key: table.quantity(key, BOARD[key]) for key in BOARD if key in table}
     if any(not value > 0.0 for value in values.values()):
         table.refuse("", "expected values above zero")
+    if not values.get("watchdog", 0.0) <= LONGEST:
+        table.refuse("watchdog", f"= {values['watchdog']:g} s: expected at most {LONGEST:g} s")
     limits = settings.limits
     limits = Limits(
         values.get("current_limit", limits.current),
@@ -86,6 +90,11 @@ def _misbehaviour(root: Table, seed: int) -> Misbehaviour:
         if not 0.0 <= values.get(key, 0.0) <= 1.0:
             table.refuse(key, f"= {values[key]:g}: expected a share from 0 to 1")
     values |= {key: table.quantity(key, "s") for key in TIMES if key in table}
-    if any(values.get(key, 0.0) < 0.0 for key in TIMES):
-        table.refuse(next(k for k in TIMES if values.get(k, 0.0) < 0.0), "must not be below zero")
+    for key in TIMES:
+        if not 0.0 <= values.get(key, 0.0) <= LONGEST:
+            table.refuse(key, f"= {values[key]:g} s: expected 0 to {LONGEST:g} s")
+    if not abs(values.get("drift", 0.0)) <= FASTEST_DRIFT:
+        table.refuse(
+            "drift", f"= {values['drift']:g}: expected at most {FASTEST_DRIFT:g} to a side"
+        )
     return Misbehaviour(**values, garbled=table.flag("garbled"), seed=seed)

@@ -1,9 +1,10 @@
 """Columns, clocks, text and further files of a mapping, from its TOML tables."""
 
-import re
+from datetime import datetime
 from typing import Any
 
 from hannes.campaigns.foreign.mapping import ORDERS, Column, FurtherFile, TextRule, TimeRule
+from hannes.campaigns.foreign.skip_pattern import skip_pattern
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io import units
 from hannes.core.io.toml_table import Table
@@ -19,7 +20,6 @@ DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " "}
 ENCODINGS = ("utf-8", "latin-1", "utf-16")
 MOST_LINES = 10**9
 FASTEST = 1e7  # Hz
-LONGEST_PATTERN = 200  # characters of a regular expression
 
 
 def column_of(table: Table) -> Column:
@@ -108,6 +108,10 @@ def _pattern(table: Table) -> str:
         table.refuse(
             "format", f'= "{given[:60]}": expected number, iso, or a form such as %H:%M:%S'
         )
+    try:
+        datetime.strptime(datetime(2026, 3, 3).strftime(given), given)
+    except Exception as error:  # strptime makes a regular expression of it, and lets its faults out
+        table.refuse("format", f'= "{given[:60]}" cannot be used: {error}')
     return given
 
 
@@ -139,21 +143,9 @@ def text_rule(root: Table) -> TextRule:
         header,
         first,
         table.choice("encoding", ENCODINGS, "utf-8"),
-        _expression(table, "skip"),
+        skip_pattern(table, "skip"),
         table.flag("ragged"),
     )
-
-
-def _expression(table: Table, key: str) -> str:
-    """A regular expression, checked."""
-    given = table.text(key, "")
-    try:
-        re.compile(given)
-    except re.error as error:
-        table.refuse(key, f'= "{given[:60]}" is no regular expression ({error})')
-    if len(given) > LONGEST_PATTERN:
-        table.refuse(key, f"is longer than {LONGEST_PATTERN} characters")
-    return given
 
 
 def _delimiter(table: Table) -> str:

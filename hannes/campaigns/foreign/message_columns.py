@@ -12,11 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from hannes.campaigns.foreign.bag_size import require_unpackable
 from hannes.campaigns.foreign.binary_columns import Arrays, require_file
-from hannes.campaigns.foreign.mcap_size import require_unpackable
+from hannes.campaigns.foreign.message_definitions import require_sized
 from hannes.campaigns.foreign.nested import Records
 from hannes.core.errors import BadInput
-from hannes.core.io.limits import COLUMNS
+from hannes.core.io.bounded import deadline
+from hannes.core.io.limits import BYTES, COLUMNS, MIB
 from hannes.core.io.optional import library
 
 NANO = 1e-9
@@ -30,14 +32,17 @@ def open_messages(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Read a log of messages; channels of one mapping must be of one topic."""
     topics: dict[str, Records] = {}
     start: int | None = None
+    unpacked, late = 0, deadline(path)
     try:
         for topic, logged, fields, size in _messages(path):
             start = logged if start is None else start
             records = topics.setdefault(topic, Records(str(path), 0))
             records.decoded += size
+            unpacked += size
+            late()
             records.add({"time": _time(logged, fields, start), **fields})
-            if len(topics) > COLUMNS:
-                raise BadInput(f"{path}: more than {COLUMNS} topics")
+            if len(topics) > COLUMNS or unpacked > BYTES:
+                raise BadInput(f"{path}: more than {COLUMNS} topics or {BYTES // MIB} MiB; cut it")
     except BadInput:
         raise
     except Exception as error:  # a damaged file raises nearly anything from inside the library
@@ -56,8 +61,7 @@ def open_messages(path: Path, missing: tuple[str, ...]) -> Arrays:
 def _messages(path: Path) -> Iterator[Message]:
     if not path.is_dir():
         require_file(path)
-    if path.suffix.lower() == ".mcap":
-        require_unpackable(path)
+    require_unpackable(path)
     if path.suffix.lower() == ".mcap" and not _is_ros(path):
         return _of_mcap(path)
     return _of_ros(path)
@@ -102,6 +106,7 @@ def _of_ros(path: Path) -> Iterator[Message]:
     typesys = library("rosbags.typesys", "formats")
     store = typesys.get_typestore(typesys.Stores.LATEST)
     with rosbags.AnyReader([path], default_typestore=store) as reader:
+        require_sized(reader.typestore.fielddefs, str(path))
         for connection, logged, raw in reader.messages():
             message = reader.deserialize(raw, connection.msgtype)
             yield connection.topic, logged, _fields(message), len(raw)

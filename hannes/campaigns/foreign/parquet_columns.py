@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.binary_columns import Arrays, require_file
+from hannes.campaigns.foreign.parquet_size import require_unpackable
 from hannes.core.errors import BadInput
-from hannes.core.io.bounded import read_bytes, require_regular
+from hannes.core.io.bounded import read_bytes
 from hannes.core.io.limits import BYTES, COLUMNS, MIB, VALUES, table_fits
 from hannes.core.io.optional import library
 
@@ -78,7 +79,7 @@ def _names(path: Path) -> dict[str, list[str]]:
 def _batches(file: Path) -> Iterator[Any]:
     """Rows of a file in parts; BadInput where it is damaged or unpacks to too much."""
     parquet = library("pyarrow.parquet", "formats")
-    require_regular(file)
+    require_unpackable(file)
     try:
         with parquet.ParquetFile(file) as head:
             _require_small(file, head.metadata)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.mapping import Column, TextRule
+from hannes.campaigns.foreign.skip_pattern import leaves_out, skipper
 from hannes.campaigns.foreign.text_lines import Lines
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.bounded import lines
@@ -30,7 +31,7 @@ class Delimited:
 
     def __init__(self, path: Path, rule: TextRule, missing: tuple[str, ...]) -> None:
         self.path, self.rule, self.missing = path, rule, {"", *missing}
-        self._skip = re.compile(rule.skip) if rule.skip else None
+        self._skip = skipper(rule.skip)
         self._breaks = {"blank": array("q"), "header": array("q")}
         self.numbers_of_lines, self.rows = array("q"), Lines()
         head = self._read()
@@ -130,7 +131,7 @@ class Delimited:
 
     def _skipped(self, line: str) -> bool:
         mark = self.rule.comment
-        if self._skip is not None and self._skip.search(line):
+        if leaves_out(self._skip, line):
             return True
         return not line.strip() or bool(mark and line.lstrip().startswith(mark))
 

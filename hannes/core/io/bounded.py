@@ -12,7 +12,7 @@ import os
 import stat
 import time
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
@@ -77,7 +77,7 @@ def blocks(path: str | Path, what: str = "a file", most: int = BYTES) -> Iterato
 
     Raises BadInput where more than `most` come, or the reading takes longer than SECONDS.
     """
-    count, begun = 0, time.monotonic()
+    count, late = 0, deadline(path)
     with opened(path, what, most) as file:
         packed = str(path).lower().endswith(".gz")
         stream = gzip.GzipFile(fileobj=file) if packed else file
@@ -85,9 +85,19 @@ def blocks(path: str | Path, what: str = "a file", most: int = BYTES) -> Iterato
             count += len(block)
             if count > most:
                 raise BadInput(f"{path}: {_beyond(most)}")
-            if time.monotonic() - begun > SECONDS:
-                raise BadInput(f"{path}: still not read after {SECONDS} s; cut it into parts")
+            late()
             yield block
+
+
+def deadline(path: str | Path) -> Callable[[], None]:
+    """What raises BadInput once SECONDS have gone by from now."""
+    end = time.monotonic() + SECONDS
+
+    def late() -> None:
+        if time.monotonic() > end:
+            raise BadInput(f"{path}: still not read after {SECONDS} s; cut it into parts")
+
+    return late
 
 
 def _block(path: str | Path, stream: BinaryIO | gzip.GzipFile) -> bytes:
@@ -111,7 +121,7 @@ def lines(
     or longer than LINE.
     """
     decoder = io.IncrementalNewlineDecoder(codecs.getincrementaldecoder(encoding)(), True)
-    number, rest = 0, ""
+    number, rest, late = 0, "", deadline(path)
     for block in itertools.chain(blocks(path, what), (b"",)):
         try:
             text = rest + decoder.decode(block, final=not block)
@@ -123,7 +133,9 @@ def lines(
         if len(rest) > LINE:
             raise BadInput(f"{path}, line {number + len(whole) + 1}: longer than {LINE} bytes")
         number += len(whole)
-        yield from whole
+        for each in whole:
+            yield each
+            late()  # whoever reads may take long for each
     yield rest
 
 

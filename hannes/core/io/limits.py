@@ -20,12 +20,14 @@ class Limit:
 
 LIMITS = {
     "BYTES": Limit(512 * MIB, "bytes", "of any file, and of what it unpacks to"),
-    "TOML_BYTES": Limit(16_000_000, "bytes", "of a TOML file"),
+    "TOML_BYTES": Limit(1_000_000, "bytes", "of a TOML file"),
     "TOML_PARTS": Limit(100, "parts", "of one dotted key in TOML"),
     "VALUES": Limit(50_000_000, "numbers", "of a file, all columns together (400 MB)"),
     "COLUMNS": Limit(2000, "columns", "of a file"),
     "CHANNELS": Limit(1000, "channels", "of a recording"),
     "LINE": Limit(4 * MIB, "bytes", "of one line of text"),
+    "SEARCHED": Limit(250, "characters", "of a line, in which a mapping's text.skip is looked for"),
+    "REPEATS": Limit(2, "repetitions", "in the pattern of text.skip, each of one character"),
     "UNPACKING": Limit(1100, "times", "that one block of HDF5 may grow when it is unpacked"),
     "FILE_UNPACKING": Limit(100, "times", "its size and 100 MiB: to what a data set may unpack"),
     "BLOCKS": Limit(1_000_000, "blocks", "in which one array of HDF5 is stored"),
@@ -40,6 +42,8 @@ VALUES = LIMITS["VALUES"].value
 COLUMNS = LIMITS["COLUMNS"].value
 CHANNELS = LIMITS["CHANNELS"].value
 LINE = LIMITS["LINE"].value
+SEARCHED = LIMITS["SEARCHED"].value
+REPEATS = LIMITS["REPEATS"].value
 UNPACKING = LIMITS["UNPACKING"].value
 FILE_UNPACKING = LIMITS["FILE_UNPACKING"].value
 BLOCKS = LIMITS["BLOCKS"].value
