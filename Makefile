@@ -67,7 +67,7 @@ structure: env-test  ## how the packages are built, beside the limits they keep
 size: env  ## size and time of an install of hannes without extras, downloads included
 	$(bin)/python -m tools.install_size
 
-audit: env-test  ## licences of all that is installed, known faults of the locked versions
+audit: env-test  ## licences of all that is installed; known faults of the locked versions, where a server answers
 	$(bin)/python -m tools.licences
 	$(bin)/python -m venv .venv/audit
 	.venv/audit/bin/pip install --quiet pip-audit

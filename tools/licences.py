@@ -100,6 +100,9 @@ def main() -> int:
     print(f"under the MPL in the core: {', '.join(weak) or 'none'}")
     beyond = refused(core)
     print(f"GPL, LGPL, AGPL or unknown in the core: {'; '.join(beyond) or 'none'}")
+    print(
+        "Known faults of versions: pip-audit asks a server for them; without one nothing is checked."
+    )
     return int(bool(beyond))
 
 

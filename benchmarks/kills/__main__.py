@@ -27,6 +27,7 @@ from benchmarks.kills.verbs import VERBS, prepared
 
 AT_ONCE = 2  # kills, each in a folder of its own
 QUICK = 10
+TOO_LATE = 0.2  # a larger share than that: signals do not arrive, or moments are wrong
 
 
 def all_kills(names: Sequence[str], count: int, records: Path, at_once: int = AT_ONCE) -> list[Row]:
@@ -103,7 +104,10 @@ def summary(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
         "incomplete": "reruns that did not complete",
     }
     total = {key: sum(row[key] for row in found) for key in names}
-    return found, [must_show(names[key], total[key], 0, total[key] == 0) for key in names]
+    late = max(row["came too late"] / row["kills"] for row in found)
+    bounds = [must_show(names[key], total[key], 0, total[key] == 0) for key in names]
+    name = "largest share of a verb's kills that came too late"
+    return found, [*bounds, must_show(name, late, TOO_LATE, late <= TOO_LATE)]
 
 
 def _heard(number: int, frame: object) -> None:

@@ -99,9 +99,13 @@ def killed(folder: Path, verb: Verb, number: int, life: Known, server: ForkServe
 
 
 def foreseen(row: Row) -> bool:
-    """Whether a command ended as one that was killed, interrupted, or not reached any more."""
+    """Whether a command ended as one that was killed, interrupted, or not reached any more.
+
+    Python ends itself by SIGINT (130 in a shell) if it was interrupted within a text that it runs,
+    as named tuples are made.
+    """
     number = getattr(signal, row["signal"])
-    orderly = (0,) if row["signal"] == "SIGKILL" else (0, 130)
+    orderly = (0,) if row["signal"] == "SIGKILL" else (0, 130, -signal.SIGINT)
     return row["status"] in (*orderly, -number)
 
 

@@ -105,9 +105,10 @@ def _chunks(path: Path) -> Iterator[Any]:
             size = file.read(LENGTH.size)
             if len(size) < LENGTH.size:
                 return
-            end = file.tell() + LENGTH.unpack(size)[0]
+            length = LENGTH.unpack(size)[0]
+            end = file.seek(0, 1) + length
             if fields.get(b"op") == IS_CHUNK:
-                data = io.BytesIO(file.read(min(end - file.tell(), BYTES)))
+                data = io.BytesIO(file.read(min(length, BYTES)))
                 yield _unpacker(fields.get(b"compression", b""), data)
             file.seek(end)
 
