@@ -100,9 +100,7 @@ def main() -> int:
     print(f"under the MPL in the core: {', '.join(weak) or 'none'}")
     beyond = refused(core)
     print(f"GPL, LGPL, AGPL or unknown in the core: {'; '.join(beyond) or 'none'}")
-    print(
-        "Known faults of versions: pip-audit asks a server for them; without one nothing is checked."
-    )
+    print("known faults of versions: pip-audit asks a server; out of its reach none is checked")
     return int(bool(beyond))
 
 
