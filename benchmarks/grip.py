@@ -45,7 +45,7 @@ def trained(quick: bool) -> tuple[str, str]:
     if not model.exists():
         OUT.mkdir(parents=True, exist_ok=True)
         text = find("held").read_text(encoding="utf-8")
-        few = text.replace("draws = 2400", "draws = 150")
+        few = text.replace("draws = 3000", "draws = 150")
         make(read_spec(few) if quick else load_spec("held"), data)
         made, _ = train(data, trees=24 if quick else TREES)
         model_file.write(model, made)

@@ -46,6 +46,7 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
     "board": [("board", "board {} --seconds 0.01")],
     "record": [("raw log", "record --recover {} --out OUT/r.h5")],
     "port": None,
+    "live": [("model", "live /dev/no-such-port {} --seconds 0.1")],
     "panel": [
         ("hand", "panel /dev/no-such-port --beside {}"),
         ("model", "panel /dev/no-such-port --model {}"),

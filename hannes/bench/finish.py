@@ -6,17 +6,18 @@ from the board's clock to the host's, and the gaps, stand in the recording's `co
 """
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from hannes.bench import haptics
 from hannes.bench.adapters import adapter
 from hannes.bench.clock_map import ClockMap, clock_map
 from hannes.bench.events import About, Adapter, Row
 from hannes.bench.onset import Onset
-from hannes.bench.raw_log import EVENT, FROM_BOARD, RawLogReader
+from hannes.bench.raw_log import EVENT, FROM_BOARD, HAPTIC, RawLogReader
 from hannes.bench.reader import NANO
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
@@ -28,7 +29,8 @@ GAP = 1.5  # periods between two samples beyond which something is missing
 class Rows:
     """What a raw log holds: board times [s] (n,), host times [s] (n,), values (n, channels).
 
-    `start` is the board time [s] at which the last command began, None without one.
+    haptics: commands of a tactor, with the board time [s] of the sample that they rest on; see
+    `haptics.pack`. `start` is the board time [s] at which the last command began, None without one.
     """
 
     about: About
@@ -39,6 +41,7 @@ class Rows:
     damaged: int
     events: tuple[tuple[float, str], ...]
     log: dict[str, Any]
+    haptics: tuple[tuple[float, ...], ...] = ()
 
     def clock(self) -> ClockMap:
         """The map from board to host time."""
@@ -51,9 +54,12 @@ def read_rows(path: str | Path) -> Rows:
     listener = _listener(path, log.about)
     rows: list[tuple[Row, float]] = []
     about, start, events, onset = None, None, [], Onset()
+    commands: list[tuple[float, ...]] = []
     for record in log.records():
         if record.direction == EVENT:
             events.append((record.time * NANO, record.data.decode(errors="replace")))
+        if record.direction == HAPTIC and (sent := haptics.unpack(record.data)):
+            commands.append(sent)
         if record.direction != FROM_BOARD:
             continue
         for event in listener.feed(record.data, record.time * NANO):
@@ -66,7 +72,8 @@ def read_rows(path: str | Path) -> Rows:
     log.close()
     if about is None or not rows:
         raise BadInput(f"{path}: no sample came from the board; nothing to recover")
-    return _in_order(about, rows, start, listener, tuple(events), log.about)
+    made = _in_order(about, rows, start, listener, tuple(events), log.about)
+    return replace(made, haptics=tuple(commands))
 
 
 def _listener(path: str | Path, about: dict[str, Any]) -> Adapter:
@@ -138,6 +145,8 @@ def recording(
     units = {"time": "s"}
     for k, (name, unit) in enumerate(rows.about.channels.items()):
         channels[name], units[name] = rows.values[inside, k], unit
+    for name, (unit, values) in haptics.channels(rows.haptics, rows.board[inside]).items():
+        channels[name], units[name] = values, unit
     return Recording(
         channels,
         units,

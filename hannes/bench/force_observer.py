@@ -84,6 +84,7 @@ class ForceObserver:
         moved = {"motor.inertia": HEAVY, "controller.period": self.settings.period}
         self._hand = base.with_values({**values, **moved})
         self._onset, self._places = Onset(), list[int]()
+        self._twin().step(0.0)  # compiled before any command runs
         self._begin()
 
     def feed(self, event: Event) -> Force | None:

@@ -94,6 +94,11 @@ class GripLoop:
         return said
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the board's channels, in their order."""
+        return tuple(self._places)
+
+    @property
     def firm(self) -> bool:
         """Whether the policy holds the object firmly."""
         return self._grip.firm

@@ -6,8 +6,15 @@ fainter: the lower end of the force's band counts, and without a class the frequ
 Vibration of 50 to 250 Hz is what skin notices best (Bolanowski et al. 1988).
 """
 
+import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
+
+import numpy as np
+
+RECORD = struct.Struct("<dfff")  # board time [s], amplitude, frequency [Hz], squeeze
+CHANNELS = {"vibration_amplitude": "1", "vibration_frequency": "Hz", "cuff_squeeze": "1"}
 
 
 @dataclass(frozen=True)
@@ -86,3 +93,27 @@ def line(command: HapticCommand) -> bytes:
     """The command as a line of text for a tactor's controller: `h AMPLITUDE FREQUENCY SQUEEZE`."""
     amplitude, frequency, squeeze = command
     return f"h {amplitude:.3f} {frequency:.0f} {squeeze:.3f}\n".encode()
+
+
+def pack(time: float, command: HapticCommand) -> bytes:
+    """The command in a raw log, with the board time [s] of the sample that it rests on."""
+    return RECORD.pack(time, *command)
+
+
+def unpack(data: bytes) -> tuple[float, ...]:
+    """Board time [s], amplitude, frequency [Hz] and squeeze; empty where `data` is none of it."""
+    return RECORD.unpack(data) if len(data) == RECORD.size else ()
+
+
+def channels(
+    commands: Sequence[tuple[float, ...]], board: np.ndarray
+) -> dict[str, tuple[str, np.ndarray]]:
+    """Unit and values at board times (n,) [s]: each command lasts until the next."""
+    if not commands:
+        return {}
+    table = np.array(sorted(commands))
+    place = np.searchsorted(table[:, 0], board + 1e-9, side="right") - 1
+    return {
+        name: (unit, np.where(place >= 0, table[np.maximum(place, 0), k + 1], 0.0))
+        for k, (name, unit) in enumerate(CHANNELS.items())
+    }

@@ -1,8 +1,8 @@
 """Bytes as they came, with a stamp a read: what every recording is made of, live or afterwards.
 
 A line of JSON says what follows; then one record after another: host time [ns] u64, direction u8
-(0: from the board, 1: to it, 2: an event in words), length u32, the bytes. A log that ends within
-a record was cut off there; all before it counts.
+(0: from the board, 1: to it, 2: an event in words, 3: a tactor's command), length u32, the bytes.
+A log that ends within a record was cut off there; all before it counts.
 """
 
 import json
@@ -18,7 +18,7 @@ from hannes.core.io.bounded import BLOCK, require_regular
 
 RECORD = struct.Struct("<QBI")
 SCHEMA = "hannes-raw-log-1"
-FROM_BOARD, TO_BOARD, EVENT = 0, 1, 2
+FROM_BOARD, TO_BOARD, EVENT, HAPTIC = 0, 1, 2, 3
 LARGEST = 1 << 24  # bytes of one record: more is no log
 
 
@@ -80,7 +80,7 @@ class RawLogReader:
         at = 0
         while len(self._rest) - at >= RECORD.size:
             time, direction, length = RECORD.unpack_from(self._rest, at)
-            if length > LARGEST or direction > EVENT:
+            if length > LARGEST or direction > HAPTIC:
                 raise BadInput(
                     f"{self._path}: a record of {length} bytes; the log is damaged there"
                 )

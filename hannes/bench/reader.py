@@ -76,7 +76,12 @@ class Reader:
     def send(self, data: bytes) -> None:
         """Hand bytes over for the board; harmless where the reader has ended."""
         with contextlib.suppress(OSError):
-            self._pipe.send_bytes(data)
+            self._pipe.send_bytes(bytes([TO_BOARD]) + data)
+
+    def write_down(self, direction: int, data: bytes) -> None:
+        """Hand a record over for the raw log; harmless where the reader has ended."""
+        with contextlib.suppress(OSError):
+            self._pipe.send_bytes(bytes([direction]) + data)
 
     def is_alive(self) -> bool:
         """Whether the process still runs."""
@@ -170,7 +175,10 @@ class _Loop:
                 data = self.pipe.recv_bytes()
                 if not data:
                     self._end(stamp)
-                self._write(data)
+                elif data[0] == TO_BOARD:
+                    self._write(data[1:])
+                else:
+                    self.writer.add(stamp, data[0], data[1:])
         except (EOFError, OSError):
             self._end(stamp)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hannes.bench.events import About
 from hannes.bench.finish import read_rows, recording
+from hannes.bench.profile_check import require_within
 from hannes.bench.reader import Link
 from hannes.bench.session import Session, session
 from hannes.core.errors import BadInput
@@ -47,6 +48,7 @@ def record(
     (variant,) = variants
     if Path(raw).exists():
         raise BadInput(f"{raw}: is there already; a raw log is never written over")
+    require_within(variant.hand, variant.experiment, progress=progress)
     about = {
         "duration": variant.experiment.duration,
         "experiment": experiment_toml(variant.hand, variant.experiment),

@@ -9,7 +9,7 @@ from typing import Any
 
 from hannes.bench.events import About, Adapter, Event, Reply, Row, Status
 from hannes.bench.messages import VERSION, Kind, Reason, State
-from hannes.bench.raw_log import FROM_BOARD, RawLogReader
+from hannes.bench.raw_log import EVENT, FROM_BOARD, RawLogReader
 from hannes.bench.reader import NANO, Link, Reader
 from hannes.core.errors import BadInput, ComputationFailed
 
@@ -48,18 +48,22 @@ class Session:
         self._listener: Adapter = link.adapter()
         self._follow = RawLogReader(log)
         self.heard = Heard()
+        self.read_up_to = 0  # host time of the newest record that was read [ns]
+        self.watch: Callable[[Event], None] = lambda event: None  # is shown every event
         self._stopped: bool | None = None  # seen or not, once closed
 
     def events(self) -> Iterator[Event]:
         """What has come since the last look."""
         for record in self._follow.records():
+            self.read_up_to = record.time
             if record.direction != FROM_BOARD:
-                if record.direction > 1:
+                if record.direction == EVENT:
                     self.heard.lost = record.data.decode(errors="replace")
                 continue
             self.heard.bytes += len(record.data)
             for event in self._listener.feed(record.data, record.time * NANO):
                 self._note(event)
+                self.watch(event)
                 yield event
 
     def wait(self, done: Callable[[], bool], seconds: float) -> bool:
@@ -111,6 +115,33 @@ class Session:
             raise ComputationFailed(f"{self.link.port}: the board was stopped by {ENDED[state]}")
         if not self.reader.is_alive():
             raise ComputationFailed(self.heard.lost or f"{self.link.port}: the link was lost")
+
+    @property
+    def damaged(self) -> int:
+        """Frames of the board so far that failed their checks."""
+        return self._listener.damaged
+
+    @property
+    def gaps(self) -> int:
+        """Intervals of frames so far that never came."""
+        return len(self._listener.missing)
+
+    def require_following(self) -> None:
+        """Raise ComputationFailed where the board was stopped, or the link is lost."""
+        status = self.heard.status
+        if status is not None and status.state in ENDED and self._set_points(status.time):
+            raise ComputationFailed(
+                f"{self.link.port}: the board was stopped by {ENDED[status.state]}"
+            )
+        if not self.reader.is_alive():
+            raise ComputationFailed(self.heard.lost or f"{self.link.port}: the link was lost")
+
+    def _set_points(self, before: float) -> bool:
+        """Whether a set point was accepted before this board time [s]."""
+        return any(
+            reply.time < before and reply.reason is Reason.DONE
+            for reply in self._answers(Kind.SET_POINT)[:1]
+        )
 
     def close(self) -> bool:
         """Stop the board and end the reader; False where the stop was not seen."""

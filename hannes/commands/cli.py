@@ -13,6 +13,7 @@ from hannes.commands import (
     cli_compare,
     cli_firmware,
     cli_learning,
+    cli_live,
     cli_panel,
     cli_recordings,
     cli_trust,
@@ -79,6 +80,7 @@ def make_parser() -> _Parser:
     cli_compare.add(partial(_command, commands))
     cli_learning.add(partial(_command, commands))
     cli_bench.add(partial(_command, commands))
+    cli_live.add(partial(_command, commands))
     cli_firmware.add(partial(_command, commands))
     cli_panel.add(partial(_command, commands))
     cli_views.add(partial(_command, commands), parser)
