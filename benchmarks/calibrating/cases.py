@@ -109,7 +109,7 @@ def case(
         for name, recording in made.recordings.items()
     )
     asked = {"parameters": list(parameters), "starts": starts, "limit": f"{100.0 * limit:g} %"}
-    asked |= {"doubt": f"{100.0 * rest:g} %"} if rest else {}
+    asked |= {"doubt": f"{100.0 * rest:g} %", "doubt_apart": "0 %"}
     plant = HandPlant()
     table = Table(asked, "calibrate", ())
     campaign = Campaign(plant, plant, entries, Path("results"), {}, "known", calibrate=table)

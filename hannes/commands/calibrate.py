@@ -22,6 +22,7 @@ from hannes.identification.calibration.heldout_prediction import prediction
 from hannes.identification.calibration.identifiability import answers
 from hannes.identification.calibration.intervals import spread
 from hannes.identification.calibration.linearisation import State
+from hannes.identification.calibration.observed_controller import as_recorded
 from hannes.identification.calibration.profile_likelihood import sides
 from hannes.identification.calibration.repeat_noise import noise_floors, sample_noise_floors
 from hannes.identification.calibration.repeatable_residual import repeatable_residual
@@ -89,9 +90,12 @@ def calibrate(
 def _calibrated(
     campaign: Campaign, seed: int, plan: Plan | None, workers: int | None, progress: bool | None
 ) -> Calibration:
+    campaign, controller = as_recorded(campaign)
     entries = campaign.of("fit", "select") or campaign.entries
     recorded = {name for entry in entries for name in entry.recording.names}
     plan = plan or read_plan(campaign.calibrate, campaign.plant, recorded, seed)
+    parts = plan.rest.parts(campaign.plant, entries)
+    plan = replace(plan, parts=parts, controller=controller)
     issues = data_issues(campaign, plan.accept)
     views = [View(entry, campaign.plant, plan.channels, plan.features) for entry in entries]
     _require_enough(plan, views)

@@ -54,7 +54,7 @@ campaign.toml, after its [[recording]]s; all of it may be left out:
   loss = "soft_l1"                        # linear, soft_l1, huber, cauchy
   starts = 4                              # multi-start: number of searches
   scan = 64                               # points evaluated before them
-  doubt = "2 %"                           # standard deviation of all values that are not fitted
+  doubt = "2 %"                           # of all values that are not fitted; without it 3 %
   limit = "10 %"                          # half-width beyond which nothing is identified
   model_error = "1 %"                     # error of any model, as a share of the channel
   accept = ["gap", "saturated"]           # what `hannes check` finds, taken as it is

@@ -43,6 +43,11 @@ class Plant(Protocol):
     start_time: standard deviation of a run's start against its clock [s]; 0 without it
     uncertain:  parameter -> size [SI] that its relative error refers to. With it diagnose takes
                 all of them as uncertain, see hannes/identification/diagnosis
+    parts(recording): what single parts may be off for themselves in a run, beside what the
+                parameters say: name -> True for one of several like parts (a joint), False for
+                one of its own (the object of an experiment). Calibrate takes these as uncertain
+    slopes(parameters, steps, recording, channels): name -> channel -> its change, shape (n,), per
+                unit of each parameter of `steps` [SI], and per relative deviation of each part
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, fast
                 (`exact`: with the sampled controller); None for a row that fails
     alike(columns, recording, channels): as `many` for rows near the first one, with its solver

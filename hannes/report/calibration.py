@@ -24,7 +24,7 @@ def page(result: "Fit") -> str:
         {
             "title": result.campaign.title,
             "sentence": result.sentence,
-            "remaining": result.repeatable_residual.sentence,
+            "remaining": " ".join([result.repeatable_residual.sentence + ".", *result.assumed]),
             "values": _values(result),
             "gaps": _gaps(result),
             "starts": _starts(result),

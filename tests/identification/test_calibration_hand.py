@@ -85,7 +85,7 @@ def test_contact_from_the_papers_figures_alone_after_a_scan(tmp_path):
     """Moment of contact, slope of the current and both peaks: rough to search, so points first."""
     campaign = tmp_path / "campaign.toml"
     runs = f'file = "simulated:{shipped_runs("dynamometer-runs")}"\ncondition = "dynamometer"'
-    asked = 'parameters = ["object.stiffness", "object.friction"]\nchannels = []\n'
+    asked = 'parameters = ["object.stiffness", "object.friction"]\nchannels = []\ndoubt = "0 %"\n'
     asked += 'features = ["contact", "I_max", "I_sc", "F_max"]'
     campaign.write_text(f"[[recording]]\n{runs}\n[calibrate]\n{asked}\n", encoding="utf-8")
     found = calibrate(campaign, progress=False)
@@ -121,7 +121,7 @@ def test_the_real_axis_refitted_predicts_the_other_file():
 def test_control_c_keeps_the_best_so_far(tmp_path, monkeypatch, capsys):
     campaign, out = tmp_path / "campaign.toml", tmp_path / "out"
     runs = f'file = "simulated:{shipped_runs("dynamometer-runs")}"\ncondition = "dynamometer"'
-    asked = 'parameters = ["object.stiffness", "object.friction"]\nstarts = 8'
+    asked = 'parameters = ["object.stiffness", "object.friction"]\nstarts = 8\ndoubt = "0 %"'
     campaign.write_text(f"[[recording]]\n{runs}\n[calibrate]\n{asked}\n", encoding="utf-8")
     misfits = interrupting(monkeypatch, "starts")
     assert main(["calibrate", str(campaign), "--out", str(out)]) == 130

@@ -52,7 +52,7 @@ def spread(found: State) -> Spread:
 
     count = len(found.plan.names)
     information, scores, conditions, unit = _clusters(found)
-    prior = np.concatenate([found.scales.prior, np.ones(len(found.plan.doubt))]) ** 2
+    prior = np.concatenate([found.scales.prior, np.ones(len(found.plan.uncertain))]) ** 2
     inverse = np.linalg.inv(information.sum(axis=0) + np.diag(prior))
     influences = (scores @ inverse)[:, :count]
     influences = influences - influences.mean(axis=0)  # the priors hold against their sum

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -28,7 +29,8 @@ class State:
 
     start_offsets:    when each run starts [s], shape (runs,)
     uncertain_values: of uncertain parameters that are not asked for, in standard deviations from
-                      their nominal values, shape (q,)
+                      their nominal values, shape (q,); those of single parts are never simulated
+                      and stay 0
     noise:            standard deviation of every channel's bins and feature, shape (names,)
     steps:            scaled difference steps, shape (p,)
     bundle:           simulations about x
@@ -36,7 +38,6 @@ class State:
     residuals:        simulated minus measured, shape (n,)
     columns:          derivatives by scaled parameter, shape (p, n)
     uncertain_columns: by uncertain parameter, shape (q, n)
-    shared:           whitens all runs together against the uncertain parameters, if any
     """
 
     model: Model
@@ -54,12 +55,20 @@ class State:
     residuals: list[np.ndarray]
     columns: list[np.ndarray]
     uncertain_columns: list[np.ndarray]
-    shared: Whitening | None
     costs: list[float] = field(default_factory=list)
     starts: list[Start] = field(default_factory=list)
     on_bound: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
     noise_floors: np.ndarray = field(default_factory=lambda: np.zeros(0))
     interrupted: bool = False
+
+    @cached_property
+    def shared(self) -> Whitening | None:
+        """Whitens all runs together against the uncertain parameters, if any."""
+        if not len(self.uncertain_columns[0]):
+            return None
+        runs = zip(self.whitenings, self.uncertain_columns, strict=True)
+        whole = np.hstack([white(rows) for white, rows in runs])
+        return Whitening.of(np.ones(whole.shape[1]), whole)
 
     @property
     def values(self) -> dict[str, float]:
@@ -105,6 +114,12 @@ class State:
         whole = [white(residual - self.uncertain_values @ rows) for white, residual, rows in runs]
         return self.shared.attributed(-np.concatenate(whole))
 
+    def simulated_uncertain_values(self) -> np.ndarray:
+        """The same of uncertain parameters; 0 for single parts, which no simulation has, (q,)."""
+        found = self.best_uncertain_values().copy()
+        found[len(self.plan.doubt) :] = 0.0
+        return found
+
     def start_corrections(self) -> np.ndarray:
         """How much later than assumed each run most likely starts [s], shape (runs,)."""
         if not self.plan.start_time:
@@ -124,7 +139,7 @@ def uncertain_parameters(
 ) -> dict[str, float]:
     """SI values of the uncertain parameters, inside their bounds."""
     found = {}
-    for (name, size), at in zip(plan.doubt.items(), uncertain_values, strict=True):
+    for (name, size), at in zip(plan.doubt.items(), uncertain_values, strict=False):
         low, high = plant.parameters.declared[name].bounds
         found[name] = float(np.clip(plant.parameters[name] + size * at, low, high))
     return found
@@ -149,12 +164,19 @@ class Maker:
     def bundle(self, x: np.ndarray, uncertain_values: np.ndarray, steps: np.ndarray) -> Bundle:
         """Simulations about a point for the derivatives by all parameters."""
         sizes = dict(zip(self.plan.names, steps * self.scales.scale, strict=True))
-        return self.model.bundle(self.values(x, uncertain_values), sizes, self.spread_over)
+        values, made = self.values(x, uncertain_values), None
+        if self.plan.uncertain:
+            made = self.model.sloped(values, sizes, self.spread_over)
+        return made or self.model.bundle(values, sizes, self.spread_over)
 
     def slow(self, x: np.ndarray, uncertain_values: np.ndarray) -> Bundle:
         """Simulations for run-to-run variability and uncertain parameters."""
         values, given = self.values(x, uncertain_values), self.model.plant.parameters
         sizes: Mapping[str, float] = {**self.plan.nuisance, **self.plan.doubt}
+        if self.plan.uncertain:
+            steps = {name: CALIBRATION.difference_step * size for name, size in sizes.items()}
+            if made := self.model.sloped(values, steps, self.spread_over):
+                return made
         steps = {
             name: CALIBRATION.first_step * abs(values.get(name, given[name])) or size
             for name, size in sizes.items()
@@ -167,7 +189,7 @@ class Maker:
             np.zeros(len(self.model.views)),
             np.full(x.size, CALIBRATION.first_step),
         )
-        uncertain_values = np.zeros(len(self.plan.doubt))
+        uncertain_values = np.zeros(len(self.plan.uncertain))
         bundle = self.bundle(x, uncertain_values, steps)
         self.model.settle(self.values(x, uncertain_values), bundle.centre, self.spread_over)
         return self.made(x, start_offsets, uncertain_values, noise, steps, bundle, None, x)
@@ -178,15 +200,9 @@ class Maker:
         self.model.settle(self.values(x, state.uncertain_values), bundle.centre, self.spread_over)
         slow = state.slow or self.slow(x, state.uncertain_values)
         return self.made(
-            x,
-            state.start_offsets,
-            state.uncertain_values,
-            state.noise,
-            state.steps,
-            bundle,
-            slow,
-            state.slow_at,
-        )
+            x, state.start_offsets, state.uncertain_values, state.noise, state.steps,
+            bundle, slow, state.slow_at,
+        )  # fmt: skip
 
     def moved(self, state: State, start_offsets: np.ndarray, uncertain_values: np.ndarray) -> State:
         """The state with other start offsets and uncertain values."""
@@ -197,15 +213,18 @@ class Maker:
                 self.values(state.x, uncertain_values), bundle.centre, self.spread_over
             )
         return self.made(
-            state.x,
-            start_offsets,
-            uncertain_values,
-            state.noise,
-            state.steps,
-            bundle,
-            state.slow,
-            state.slow_at,
-        )
+            state.x, start_offsets, uncertain_values, state.noise, state.steps,
+            bundle, state.slow, state.slow_at,
+        )  # fmt: skip
+
+    def anew(self, state: State, x: np.ndarray, uncertain_values: np.ndarray) -> State:
+        """The state at another x and other uncertain values, all derivatives there."""
+        bundle = self.bundle(x, uncertain_values, state.steps)
+        self.model.settle(self.values(x, uncertain_values), bundle.centre, self.spread_over)
+        return self.made(
+            x, state.start_offsets, uncertain_values, state.noise, state.steps,
+            bundle, self.slow(x, uncertain_values), x,
+        )  # fmt: skip
 
     def weighed(self, state: State, noise: np.ndarray) -> State:
         """The state with other noise."""
@@ -222,15 +241,9 @@ class Maker:
         if slow is None or np.abs(x - slow_at).max() > CALIBRATION.same_slow_derivatives:
             slow, slow_at = self.slow(x, state.uncertain_values), x
         return self.made(
-            x,
-            state.start_offsets,
-            state.uncertain_values,
-            state.noise,
-            steps,
-            bundle,
-            slow,
-            slow_at,
-        )
+            x, state.start_offsets, state.uncertain_values, state.noise, steps,
+            bundle, slow, slow_at,
+        )  # fmt: skip
 
     def made(
         self,
@@ -258,16 +271,11 @@ class Maker:
             pairs = zip(moved, delays, strict=True)
             moved = [np.vstack([rows, self.plan.start_time * delay]) for rows, delay in pairs]
         whitenings = [Whitening.of(n, rows) for n, rows in zip(per_run, moved, strict=True)]
-        uncertain_columns = self._stacked(slow, self.plan.doubt, start_offsets)
-        shared = None
-        if len(uncertain_columns[0]):
-            runs_of = zip(whitenings, uncertain_columns, strict=True)
-            whole = np.hstack([white(rows) for white, rows in runs_of])
-            shared = Whitening.of(np.ones(whole.shape[1]), whole)
+        uncertain_columns = self._stacked(slow, self.plan.uncertain, start_offsets)
         return State(
             model, self.plan, self.scales, x, start_offsets, uncertain_values, noise, steps,
             bundle, slow, slow_at,
-            whitenings, residuals, self.columns(bundle, start_offsets), uncertain_columns, shared,
+            whitenings, residuals, self.columns(bundle, start_offsets), uncertain_columns,
         )  # fmt: skip
 
     def columns(self, bundle: Bundle, start_offsets: np.ndarray) -> list[np.ndarray]:

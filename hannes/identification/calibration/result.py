@@ -124,6 +124,7 @@ class Fit(ByValue):
                 role: [each.name for each in self.campaign.of(role)]
                 for role in ("fit", "select", "show")
             },
+            "assumed": self.assumed,
             "doubted": self._uncertain(),
             "misfit": self.found.costs,
             "seed": self.seed,
@@ -152,7 +153,7 @@ class Fit(ByValue):
     def _uncertain(self) -> dict[str, dict[str, Any]]:
         """Parameters that were uncertain but not asked for, and their most likely values."""
         plant, found = self.campaign.plant, self.found
-        pairs = zip(found.plan.doubt.items(), found.uncertain_values, strict=True)
+        pairs = zip(found.plan.doubt.items(), found.uncertain_values, strict=False)
         return {
             name: {
                 "value": found.all_values[name],
@@ -186,7 +187,14 @@ class Fit(ByValue):
         for each in self.answers:
             note = "" if each.identified else f"  {each.label}"
             lines.append(f"  {each.name:<{width}}  {value_text(each)}{note}")
-        return "\n".join([*lines, self.repeatable_residual.sentence + ".", *self._warnings()])
+        lines += [self.repeatable_residual.sentence + ".", *self.assumed]
+        return "\n".join([*lines, *self._warnings()])
+
+    @property
+    def assumed(self) -> list[str]:
+        """What was taken of the rest and of the controller, a sentence each."""
+        said = [self.found.plan.rest.sentence, self.found.plan.controller]
+        return [f"{text[:1].upper()}{text[1:]}." for text in said if text]
 
     def _warnings(self) -> list[str]:
         more = len(self.data_issues) - MOST_WARNINGS

@@ -8,6 +8,7 @@ import numpy as np
 
 from hannes.core.errors import ComputationFailed
 from hannes.identification.calibration import model_error
+from hannes.identification.calibration.joint_steps import joint_steps
 from hannes.identification.calibration.least_squares import NOTHING_SIMULATES, Solved, solve
 from hannes.identification.calibration.linearisation import Maker, Start, State
 from hannes.identification.calibration.objective import Problem, Stopped, deviations
@@ -124,9 +125,10 @@ class Search:
         if not np.array_equal(at, solved.x):
             bundle = self.maker.bundle(solved.x, state.uncertain_values, problem.steps)
         made = self.maker.solved(state, solved.x, problem.steps, bundle)
-        made = self.maker.moved(
-            made, made.start_offsets + made.start_corrections(), made.best_uncertain_values()
-        )
+        offsets = made.start_offsets + made.start_corrections()
+        made = self.maker.moved(made, offsets, made.simulated_uncertain_values())
+        if self.plan.uncertain:
+            made = joint_steps(self.maker, made)
         made = self.maker.weighed(made, model_error.remaining(made, self.least, self.noise_floors))
         return replace(made, on_bound=solved.on_bound)
 

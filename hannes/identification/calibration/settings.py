@@ -8,13 +8,14 @@ from hannes.core.errors import BadInput, nearest
 from hannes.core.io.toml_table import Table
 from hannes.core.io.units import quantity
 from hannes.core.parameter import Parameter
+from hannes.identification.calibration.rest import Rest
 from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.identification.grasp_features import FEATURES
 from hannes.plants.protocol import Plant, run_to_run_spread
 
 KEYS = (
-    *("parameters", "spread", "bounds", "nuisance", "doubt", "channels", "features"),
-    *("loss", "starts", "scan", "model_error", "limit", "accept"),
+    *("parameters", "spread", "bounds", "nuisance", "doubt", "doubt_apart", "channels"),
+    *("features", "loss", "starts", "scan", "model_error", "limit", "accept"),
 )
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 MOST_STARTS, MOST_SCANNED = 64, 4096
@@ -31,13 +32,17 @@ class Plan:
     nuisance:    parameter -> standard deviation from run to run
     start_time:  standard deviation [s] of the moment at which a run starts, 0 where it is known
     doubt:       uncertain parameters that are not fitted -> standard deviation; empty where these
-                 are taken as known
+                 are taken as exact
+    parts:       what single parts may be off for themselves (each joint, each object of an
+                 experiment) -> standard deviation, relative
+    rest:        what of `doubt` and `parts` was stated, and what is the default
     channels:    compared as traces;  features: compared as figures (see grasp_features.py)
     loss:        of scipy's least_squares
     starts:      number of starting points;  scan: number of points scanned to find them
     model_error: share of a channel's RMS that is taken as model error
     limit:       relative half-width of an interval beyond which a parameter is not identified
     accept:      kinds of data issues that are accepted
+    controller:  that another one was taken than the experiments say, or ""
     """
 
     names: tuple[str, ...]
@@ -47,6 +52,8 @@ class Plan:
     nuisance: Mapping[str, float]
     start_time: float = 0.0
     doubt: Mapping[str, float] = field(default_factory=dict)
+    parts: Mapping[str, float] = field(default_factory=dict)
+    rest: Rest = field(default_factory=Rest)
     channels: tuple[str, ...] = ()
     features: tuple[str, ...] = ()
     loss: str = "linear"
@@ -57,6 +64,12 @@ class Plan:
     seed: int = 0
     scale: Mapping[str, float] = field(default_factory=dict)
     accept: tuple[str, ...] = ()
+    controller: str = ""
+
+    @property
+    def uncertain(self) -> dict[str, float]:
+        """All that is uncertain and not fitted: parameters, then single parts."""
+        return {**self.doubt, **self.parts}
 
 
 def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0) -> Plan:
@@ -66,6 +79,7 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
     """
     there = [name for name in plant.judged if name in set(channels)]
     names = _names(table, plant)
+    rest = Rest.read(table, plant)
     features = tuple(_known(table, "features", FEATURES))
     declared = {name: plant.parameters.declared[name] for name in names}
     spread = {name: _weak(plant.parameters[name], each) for name, each in declared.items()}
@@ -76,7 +90,9 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
         {**{n: e.bounds for n, e in declared.items()}, **_bounds(table.table("bounds"), declared)},
         _nuisances(table.table("nuisance"), plant),
         _start_time(table.table("nuisance"), plant),
-        _doubt(table, plant, names),
+        rest.doubt(plant, names),
+        {},
+        rest,
         tuple(_known(table, "channels", there)) if "channels" in table else tuple(there),
         features,
         table.choice("loss", LOSSES, "linear"),
@@ -140,19 +156,6 @@ def _nuisances(table: Table, plant: Plant) -> dict[str, float]:
     usual = {name: size for name, size in run_to_run_spread(plant).items() if size > 0.0}
     own = [name for name in table.content if name != "start_time"]
     return {name: _size(table, name, plant) for name in own} if own else usual
-
-
-def _doubt(table: Table, plant: Plant, names: Iterable[str]) -> dict[str, float]:
-    """Standard deviations of uncertain parameters: one share for all that the plant declares."""
-    if "doubt" not in table:
-        return {}
-    scales: Mapping[str, float] = getattr(plant, "uncertain", {})
-    if not scales:
-        table.refuse(
-            "doubt", f"cannot be used: the plant {plant.name} declares no uncertain parameter"
-        )
-    share = _share(table, "doubt", 0.0)
-    return {name: share * size for name, size in scales.items() if name not in names and size}
 
 
 def _start_time(table: Table, plant: Plant) -> float:

@@ -17,6 +17,7 @@ from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.plants.protocol import Plant
 
 Channels = dict[str, np.ndarray]
+PART_STEP = 0.01  # relative deviation of a part, of differences
 Map = Callable[[Callable[..., Any], Iterable[Any]], Iterable[Any]]
 
 
@@ -123,6 +124,24 @@ class Model:
                     continue
         return None, step
 
+    def sloped(
+        self, values: Mapping[str, float], steps: Mapping[str, float], spread_over: Map = map
+    ) -> Bundle | None:
+        """As `bundle`, by the plant's own slopes, parts included; None where it has none."""
+        slopes = getattr(self.plant, "slopes", None)
+        if slopes is None:
+            return None
+        centre = self.run(values, spread_over)
+        recordings = [self.views[group[0]].recording for group in self.groups]
+        names = tuple(self.plant.judged)  # features look at channels that are not compared, too
+        found = list(spread_over(lambda each: slopes(values, steps, each, names), recordings))
+        moved: dict[str, tuple[list[Channels] | None, float]] = {}
+        for name in dict.fromkeys(name for own in found for name in own):
+            step = steps.get(name, PART_STEP)
+            pairs = zip(centre, found, strict=True)
+            moved[name] = [_by(run, own.get(name, {}), step) for run, own in pairs], step
+        return Bundle(centre, moved)
+
     def derivatives(
         self, bundle: Bundle, sizes: Mapping[str, float], start_offsets: np.ndarray
     ) -> list[np.ndarray]:
@@ -140,3 +159,8 @@ class Model:
                 ):
                     rows[row] = size * np.nan_to_num((m - b) / step)
         return found
+
+
+def _by(centre: Channels, slopes: Mapping[str, np.ndarray], step: float) -> Channels:
+    """Channels with one parameter or part moved by `step`."""
+    return {**centre, **{name: centre[name] + step * slope for name, slope in slopes.items()}}

@@ -35,6 +35,8 @@ class CalibrationTuning:
     nonlinearity: float = constant(
         10.0, "1", "times the within-bin nonlinearity that is taken as noise"
     )
+    joint_steps: int = constant(4, "1", "of all parameters at once, in a round", COST)
+    longest_step: float = constant(0.05, "scales", "of them", NUMERICS)
     missing_feature: float = constant(
         10.0, "standard deviations", "residual of a feature that a simulation does not have"
     )

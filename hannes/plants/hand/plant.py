@@ -10,7 +10,7 @@ from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.parameter import ParameterSet
 from hannes.core.recording.recording import Recording
-from hannes.plants.hand import batch_runs, candidate_runs
+from hannes.plants.hand import batch_runs, candidate_runs, joint_deviations
 from hannes.plants.hand.channel_limits import EXPECTED
 from hannes.plants.hand.recorded_experiment import (
     effects_on_object,
@@ -133,6 +133,24 @@ class HandPlant(ByValue):
             if not each.name.startswith(CERTAIN) and not each.name.endswith(CERTAIN_ENDINGS)
         ]
         return {name: abs(self.parameters[name]) for name in names} | PLACED
+
+    def parts(self, recording: Recording) -> dict[str, bool]:
+        """What single parts are off for themselves in a run, see joint_deviations.py."""
+        return joint_deviations.parts(experiment_of(recording))
+
+    def slopes(
+        self,
+        parameters: Mapping[str, float],
+        steps: Mapping[str, float],
+        recording: Recording,
+        channels: Sequence[str],
+    ) -> dict[str, dict[str, np.ndarray]]:
+        """Change of channels by parameters and by parts, see joint_deviations.py."""
+        asked = replace(experiment_of(recording), controller="continuous")
+        moved = self._with_moved_object(asked, parameters)
+        return joint_deviations.slopes(
+            self.hand, moved, recording, parameters, steps, tuple(channels)
+        )
 
     def with_effects(self, *effects: Effect) -> "HandPlant":
         """Return a plant whose hand has `effects` too."""

@@ -213,10 +213,10 @@ def excursions(y, p, c):
         c.lane_speed[joint] = y.joint_speed[joint]
     for f in range(5):
         mcp, pip = 2 * f, 2 * f + 1
-        c.excursion[f] = p.joint_moment_arm[0] * (y.joint_angle[mcp] - p.rest[mcp])
-        c.excursion[f] += p.joint_moment_arm[1] * (y.joint_angle[pip] - p.rest[pip])
-        c.excursion_rate[f] = p.joint_moment_arm[0] * y.joint_speed[mcp]
-        c.excursion_rate[f] += p.joint_moment_arm[1] * y.joint_speed[pip]
+        c.excursion[f] = p.joint_moment_arm[mcp] * (y.joint_angle[mcp] - p.rest[mcp])
+        c.excursion[f] += p.joint_moment_arm[pip] * (y.joint_angle[pip] - p.rest[pip])
+        c.excursion_rate[f] = p.joint_moment_arm[mcp] * y.joint_speed[mcp]
+        c.excursion_rate[f] += p.joint_moment_arm[pip] * y.joint_speed[pip]
 
 
 def leader(t, y, dy, p, c, out):

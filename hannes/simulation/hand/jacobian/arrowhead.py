@@ -93,8 +93,9 @@ def decompose(shift, data):
         solve_fingers(factors, factors[:, SIZE + n])
         for kind in range(2):
             for f in range(5):
-                couplings[kind, n, f] = p.joint_moment_arm[0] * factors[2 * kind, SIZE + n, f]
-                couplings[kind, n, f] += p.joint_moment_arm[1] * factors[2 * kind + 1, SIZE + n, f]
+                mcp, pip = p.joint_moment_arm[2 * f], p.joint_moment_arm[2 * f + 1]
+                couplings[kind, n, f] = mcp * factors[2 * kind, SIZE + n, f]
+                couplings[kind, n, f] += pip * factors[2 * kind + 1, SIZE + n, f]
     factor_border(shift, data.border, couplings, data.border_factors)
 
 
@@ -105,8 +106,9 @@ def resolve(b, data):
     gather_fingers(b, own)
     solve_fingers(factors, own)
     for f in range(5):
-        excursion[f] = p.joint_moment_arm[0] * own[0, f] + p.joint_moment_arm[1] * own[1, f]
-        excursion_rate[f] = p.joint_moment_arm[0] * own[2, f] + p.joint_moment_arm[1] * own[3, f]
+        mcp, pip = p.joint_moment_arm[2 * f], p.joint_moment_arm[2 * f + 1]
+        excursion[f] = mcp * own[0, f] + pip * own[1, f]
+        excursion_rate[f] = mcp * own[2, f] + pip * own[3, f]
     solve_border(b, excursion, excursion_rate, data.border, data.border_factors, solved_tensions)
     for i in range(SIZE):
         for n in range(SEEING):
@@ -165,7 +167,7 @@ def gather(data, columns):
             for j in range(COUNT):
                 columns[OWN[i, f], BORDER[j]] += blocks[i, SIZE, f] * border[j, f]
         for j in range(4):
-            arm, column = p.joint_moment_arm[j % 2], COUNT + 5 * (j // 2) + f
+            arm, column = p.joint_moment_arm[2 * f + j % 2], COUNT + 5 * (j // 2) + f
             for g in range(5):
                 for i in range(SIZE):
                     columns[OWN[i, g], OWN[j, f]] += blocks[i, SIZE, g] * arm * border[column, g]
