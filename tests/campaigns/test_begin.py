@@ -150,3 +150,58 @@ def test_no_numbers_is_one_line(tmp_path):
     (tmp_path / "a.csv").write_text("hello\nworld\n")
     with pytest.raises(BadInput, match="lines of numbers"):
         text_layout(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Zeit [s],Führungsgröße [rad],Drehwinkel [rad],Motorstrom [A]",
+        "t [s],Sollwinkel [rad],Istwinkel [rad],Iststrom [A]",
+        "Tempo (s),Riferimento (rad),Posizione (rad),Corrente (A)",
+        "Temps (s),Consigne (rad),Angle mesuré (rad),Intensité (A)",
+        "Tiempo (s),Referencia (rad),Posición (rad),Corriente (A)",
+        "Zeit_s,Lage_Sollwert_rad,Lage_Istwert_rad,Strom_Istwert_A",
+    ],
+)
+def test_names_of_other_languages(tmp_path, header):
+    begun = begin([log(tmp_path, "a.csv", FOUR, header)], tmp_path / "bench")
+    assert begun.missing == []
+    (recording,) = (each.recording for each in read_campaign(tmp_path / "bench" / CAMPAIGN).entries)
+    for name, values in (("reference", COMMAND), ("position", POSITION), ("current", CURRENT)):
+        assert recording[name] == pytest.approx(values, abs=1e-5), name
+
+
+def test_columns_that_no_channel_takes_are_named(tmp_path):
+    header = "time_s,reference_rad,position_rad,current_A,goal_current_A,speed_rad_s,Motor temp"
+    file = log(tmp_path, "a.csv", (*FOUR, 2.0 * CURRENT, POSITION, CURRENT), header)
+    begun = begin([file], tmp_path / "bench")
+    assert begun.missing == []
+    assert "not used: goal_current_A, speed_rad_s, Motor temp" in begun.seen
+    assert "# not used: goal_current_A" in (tmp_path / "bench" / MAPPING).read_text()
+    (made,) = convert([file], tmp_path / "bench" / MAPPING)
+    assert made.recording["current"] == pytest.approx(CURRENT, abs=1e-5)
+
+
+def test_of_two_clocks_the_even_one_and_it_is_said(tmp_path):
+    arrival = TIME + 0.002 * np.random.default_rng(1).random(TIME.size)
+    header = "time_s,stamp_s,reference_rad,position_rad,current_A"
+    file = log(tmp_path, "a.csv", (arrival, *FOUR), header)
+    begun = begin([file], tmp_path / "bench")
+    assert begun.missing == []
+    assert any("stamp_s" in said and 'not from "time_s"' in said for said in begun.seen)
+    (made,) = convert([file], tmp_path / "bench" / MAPPING)
+    assert made.recording.time == pytest.approx(TIME, abs=1e-6)
+
+
+def test_two_clocks_that_disagree_are_asked_for(tmp_path):
+    header = "time_s,stamp_s,reference_rad,position_rad,current_A"
+    file = log(tmp_path, "a.csv", (1.1 * TIME, *FOUR), header)
+    begun = begin([file], tmp_path / "bench")
+    assert any("disagree" in asked for asked in begun.missing)
+
+
+def test_a_coarse_clock_is_asked_for(tmp_path):
+    header = "time_s,reference_rad,position_rad,current_A"
+    file = log(tmp_path, "a.csv", (np.floor(20.0 * TIME) / 20.0, *FOUR[1:]), header)
+    begun = begin([file], tmp_path / "bench")
+    assert any("share a stamp" in asked for asked in begun.missing)

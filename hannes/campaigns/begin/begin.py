@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.begin.clock_choice import clock_of
 from hannes.campaigns.begin.column_guess import Guess, guesses, label_column
+from hannes.campaigns.begin.columns_seen import array_columns, text_columns
 from hannes.campaigns.begin.conditions import Condition, conditions
 from hannes.campaigns.begin.mapping_text import FILL_IN, Draft, draft
-from hannes.campaigns.begin.text_layout import TextLayout, number_of, text_layout
+from hannes.campaigns.begin.text_layout import text_layout
 from hannes.campaigns.convert import Converted, convert
 from hannes.campaigns.convert import write as write_recordings
-from hannes.campaigns.foreign.binary_columns import Arrays
-from hannes.campaigns.foreign.mapping import Column
 from hannes.campaigns.foreign.sources import reader_of
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
@@ -73,13 +73,16 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
     reader = reader_of(first)
     source = None if reader is None else reader(first, ())
     layout = text_layout(first) if source is None else None
-    names, units, columns = _columns(first, source, layout)
+    seen = text_columns(layout) if layout is not None else array_columns(first, source)
+    columns = {str(each.column): each.values for each in seen if each.values is not None}
     known = tuple(name for name in plant.channels if name != "time")
-    chosen, doubtful = _chosen(guesses(names, units, columns, known))
+    chosen, doubtful, clocks = _chosen(guesses(seen, known), columns)
     split = label_column(layout.names, layout.rows) if layout is not None else ""
     made = draft(
-        paths, plant.name, layout, chosen, doubtful, dict(columns), split, _required(plant, chosen)
+        paths, plant.name, layout, chosen, doubtful, columns, split, _required(plant, chosen)
     )
+    made.seen += clocks[0]
+    made.missing += clocks[1]
     if layout is not None:
         for path in paths[1:]:
             if text_layout(path).names != layout.names:
@@ -87,42 +90,21 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
     return made
 
 
-def _columns(
-    path: Path, source: object, layout: TextLayout | None
-) -> tuple[list[str], list[str], dict[str, FloatArray]]:
-    """Names, units and numbers of all columns."""
-    if layout is not None:
-        width = len(layout.rows[0])
-        names = list(layout.names) or [""] * width
-        cells = {
-            name or str(k + 1): [row[k] if k < len(row) else "" for row in layout.rows]
-            for k, name in enumerate(names)
-        }
-        numeric = {name: np.array([number_of(c) for c in column]) for name, column in cells.items()}
-        known = {name: x for name, x in numeric.items() if np.isfinite(x).any()}
-        return names, list(layout.units), known
-    if not isinstance(source, Arrays):
-        raise BadInput(f"{path}: cannot be looked at; write a mapping (docs/reference/mapping.md)")
-    columns = {}
-    for name in source.names:
-        try:
-            columns[name] = source.numbers(Column(name))
-        except BadInput:
-            continue
-    return list(columns), [], columns
-
-
-def _chosen(found: Sequence[Guess]) -> tuple[dict[str, Guess], list[Guess]]:
-    """The surest guess for each channel, and the others."""
-    chosen: dict[str, Guess] = {}
+def _chosen(
+    found: Sequence[Guess], columns: dict[str, FloatArray]
+) -> tuple[dict[str, Guess], list[Guess], tuple[list[str], list[str]]]:
+    """The surest guess for each channel, the others, and what is said and asked of clocks."""
+    clock, said, asked = clock_of([each for each in found if each.channel == "time"], columns)
+    chosen: dict[str, Guess] = {} if clock is None else {"time": clock}
     doubtful: list[Guess] = []
     for guess in sorted(found, key=lambda each: not each.sure):
         if guess.channel not in chosen:
             chosen[guess.channel] = guess
-        elif chosen[guess.channel].sure == guess.sure:
+        elif guess.channel != "time" and chosen[guess.channel].sure == guess.sure:
             doubtful.append(guess)
     order = ["time", *(each.channel for each in found)]
-    return {name: chosen[name] for name in dict.fromkeys(order) if name in chosen}, doubtful
+    picked = {name: chosen[name] for name in dict.fromkeys(order) if name in chosen}
+    return picked, doubtful, (said, asked)
 
 
 def _required(plant: Plant, chosen: dict[str, Guess]) -> list[str]:

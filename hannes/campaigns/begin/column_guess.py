@@ -1,31 +1,18 @@
 """Which column is which channel, in which unit: from names, units and the numbers themselves."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.begin.spelled_units import COUNTS, unit_of
+from hannes.campaigns.begin.channel_words import plain, scores, words_of
+from hannes.campaigns.foreign.spelled_units import COUNTS, unit_of
 
 FloatArray = NDArray[np.float64]
 
-WORDS = {
-    "time": ("time", "t", "timestamp", "stamp", "zeit", "millis", "micros", "clock", "x_value",
-             "realtime", "elapsed", "temps"),
-    "reference": ("reference", "ref", "goal", "target", "setpoint", "set", "command", "cmd",
-                  "desired", "des", "soll", "commanded", "action", "sp"),
-    "position": ("position", "pos", "angle", "encoder", "enc", "theta", "q", "shaft", "ist",
-                 "winkel", "measured", "present", "joint", "state"),
-    "current": ("current", "cur", "curr", "amps", "i", "strom", "motor_current", "amp", "iq"),
-    "duty": ("duty", "pwm", "dutycycle"),
-    "supply": ("supply", "vbus", "voltage", "battery", "vbat", "vin", "volt", "spannung", "bus"),
-    "force": ("force", "grip", "kraft"),
-    "sensor": ("sensor", "dynamometer", "dyno", "loadcell", "cell"),
-}  # fmt: skip
-WEAK = ("present", "measured", "state", "joint", "set", "bus", "motor", "ist", "cell", "actual")
 KINDS = {
     "time": ("s", "ms", "us", "ns"), "reference": ("rad", "mrad", "deg"),
     "position": ("rad", "mrad", "deg"), "current": ("A", "mA"), "duty": ("1", "%"),
@@ -34,6 +21,20 @@ KINDS = {
 EPOCHS = ((1e9, 4e9, "s"), (1e12, 4e12, "ms"), (1e15, 4e15, "us"), (1e18, 4e18, "ns"))
 QUICKEST, SLOWEST = 5e-5, 0.05  # s between samples of a log, as far as a clock is guessed
 LABELS = ("trial", "run", "rep", "repeat", "episode", "episode_index", "cycle", "grasp", "label")
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A column as it was found.
+
+    column: by what a mapping names it; name: by which it is recognised; unit: where one stands
+    apart from the name; values: numbers (n,), NaN where missing, None for texts such as dates.
+    """
+
+    column: str | int
+    name: str
+    unit: str = ""
+    values: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -50,15 +51,13 @@ class Guess:
 def split_name(name: str) -> tuple[list[str], str]:
     """Words of a column's name in lower case, and its unit ("" for none, "counts" for raw)."""
     inside = re.findall(r"[\[(]([^\])]+)[\])]", name)
-    bare = re.sub(r"[\[(][^\])]*[\])]", " ", name)
-    bare = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", bare)
-    words = [word for word in re.split(r"[^A-Za-z0-9µμ°%]+", bare) if word]
+    words = words_of(re.sub(r"[\[(][^\])]*[\])]", " ", name))
+    lower = [plain(word) for word in words]
     for text in inside:
         if (unit := unit_of(text)) is not None:
-            return [word.lower() for word in words], unit
+            return lower, unit
         if text.strip().lower() in COUNTS:
-            return [word.lower() for word in words], "counts"
-    lower = [word.lower() for word in words]
+            return lower, "counts"
     if len(words) > 1 and lower[-1] in COUNTS:
         return lower[:-1], "counts"
     if len(words) > 1 and lower[-1] not in ("t", "i", "q") and (unit := unit_of(words[-1])):
@@ -66,55 +65,31 @@ def split_name(name: str) -> tuple[list[str], str]:
     return lower, ""
 
 
-def guesses(
-    names: Sequence[str],
-    units: Sequence[str],
-    columns: Mapping[str, FloatArray],
-    known: Sequence[str],
-) -> list[Guess]:
-    """A guess for each column that may be one of the plant's `known` channels, or time.
-
-    names: of all columns, empty texts where there are none; units: of a line below them, may be
-    empty; columns: numbers by name (n,), NaN where missing.
-    """
-    found = []
-    for place, name in enumerate(names):
-        unit = units[place] if place < len(units) else ""
-        guess = _guess(name or place + 1, name, unit, columns.get(name), known)
-        if guess is not None:
-            found.append(guess)
-    return found
+def guesses(columns: Sequence[Seen], known: Sequence[str]) -> list[Guess]:
+    """A guess for each column that may be one of the plant's `known` channels, or time."""
+    found = (_guess(each, known) for each in columns)
+    return [guess for guess in found if guess is not None]
 
 
-def _guess(
-    column: str | int, name: str, below: str, values: FloatArray | None, known: Sequence[str]
-) -> Guess | None:
-    words, unit = split_name(name)
+def _guess(seen: Seen, known: Sequence[str]) -> Guess | None:
+    words, unit = split_name(seen.name)
+    below = seen.unit
     unit = unit or (unit_of(below) or ("counts" if below.strip().lower() in COUNTS else ""))
-    scores = {
-        channel: sum(_likeness(word, WORDS.get(channel, (channel,))) for word in words)
-        for channel in ("time", *known)
-    }
-    channel, score = max(scores.items(), key=lambda pair: pair[1])
-    if scores.get("reference", 0.0) >= 1.0 and channel == "position":
-        channel, score = "reference", scores["reference"]  # "goal position" is a command
+    found = scores(words, ("time", *known))
+    channel, score = max(found.items(), key=lambda pair: pair[1])
+    if found.get("reference", 0.0) >= 0.5 and channel == "position":
+        channel, score = "reference", found["reference"]  # "goal position" is a command
     if score <= 0.0:
         return None
     if unit not in ("", "counts") and unit not in KINDS.get(channel, (unit,)):
-        fitting = [c for c, s in scores.items() if s > 0.0 and unit in KINDS.get(c, (unit,))]
+        fitting = [c for c, s in found.items() if s > 0.0 and unit in KINDS.get(c, (unit,))]
         if not fitting:
             return None
         channel = fitting[0]
-    if channel == "time" and not unit and values is not None:
-        unit = _epoch(values) or _clock_unit(values)
-    return Guess(column, channel, unit, f'its name "{name}"', score >= 1.0 and bool(unit))
-
-
-def _likeness(word: str, spellings: Sequence[str]) -> float:
-    """1 where a word is one of the spellings (0.3 of a weak one), a half where one begins it."""
-    if word in spellings:
-        return 0.3 if word in WEAK else 1.0
-    return 0.5 * any(len(each) > 3 and word.startswith(each) for each in spellings)
+    if channel == "time" and not unit and seen.values is not None:
+        unit = _epoch(seen.values) or _clock_unit(seen.values)
+    why = f'its name "{seen.name}"'
+    return Guess(seen.column, channel, unit, why, score >= 1.0 and bool(unit))
 
 
 def _epoch(values: FloatArray) -> str:

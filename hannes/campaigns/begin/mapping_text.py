@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.begin.column_guess import Guess
 from hannes.campaigns.begin.text_layout import TextLayout
+from hannes.campaigns.foreign.raw_values import COARSE
 
 FloatArray = NDArray[np.float64]
 
 FILL_IN = "?"  # where only a person knows
 TURNS = (256.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0, 32768.0, 65536.0, 360.0)
+SHOWN = 20  # columns that are not used, on the terminal
 NEAR = 0.03  # of a turn: how close to it a jump must be
 
 
@@ -66,14 +68,30 @@ def draft(
     for channel, guess in chosen.items():
         if channel != "time":
             _channel(made, channel, guess, columns.get(str(guess.column)), doubtful, layout)
-    if set(required) - chosen.keys():
-        made.seen.append(f"columns: {', '.join(map(str, columns))[:300]}")
     for channel in required:
         if channel not in chosen:
             made.ask(f"which column is {channel}? ([channels.{channel}])")
             add(f'\n[channels.{channel}]\ncolumn = "{FILL_IN}"  # none has a name that says so')
             add(f'unit = "{FILL_IN}"')
+    _not_used(made, chosen, doubtful, columns, split)
     return made
+
+
+def _not_used(
+    made: Draft,
+    chosen: dict[str, Guess],
+    doubtful: Sequence[Guess],
+    columns: Mapping[str, FloatArray],
+    split: str,
+) -> None:
+    """Name every column of numbers that no channel takes."""
+    used = {split, *(str(each.column) for each in (*chosen.values(), *doubtful))}
+    left = [name for name in columns if name not in used]
+    if not left:
+        return
+    made.lines[2:2] = [f"# not used: {' '.join(', '.join(left).split())}"]
+    more = f" and {len(left) - SHOWN} more, see the mapping" if len(left) > SHOWN else ""
+    made.seen.append(f"not used: {', '.join(left[:SHOWN])}{more}")
 
 
 def _texts(texts: Sequence[str]) -> str:
@@ -162,7 +180,10 @@ def _time(made: Draft, guess: Guess | None, columns: Mapping[str, FloatArray]) -
         add(f"wrap = {turn:.0f}  # the counter begins anew")
     if values.size and abs(float(values[0])) > 0.0:
         add("from_zero = true")
-    if steps.size and (steps <= 0.0).any() and not _begins_anew(values) and not wrapped(values):
+    if steps.size and np.mean(steps == 0.0) > COARSE:
+        add(f'order = "{FILL_IN}"  # many rows share a stamp: "mean", or sampling for the column')
+        made.ask(f'is "{guess.column}" the clock? Many rows share a stamp of it')
+    elif steps.size and (steps <= 0.0).any() and not _begins_anew(values) and not wrapped(values):
         add('order = "mean"  # some stamps are doubled or out of order; or "drop", "sort"')
         made.seen.append(f"{int((steps <= 0.0).sum())} stamps doubled or out of order")
     made.seen.append(f'time in "{guess.column}", steps of {step:.6g} {unit}')

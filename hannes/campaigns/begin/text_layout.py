@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hannes.campaigns.begin.spelled_units import unit_of
 from hannes.campaigns.foreign.nested import as_float
+from hannes.campaigns.foreign.spelled_units import are_units
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import lines as read_lines
 from hannes.core.io.bounded import opened
@@ -181,7 +181,7 @@ def _header(
             if found and words:
                 break
             continue
-        found.append((sum(map(len, words)) if not _are_units(cells[k], "") else 0, -k))
+        found.append((sum(map(len, words)) if not are_units(cells[k]) else 0, -k))
     if not found:
         return 0, ""
     k = -max(found)[1]
@@ -200,13 +200,9 @@ def _names(
         names[0] = names[0].removeprefix(comment).strip()
         names = names[1:] if not names[0] and len(names) > len(cells[first]) else names
     for k in range(header, first):
-        if len(cells[k]) >= len(names) and _are_units(cells[k], comment):
+        if len(cells[k]) >= len(names) and are_units(
+            [cell.removeprefix(comment) for cell in cells[k]]
+        ):
             units = [cell.removeprefix(comment).strip(" ()[]") for cell in cells[k]]
             return tuple(names), tuple(units[: len(names)])
     return tuple(names), ()
-
-
-def _are_units(cells: Sequence[str], comment: str) -> bool:
-    """Whether most cells of a line are units."""
-    words = [cell.removeprefix(comment).strip(" ()[]") for cell in cells if cell.strip(" ()[]")]
-    return bool(words) and sum(unit_of(word) is not None for word in words) * 2 > len(words)

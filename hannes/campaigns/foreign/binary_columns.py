@@ -3,7 +3,7 @@
 import itertools
 import os
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +23,21 @@ MOST_CELLS, DEEPEST = 1000, 4  # of a dataset of references
 
 
 class Arrays:
-    """Numeric arrays by path (`log/motor/current`); NaN stands for a value that is missing."""
+    """Numeric arrays by path (`log/motor/current`); NaN stands for a value that is missing.
+
+    captions: what the file says of an array apart from its path, such as a label with a unit.
+    """
 
     def __init__(
-        self, path: Path, names: Iterable[str], read: Callable[[str], Any], missing: tuple[str, ...]
+        self,
+        path: Path,
+        names: Iterable[str],
+        read: Callable[[str], Any],
+        missing: tuple[str, ...],
+        captions: Mapping[str, str] | None = None,
     ) -> None:
         self.path, self.names, self.read, self.missing = path, tuple(names), read, missing
+        self.captions = captions or {}
 
     def place(self, row: int) -> str:
         """File and sample of a row, as messages show them."""

@@ -1,8 +1,12 @@
-"""Columns of spreadsheets (.xlsx): the first sheet that has numbers below a row of names."""
+"""Columns of spreadsheets (.xlsx): sheets that have numbers below a row of names.
+
+A row of units may stand between names and numbers.
+"""
 
 import math
 import zipfile
 from array import array
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +14,7 @@ import numpy as np
 
 from hannes.campaigns.foreign.binary_columns import Arrays, require_file
 from hannes.campaigns.foreign.nested import as_float
+from hannes.campaigns.foreign.spelled_units import are_units
 from hannes.core.errors import BadInput
 from hannes.core.io.limits import COLUMNS, MIB, table_fits
 from hannes.core.io.optional import library
@@ -33,14 +38,16 @@ def open_sheet(path: Path, missing: tuple[str, ...]) -> Arrays:
     except Exception as error:  # a damaged file raises nearly anything from inside the library
         reason = " ".join(str(error).split())[:100]
         raise BadInput(f"{path}: cannot be read as a workbook ({reason})") from None
-    full = {title: columns for title, columns in sheets.items() if columns}
+    full = {title: sheet for title, sheet in sheets.items() if sheet.columns}
     if not full:
         raise BadInput(f"{path}: no sheet has numbers below a row of names")
-    if len(full) == 1:
-        (found,) = full.values()
-    else:
-        found = {f"{title}/{name}": x for title, each in full.items() for name, x in each.items()}
-    return Arrays(path, found, found.__getitem__, missing)
+    found: dict[str, np.ndarray] = {}
+    captions: dict[str, str] = {}
+    for title, sheet in full.items():
+        start = f"{title}/" if len(full) > 1 else ""
+        found |= {start + name: x for name, x in sheet.columns.items()}
+        captions |= {start + name: caption for name, caption in sheet.captions.items()}
+    return Arrays(path, found, found.__getitem__, missing, captions)
 
 
 def _unpacked(path: Path) -> int:
@@ -52,28 +59,52 @@ def _unpacked(path: Path) -> int:
     return size
 
 
-def _columns(sheet: Any, decoded: int) -> dict[str, np.ndarray]:
+@dataclass(frozen=True)
+class _Sheet:
+    """Columns (n,) of a sheet by name, and names with their units."""
+
+    columns: dict[str, np.ndarray]
+    captions: dict[str, str]
+
+
+def _columns(sheet: Any, decoded: int) -> _Sheet:
     """Columns below the first row of texts that rows of numbers follow."""
     names: list[str] = []
+    units: list[str] = []
     rows = array("d")
     sheet.reset_dimensions()  # stated by the file
     for cells in sheet.iter_rows(values_only=True, max_row=MOST_ROWS):
         if len(cells) > COLUMNS:
             raise BadInput(f"has more than {COLUMNS} columns")
-        texts = [isinstance(cell, str) and bool(cell.strip()) for cell in cells]
+        texts = [str(cell).strip() if isinstance(cell, str) else "" for cell in cells]
         numbers = [_number(cell) for cell in cells]
-        if sum(texts) > sum(map(math.isfinite, numbers)):
-            if len(rows) < FEWEST * len(names) or not names:
+        if sum(map(bool, texts)) > sum(map(math.isfinite, numbers)):
+            if names and not rows and are_units(texts):
+                units = texts
+            elif len(rows) < FEWEST * len(names) or not names:
                 names = [str(cell).strip() if cell is not None else "" for cell in cells]
-                rows = array("d")
+                units, rows = [], array("d")
         elif names and any(map(math.isfinite, numbers)):
             rows.extend(numbers[: len(names)] + [math.nan] * (len(names) - len(numbers)))
             if not table_fits(len(rows), 1, decoded):
                 raise BadInput(f"{len(names)} columns, most of them empty, are too large")
+    return _sheet(names, units, rows)
+
+
+def _sheet(names: list[str], units: list[str], rows: "array[float]") -> _Sheet:
     if not names or len(rows) < FEWEST * len(names):
-        return {}
+        return _Sheet({}, {})
     table = np.frombuffer(rows).reshape(-1, len(names))
-    return {name: table[:, k] for k, name in enumerate(names) if name}
+    columns = {
+        name: table[:, k] for k, name in enumerate(names) if name and np.isfinite(table[:, k]).any()
+    }
+    units += [""] * len(names)
+    captions = {
+        name: f"{name} [{unit.strip('[]() ')}]"
+        for name, unit in zip(names, units, strict=False)
+        if unit and name in columns
+    }
+    return _Sheet(columns, captions)
 
 
 def _number(cell: Any) -> float:
