@@ -11,6 +11,7 @@ from hannes.plants.protocol import Plant
 SMALL = 2.0  # noise floors: what a small remainder is at most
 SMALL_SHARE = 0.1  # of what was there before, which a small remainder may be instead
 LEAST_FLOOR = 0.3  # of a channel's noise floor: at rest it may be nearly none
+FEWEST_RUNS = 4  # repeats that show the spread of one place; of fewer, the channel's counts
 FEWEST = 20  # samples of a phase that count
 
 Raw = Sequence[Mapping[str, np.ndarray]]
@@ -84,7 +85,8 @@ def _sizes(
     if runs > 1:
         spread = np.array(after) - np.mean(after, axis=0)
         here = float(np.sqrt(np.sum(spread**2) / (spread.size - spread.shape[1])))
-        floor = max(here, LEAST_FLOOR * channel_floor)
+        least = LEAST_FLOOR if runs >= FEWEST_RUNS else 1.0
+        floor = max(here, least * channel_floor)
     for rows in (before, after):
         square = float(np.mean(np.square(np.mean(rows, axis=0))))
         yield float(np.sqrt(max(0.0, square - floor**2 / runs))) / floor

@@ -301,3 +301,11 @@ def test_a_sampled_controller_is_read_from_the_recordings(controller, taken):
         assert "one sampled every 1 ms" in said
         again, nothing = as_recorded(found, Settings(), 0, lambda text: None)
         assert again is found and nothing == ""
+
+
+def test_two_repeats_that_agree_by_chance_make_no_remainder():
+    """Their difference is one draw: where it is small, the noise floor of the channel counts."""
+    off = [run(WAVE + 0.012 + 0.0001 * k) for k in range(2)]
+    pair = [{n: each[n] - WAVE * (n == "position") for n in FLOORS} for each in off]
+    found = remainders(Sled(), segments()[:2], pair, pair, FLOORS)
+    assert largest(found) is None and found[0].after < 1.5
