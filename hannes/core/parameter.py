@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from numbers import Real
 
 import numpy as np
 
@@ -30,6 +31,7 @@ class Parameter:
     turns: float | None = None
 
     def __post_init__(self) -> None:
+        _require_numbers(self)
         low, high = self.bounds
         if not low < high:
             raise BadInput(f"{self.name}: lower bound {low:g} is not below upper bound {high:g}")
@@ -48,6 +50,28 @@ class Parameter:
                 f"choose a value between {low:g} and {high:g} {self.unit}"
             )
         return float(value)
+
+
+def _require_numbers(declared: Parameter) -> None:
+    """Refuse what is no number where one belongs: a user's file declares parameters, too."""
+    optional = (each for each in (declared.off, declared.turns) if each is not None)
+    for each in (
+        declared.value,
+        *optional,
+        *_items(declared, "bounds"),
+        *_items(declared, "tried"),
+    ):
+        if isinstance(each, bool) or not isinstance(each, Real):
+            raise BadInput(f"{declared.name}: expected numbers, got {each!r}")
+    if len(declared.bounds) != 2:
+        raise BadInput(f"{declared.name}: expected two bounds, got {len(declared.bounds)}")
+
+
+def _items(declared: Parameter, field: str) -> tuple[object, ...]:
+    given = getattr(declared, field)
+    if not isinstance(given, tuple | list):
+        raise BadInput(f"{declared.name}: expected numbers in brackets for {field}, got {given!r}")
+    return tuple(given)
 
 
 def group(prefix: str, *parameters: Parameter) -> tuple[Parameter, ...]:
