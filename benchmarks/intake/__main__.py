@@ -42,7 +42,7 @@ def asked_for(quick: bool, kinds: Sequence[str], first: int) -> list[study.Case]
         strengths = strengths[:1] if quick else strengths
         for strength in strengths:
             cases += [(f"{name}{SEPARATOR}{strength}", first + seed) for seed in range(each)]
-    return cases
+    return sorted(cases, key=lambda each: each[1])  # a study cut short has some of every kind
 
 
 def measured(kind: str, seed: int) -> dict[str, Any]:
@@ -58,7 +58,10 @@ def main(words: Sequence[str] | None = None) -> int:
     asked = _arguments(words)
     file = asked.cases
     cases = asked_for(asked.quick, asked.kinds, 0 if asked.quick else asked.first)
-    done = study.run(file, cases, measured, asked.resume, asked.workers)
+    if asked.so_far:
+        done = list(study.read(file))
+    else:
+        done = study.run(file, cases, measured, asked.resume, asked.workers)
     rows, bounds = summary.figures(done)
     stream = sys.stderr if asked.json == "-" else sys.stdout
     print(table(rows), "\n", table(aligned(bounds)), sep="\n", file=stream)
@@ -77,6 +80,7 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true", help="a case a kind, for a first look")
     parser.add_argument("--resume", action="store_true", help="keep the cases that are done")
+    parser.add_argument("--so-far", action="store_true", help="figures of the cases that are done")
     parser.add_argument("--cases", type=Path, default=CASES, metavar="FILE", help="of results")
     parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes")
     parser.add_argument("--first", type=int, default=FIRST, metavar="SEED", help="first seed")
