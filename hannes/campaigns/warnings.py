@@ -7,8 +7,11 @@ import numpy as np
 from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.check import check, refuse_faults
 from hannes.campaigns.periodicity import inputs
-from hannes.campaigns.quality.finding import Finding
+from hannes.campaigns.quality.finding import Finding, warning
 
+SUPPLY = "supply"
+FEWEST_FALLING = 4  # recordings of which a fall is seen
+FALL, CLEAR = 0.02, 3.0  # of the mean, and standard deviations about a line
 FEWEST_REPEATS = 5  # that separate two machines from one that scatters; two at least of each
 SAME = 1e-2  # by which commands and lengths of repeats may differ
 APART = 3.5  # nearest two of different machines, in distances of the farthest two of one machine
@@ -27,7 +30,34 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
             if each.level == "warning":
                 kinds.setdefault((each.kind, each.channel), []).append((name, each))
     lines = [_line(group, len(found)) for group in kinds.values()]
-    return [*lines, *_units(campaign), *_mixed(campaign)]
+    return [*lines, *_units(campaign), *map(str, across_runs(campaign))]
+
+
+def across_runs(campaign: Campaign) -> list[Finding]:
+    """What only several recordings show: two machines mixed, a supply that falls."""
+    return [*_mixed(campaign), *_supply(campaign)]
+
+
+def _supply(campaign: Campaign) -> Iterator[Finding]:
+    """A supply voltage that falls from run to run, by more than it scatters."""
+    entries = [each for each in campaign.entries if SUPPLY in each.recording]
+    if len(entries) < FEWEST_FALLING:
+        return
+    levels = np.array([float(np.median(each.recording[SUPPLY])) for each in entries])
+    count = np.arange(levels.size)
+    slope, first = np.polyfit(count, levels, 1)
+    scatter = float(np.std(levels - first - slope * count))
+    fall = float(-slope * (levels.size - 1))
+    if fall < max(FALL * float(levels.mean()), CLEAR * scatter):
+        return
+    unit = entries[0].recording.units[SUPPLY]
+    yield warning(
+        "supply",
+        SUPPLY,
+        f"falls by {fall:.3g} {unit} from {entries[0].name} to {entries[-1].name}: a battery runs "
+        "down, and later runs are slower; charge it, or diagnose the first runs apart",
+        size=fall,
+    )
 
 
 def _line(found: Sequence[tuple[str, Finding]], count: int) -> str:
@@ -46,7 +76,7 @@ def _units(campaign: Campaign) -> Iterator[str]:
         )
 
 
-def _mixed(campaign: Campaign) -> Iterator[str]:
+def _mixed(campaign: Campaign) -> Iterator[Finding]:
     """Repeats that form two clusters, far apart and each compact."""
     for condition in dict.fromkeys(each.condition for each in campaign.entries):
         entries = _repeats(campaign, condition)
@@ -58,10 +88,12 @@ def _mixed(campaign: Campaign) -> Iterator[str]:
             )
             if one:
                 parts = [", ".join(entries[k].name for k in each) for each in (one, other)]
-                yield (
+                yield warning(
+                    "mixed",
+                    channel,
                     f"the repeats of {condition} form two clusters by {channel}, {parts[0]} and "
                     f"{parts[1]}: recordings of two machines, or before and after a change? "
-                    "diagnose them apart"
+                    "diagnose them apart",
                 )
                 break
 

@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hannes.commands.cli_output import add_force, add_json, print_json
@@ -216,13 +217,18 @@ def _check(chosen: argparse.Namespace) -> None:
 
 def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:
     """Check the files, print what was found, and return it by name."""
+    from hannes.campaigns.campaign_file import read_campaign
     from hannes.campaigns.check import check, subjects
+    from hannes.campaigns.warnings import across_runs
 
     found = [
         (name, check(recording, plant))
         for path in chosen.file
         for name, recording, plant in subjects(path, chosen.plant, chosen.experiment)
     ]
+    for path in chosen.file:
+        if Path(path).suffix in (".toml", "") and (more := across_runs(read_campaign(path))):
+            found.append((str(path), more))
     if chosen.json:
         rows = [
             {"file": name, "findings": [asdict(each) for each in findings]}

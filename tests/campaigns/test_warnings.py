@@ -102,3 +102,24 @@ def test_another_input_that_does_not_repeat_spoils_the_period():
 def test_one_recording_alone_says_what_is_lacking(tmp_path):
     verdict = diagnose(campaign(tmp_path, [swing(0)], ["fit"])).verdict
     assert verdict.verdict == "undecided" and "record at least two more runs" in verdict.reason
+
+
+def test_a_supply_that_falls_from_run_to_run(tmp_path, capsys):
+    from hannes.commands.cli import main
+
+    time = np.arange(300) / 300.0
+    rng = np.random.default_rng(1)
+    for k in range(5):
+        asked = 4.0 * time
+        supply = 12.0 - 0.15 * k + 0.01 * rng.standard_normal(300)
+        channels = {"time": time, "reference": asked, "position": asked, "supply": supply}
+        units = {"time": "s", "reference": "rad", "position": "rad", "supply": "V"}
+        Recording(channels, units, "hand").write(tmp_path / f"{k}.csv")
+    rows = [f'[[recording]]\nfile = "{k}.csv"\ncondition = "a"\n' for k in range(5)]
+    (tmp_path / "campaign.toml").write_text("".join(rows), encoding="utf-8")
+    main(["check", str(tmp_path / "campaign.toml")])
+    said = capsys.readouterr().out
+    assert "supply: falls by 0.6" in said and "battery" in said
+    (tmp_path / "campaign.toml").write_text("".join(rows[:1] * 1), encoding="utf-8")
+    main(["check", str(tmp_path / "campaign.toml")])
+    assert "battery" not in capsys.readouterr().out
