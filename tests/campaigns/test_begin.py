@@ -205,3 +205,24 @@ def test_a_coarse_clock_is_asked_for(tmp_path):
     file = log(tmp_path, "a.csv", (np.floor(20.0 * TIME) / 20.0, *FOUR[1:]), header)
     begun = begin([file], tmp_path / "bench")
     assert any("share a stamp" in asked for asked in begun.missing)
+
+
+def test_channels_with_differing_clocks_of_their_own_are_refused(tmp_path):
+    lines = ["Name\tReference\tName\tPosition", "Unit\trad\tUnit\trad"]
+    lines += [f"{5 * k}\t{0.1 * k}\t{5 * k + 1}\t{0.1 * k}" for k in range(30)]
+    (tmp_path / "a.csv").write_text("\n".join(lines))
+    with pytest.raises(BadInput, match="clock of its own"):
+        begin([tmp_path / "a.csv"], tmp_path / "bench")
+
+
+def test_arrays_whose_axes_nobody_can_see_are_named(tmp_path):
+    np.savez(tmp_path / "a.npz", time_s=TIME, reference_rad=COMMAND, current_limit_A=3.0,
+             position_rad=np.stack([POSITION] * 3, axis=1), current_A=CURRENT)  # fmt: skip
+    begun = begin([tmp_path / "a.npz"], tmp_path / "bench")
+    assert any("not used: position_rad (200, 3)" in said for said in begun.seen)
+    assert any('"current_A" [A]' in said for said in begun.seen)
+
+
+def test_names_with_more_cells_than_the_rows(tmp_path):
+    file = log(tmp_path, "a.csv", FOUR, "time_s,reference_rad,position_rad,current_A,Comment")
+    assert begin([file], tmp_path / "bench").missing == []

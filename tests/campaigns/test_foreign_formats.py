@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from hannes.campaigns.convert import convert
+from hannes.campaigns.foreign.mapping_file import read_mapping
+from hannes.campaigns.foreign.to_recordings import read_runs
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput
 
@@ -305,3 +307,41 @@ def test_what_is_not_read_is_named(tmp_path, capsys, name, start, said):
     asked = ["convert", str(tmp_path / name), "--mapping", str(mapping(tmp_path)), "--out", out]
     assert main(asked) == 2
     assert said in (line := capsys.readouterr().err) and line.count("\n") == 1
+
+
+STACKED = """split_at = "stacked"
+[time]
+column = "t"
+unit = "s"
+[channels.reference]
+column = "ref"
+unit = "rad"
+[channels.position]
+column = "pos"
+unit = "rad"
+"""
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_each_row_of_an_array_is_a_run(tmp_path, turned):
+    time, moves = 0.01 * np.arange(50), np.outer([1.0, 2.0, 3.0], np.linspace(0.0, 1.0, 50))
+    np.savez(tmp_path / "a.npz", t=time, ref=moves[0], pos=moves.T if turned else moves)
+    (tmp_path / "m.toml").write_text(STACKED)
+    runs = read_runs(tmp_path / "a.npz", read_mapping(tmp_path / "m.toml"))
+    assert len(runs) == 3
+    for run, move in zip(runs, moves, strict=True):
+        assert run.time == pytest.approx(time)
+        assert run.channels["position"] == pytest.approx(move)
+        assert run.channels["reference"] == pytest.approx(moves[0])
+
+
+@pytest.mark.parametrize(
+    ("position", "words"),
+    [(np.ones((50, 50)), "whichever order"), (np.ones((3, 40)), "whichever"),
+     (np.ones(50), "two axes")],
+)  # fmt: skip
+def test_arrays_that_are_no_runs_are_refused(tmp_path, position, words):
+    np.savez(tmp_path / "a.npz", t=0.01 * np.arange(50), ref=np.ones(50), pos=position)
+    (tmp_path / "m.toml").write_text(STACKED)
+    with pytest.raises(BadInput, match=words):
+        read_runs(tmp_path / "a.npz", read_mapping(tmp_path / "m.toml"))

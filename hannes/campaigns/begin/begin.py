@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.begin.clock_choice import clock_of
 from hannes.campaigns.begin.column_guess import Guess, guesses, label_column
-from hannes.campaigns.begin.columns_seen import array_columns, text_columns
+from hannes.campaigns.begin.columns_seen import SeenArrays, array_columns, text_columns
 from hannes.campaigns.begin.conditions import Condition, conditions
 from hannes.campaigns.begin.mapping_text import FILL_IN, Draft, draft
 from hannes.campaigns.begin.text_layout import text_layout
@@ -73,7 +73,8 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
     reader = reader_of(first)
     source = None if reader is None else reader(first, ())
     layout = text_layout(first) if source is None else None
-    seen = text_columns(layout) if layout is not None else array_columns(first, source)
+    arrays = SeenArrays(text_columns(layout), [], []) if layout else array_columns(first, source)
+    seen = arrays.columns
     columns = {str(each.column): each.values for each in seen if each.values is not None}
     known = tuple(name for name in plant.channels if name != "time")
     chosen, doubtful, clocks = _chosen(guesses(seen, known), columns)
@@ -81,6 +82,10 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
     made = draft(
         paths, plant.name, layout, chosen, doubtful, columns, split, _required(plant, chosen)
     )
+    if runs := [name for name in arrays.stacked if _takes(chosen, name)]:
+        made.stack(plant.name, runs)
+    if arrays.left:
+        made.seen.append(f"not used: {', '.join(arrays.left)[:300]}; say by index which column")
     made.seen += clocks[0]
     made.missing += clocks[1]
     if layout is not None:
@@ -88,6 +93,10 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
             if text_layout(path).names != layout.names:
                 raise BadInput(f"{path}: has other columns than {first.name}; begin with it alone")
     return made
+
+
+def _takes(chosen: dict[str, Guess], column: str) -> bool:
+    return any(guess.column == column for guess in chosen.values())
 
 
 def _chosen(

@@ -36,6 +36,12 @@ class Draft:
         """Note what only a person knows."""
         self.missing.append(what)
 
+    def stack(self, plant: str, arrays: Sequence[str]) -> None:
+        """Make each row of arrays (runs, n) a run."""
+        place = self.lines.index(f'plant = "{plant}"') + 1
+        self.lines.insert(place, 'split_at = "stacked"  # each row of an array is a run')
+        self.seen.append(f"each row of {', '.join(arrays)} as a run")
+
 
 def draft(
     files: Sequence[Path],
@@ -86,7 +92,9 @@ def _not_used(
 ) -> None:
     """Name every column of numbers that no channel takes."""
     used = {split, *(str(each.column) for each in (*chosen.values(), *doubtful))}
-    left = [name for name in columns if name not in used]
+    sizes = {columns[name].size for name in used if name in columns}
+    rest = {name: x for name, x in columns.items() if name not in used}
+    left = [name for name, x in rest.items() if not sizes or x.size in sizes]
     if not left:
         return
     made.lines[2:2] = [f"# not used: {' '.join(', '.join(left).split())}"]
@@ -222,7 +230,8 @@ def _channel(
         add(f'unit = "{guess.unit}"')
     if values is not None:
         _raw(made, channel, values)
-    made.seen.append(f'{channel}: "{guess.column}" [{guess.unit or FILL_IN}]')
+    label = "" if guess.why.endswith(f'"{guess.column}"') else f", {guess.why}"
+    made.seen.append(f'{channel}: "{guess.column}" [{guess.unit or FILL_IN}]{label}')
 
 
 def _holds_lists(layout: TextLayout, column: str | int) -> bool:

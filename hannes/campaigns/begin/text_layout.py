@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from hannes.campaigns.begin.property_rows import paired, units_above
 from hannes.campaigns.foreign.nested import as_float
 from hannes.campaigns.foreign.spelled_units import are_units
 from hannes.core.errors import BadInput
@@ -30,7 +31,8 @@ class TextLayout:
 
     names, units: of the columns, as far as header lines say; rows: some lines of numbers, as
     cells; blanks, headers: whether blank lines or repeated headers stand between numbers; odd:
-    other lines there; ragged: whether rows have unequal length; missing: texts for no value.
+    other lines there; ragged: whether rows have unequal length; missing: texts for no value;
+    numbered: whether columns are pairs of time and value, whose names stand in no one line.
     """
 
     encoding: str
@@ -47,6 +49,7 @@ class TextLayout:
     odd: tuple[str, ...]
     ragged: bool
     missing: tuple[str, ...]
+    numbered: bool = False
 
 
 def text_layout(path: Path) -> TextLayout:
@@ -66,6 +69,9 @@ def text_layout(path: Path) -> TextLayout:
     widths = {len(_ended(cells[k], width)) for k in places if k >= first}
     rows = [tuple(_ended(cells[k], width)) for k in places if k >= first]
     names, units = _names(cells, header, first, comment)
+    pairs = paired(cells, first, width)
+    if pairs is not None:
+        header, (names, units) = 0, pairs
     return TextLayout(
         encoding,
         delimiter,
@@ -79,8 +85,9 @@ def text_layout(path: Path) -> TextLayout:
         any(not lines[k].strip() for k in between),
         again in odd,
         tuple(line for line in odd if line != again),
-        len(widths) > 1,
+        len(widths) > 1 or width < len(names),
         tuple(sorted({cell for row in rows for cell in row if _is_missing(cell) and cell})),
+        pairs is not None,
     )
 
 
@@ -205,4 +212,4 @@ def _names(
         ):
             units = [cell.removeprefix(comment).strip(" ()[]") for cell in cells[k]]
             return tuple(names), tuple(units[: len(names)])
-    return tuple(names), ()
+    return tuple(names), units_above(cells, header, len(names))

@@ -47,6 +47,17 @@ class Arrays:
         """Values of a dataset or variable, shape (n,); BadInput where it is no row of numbers."""
         name, index = self._found(column)
         values = self._row(np.asarray(self.read(name)), Column(column.name, index))
+        return self._finite(name, values)
+
+    def table(self, column: Column) -> FloatArray:
+        """Values with their one or two axes; of several channels those at `index` as one."""
+        name, index = self._found(column)
+        values = np.squeeze(np.asarray(self.read(name)))
+        if index or values.ndim != 2:
+            return self.numbers(column)
+        return self._finite(name, self._real(values, name).astype(np.float64))
+
+    def _finite(self, name: str, values: FloatArray) -> FloatArray:
         for text in self.missing:
             values[values == _as_number(text)] = np.nan
         if np.isinf(values).any():
@@ -80,12 +91,15 @@ class Arrays:
         shown, hint = ", ".join(self.names), nearest(str(column.name), self.names)
         raise BadInput(f'{self.path}: holds no "{column.name}"{hint} (it has {shown:.300})')
 
+    def _real(self, values: NDArray[Any], name: str | int) -> NDArray[Any]:
+        if values.dtype.kind not in "fiub":
+            raise BadInput(f'{self.path}: "{name}" holds no real numbers')
+        return values
+
     def _row(self, values: NDArray[Any], column: Column) -> FloatArray:
         """The only axis, or the column `index`; a copy."""
         where = f'{self.path}: "{column.name}"'
-        if values.dtype.kind not in "fiub":
-            raise BadInput(f"{where} holds no real numbers")
-        values = np.squeeze(values)
+        values = np.squeeze(self._real(values, column.name))
         if values.ndim == 2 and column.index:
             values = values if values.shape[0] >= values.shape[1] else values.T
             if column.index > values.shape[1]:

@@ -12,7 +12,8 @@ from hannes.plants.protocol import Plant, commanded
 
 FILLS = ("drop", "hold", "linear")  # of a missing value: its row is dropped, or it is filled
 ORDERS = ("refuse", "drop", "mean", "sort")  # of stamps that are doubled or out of order
-SPLITS = ("restart", "blank", "header")  # where a new run begins, besides a column's changes
+# Where a new run begins, besides a column's changes; stacked: arrays of two axes, a row a run.
+SPLITS = ("restart", "blank", "header", "stacked")
 CURRENTS = ("motor", "supply")  # where a current was measured
 TARGETS = ("reference", "experiment")
 YARDSTICKS = ("simulation", "command")

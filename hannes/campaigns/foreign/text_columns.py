@@ -72,6 +72,8 @@ class Delimited:
 
     def breaks(self, kind: str) -> NDArray[np.intp]:
         """Rows before which a blank line or a repeated header stands, as `kind` says."""
+        if kind not in self._breaks:
+            raise BadInput(f'{self.path}: split_at = "{kind}" is not of text')
         found = np.unique(np.array(self._breaks[kind], np.intp))
         return found[(found > 0) & (found < len(self.rows))]
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.foreign.binary_columns import Arrays
 from hannes.campaigns.foreign.mapping import ChannelRule, ColumnMap, FurtherFile, TimeRule
 from hannes.campaigns.foreign.raw_values import (
     disorder,
@@ -20,6 +21,7 @@ from hannes.campaigns.foreign.raw_values import (
 )
 from hannes.campaigns.foreign.resample import resampled
 from hannes.campaigns.foreign.sources import Source, open_source
+from hannes.campaigns.foreign.stacked import Stacked
 from hannes.campaigns.held_rows import held_rows
 from hannes.core.errors import BadInput
 
@@ -46,7 +48,7 @@ class Run:
 
 def read_runs(path: Path, mapping: ColumnMap) -> list[Run]:
     """Return the runs of a file, at least one; BadInput names the file and the line."""
-    source = open_source(path, mapping.text, mapping.missing)
+    source = _opened(path, mapping)
     raw = _raw(path, source, mapping, "")
     time = times_of(source, mapping.time, next(iter(raw.values())).size)
     if time.size != next(iter(raw.values())).size:
@@ -56,6 +58,18 @@ def read_runs(path: Path, mapping: ColumnMap) -> list[Run]:
         raw |= _beside(path, mapping, name, further, time)
     parts = _parts(source, mapping, time)
     return [_run(source, mapping, time, raw, rows) for rows in parts]
+
+
+def _opened(path: Path, mapping: ColumnMap) -> Source:
+    """The first file of a run, as a table with a row a sample."""
+    source = open_source(path, mapping.text, mapping.missing)
+    if mapping.split_at != "stacked":
+        return source
+    if not isinstance(source, Arrays):
+        raise BadInput(f'{path}: split_at = "stacked" is of arrays with two axes; this has none')
+    rules = [rule for rule in mapping.channels.values() if not rule.source]
+    columns = [rule.column for rule in rules if rule.column is not None]
+    return Stacked(source, columns, mapping.time.column)
 
 
 def _raw(path: Path, source: Source, mapping: ColumnMap, which: str) -> dict[str, FloatArray]:

@@ -48,7 +48,7 @@ def arduino_serial_monitor(folder: Path, samples: Samples) -> list[Path]:
     return [file]
 
 
-@shape(fails="not read yet")
+@shape()
 def labview_lvm(folder: Path, samples: Samples) -> list[Path]:
     """LabVIEW's "Write To Measurement File".
 
@@ -86,7 +86,7 @@ def labview_lvm(folder: Path, samples: Samples) -> list[Path]:
     return [file]
 
 
-@shape(fails="not read yet")
+@shape(needs="scipy")
 def simulink_structure_with_time(folder: Path, samples: Samples) -> list[Path]:
     """A Simulink scope's "Structure With Time" in a MAT file.
 
@@ -131,7 +131,7 @@ def simulink_structure_with_time(folder: Path, samples: Samples) -> list[Path]:
     return [file]
 
 
-@shape(fails="not read yet")
+@shape()
 def twincat_scope_csv(folder: Path, samples: Samples) -> list[Path]:
     """Beckhoff's TwinCAT Scope export.
 
@@ -162,7 +162,7 @@ def twincat_scope_csv(folder: Path, samples: Samples) -> list[Path]:
     return [file]
 
 
-@shape(fails="not read yet")
+@shape(fails="not read yet", needs="pyarrow")
 def influx_long_parquet(folder: Path, samples: Samples) -> list[Path]:
     """A database's export as long table.
 
@@ -226,7 +226,7 @@ def telemetry_json_lines(folder: Path, samples: Samples) -> list[Path]:
     return files
 
 
-@shape()
+@shape(needs="openpyxl")
 def workbook_with_info_sheet(folder: Path, samples: Samples) -> list[Path]:
     """A technician's workbook.
 
@@ -276,7 +276,7 @@ def rostopic_echo_csv(folder: Path, samples: Samples) -> list[Path]:
     return [file]
 
 
-@shape(runs=3, fails="not read yet")
+@shape(runs=3)
 def npz_trials_stacked(folder: Path, samples: Samples) -> list[Path]:
     """A Python rig's np.savez.
 
