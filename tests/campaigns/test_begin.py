@@ -226,3 +226,16 @@ def test_arrays_whose_axes_nobody_can_see_are_named(tmp_path):
 def test_names_with_more_cells_than_the_rows(tmp_path):
     file = log(tmp_path, "a.csv", FOUR, "time_s,reference_rad,position_rad,current_A,Comment")
     assert begin([file], tmp_path / "bench").missing == []
+
+
+def test_a_long_table_whose_signals_have_their_own_times(tmp_path):
+    rows = [(t, "position", x, "rad") for t, x in zip(TIME, POSITION, strict=True)]
+    rows += [(t, "current", x, "A") for t, x in zip(TIME[::2], CURRENT[::2], strict=True)]
+    rows += [(t, "reference", x, "rad") for t, x in zip(TIME[::4], COMMAND[::4], strict=True)]
+    lines = ["time_s,signal,value,unit", *(f"{t},{name},{x},{u}" for t, name, x, u in sorted(rows))]
+    (tmp_path / "a.csv").write_text("\n".join(lines))
+    begun = begin([tmp_path / "a.csv"], tmp_path / "bench")
+    assert begun.missing == []
+    assert 'current is not there at every time: fill = "linear"' in begun.seen
+    (made,) = convert([tmp_path / "a.csv"], tmp_path / "bench" / MAPPING)
+    assert made.recording["position"] == pytest.approx(POSITION[:-1], abs=1e-6)

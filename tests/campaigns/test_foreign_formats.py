@@ -345,3 +345,51 @@ def test_arrays_that_are_no_runs_are_refused(tmp_path, position, words):
     (tmp_path / "m.toml").write_text(STACKED)
     with pytest.raises(BadInput, match=words):
         read_runs(tmp_path / "a.npz", read_mapping(tmp_path / "m.toml"))
+
+
+LONG = """long = { names = "signal", values = "value" }
+[time]
+column = "t"
+unit = "s"
+[channels.position]
+column = "pos"
+unit = "rad"
+[channels.current]
+column = "cur"
+unit = "A"
+"""
+
+
+def long_text(folder, rows):
+    lines = ["t,signal,value", *(f"{t:.3f},{name},{x:.9f}" for t, name, x in rows)]
+    (folder / "a.csv").write_text("\n".join(lines))
+    (folder / "m.toml").write_text(LONG)
+    return folder / "a.csv", folder / "m.toml"
+
+
+@pytest.mark.parametrize("blocks", [False, True])
+def test_long_tables_of_text_are_turned_wide(tmp_path, blocks):
+    rows = [("pos", POSITION), ("cur", CURRENT)]
+    values = [(t, name, x) for name, column in rows for t, x in zip(TIME, column, strict=True)]
+    file, how = long_text(tmp_path, values if blocks else sorted(values))
+    (made,) = convert([file], how)
+    same(made)
+
+
+def test_long_tables_with_runs_below_one_another_need_a_column_for_them(tmp_path):
+    values = [(t, name, 0.1) for _ in range(2) for t in TIME for name in ("pos", "cur")]
+    file, how = long_text(tmp_path, values)
+    with pytest.raises(BadInput, match="as split"):
+        convert([file], how)
+    how.write_text('split = "run"\n' + LONG)
+    lines = file.read_text().splitlines()
+    half = len(values) // 2
+    marked = [f"{line},{k >= half:d}" for k, line in enumerate(lines[1:])]
+    file.write_text("\n".join([lines[0] + ",run", *marked]))
+    assert len(convert([file], how)) == 2
+
+
+def test_a_signal_that_a_long_table_lacks_is_named(tmp_path):
+    file, how = long_text(tmp_path, [(t, "pos", 0.1) for t in TIME])
+    with pytest.raises(BadInput, match='no signal "cur"'):
+        convert([file], how)

@@ -11,6 +11,7 @@ from hannes.campaigns.begin.clock_choice import clock_of
 from hannes.campaigns.begin.column_guess import Guess, guesses, label_column
 from hannes.campaigns.begin.columns_seen import SeenArrays, array_columns, text_columns
 from hannes.campaigns.begin.conditions import Condition, conditions
+from hannes.campaigns.begin.long_guess import long_columns
 from hannes.campaigns.begin.mapping_text import FILL_IN, Draft, draft
 from hannes.campaigns.begin.text_layout import text_layout
 from hannes.campaigns.convert import Converted, convert
@@ -74,7 +75,8 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
     source = None if reader is None else reader(first, ())
     layout = text_layout(first) if source is None else None
     arrays = SeenArrays(text_columns(layout), [], []) if layout else array_columns(first, source)
-    seen = arrays.columns
+    long = long_columns(first, layout, source, arrays.columns)
+    seen = long.columns if long is not None else arrays.columns
     columns = {str(each.column): each.values for each in seen if each.values is not None}
     known = tuple(name for name in plant.channels if name != "time")
     chosen, doubtful, clocks = _chosen(guesses(seen, known), columns)
@@ -82,6 +84,10 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
     made = draft(
         paths, plant.name, layout, chosen, doubtful, columns, split, _required(plant, chosen)
     )
+    if long is not None:
+        made.insert(f'plant = "{plant.name}"', f"{long.line}  # a row a value")
+        made.seen.append("a long table: a row a value")
+        _fill_gaps(made, chosen, columns)
     if runs := [name for name in arrays.stacked if _takes(chosen, name)]:
         made.stack(plant.name, runs)
     if arrays.left:
@@ -93,6 +99,16 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
             if text_layout(path).names != layout.names:
                 raise BadInput(f"{path}: has other columns than {first.name}; begin with it alone")
     return made
+
+
+def _fill_gaps(made: Draft, chosen: dict[str, Guess], columns: dict[str, FloatArray]) -> None:
+    """Signals of a long table that were recorded at other times than the clock's."""
+    for channel, guess in chosen.items():
+        if channel == "time" or np.isfinite(columns[str(guess.column)]).all():
+            continue
+        how = "hold" if channel == "reference" else "linear"
+        made.insert(f"\n[channels.{channel}]", f'fill = "{how}"  # has gaps')
+        made.seen.append(f'{channel} is not there at every time: fill = "{how}"')
 
 
 def _takes(chosen: dict[str, Guess], column: str) -> bool:

@@ -36,10 +36,13 @@ class Draft:
         """Note what only a person knows."""
         self.missing.append(what)
 
+    def insert(self, after: str, line: str) -> None:
+        """Write a line below another one."""
+        self.lines.insert(self.lines.index(after) + 1, line)
+
     def stack(self, plant: str, arrays: Sequence[str]) -> None:
         """Make each row of arrays (runs, n) a run."""
-        place = self.lines.index(f'plant = "{plant}"') + 1
-        self.lines.insert(place, 'split_at = "stacked"  # each row of an array is a run')
+        self.insert(f'plant = "{plant}"', 'split_at = "stacked"  # each row of an array is a run')
         self.seen.append(f"each row of {', '.join(arrays)} as a run")
 
 

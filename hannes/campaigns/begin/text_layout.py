@@ -162,10 +162,18 @@ def number_of(cell: str) -> float:
 
 
 def _is_numbers(cells: Sequence[str]) -> bool:
-    """Whether a row holds samples: numbers and stamps, more than half of it, and one at least."""
-    numbers = sum(is_number(c) or bool(STAMP.fullmatch(c) or LIST.fullmatch(c)) for c in cells)
+    """Whether a row holds samples: numbers and stamps, more than half of it, and one at least.
+
+    Half is enough where a stamp or number stands first: time, signal, value, unit.
+    """
+    numbers = sum(_is_value(cell) for cell in cells)
     known = numbers + sum(_is_missing(cell) for cell in cells)
-    return numbers > 0 and (known == len(cells) or (numbers >= 2 and 2 * known > len(cells)))
+    least = len(cells) if cells and _is_value(cells[0]) else len(cells) + 1
+    return numbers > 0 and (known == len(cells) or (numbers >= 2 and 2 * known >= least))
+
+
+def _is_value(cell: str) -> bool:
+    return is_number(cell) or bool(STAMP.fullmatch(cell) or LIST.fullmatch(cell))
 
 
 def _ended(cells: Sequence[str], width: int) -> Sequence[str]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.mapping import Column
+from hannes.campaigns.foreign.text_codes import Texts
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.bounded import require_regular
 from hannes.core.io.inputs import note
@@ -25,6 +26,7 @@ MOST_CELLS, DEEPEST = 1000, 4  # of a dataset of references
 class Arrays:
     """Numeric arrays by path (`log/motor/current`); NaN stands for a value that is missing.
 
+    texts: columns of names, such as those of signals in a long table;
     captions: what the file says of an array apart from its path, such as a label with a unit.
     """
 
@@ -35,9 +37,11 @@ class Arrays:
         read: Callable[[str], Any],
         missing: tuple[str, ...],
         captions: Mapping[str, str] | None = None,
+        texts: Mapping[str, Texts] | None = None,
     ) -> None:
         self.path, self.names, self.read, self.missing = path, tuple(names), read, missing
-        self.captions = captions or {}
+        self.captions, self._texts = captions or {}, texts or {}
+        self.text_names = tuple(self._texts)
 
     def place(self, row: int) -> str:
         """File and sample of a row, as messages show them."""
@@ -70,8 +74,17 @@ class Arrays:
         raise BadInput(f"{self.path}: time.format is for text; the times here are numbers")
 
     def labels(self, column: Column) -> FloatArray:
-        """The numbers themselves."""
+        """The numbers themselves, or of texts their numbers."""
+        if column.name in self._texts:
+            return self._texts[str(column.name)].codes.astype(np.float64)
         return self.numbers(column)
+
+    def texts(self, column: Column) -> Texts:
+        """A column of names; BadInput where there is none."""
+        if column.name not in self._texts:
+            shown = ", ".join(self._texts)
+            raise BadInput(f'{self.path}: no column of texts "{column.name}" (it has {shown:.300})')
+        return self._texts[str(column.name)]
 
     def breaks(self, kind: str) -> NDArray[np.intp]:
         """Binary files have no lines."""

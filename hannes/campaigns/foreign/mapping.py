@@ -100,6 +100,14 @@ class TextRule:
 
 
 @dataclass(frozen=True)
+class LongRule:
+    """A long table: columns with the names of signals and with their values, a row a value."""
+
+    names: Column
+    values: Column
+
+
+@dataclass(frozen=True)
 class FurtherFile:
     """Another file of the same run, on a clock of its own.
 
@@ -128,6 +136,7 @@ class ColumnMap:
 
     split:    a column whose changes of value part one file into several runs
     split_at: or one of SPLITS, "" for neither
+    long:     where each row is one value: the channels' columns are names of signals
     files:    further files by the name that channels give as their source
     """
 
@@ -141,6 +150,7 @@ class ColumnMap:
     align: AlignRule | None = None
     split_at: str = ""
     files: Mapping[str, FurtherFile] = field(default_factory=dict)
+    long: LongRule | None = None
 
     @property
     def commands(self) -> frozenset[str]:

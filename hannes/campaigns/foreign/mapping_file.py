@@ -13,8 +13,10 @@ from hannes.campaigns.foreign.mapping import (
     ChannelRule,
     Column,
     ColumnMap,
+    LongRule,
 )
 from hannes.campaigns.foreign.mapping_clock import (
+    TIME,
     above_zero,
     column_of,
     further_files,
@@ -31,7 +33,7 @@ from hannes.plants.protocol import Plant, expectations, find_plant
 
 KEYS = (
     "plant", "experiment", "missing", "split", "split_at", "text", "time", "channels", "align",
-    "files",
+    "files", "long",
 )  # fmt: skip
 CHANNEL = (
     "column", "index", "unit", "scale", "reversed", "side", "ratio", "offset", "fill",
@@ -69,6 +71,7 @@ def _mapping(path: Path) -> ColumnMap:
         _align(root, plant) if "align" in root else None,
         root.choice("split_at", SPLITS) if "split_at" in root else "",
         further_files(root),
+        _long(root) if "long" in root else None,
     )
 
 
@@ -116,6 +119,16 @@ def _constant(table: Table, wanted: str) -> ChannelRule:
     if others := sorted(set(table.content) - {"constant"}):
         table.refuse(others[0], "does not go with constant, which stands alone")
     return ChannelRule(None, constant=table.quantity("constant", wanted))
+
+
+def _long(root: Table) -> LongRule:
+    """Columns of a long table."""
+    table = root.table("long", ("names", "values"))
+    for key, example in (("names", "signal"), ("values", "value")):
+        table.require(key, f'"{example}"')
+    if "sampling" in root.table("time", TIME):
+        root.refuse("long", "needs time.column: its rows say when each value was")
+    return LongRule(*(Column(name_or_number(table, key)) for key in ("names", "values")))
 
 
 def _split(root: Table) -> Column | None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.binary_columns import Arrays, require_file
 from hannes.campaigns.foreign.parquet_size import require_unpackable
+from hannes.campaigns.foreign.text_codes import TextCodes
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import read_bytes
 from hannes.core.io.limits import BYTES, COLUMNS, MIB, VALUES, table_fits
@@ -30,17 +31,20 @@ def open_parquet(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Read one .parquet file, or the folder of a LeRobot data set."""
     names = _names(path)
     found: dict[str, list[NDArray[Any]]] = {}
+    codes: dict[str, TextCodes] = {}
     count = 0
     for batch in (each for file in _files(path) for each in _batches(file)):
         for name, values in _columns(batch, names, str(path)).items():
             found.setdefault(name, []).append(values)
             count += values.size
+        count += _add_texts(batch, codes)
         if count > VALUES or len(found) > COLUMNS:
             raise BadInput(f"{path}: more than {VALUES} numbers or {COLUMNS} columns; cut it")
     joined = {name: _seconds(np.concatenate(parts)) for name, parts in found.items()}
     if not joined:
         raise BadInput(f"{path}: holds no columns of numbers")
-    return Arrays(path, joined, joined.__getitem__, missing)
+    texts = {name: each for name, code in codes.items() if (each := code.texts) is not None}
+    return Arrays(path, joined, joined.__getitem__, missing, texts=texts)
 
 
 def is_lerobot(path: Path) -> bool:
@@ -105,6 +109,22 @@ def _columns(batch: Any, names: dict[str, list[str]], where: str) -> dict[str, N
     for name, column in zip(batch.schema.names, batch.columns, strict=True):
         found |= _column(name, column, names.get(name, []), where)
     return found
+
+
+def _add_texts(batch: Any, codes: dict[str, TextCodes]) -> int:
+    """Add the columns of texts of a batch; return how many cells they have."""
+    types = library("pyarrow.types", "formats")
+    count = 0
+    for name, column in zip(batch.schema.names, batch.columns, strict=True):
+        packed = types.is_dictionary(column.type)
+        kind = column.type.value_type if packed else column.type
+        if not (types.is_string(kind) or types.is_large_string(kind)):
+            continue
+        encoded = column if packed else column.dictionary_encode()
+        indices = np.nan_to_num(_numbers(encoded.indices), nan=-1.0).astype(np.intp)
+        codes.setdefault(name, TextCodes()).extend(encoded.dictionary.to_pylist(), indices)
+        count += indices.size
+    return count
 
 
 def _column(name: str, column: Any, parts: list[str], where: str) -> dict[str, NDArray[Any]]:

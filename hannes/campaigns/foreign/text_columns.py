@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.mapping import Column, TextRule
 from hannes.campaigns.foreign.skip_pattern import leaves_out, skipper
+from hannes.campaigns.foreign.text_codes import TextCodes, Texts
 from hannes.campaigns.foreign.text_lines import Lines
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.bounded import lines
@@ -23,6 +24,7 @@ from hannes.core.io.limits import COLUMNS
 
 FloatArray = NDArray[np.float64]
 
+FIRST = np.zeros(1, np.intp)
 GUESSES = ("\t", ";", ",")  # else any white space
 
 
@@ -85,6 +87,15 @@ class Delimited:
             last = cell or last
             found.append(numbers.setdefault(last, float(len(numbers))))
         return np.array(found)
+
+    def texts(self, column: Column) -> Texts:
+        """A column of names; BadInput where it has too many different ones."""
+        codes = TextCodes()
+        for cell in self._column_cells(self._index(column)):
+            codes.extend([cell or None], FIRST)
+        if (found := codes.texts) is None:
+            raise BadInput(f'{self.path}: "{column.name}" has no names, or too many')
+        return found
 
     def __len__(self) -> int:
         return len(self.rows)

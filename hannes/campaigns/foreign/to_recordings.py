@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.binary_columns import Arrays
+from hannes.campaigns.foreign.long_table import Wide
 from hannes.campaigns.foreign.mapping import ChannelRule, ColumnMap, FurtherFile, TimeRule
 from hannes.campaigns.foreign.raw_values import (
     disorder,
@@ -22,6 +23,7 @@ from hannes.campaigns.foreign.raw_values import (
 from hannes.campaigns.foreign.resample import resampled
 from hannes.campaigns.foreign.sources import Source, open_source
 from hannes.campaigns.foreign.stacked import Stacked
+from hannes.campaigns.foreign.text_columns import Delimited
 from hannes.campaigns.held_rows import held_rows
 from hannes.core.errors import BadInput
 
@@ -63,6 +65,10 @@ def read_runs(path: Path, mapping: ColumnMap) -> list[Run]:
 def _opened(path: Path, mapping: ColumnMap) -> Source:
     """The first file of a run, as a table with a row a sample."""
     source = open_source(path, mapping.text, mapping.missing)
+    if mapping.long is not None:
+        if not isinstance(source, Arrays | Delimited):
+            raise BadInput(f"{path}: has no rows of names and values; leave long out")
+        return Wide(source, mapping.long, mapping.time, mapping.split)
     if mapping.split_at != "stacked":
         return source
     if not isinstance(source, Arrays):

@@ -162,7 +162,7 @@ def twincat_scope_csv(folder: Path, samples: Samples) -> list[Path]:
     return [file]
 
 
-@shape(fails="not read yet", needs="pyarrow")
+@shape(needs="pyarrow")
 def influx_long_parquet(folder: Path, samples: Samples) -> list[Path]:
     """A database's export as long table.
 
