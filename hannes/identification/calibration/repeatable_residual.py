@@ -20,6 +20,7 @@ class RepeatableResidual:
     share:    of the squared whitened residual, the part that repeats, 0 to 1
     common:   channel -> RMS of the part that repeats [its unit]
     ratio:    RMS of the mean residual over what the spread of repeats leaves in a mean, 1 by chance
+    hidden:   the most of that ratio which a residual that repeats may have and not show (95 %)
     """
 
     repeats: bool | None
@@ -28,6 +29,7 @@ class RepeatableResidual:
     common: dict[str, float]
     smallest: float = 1.0
     ratio: float = 0.0
+    hidden: float = float("inf")
 
     @property
     def misleads(self) -> bool:
@@ -43,13 +45,17 @@ class RepeatableResidual:
         if self.repeats is None:
             text = (
                 f"Too few runs to decide whether the residual repeats ({share}; so few runs agree "
+                f"by chance with a probability of {self.smallest:.2g} at best, and one of "
+                f"{self.hidden:.2g} times what repeats leave may not show)"
             )
-            text += f"by chance with a probability of {self.smallest:.2g} at best)"
             if self.misleads:
                 text += f", but it is {self.ratio:.2g} times what repeats leave: record more runs"
             return text
         if not self.repeats:
-            return f"The residual does not repeat from run to run beyond chance ({share})"
+            return (
+                f"The residual does not repeat from run to run beyond chance ({share}); one of "
+                f"{self.hidden:.2g} times what repeats leave would show"
+            )
         return (
             f"The residual repeats from run to run ({share}): the model lacks something, "
             "and no interval here allows for that; see `hannes diagnose`"
@@ -62,7 +68,8 @@ def repeatable_residual(found: State) -> RepeatableResidual:
     Random signs say how often chance agrees as well; n runs of one condition cannot give less than
     2^(1 - n). The second witness is the spread of repeats: the mean residual beside what that
     spread leaves in a mean, by the F distribution for runs that differ in one way alone, the widest
-    that there is.
+    that there is. Absence is stated only where both could have seen a residual of
+    `absent_ratio` times what repeats leave.
     """
     groups = _groups(found)
     if not groups:
@@ -71,13 +78,14 @@ def repeatable_residual(found: State) -> RepeatableResidual:
     whole = sum(float(np.sum(rows**2)) / len(rows) for rows in groups)
     share = float(np.clip(common / max(whole, 1e-300), 0.0, 1.0))
     chance, smallest = _chance(groups, found.plan.seed), _smallest(groups)
-    ratio, beyond = _beside_spread(groups)
+    ratio, beyond, hidden = _beside_spread(groups)
     signs = chance <= CALIBRATION.repeat_p_value
     repeats = (signs or beyond) and share >= CALIBRATION.repeat_share
-    known = repeats or smallest <= CALIBRATION.repeat_p_value
+    seen = smallest <= CALIBRATION.repeat_p_value and hidden <= CALIBRATION.absent_ratio
     return RepeatableResidual(
-        repeats if known else None, chance, share, _by_channel(found), smallest, ratio
-    )
+        repeats if repeats or seen else None,
+        chance, share, _by_channel(found), smallest, ratio, hidden,
+    )  # fmt: skip
 
 
 def _smallest(groups: Sequence[np.ndarray]) -> float:
@@ -85,8 +93,11 @@ def _smallest(groups: Sequence[np.ndarray]) -> float:
     return float(np.prod([2.0 ** (1 - len(rows)) for rows in groups]))
 
 
-def _beside_spread(groups: Sequence[np.ndarray]) -> tuple[float, bool]:
-    """Mean residual over what the spread of repeats leaves in it, and whether that is no chance."""
+def _beside_spread(groups: Sequence[np.ndarray]) -> tuple[float, bool, float]:
+    """Mean residual over what the spread of repeats leaves in it, and whether that is no chance.
+
+    The third is the upper end (95 %) of that ratio without chance.
+    """
     from scipy.stats import f
 
     means = sum(len(rows) * float(np.sum(rows.mean(axis=0) ** 2)) for rows in groups)
@@ -94,7 +105,26 @@ def _beside_spread(groups: Sequence[np.ndarray]) -> tuple[float, bool]:
     free = sum(len(rows) - 1 for rows in groups)
     square = (means / len(groups)) / max(apart / free, 1e-300)
     limit = f.ppf(1.0 - CALIBRATION.spread_p_value, len(groups), free)
-    return float(np.sqrt(square)), bool(square > limit)
+    most = _largest_hidden(square, len(groups), free)
+    return float(np.sqrt(square)), bool(square > limit), most
+
+
+def _largest_hidden(square: float, groups: int, free: int) -> float:
+    """The ratio of a residual that repeats which gives so little in one of 20 campaigns."""
+    from scipy.optimize import brentq
+    from scipy.stats import ncf
+
+    def chance(noncentrality: float) -> float:
+        return float(ncf.cdf(square, groups, free, noncentrality)) - 0.05
+
+    if chance(1e-9) <= 0.0:
+        return 0.0
+    top = float(groups)
+    while (above := chance(top)) > 0.0:
+        top *= 2.0
+    return (
+        float(np.sqrt(brentq(chance, 1e-9, top) / groups)) if np.isfinite(above) else float("inf")
+    )
 
 
 def _groups(found: State) -> list[np.ndarray]:

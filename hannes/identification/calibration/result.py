@@ -1,6 +1,7 @@
 """The result of a calibration, as plain data and as a sentence."""
 
 import json
+import math
 import re
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -114,6 +115,7 @@ class Fit(ByValue):
                 "chance": self.repeatable_residual.chance,
                 "smallest_chance": self.repeatable_residual.smallest,
                 "times_spread": self.repeatable_residual.ratio,
+                "times_spread_at_most": finite(self.repeatable_residual.hidden),
                 "share": self.repeatable_residual.share,
                 "common": self.repeatable_residual.common,
                 "sentence": self.repeatable_residual.sentence,
@@ -211,6 +213,11 @@ def value_text(answer: Answer) -> str:
     places = int(np.clip(2 - np.floor(np.log10(width)), 0, 12))
     shown = f"{value:.{places}f}" + ("" if unit == "1" else f" {unit}")
     return f"{shown} ({low:.{places}f} to {high:.{places}f})"
+
+
+def finite(value: float) -> float | None:
+    """JSON has no infinity."""
+    return value if math.isfinite(value) else None
 
 
 def _plain(answer: Answer) -> dict[str, Any]:

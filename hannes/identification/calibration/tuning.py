@@ -74,6 +74,9 @@ class CalibrationTuning:
     misleading_ratio: float = constant(
         3.0, "1", "mean residual over what repeats leave, from which no interval is trusted"
     )
+    absent_ratio: float = constant(
+        2.0, "1", "the same, which must have shown for absence to be stated"
+    )
     repeat_share: float = constant(0.25, "1", "of the residual, that must repeat to be stated")
 
 
