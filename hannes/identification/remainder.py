@@ -9,6 +9,7 @@ from hannes.campaigns.segments import Segment
 from hannes.plants.protocol import Plant
 
 SMALL = 2.0  # noise floors: what a small remainder is at most
+SMALL_OF_FEW = 4.0  # the same where few repeats leave the mean itself uncertain
 SMALL_SHARE = 0.1  # of what was there before, which a small remainder may be instead
 LEAST_FLOOR = 0.3  # of a channel's noise floor: at rest it may be nearly none
 FEWEST_RUNS = 4  # repeats that show the spread of one place; of fewer, the channel's counts
@@ -19,18 +20,23 @@ Raw = Sequence[Mapping[str, np.ndarray]]
 
 @dataclass(frozen=True)
 class Remainder:
-    """What is left in one place beyond noise: RMS in noise floors of there, before and after."""
+    """What is left in one place beyond noise: RMS in noise floors of there, before and after.
+
+    runs: repeats whose mean it is of
+    """
 
     condition: str
     channel: str
     phase: str
     before: float
     after: float
+    runs: int
 
     @property
     def small(self) -> bool:
         """Whether it is small beside noise, or beside what was there."""
-        return self.after <= max(SMALL, SMALL_SHARE * self.before)
+        small = SMALL if self.runs >= FEWEST_RUNS else SMALL_OF_FEW
+        return self.after <= max(small, SMALL_SHARE * self.before)
 
     @property
     def text(self) -> str:
@@ -62,8 +68,8 @@ def remainders(
                 continue
             for name in (n for n in noise_floors if n in first.recording):
                 old, new = ([raw[k][name][inside] for k in numbers] for raw in (before, after))
-                sizes = list(_sizes(old, new, noise_floors[name]))
-                found.append(Remainder(first.entry.condition, name, phase, *sizes))
+                was, now = _sizes(old, new, noise_floors[name])
+                found.append(Remainder(first.entry.condition, name, phase, was, now, len(numbers)))
     return sorted(found, key=lambda each: -each.after)
 
 
