@@ -5,6 +5,7 @@ import pytest
 
 from hannes.campaigns.begin.begin import CAMPAIGN, MAPPING, begin
 from hannes.campaigns.begin.column_guess import split_name
+from hannes.campaigns.begin.stamp_form import form_of_stamps
 from hannes.campaigns.begin.text_layout import text_layout
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.campaigns.convert import convert
@@ -239,3 +240,69 @@ def test_a_long_table_whose_signals_have_their_own_times(tmp_path):
     assert 'current is not there at every time: fill = "linear"' in begun.seen
     (made,) = convert([tmp_path / "a.csv"], tmp_path / "bench" / MAPPING)
     assert made.recording["position"] == pytest.approx(POSITION[:-1], abs=1e-6)
+
+
+SERIAL = (("t_ms", 1e3), ("ref_rad", 1.0), ("pos_rad", 1.0), ("I_mA", 1e3))
+
+
+def serial(folder, between, stamped=True, named=True):
+    """Lines of a serial monitor; the machine starts anew among them."""
+    lines = []
+    for k, row in enumerate(zip(*FOUR, strict=True)):
+        cells = [f"{f * x:.3f}" for (_, f), x in zip(SERIAL, row, strict=True)]
+        if named:
+            cells = [f"{n}:{cell}" for (n, _), cell in zip(SERIAL, cells, strict=True)]
+        lines.append((f"16:07:{41 + row[0]:06.3f} -> " if stamped else "") + between.join(cells))
+        if k == 100:
+            lines.append("16:07:41.500 -> WARN bus: retry" if stamped else "WARN bus: retry")
+    if not named:
+        lines.insert(0, "16:07:40.900 -> " + between.join(name for name, _ in SERIAL))
+    (folder / "serial.txt").write_text("\n".join(["boot v1.2", *lines]))
+    return folder / "serial.txt"
+
+
+@pytest.mark.parametrize(
+    ("between", "stamped", "named"),
+    [(",", True, True), ("\t", False, True), (" ", True, True), (",", True, False),
+     (";", True, False)],
+)  # fmt: skip
+def test_lines_of_a_serial_monitor(tmp_path, between, stamped, named):
+    file = serial(tmp_path, between, stamped, named)
+    assert begin([file], tmp_path / "bench").missing == []
+    (made,) = convert([file], tmp_path / "bench" / MAPPING)
+    assert made.recording.time == pytest.approx(TIME, abs=1e-6)
+    assert made.recording["position"] == pytest.approx(POSITION, abs=1e-3)
+    assert made.recording["current"] == pytest.approx(CURRENT, abs=1e-5)
+
+
+def test_stamps_alone_are_the_clock(tmp_path):
+    lines = [
+        f"16:07:{41 + t:06.3f} -> ref_rad:{r},pos_rad:{p},I_mA:{1e3 * i:.3f}"
+        for t, r, p, i in zip(*FOUR, strict=True)
+    ]
+    (tmp_path / "serial.txt").write_text("\n".join(lines))
+    assert begin([tmp_path / "serial.txt"], tmp_path / "bench").missing == []
+    (made,) = convert([tmp_path / "serial.txt"], tmp_path / "bench" / MAPPING)
+    assert made.recording.time == pytest.approx(TIME, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("cells", "form"),
+    [
+        (["2026-03-03T18:43:13.25"], "iso"),
+        (["03.04.2026 18:43:13,5".replace(",", ".")], "%d.%m.%Y %H:%M:%S.%f"),
+        (["3/14/2026 18:43:13"], "%m/%d/%Y %H:%M:%S"),
+        (["3/4/2026 18:43:13"], ""),
+    ],
+)
+def test_form_of_stamps(cells, form):
+    assert form_of_stamps(cells) == form
+
+
+@pytest.mark.parametrize("header", ["t_ms,ref_rad,pos_rad,current_mA", "t_ms,ref_rad,pos_rad,IqmA"])
+def test_milliamperes_are_no_amperes(tmp_path, header):
+    columns = (1e3 * TIME, COMMAND, POSITION, 1e3 * CURRENT)
+    file = log(tmp_path, "a.csv", columns, header)
+    assert begin([file], tmp_path / "bench").missing == []
+    (made,) = convert([file], tmp_path / "bench" / MAPPING)
+    assert made.recording["current"] == pytest.approx(CURRENT, abs=1e-5)

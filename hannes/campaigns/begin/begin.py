@@ -12,7 +12,8 @@ from hannes.campaigns.begin.column_guess import Guess, guesses, label_column
 from hannes.campaigns.begin.columns_seen import SeenArrays, array_columns, text_columns
 from hannes.campaigns.begin.conditions import Condition, conditions
 from hannes.campaigns.begin.long_guess import long_columns
-from hannes.campaigns.begin.mapping_text import FILL_IN, Draft, draft
+from hannes.campaigns.begin.mapping_draft import FILL_IN, Draft
+from hannes.campaigns.begin.mapping_text import draft
 from hannes.campaigns.begin.text_layout import text_layout
 from hannes.campaigns.convert import Converted, convert
 from hannes.campaigns.convert import write as write_recordings

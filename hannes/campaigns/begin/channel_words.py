@@ -93,6 +93,11 @@ def _likeness(word: str, spellings: Sequence[str]) -> float:
 
 
 def words_of(name: str) -> list[str]:
-    """Words of a name as they are spelled."""
-    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
-    return [word for word in re.split(r"[^\w°%]+|_", apart) if word]
+    """Words of a name as they are spelled; `I_mA` ends with milliamperes, not with amperes."""
+    found: list[str] = []
+    for piece in re.split(r"[^\w°%]+|_", name):
+        unit = re.fullmatch(r"(.*?)([mk][AVN]|mrad)", piece)
+        start = unit[1] if unit else piece
+        apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", start).split()
+        found += [*apart, unit[2]] if unit else apart
+    return found

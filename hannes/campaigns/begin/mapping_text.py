@@ -1,49 +1,22 @@
 """A mapping as text to be edited: what was seen, and in words what has to be filled in."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.begin.column_guess import Guess
+from hannes.campaigns.begin.mapping_draft import FILL_IN, Draft
+from hannes.campaigns.begin.stamp_form import form_of_stamps
 from hannes.campaigns.begin.text_layout import TextLayout
 from hannes.campaigns.foreign.raw_values import COARSE
 
 FloatArray = NDArray[np.float64]
 
-FILL_IN = "?"  # where only a person knows
 TURNS = (256.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0, 32768.0, 65536.0, 360.0)
 SHOWN = 20  # columns that are not used, on the terminal
 NEAR = 0.03  # of a turn: how close to it a jump must be
-
-
-@dataclass
-class Draft:
-    """Lines of a mapping, what was seen, and what is to be filled in."""
-
-    lines: list[str] = field(default_factory=list)
-    seen: list[str] = field(default_factory=list)
-    missing: list[str] = field(default_factory=list)
-
-    @property
-    def text(self) -> str:
-        """The mapping's TOML."""
-        return "\n".join(self.lines) + "\n"
-
-    def ask(self, what: str) -> None:
-        """Note what only a person knows."""
-        self.missing.append(what)
-
-    def insert(self, after: str, line: str) -> None:
-        """Write a line below another one."""
-        self.lines.insert(self.lines.index(after) + 1, line)
-
-    def stack(self, plant: str, arrays: Sequence[str]) -> None:
-        """Make each row of arrays (runs, n) a run."""
-        self.insert(f'plant = "{plant}"', 'split_at = "stacked"  # each row of an array is a run')
-        self.seen.append(f"each row of {', '.join(arrays)} as a run")
 
 
 def draft(
@@ -73,7 +46,7 @@ def draft(
     )
     if layout is not None:
         _text(made, layout)
-    _time(made, chosen.get("time"), columns)
+    _time(made, chosen.get("time"), columns, layout)
     for channel, guess in chosen.items():
         if channel != "time":
             _channel(made, channel, guess, columns.get(str(guess.column)), doubtful, layout)
@@ -146,6 +119,12 @@ def _text(made: Draft, layout: TextLayout) -> None:
         add(f'comment = "{layout.comment}"')
     add(f"header = {layout.header}  # line with the names, 0 for none")
     add(f"first = {layout.first}  # line of the first numbers")
+    if layout.form is not None and layout.form.stamped:
+        add("stamped = true  # a serial monitor wrote its time before each line")
+        made.seen.append("a serial monitor's stamp before each line")
+    if layout.form is not None and layout.form.mark:
+        add(f'pairs = "{layout.form.mark}"  # a name before each value')
+        made.seen.append("a name before each value; lines without are left out")
     if layout.encoding != "utf-8":
         add(f'encoding = "{layout.encoding}"')
     if odd := [
@@ -168,7 +147,12 @@ def _expression(odd: Sequence[str]) -> str:
     return f"^\\s*({'|'.join(starts[:10])})"
 
 
-def _time(made: Draft, guess: Guess | None, columns: Mapping[str, FloatArray]) -> None:
+def _time(
+    made: Draft,
+    guess: Guess | None,
+    columns: Mapping[str, FloatArray],
+    layout: TextLayout | None,
+) -> None:
     add = made.lines.append
     add("\n[time]")
     if guess is None:
@@ -178,8 +162,7 @@ def _time(made: Draft, guess: Guess | None, columns: Mapping[str, FloatArray]) -
     add(f"column = {_name(guess)}  # {guess.why}")
     values = columns.get(str(guess.column))
     if values is None:
-        add('format = "iso"')
-        made.seen.append("time as dates and times")
+        _dates(made, guess, layout)
         return
     unit = guess.unit if guess.unit not in ("", "counts") else FILL_IN
     add(f'unit = "{unit}"')
@@ -202,6 +185,20 @@ def _time(made: Draft, guess: Guess | None, columns: Mapping[str, FloatArray]) -
         from hannes.core.io.units import unit_scale
 
         made.seen[-1] += f" ({1.0 / (step * unit_scale(unit, 's')):.4g} Hz)"
+
+
+def _dates(made: Draft, guess: Guess, layout: TextLayout | None) -> None:
+    """The form of stamps, of which only a person knows whether the day or the month is first."""
+    cells: list[str] = []
+    if layout is not None:
+        by_name = str(guess.column) in layout.names
+        place = layout.names.index(str(guess.column)) if by_name else int(guess.column) - 1
+        cells = [row[place] for row in layout.rows if place < len(row)]
+    form = form_of_stamps(cells)
+    made.lines.append(f'format = "{form or FILL_IN}"')
+    made.seen.append(f'time in "{guess.column}", dates and times')
+    if not form:
+        made.ask(f'the form of "{guess.column}", such as {cells[0]!r}, as "%d.%m.%Y %H:%M:%S.%f"')
 
 
 def _channel(

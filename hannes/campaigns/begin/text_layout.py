@@ -8,7 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from hannes.campaigns.begin.property_rows import paired, units_above
+from hannes.campaigns.begin.serial_guess import form_of
 from hannes.campaigns.foreign.nested import as_float
+from hannes.campaigns.foreign.serial_lines import STAMP as STAMP_NAME
+from hannes.campaigns.foreign.serial_lines import SerialForm
 from hannes.campaigns.foreign.spelled_units import are_units
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import lines as read_lines
@@ -20,7 +23,9 @@ FEWEST = 3  # lines of numbers
 DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "|": "|", "space": " "}
 MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--"}
 NUMBER = re.compile(r"[+-]?(\d+([.]\d*)?|[.]\d+)([eE][+-]?\d+)?|[+-]?inf|0[xX][0-9a-fA-F]+")
-STAMP = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:]\d{1,4}([ T]\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?)?Z?")
+STAMP = re.compile(
+    r"\d{1,4}[-/.:]\d{1,2}[-/.:]\d{1,4}([ T]\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?|[.,]\d+)?Z?"
+)
 LIST = re.compile(r"[\[(]\s*[+-]?[\d.].*[\])]")
 MARKS = ("#", "%", "//", ";", "[")
 
@@ -32,6 +37,7 @@ class TextLayout:
     names, units: of the columns, as far as header lines say; rows: some lines of numbers, as
     cells; blanks, headers: whether blank lines or repeated headers stand between numbers; odd:
     other lines there; ragged: whether rows have unequal length; missing: texts for no value;
+    form: of a serial monitor's lines;
     numbered: whether columns are pairs of time and value, whose names stand in no one line.
     """
 
@@ -50,6 +56,7 @@ class TextLayout:
     ragged: bool
     missing: tuple[str, ...]
     numbered: bool = False
+    form: SerialForm | None = None
 
 
 def text_layout(path: Path) -> TextLayout:
@@ -57,6 +64,9 @@ def text_layout(path: Path) -> TextLayout:
     encoding = _encoding(path)
     name = "utf-8-sig" if encoding == "utf-8" else encoding
     lines = [line[:LONGEST] for line in itertools.islice(read_lines(path, name), LOOKED_AT)]
+    form = form_of(lines, lambda rests: DELIMITERS[_cut(rests, path)[0]])
+    if form is not None:
+        lines = _plain(form, lines)
     delimiter, decimal = _cut(lines, path)
     cells = [_cells(line, DELIMITERS[delimiter], decimal) for line in lines]
     places = [k for k, row in enumerate(cells) if _is_numbers(row)]
@@ -72,6 +82,12 @@ def text_layout(path: Path) -> TextLayout:
     pairs = paired(cells, first, width)
     if pairs is not None:
         header, (names, units) = 0, pairs
+    if form is not None and form.mark:
+        header, first, odd = 0, 0, []
+    elif form is not None and form.stamped:
+        names = (STAMP_NAME, *names[1:]) if names else ()
+        odd = [line.partition(form.delimiter)[2] for line in odd]
+        again = again.partition(form.delimiter)[2] if again else None
     return TextLayout(
         encoding,
         delimiter,
@@ -82,13 +98,22 @@ def text_layout(path: Path) -> TextLayout:
         names,
         units,
         tuple(rows),
-        any(not lines[k].strip() for k in between),
+        any(not lines[k].strip() for k in between) and not (form and form.mark),
         again in odd,
         tuple(line for line in odd if line != again),
         len(widths) > 1 or width < len(names),
         tuple(sorted({cell for row in rows for cell in row if _is_missing(cell) and cell})),
         pairs is not None,
+        form,
     )
+
+
+def _plain(form: SerialForm, lines: Sequence[str]) -> list[str]:
+    """Lines of a serial monitor as cells; with names in each line, those above all."""
+    plain = [form.plain(line) for line in lines]
+    if form.mark:
+        return [form.head, *(line for line in plain if line is not None)]
+    return [line or "" for line in plain]
 
 
 def _encoding(path: Path) -> str:

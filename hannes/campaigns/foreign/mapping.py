@@ -85,6 +85,8 @@ class TextRule:
     """How lines of text are divided; an empty delimiter is detected, `header` 0 means none.
 
     header, first: line numbers of the file, from 1, of the names and of the first numbers
+    stamped: each line begins with a serial monitor's stamp, which becomes the column `stamp`
+    pairs:  mark between name and value, where each cell has its name; header is 0 then
     skip:   regular expression of lines to be left out
     ragged: short rows are filled up with missing values, long ones cut
     """
@@ -97,6 +99,8 @@ class TextRule:
     encoding: str = "utf-8"
     skip: str = ""
     ragged: bool = False
+    stamped: bool = False
+    pairs: str = ""
 
 
 @dataclass(frozen=True)

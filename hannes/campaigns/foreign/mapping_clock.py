@@ -10,7 +10,10 @@ from hannes.core.io import units
 from hannes.core.io.toml_table import Table
 from hannes.core.io.units import quantity
 
-TEXT = ("delimiter", "decimal", "comment", "header", "first", "encoding", "skip", "ragged")
+TEXT = (
+    "delimiter", "decimal", "comment", "header", "first", "encoding", "skip", "ragged",
+    "stamped", "pairs",
+)  # fmt: skip
 TIME = (
     "column", "index", "unit", "format", "sampling", "offset", "from_zero", "resample", "wrap",
     "order", "repeats", "cut",
@@ -128,7 +131,7 @@ def _rate(table: Table, key: str) -> float:
 def text_rule(root: Table) -> TextRule:
     """How lines of text are divided."""
     table = root.table("text", TEXT)
-    header = table.whole("header", 0, MOST_LINES, 1)
+    header = table.whole("header", 0, MOST_LINES, 0 if "pairs" in table else 1)
     first = table.whole("first", 1, MOST_LINES, header + 1)
     if first <= header:
         table.refuse("first", f"= {first}: numbers start below the header in line {header}")
@@ -145,7 +148,20 @@ def text_rule(root: Table) -> TextRule:
         table.choice("encoding", ENCODINGS, "utf-8"),
         skip_pattern(table, "skip"),
         table.flag("ragged"),
+        *_serial(table, delimiter, header),
     )
+
+
+def _serial(table: Table, delimiter: str, header: int) -> tuple[bool, str]:
+    """Stamps of a serial monitor, and the mark between names and values."""
+    stamped, mark = table.flag("stamped"), table.text("pairs", "")
+    if (stamped or mark) and not delimiter:
+        table.refuse("delimiter", "is missing: it goes with stamped and with pairs")
+    if mark and header:
+        table.refuse("header", "does not go with pairs: each value has its name")
+    if mark and (len(mark) > 1 or mark == delimiter):
+        table.refuse("pairs", 'must be the one character between name and value, such as ":"')
+    return stamped, mark
 
 
 def _delimiter(table: Table) -> str:

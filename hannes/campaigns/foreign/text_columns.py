@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.foreign.mapping import Column, TextRule
+from hannes.campaigns.foreign.serial_lines import STAMP, SerialForm, serial_form
 from hannes.campaigns.foreign.skip_pattern import leaves_out, skipper
 from hannes.campaigns.foreign.text_codes import TextCodes, Texts
 from hannes.campaigns.foreign.text_lines import Lines
@@ -36,15 +37,18 @@ class Delimited:
         self._skip = skipper(rule.skip)
         self._breaks = {"blank": array("q"), "header": array("q")}
         self.numbers_of_lines, self.rows = array("q"), Lines()
+        self._form = self._serial_form()
         head = self._read()
         self.delimiter = rule.delimiter or self._guessed(head or self.rows[0])
         self.names = [cell.strip() for cell in self._cells(head)] if head else []
+        if rule.stamped and self.names:
+            self.names[0] = STAMP
         self._check_widths(len(self.names) or len(self._cells(self.rows[0])))
 
     def _read(self) -> str:
         """Keep the lines of numbers, note blank ones and repeated headers; return the header."""
-        head, number, ends = "", 0, 0
-        for number, line in enumerate(_lines(self.path, self.rule.encoding), start=1):
+        head, number, ends = self._form.head if self.rule.pairs and self._form else "", 0, 0
+        for number, line in self._plain_lines():
             ends = number if line else ends
             if number == self.rule.header:
                 head = line
@@ -62,11 +66,35 @@ class Delimited:
         mark = self.rule.comment
         return head.strip(" ").removeprefix(mark) if mark else head
 
+    def _serial_form(self) -> SerialForm | None:
+        rule = self.rule
+        if not rule.stamped and not rule.pairs:
+            return None
+        lines = _lines(self.path, rule.encoding)
+        return serial_form(lines, rule.delimiter, rule.stamped, rule.pairs)
+
+    def _plain_lines(self) -> Iterator[tuple[int, str]]:
+        """Lines by number; of a serial monitor's as cells, those that are no samples left out."""
+        form = self._form
+        for number, line in enumerate(_lines(self.path, self.rule.encoding), start=1):
+            plain: str | None = line
+            if form is not None and not form.rest(line).strip():
+                plain = ""
+            elif form is not None:
+                left = number != self.rule.header and self._skipped(form.rest(line))
+                plain = None if left else form.plain(line)
+            if plain is not None:
+                yield number, plain
+
+    def _bare(self, line: str) -> str:
+        """A line without the stamp before it."""
+        return line.partition(self.rule.delimiter)[2] if self.rule.stamped else line
+
     def _keep(self, number: int, line: str, head: str) -> None:
         if self._skipped(line):
             if not line.strip():
                 self._breaks["blank"].append(len(self.rows))
-        elif self.rule.header and line == head:
+        elif self.rule.header and self._bare(line) == self._bare(head):
             self._breaks["header"].append(len(self.rows))
         else:
             self.numbers_of_lines.append(number)

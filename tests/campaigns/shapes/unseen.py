@@ -28,7 +28,7 @@ def german_excel_csv(folder: Path, samples: Samples) -> list[Path]:
     return [file]
 
 
-@shape(fails="not read yet")
+@shape()
 def arduino_serial_monitor(folder: Path, samples: Samples) -> list[Path]:
     """Copied out of the Arduino IDE's serial monitor.
 
