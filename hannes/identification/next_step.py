@@ -6,8 +6,8 @@ NEXT: Mapping[str, str] = {
     "no_gap": "Go on with the machine as it is; nothing needs to be added or refitted.",
     "recalibrated": "Simulate with hand.toml, which has the refitted values; add no effect.",
     "named": (
-        "Simulate with hand.toml, which has the effect at this size; look at that part of the "
-        "machine."
+        "Simulate with hand.toml, which has the effect at this size; on the machine, look at the "
+        "part where the effect sits."
     ),
     "one_of": "Record another run that separates them; add neither before.",
     "named_with_remainder": (

@@ -77,7 +77,8 @@ class Verdict:
             return ""
         worst = self.where[0]
         return (
-            f"Without any new effect it disagrees most in {worst['channel']}, {worst['phase']}: "
+            f"In the fitted recordings, without any new effect, it disagrees most in "
+            f"{worst['channel']}, {worst['phase']}: "
             f"{worst['times_floor']:.2g} times the noise floor."
         )
 

@@ -73,6 +73,8 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
         f"100 |simulated − measured| / |measured|. "
         f"The noise floor is {diagnosis.verdict.floor_from}."
     )
+    if not diagnosis.verdict.effects:
+        note += " No effect was added: After is the refitted baseline."
     return Table("gaps", "The gap before and after", columns, tuple(rows), note)
 
 
@@ -148,6 +150,7 @@ def _tried(diagnosis: "Diagnosis") -> Table:
     size = "Minimum detectable size"
     columns = ("Effect", "Explains", evidence, size, "Confusable with", "Outcome")
     note = (
+        "Misfit: squared residuals over their variance, summed (chi-squared). "
         f"{level} {diagnosis.verdict.alpha:g}. Minimum detectable size: "
         "at 80 % power, by a linear fit; “none” where it lies beyond the physical bounds."
     )
@@ -186,7 +189,11 @@ def _confusability(diagnosis: "Diagnosis") -> Table:
 def _recordings(diagnosis: "Diagnosis") -> Table:
     roles = diagnosis.verdict.recordings
     rows = tuple((role, _listed(names)) for role, names in roles.items())
-    return Table("recordings", "Recordings by role", ("Role", "Recordings"), rows)
+    note = (
+        "Parameters are fitted to those in role fit, effects are chosen on those in role select; "
+        "those in role show are for the test alone."
+    )
+    return Table("recordings", "Recordings by role", ("Role", "Recordings"), rows, note)
 
 
 def _listed(names: list[str]) -> str:

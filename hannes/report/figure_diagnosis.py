@@ -122,11 +122,11 @@ def _where(diagnosis: "Diagnosis") -> Drawn:
 
     worst = diagnosis.verdict.where[0]
     alt = (
-        f"Worst: {worst['channel']} while {worst['phase']}, {worst['times_floor']:.1f} times "
-        "the noise floor."
+        f"Worst in the fitted recordings: {worst['channel']} while {worst['phase']}, "
+        f"{worst['times_floor']:.2g} times the noise floor."
     )
     return drawn(
-        "diagnosis-where", "Where it disagrees", f"{alt} Dotted: the noise floor.", alt, draw
+        "diagnosis-where", "In the fitted recordings", f"{alt} Dotted: the noise floor.", alt, draw
     )
 
 
@@ -156,5 +156,6 @@ def _ranking(diagnosis: "Diagnosis") -> Drawn:
     alt = "; ".join(
         f"{n} {decimals(round(g), 0)} %" for n, g in zip(names[::-1], shares[::-1], strict=True)
     )
-    caption = "Blue: what the verdict names."
+    caption = "Of the reducible gap: what the refitted baseline leaves above the noise floor."
+    caption += " Blue: what the verdict names." if chosen else " None is named."
     return drawn("diagnosis-ranking", "What each effect would explain", caption, alt, draw)

@@ -84,7 +84,7 @@ def test_page_has_in_order_what_it_is_what_it_does_where_and_who_else(diagnosis)
         "s_L = r_p th/N - length",
         'id="schematic"',
         "Before and after",
-        "Where it disagreed",
+        '<h2 id="where">',
         "Rivals",
     )
     places = [text.index(each) for each in marks]
