@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.hostile import bags, corpus, raw_logs
+from benchmarks.hostile import bags, corpus, laid_out, raw_logs
 from benchmarks.hostile.corpus import COLUMNS, COUNT, RECORDS, TIME, UNITS, Mutate
 
 FOREIGN = "hannes.campaigns.foreign."
@@ -88,6 +88,8 @@ def mapping_of(columns: dict[str, str], more: str = "") -> str:
     return f'plant = "hand"\n{more}{time}{channels}{align}'
 
 
+LONG = 'long = { names = "signal", values = "value" }\n'
+SERIAL = '\n[text]\ndelimiter = "comma"\nstamped = true\npairs = ":"\n'
 MAPPINGS = {
     "text": mapping_of({name: name for name in COLUMNS}, 'missing = ["n/a"]\n'),
     "json": mapping_of(
@@ -101,6 +103,9 @@ MAPPINGS = {
             "current": "arm/q/current",
         }
     ),
+    "long": mapping_of({name: name for name in COLUMNS}, LONG),
+    "serial": mapping_of({name: name for name in COLUMNS}) + SERIAL,
+    "stacked": mapping_of({name: name for name in COLUMNS}, 'split_at = "stacked"\n'),
     "npy": mapping_of({name: f"data/{name}" for name in COLUMNS}),
     "ROS": mapping_of(
         {"time": "arm/time", **{name: f"arm/position/{name}" for name in bags.JOINTS}}
@@ -316,6 +321,11 @@ def of_foreign_files() -> Iterator[Reader]:
             ("matlab_columns:open_mat",),
         ),
         ("npz", ".npz", npz_file, corpus.npz, text, ("npz_columns:open_npz",)),
+        ("runs in rows", ".npz", laid_out.stacked_file, corpus.npz, converted("stacked"), ()),
+        ("long table", ".log", laid_out.long_file, corpus.text, converted("long"), ()),
+        ("serial monitor", ".log", laid_out.serial_file, corpus.text, converted("serial"), ()),
+        ("unknown serial log", ".txt", laid_out.serial_file, corpus.text, begun, ()),
+        ("unknown long table", ".txt", laid_out.long_file, corpus.text, begun, ()),
         ("npy", ".npy", npy_file, corpus.npy, converted("npy"), ()),
         (
             "Parquet",

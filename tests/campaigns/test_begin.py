@@ -306,3 +306,18 @@ def test_milliamperes_are_no_amperes(tmp_path, header):
     assert begin([file], tmp_path / "bench").missing == []
     (made,) = convert([file], tmp_path / "bench" / MAPPING)
     assert made.recording["current"] == pytest.approx(CURRENT, abs=1e-5)
+
+
+def test_json_lines_with_dates_and_times(tmp_path):
+    lines = [
+        f'{{"time": "2026-03-03T18:43:{10 + t:09.6f}Z", "cmd": {{"angle_rad": {r}}}, '
+        f'"state": {{"angle_rad": {p}, "current_mA": {1e3 * i:.3f}, "mode": "run"}}}}'
+        for t, r, p, i in zip(*FOUR, strict=True)
+    ]
+    (tmp_path / "a.jsonl").write_text("\n".join(lines))
+    begun = begin([tmp_path / "a.jsonl"], tmp_path / "bench")
+    assert begun.missing == []
+    (made,) = convert([tmp_path / "a.jsonl"], tmp_path / "bench" / MAPPING)
+    assert made.recording.time == pytest.approx(TIME, abs=1e-6)
+    for name, values in (("reference", COMMAND), ("position", POSITION), ("current", CURRENT)):
+        assert made.recording[name] == pytest.approx(values, abs=1e-5), name

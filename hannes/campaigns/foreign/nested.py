@@ -1,10 +1,13 @@
 """Records such as {"motor": {"current": 0.1}, "q": [0.2, 0.3]} as columns motor/current, q/1, q/2.
 
-A value that a record lacks is missing (NaN) there; texts and nulls are missing too.
+A value that a record lacks is missing (NaN) there; texts and nulls are missing too. Of a text that
+is a date and time the seconds since 1970 are taken, in UTC where it names no zone.
 """
 
+import re
 from array import array
 from collections.abc import Iterable, Iterator
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -17,18 +20,30 @@ FloatArray = NDArray[np.float64]
 
 DEEPEST = 8  # levels of nesting
 MISSING = float("nan")
+STAMP = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d")
 
 
 def flat(record: Any, prefix: str = "", depth: int = 0) -> Iterator[tuple[str, float]]:
     """Numbers of one record by path; items of lists count from 1."""
     if isinstance(record, bool | int | float | np.number):
         yield prefix, as_float(record)
+    elif isinstance(record, str):
+        if STAMP.match(record) and (seconds := _seconds(record)) is not None:
+            yield prefix, seconds
     elif isinstance(record, dict) and depth < DEEPEST:
         for key, value in record.items():
             yield from flat(value, f"{prefix}/{key}" if prefix else str(key), depth + 1)
     elif isinstance(record, list | tuple | np.ndarray) and depth < DEEPEST:
         for place, value in enumerate(record, start=1):
             yield from flat(value, f"{prefix}/{place}" if prefix else str(place), depth + 1)
+
+
+def _seconds(text: str) -> float | None:
+    try:
+        stamp = datetime.fromisoformat(text)
+        return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()
+    except (ValueError, OverflowError):
+        return None
 
 
 def as_float(value: Any) -> float:
