@@ -43,6 +43,9 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     live.add_argument("--no-observer", action="store_true",
                       help="force from the model alone, on a slow machine")  # fmt: skip
     live.add_argument("--haptics", metavar="PORT", help="send a tactor's commands to this port")
+    live.add_argument(
+        "--panel", action="store_true", help="in the browser, as `hannes panel` with this model"
+    )
     live.add_argument("--seconds", type=float, default=0.0, help="how long (the experiment's)")
     live.add_argument("--out", metavar="FILE", help="a .h5 or .csv recording of it")
     add_force(live)
@@ -61,6 +64,9 @@ def _live(chosen: argparse.Namespace) -> None:
     if chosen.newtons and chosen.no_policy:
         raise BadInput("--newtons is the policy's: leave out --no-policy")
     board = link(chosen)
+    if chosen.panel:
+        _in_browser(chosen, board)
+        return
     model = model_file.read(chosen.model)
     if not chosen.out:
         import tempfile
@@ -76,6 +82,14 @@ def _live(chosen: argparse.Namespace) -> None:
             _followed(chosen, board, model, raw)
         finally:
             _written(raw, out)
+
+
+def _in_browser(chosen: argparse.Namespace, board: "Link") -> None:
+    from hannes.commands.cli_panel import BESIDE, serve
+
+    if chosen.close or chosen.out or chosen.haptics:
+        raise BadInput("--panel drives from the page: leave out --close, --haptics and --out")
+    serve(board, BESIDE, chosen.model)
 
 
 def _written(raw: Path, out: Path) -> None:

@@ -4,6 +4,12 @@ import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hannes.bench.reader import Link
+
+BESIDE = "void-closure"
 
 EXAMPLES = {
     "panel": """\
@@ -21,7 +27,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     add_link(panel, "port")
     panel.add_argument("--model", metavar="MODEL.h5", help="recognise with it (`hannes train`)")
     panel.add_argument(
-        "--beside", default="void-closure", metavar="EXPERIMENT",
+        "--beside", default=BESIDE, metavar="EXPERIMENT",
         help="whose hand and object step beside the measured ones (void-closure)",
     )  # fmt: skip
     panel.add_argument("--http", type=int, default=0, metavar="PORT", help="port of the page (any)")
@@ -31,15 +37,22 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
 
 
 def _panel(chosen: argparse.Namespace) -> None:
+    from hannes.commands.cli_bench import link
+
+    raw = Path(chosen.raw) if chosen.raw else None
+    serve(link(chosen), chosen.beside, chosen.model, chosen.http, raw)
+
+
+def serve(
+    board: "Link", beside: str, model: str | None, http: int = 0, raw: Path | None = None
+) -> None:
+    """Serve the page of a board until it is closed; `beside` names the model that steps along."""
     from hannes.bench.board_file import read_board
     from hannes.bench.panel.run import Panel, run_panel
-    from hannes.commands.cli_bench import link
     from hannes.core.io.outputs import reserved
     from hannes.recognition import model_file
 
-    model = model_file.read(chosen.model) if chosen.model else None
-    beside = read_board(chosen.beside).variant
-    raw = Path(chosen.raw) if chosen.raw else None
-    panel = Panel(link(chosen), beside, model, chosen.http, raw)
+    known = model_file.read(model) if model else None
+    panel = Panel(board, read_board(beside).variant, known, http, raw)
     with reserved("panel", [raw] if raw else []):
         run_panel(panel, lambda text: print(f"hannes: {text}", file=sys.stderr, flush=True))

@@ -92,6 +92,13 @@ def test_a_board_that_is_silent(tmp_path):
     far.close()
 
 
+def test_a_board_of_another_version(tmp_path, monkeypatch):
+    with Running(Terminal()) as board:
+        monkeypatch.setattr("hannes.bench.session.VERSION", 9)
+        said = refusal(board.far.address, tmp_path)
+    assert "speaks version 1" in said and "version 9; update the older one" in said
+
+
 def test_a_wrong_baud_rate(tmp_path):
     with Running(Terminal(), Misbehaviour(garbled=True)) as board:
         assert "wrong baud rate" in refusal(board.far.address, tmp_path)
