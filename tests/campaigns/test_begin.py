@@ -321,3 +321,23 @@ def test_json_lines_with_dates_and_times(tmp_path):
     assert made.recording.time == pytest.approx(TIME, abs=1e-6)
     for name, values in (("reference", COMMAND), ("position", POSITION), ("current", CURRENT)):
         assert made.recording[name] == pytest.approx(values, abs=1e-5), name
+
+
+def test_a_name_too_many_is_refused_as_all_columns_may_be_shifted(tmp_path):
+    file = log(tmp_path, "a.csv", FOUR, "time_s,mode,reference_rad,position_rad,current_A")
+    with pytest.raises(BadInput, match="expected 5 columns"):
+        begin([file], tmp_path / "bench")
+
+
+def test_stamps_of_seconds_and_nanoseconds(tmp_path):
+    times = 2.5 * TIME + 0.4
+    lines = [
+        f'{{"stamp": {{"sec": {int(t)}, "nanosec": {round(1e9 * (t % 1.0))}}}, '
+        f'"reference_rad": {r}, "position_rad": {p}, "current_A": {i}}}'
+        for t, (_, r, p, i) in zip(times, zip(*FOUR, strict=True), strict=True)
+    ]
+    (tmp_path / "a.jsonl").write_text("\n".join(lines))
+    begun = begin([tmp_path / "a.jsonl"], tmp_path / "bench")
+    assert begun.missing == []
+    (made,) = convert([tmp_path / "a.jsonl"], tmp_path / "bench" / MAPPING)
+    assert made.recording.time == pytest.approx(2.5 * TIME, abs=1e-6)

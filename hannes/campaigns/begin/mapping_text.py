@@ -14,7 +14,7 @@ from hannes.campaigns.foreign.raw_values import COARSE
 
 FloatArray = NDArray[np.float64]
 
-TURNS = (256.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0, 32768.0, 65536.0, 360.0)
+TURNS = (256.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0, 32768.0, 65536.0, 360.0, 1e9)
 SHOWN = 20  # columns that are not used, on the terminal
 NEAR = 0.03  # of a turn: how close to it a jump must be
 
@@ -172,6 +172,7 @@ def _time(
         made.ask(f'the unit of time: its steps are {step:.6g} (ms, us, s?), as unit = "ms"')
     if turn := wrapped(values):
         add(f"wrap = {turn:.0f}  # the counter begins anew")
+        made.seen.append(f"a clock that begins anew after {turn:.0f}")
     if values.size and abs(float(values[0])) > 0.0:
         add("from_zero = true")
     if steps.size and np.mean(steps == 0.0) > COARSE:

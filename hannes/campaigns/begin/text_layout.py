@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from hannes.campaigns.begin.channel_words import plain
 from hannes.campaigns.begin.property_rows import paired, units_above
 from hannes.campaigns.begin.serial_guess import form_of
 from hannes.campaigns.foreign.nested import as_float
@@ -27,6 +28,8 @@ STAMP = re.compile(
     r"\d{1,4}[-/.:]\d{1,2}[-/.:]\d{1,4}([ T]\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?|[.,]\d+)?Z?"
 )
 LIST = re.compile(r"[\[(]\s*[+-]?[\d.].*[\])]")
+REMARKS = ("", "comment", "comments", "note", "notes", "remark", "remarks", "kommentar",
+           "bemerkung", "commentaire", "commento", "comentario")  # fmt: skip
 MARKS = ("#", "%", "//", ";", "[")
 
 
@@ -101,7 +104,7 @@ def text_layout(path: Path) -> TextLayout:
         any(not lines[k].strip() for k in between) and not (form and form.mark),
         again in odd,
         tuple(line for line in odd if line != again),
-        len(widths) > 1 or width < len(names),
+        len(widths) > 1 or (width < len(names) and _are_remarks(names[width:])),
         tuple(sorted({cell for row in rows for cell in row if _is_missing(cell) and cell})),
         pairs is not None,
         form,
@@ -114,6 +117,11 @@ def _plain(form: SerialForm, lines: Sequence[str]) -> list[str]:
     if form.mark:
         return [form.head, *(line for line in plain if line is not None)]
     return [line or "" for line in plain]
+
+
+def _are_remarks(names: Sequence[str]) -> bool:
+    """Whether names without cells below them are of remarks; others could shift all columns."""
+    return all(plain(name) in REMARKS for name in names)
 
 
 def _encoding(path: Path) -> str:

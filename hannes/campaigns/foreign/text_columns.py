@@ -75,26 +75,27 @@ class Delimited:
 
     def _plain_lines(self) -> Iterator[tuple[int, str]]:
         """Lines by number; of a serial monitor's as cells, those that are no samples left out."""
-        form = self._form
-        for number, line in enumerate(_lines(self.path, self.rule.encoding), start=1):
-            plain: str | None = line
-            if form is not None and not form.rest(line).strip():
-                plain = ""
-            elif form is not None:
-                left = number != self.rule.header and self._skipped(form.rest(line))
-                plain = None if left else form.plain(line)
+        form, numbered = self._form, enumerate(_lines(self.path, self.rule.encoding), start=1)
+        if form is None:
+            yield from numbered
+            return
+        for number, line in numbered:
+            rest = form.rest(line)
+            left = number != self.rule.header and rest.strip() and self._skipped(rest)
+            plain = None if left else form.plain(line) if rest.strip() else ""
             if plain is not None:
                 yield number, plain
 
-    def _bare(self, line: str) -> str:
-        """A line without the stamp before it."""
-        return line.partition(self.rule.delimiter)[2] if self.rule.stamped else line
+    def _is_head(self, line: str, head: str) -> bool:
+        """Whether a line is the header again, at another time of a serial monitor."""
+        mark = self.rule.delimiter
+        return self.rule.stamped and line.partition(mark)[2] == head.partition(mark)[2]
 
     def _keep(self, number: int, line: str, head: str) -> None:
         if self._skipped(line):
             if not line.strip():
                 self._breaks["blank"].append(len(self.rows))
-        elif self.rule.header and self._bare(line) == self._bare(head):
+        elif self.rule.header and (line == head or self._is_head(line, head)):
             self._breaks["header"].append(len(self.rows))
         else:
             self.numbers_of_lines.append(number)
