@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from hannes.control.firmware_memory import MEMORY, READING_AGE
+from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, ComputationFailed, nearest
 from hannes.simulation.compiler.assemble import Compiled
@@ -24,7 +25,7 @@ ROUNDING = 1e-9  # s between a tick and its sample
 HISTORY = 256  # ticks of set points that a delayed command can still read
 
 
-class Stepper:
+class Stepper(ByValue):
     """A hand on its way, tick by tick; `time` [s] is that of the next tick.
 
     Can be copied (`copy.copy`, `copy.deepcopy`) and pickled; copies go their own ways.
@@ -191,6 +192,13 @@ class Stepper:
         vars(self).update(state)
         posed = self.hand.with_values(self.experiment.overrides())
         self._build(posed.compiled(self.effects))
+
+    def compared(self) -> tuple[Any, ...]:
+        """What counts in ==: the machine, its command, and how far it has come."""
+        return (self.__getstate__(),)
+
+    def __repr__(self) -> str:
+        return f"Stepper({self.hand!r}, at {self.time:g} s)"
 
     def __copy__(self) -> Self:
         from copy import deepcopy

@@ -18,9 +18,9 @@ def test_only_the_fingers_derivatives_differ():
     models = both((effects()["spring_hysteresis"],))
     texts = {way: Path(str(model.fast.__file__)).read_text() for way, model in models.items()}
     assert {model.jacobian_kind for model in models.values()} == {"structured"}
-    assert "def joint_slopes(" in texts["closed"] and "difference_own" not in texts["closed"]
+    assert "def joint_derivatives(" in texts["closed"] and "difference_own" not in texts["closed"]
     assert "def difference_own(" in texts["differenced"]
-    assert "joint_slopes" not in texts["differenced"]
+    assert "joint_derivatives" not in texts["differenced"]
     closed, differenced = (texts[way].partition("def finger_columns(")[0] for way in models)
     stages = [text[text.index("def equations(") :] for text in (closed, differenced)]
     assert stages[0] == stages[1]

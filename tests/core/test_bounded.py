@@ -56,7 +56,7 @@ def test_a_line_is_bounded_and_a_bad_one_has_its_number(tmp_path):
 
 def test_keys_of_many_parts_are_refused_before_they_are_parsed():
     with pytest.raises(BadInput, match="key of more than 100 parts"):
-        Table.parse("a." * 1_000_000 + "b = 1", "x.toml", ())
+        Table.parse("a." * 100_000 + "b = 1", "x.toml", ())
     found = Table.parse(f"x = [{', '.join(['0.1'] * 1000)}]", "x.toml", ())
     assert len(found.items("x")) == 1000  # points of numbers are no parts of a key
 

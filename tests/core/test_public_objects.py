@@ -76,6 +76,7 @@ def made(number):
         "hand plant": HandPlant(hand),
         "Recording": recording(1.0 + number),
         "Reference": reference(1.0 + number),
+        "Stepper": stepped(number),
         "Slot": Slot("speed", "m/s", "of it", size=1 + number),
         "Target": Target("sphere", {"object.radius": 0.02 + 0.01 * number}),
         "Term": term,
@@ -99,6 +100,14 @@ def computed(number):
         "Diagnosis without doubts": hannes.diagnose(verdict(number), progress=False),
         "Calibration": hannes.calibrate(warm, progress=False),
     }
+
+
+def stepped(number):
+    """A stepper after some ticks."""
+    made = hannes.start(Hand(), experiment(0.5))
+    for _ in range(1 + number):
+        made.step()
+    return made
 
 
 SIMPLE, COMPUTED = sorted(made(0)), sorted(

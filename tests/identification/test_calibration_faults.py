@@ -51,7 +51,7 @@ SPOILT = {
         kept(lambda run: np.delete(np.arange(len(run)), np.arange(400, 440))),
         "40 samples lost",
     ),
-    "dropped unseen": (counted, "samples were lost"),
+    "dropped unseen": (counted, "samples lost at"),
     "clock drift": (channel("time", drifting), "drifts"),
     "encoder jump": (
         channel("position", lambda x: set_at(x, slice(500, None), lambda y: y + 2.0)),
