@@ -78,12 +78,15 @@ class _Following:
     def __init__(self, loop: GripLoop) -> None:
         self.loop, self.wanted = loop, 0.0
         self.moments: deque[Moment] = deque()
+        self.heard = time.monotonic()  # when the board last sent a row
         self._decision: Decision | None = None
         self._force: Force | None = None
         self._names: tuple[str, ...] = ()
 
     def feed(self, event: Event) -> None:
         """Take one event."""
+        if isinstance(event, Row):
+            self.heard = time.monotonic()
         said = self.loop.feed(event, self.wanted)
         self._force = said.force or self._force
         self._decision = said.decisions[-1] if said.decisions else self._decision
@@ -131,6 +134,7 @@ def _moments(talk: Session, following: _Following, order: LiveOrder) -> Iterator
             unread = _read_some(talk, unread)
             talk.require_following()
             _require_pace(talk)
+            _require_rows(talk, following)
             yield from _passed_on(talk, following, order)
             if command and since - sent >= STREAM:
                 talk.reader.send(talk.speaker.set_point(following.loop.set_point))
@@ -148,6 +152,16 @@ def _read_some(talk: Session, unread: Iterator[Event]) -> Iterator[Event]:
             time.sleep(LOOK)
             return talk.events()
     return unread
+
+
+def _require_rows(talk: Session, following: _Following) -> None:
+    """Raise ComputationFailed where the board has gone silent: nobody sees the hand then."""
+    silent = time.monotonic() - following.heard
+    if silent > BEHIND:
+        raise ComputationFailed(
+            f"{talk.link.port}: the board has sent nothing for {silent:.1f} s, so a stop was sent; "
+            "look at its cable and supply"
+        )
 
 
 def _require_pace(talk: Session) -> None:

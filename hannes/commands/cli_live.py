@@ -44,7 +44,9 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
                       help="force from the model alone, on a slow machine")  # fmt: skip
     live.add_argument("--haptics", metavar="PORT", help="send a tactor's commands to this port")
     live.add_argument(
-        "--panel", action="store_true", help="in the browser, as `hannes panel` with this model"
+        "--panel",
+        action="store_true",
+        help="in the browser, as `hannes panel` with this model; no policy limits the grip",
     )
     live.add_argument("--seconds", type=float, default=0.0, help="how long (the experiment's)")
     live.add_argument("--out", metavar="FILE", help="a .h5 or .csv recording of it")
@@ -61,6 +63,8 @@ def _live(chosen: argparse.Namespace) -> None:
 
     if chosen.newtons < 0.0 or chosen.seconds < 0.0:
         raise BadInput("--newtons and --seconds: expected 0 or more")
+    if chosen.newtons and not chosen.close:
+        raise BadInput("--newtons holds while a command closes the hand: name one with --close")
     if chosen.newtons and chosen.no_policy:
         raise BadInput("--newtons is the policy's: leave out --no-policy")
     board = link(chosen)
@@ -87,8 +91,12 @@ def _live(chosen: argparse.Namespace) -> None:
 def _in_browser(chosen: argparse.Namespace, board: "Link") -> None:
     from hannes.commands.cli_panel import BESIDE, serve
 
-    if chosen.close or chosen.out or chosen.haptics:
-        raise BadInput("--panel drives from the page: leave out --close, --haptics and --out")
+    given = (chosen.close, chosen.out, chosen.haptics, chosen.newtons, chosen.seconds, chosen.hand)
+    if any((*given, chosen.no_policy, chosen.no_observer, chosen.json)):
+        raise BadInput(
+            "--panel drives from the page, without a limit on the grip: leave out all options but "
+            "those of the port"
+        )
     serve(board, BESIDE, chosen.model)
 
 

@@ -15,8 +15,8 @@ CURVE = (
 )
 BASELINES = (
     "Both give a stiffness; an object is rigid where it is above the border. Look-up: the most "
-    "current so far, by a table of the training grasps. Analytic: one joint, wires without "
-    "stretch, no friction, and the hand's nominal values."
+    "current so far, by a table of the training grasps. Analytic: one joint, wires that stretch, "
+    "no friction or inertia, and the shipped hand's nominal values."
 )
 WORDS = {"look_up": "Look-up of current", "analytic": "Analytic estimate"}
 

@@ -10,6 +10,7 @@ from hannes.core.errors import BadInput
 
 SILENCE = 0.5  # s without a word of the page after which the board is stopped
 EVERY = 0.01  # s between set points
+AGAIN = 0.05  # s between stops until the board obeys
 PATIENCE = 3.0  # s within which a stop is answered, and a start moves the board
 Knots = Sequence[tuple[float, float]]
 MOVING = (State.RUNNING, State.FOLLOWING)
@@ -113,6 +114,7 @@ class Drive:
     def go_on(self, now: float) -> None:
         """Send the set point that is due; stop where the page has been silent for too long."""
         if not self.doing:
+            self._repeat_stop(now)
             return
         if now - self._heard > SILENCE:
             self.stop("stopped: the page was silent")
@@ -122,6 +124,12 @@ class Drive:
             self._set_point = self._next(now)
             self._sent = now
             self._send(self._speaker.set_point(self._set_point))
+
+    def _repeat_stop(self, now: float) -> None:
+        """Send the stop again while the board still moves: a frame can be lost."""
+        if self._stops and self._state in MOVING and now - self._sent >= AGAIN:
+            self._sent = now
+            self._send(self._speaker.stop())
 
     def _next(self, now: float) -> float:
         """The set point at `now`: on the path of an experiment, or a step nearer to the goal."""

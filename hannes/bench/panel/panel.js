@@ -18,7 +18,8 @@ function connect() {
   socket.onmessage = (event) => show(JSON.parse(event.data));
   socket.onclose = (event) => {
     enable(false);
-    health(`not connected: ${event.reason || "the panel has ended"}; the hand is stopped`, true);
+    const stopped = event.code === 1013 ? "" : "; a stop was sent";
+    health(`not connected: ${event.reason || "the panel has ended"}${stopped}`, true);
   };
 }
 

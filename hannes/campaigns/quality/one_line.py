@@ -54,6 +54,8 @@ def _by_rank(found: Sequence[Finding]) -> list[Finding]:
 def _explains(cause: Finding, other: Finding, subject: Subject) -> bool:
     if cause.level == "note" or cause is other:
         return False
+    if (cause.level, other.level) == ("warning", "fault") and cause.kind != "held":
+        return False  # held frames alone make others leap; any other warning hides no fault
     if cause.channel == "time" and cause.kind in TIMING:
         return other.kind in (*MOTION, "drift", "sign", "jump", "gap", "unit", "held")
     near = {cause.channel, *_related(cause.channel, subject)}

@@ -96,7 +96,8 @@ def _smallest(groups: Sequence[np.ndarray]) -> float:
 def _beside_spread(groups: Sequence[np.ndarray]) -> tuple[float, bool, float]:
     """Mean residual over what the spread of repeats leaves in it, and whether that is no chance.
 
-    The third is the upper end (95 %) of that ratio without chance.
+    The third is the upper end (95 %) of that ratio without chance; a ratio that is by chance
+    below one makes it no smaller.
     """
     from scipy.stats import f
 
@@ -105,7 +106,7 @@ def _beside_spread(groups: Sequence[np.ndarray]) -> tuple[float, bool, float]:
     free = sum(len(rows) - 1 for rows in groups)
     square = (means / len(groups)) / max(apart / free, 1e-300)
     limit = f.ppf(1.0 - CALIBRATION.spread_p_value, len(groups), free)
-    most = _largest_hidden(square, len(groups), free)
+    most = _largest_hidden(max(square, 1.0), len(groups), free)
     return float(np.sqrt(square)), bool(square > limit), most
 
 

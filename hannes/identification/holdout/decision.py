@@ -70,6 +70,13 @@ def lacking(campaign: Campaign, segments: Sequence[Segment], trials: Sequence[Tr
     )
 
 
+def without_refit(fields: VerdictFields, why: str) -> VerdictFields:
+    """A verdict that rests on refitted values, where these are not taken: `why`, or ""."""
+    if not why or fields["verdict"] != "recalibrated":
+        return fields
+    return _fields("unknown", f"{fields['reason']}; but {why}")
+
+
 def confirmed(
     fields: VerdictFields, gap: Mapping[str, Mapping[str, float]], refused: str
 ) -> VerdictFields:

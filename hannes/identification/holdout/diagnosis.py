@@ -165,6 +165,7 @@ class _HoldoutDiagnosis:
         before, caution = self.taken(test, before)
         after = before if best is None else after
         gap = gaps(self.residual(test), before, after)
+        fields = decision.without_refit(fields, caution)
         fields = decision.confirmed(fields, gap, refusal(self.change(test, before, after)))
         named = best is not None and bool(fields["effects"])
         found = after if named else before
