@@ -206,8 +206,3 @@ class ForceObserver:
         residual = math.hypot(math.sqrt(self._square), self._x[BIAS] / given.start[BIAS])
         warns = residual > given.warning
         return Force(time, value, max(value - reach, 0.0), value + reach, residual, warns)
-
-
-def with_object(settings: ObserverSettings, values: Mapping[str, float]) -> ObserverSettings:
-    """The settings with another object for the twins: SI values of `object.*`."""
-    return replace(settings, object={**settings.object, **values})

@@ -33,10 +33,10 @@ class Display:
         self._process = context.Process(target=_show, args=(title, self._queue), daemon=True)
         self._process.start()
 
-    def put(self, moment: Moment, health: str) -> None:
+    def put(self, moment: Moment) -> None:
         """Hand a moment over; dropped where the display is behind."""
         with contextlib.suppress(queue.Full):
-            self._queue.put_nowait((moment, health))
+            self._queue.put_nowait(moment)
 
     def __enter__(self) -> Self:
         return self
@@ -60,7 +60,7 @@ class PlainLines:
     def __init__(self) -> None:
         self._word, self._printed = "", -LINE
 
-    def put(self, moment: Moment, health: str) -> None:
+    def put(self, moment: Moment) -> None:
         """Print the moment where a line is due."""
         if moment.decision is None:
             return
@@ -102,15 +102,14 @@ def _show(title: str, moments: Any) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the grasp's own process decides
     kept: deque[Moment] = deque(maxlen=KEPT)
     with Live(refresh_per_second=15) as shown:
-        while (given := moments.get()) is not None:
-            moment, health = given
+        while (moment := moments.get()) is not None:
             kept.append(moment)
             if moments.empty():
-                shown.update(panel(title, kept, health))
+                shown.update(panel(title, kept))
                 time.sleep(0.02)
 
 
-def panel(title: str, kept: "deque[Moment]", health: str) -> "RenderableType":
+def panel(title: str, kept: "deque[Moment]") -> "RenderableType":
     """Traces, verdict, confidence, force and link of the moments so far."""
     from rich.panel import Panel
     from rich.table import Table
@@ -134,7 +133,8 @@ def panel(title: str, kept: "deque[Moment]", health: str) -> "RenderableType":
         rows.add_row(
             "residual", "[red]the machine has left the model[/red]", f"{last.residual:.1f}"
         )
-    rows.add_row("link", health, f"{kept[-1].time:.2f} s")
+    link = f"{kept[-1].damaged} damaged frames, {kept[-1].gaps} gaps; stop with Ctrl-C"
+    rows.add_row("link", link, f"{kept[-1].time:.2f} s")
     return Panel(rows, title=title)
 
 

@@ -11,7 +11,7 @@ haptic commands from the raw log, bit for bit: they follow from the board's byte
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -60,7 +60,8 @@ class Moment:
     """What is known when a decision or a haptic command was made.
 
     time: of the newest sample on the board's clock [s]; values: its channels by name; firm: whether
-    the policy holds firmly; set_point [rad]
+    the policy holds firmly; set_point [rad]; damaged, gaps: frames that failed their checks, and
+    intervals that never came, so far (of the link, so that a replay need not repeat them)
     """
 
     time: float
@@ -70,6 +71,8 @@ class Moment:
     haptic: HapticCommand | None
     firm: bool
     set_point: float
+    damaged: int = field(default=0, compare=False)
+    gaps: int = field(default=0, compare=False)
 
 
 class _Following:
@@ -192,7 +195,7 @@ def _passed_on(talk: Session, following: _Following, order: LiveOrder) -> Iterat
             talk.reader.write_down(HAPTIC, haptics.pack(moment.time, moment.haptic))
             if order.tactor:
                 order.tactor(moment.haptic)
-        yield moment
+        yield replace(moment, damaged=talk.damaged, gaps=talk.gaps)
 
 
 def replayed(

@@ -132,7 +132,7 @@ def _followed(chosen: argparse.Namespace, board: "Link", model: "Model", raw: Pa
         for moment in live(board, model, raw, order):
             last = moment if moment.decision else last
             if shown is not None:
-                shown.put(moment, "stop with Ctrl-C")
+                shown.put(moment)
     if chosen.json:
         print_json(_summary(last))
 

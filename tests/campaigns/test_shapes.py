@@ -13,14 +13,7 @@ from hannes.commands.cli import main
 DIGITS = {"reference": 2e-4, "position": 2e-3, "current": 2e-3}  # rad, rad (counts), A
 
 
-def marked():
-    """Every shape; those that are not read yet must fail."""
-    for name, each in all_shapes().items():
-        marks = pytest.mark.xfail(strict=True, reason=each.fails) if each.fails else ()
-        yield pytest.param(name, marks=marks)
-
-
-@pytest.mark.parametrize("name", list(marked()))
+@pytest.mark.parametrize("name", all_shapes())
 def test_from_raw_to_check(name, tmp_path, capsys):
     shape = all_shapes()[name]
     if shape.needs and importlib.util.find_spec(shape.needs) is None:

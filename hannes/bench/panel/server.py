@@ -51,7 +51,6 @@ class PanelServer:
             raise BadInput(f"cannot serve on {HOST}, port {port}: {error}") from None
         self.host = f"{HOST}:{listening.getsockname()[1]}"
         self.asked: queue.Queue[dict[str, Any]] = queue.Queue()
-        self.open_pages = 0
         self._page, self._state, self._token = page, state, secrets.token_urlsafe(24)
         self._alone = threading.Lock()
         self._server = serve(
@@ -99,11 +98,9 @@ class PanelServer:
         if not self._alone.acquire(blocking=False):
             connection.close(1013, "another page has the hand")
             return
-        self.open_pages += 1
         try:
             self._exchange(connection)
         finally:
-            self.open_pages -= 1
             self.asked.put({"do": "stop"})
             self._alone.release()
 

@@ -50,33 +50,29 @@ Builder = Callable[[Path, Samples], list[Path]]
 
 @dataclass(frozen=True)
 class Shape:
-    """One shape: its builder, how many runs it holds, answers that only a person knows.
-
-    fails: why it is not read yet, "" where it is.
-    """
+    """One shape: its builder, how many runs it holds, answers that only a person knows."""
 
     name: str
     build: Builder
     runs: int = 1
     answers: Mapping[str, str] = field(default_factory=dict)
     needs: str = ""
-    fails: str = ""
 
 
 SHAPES: dict[str, Shape] = {}
 
 
 def shape(
-    runs: int = 1, answers: Mapping[str, str] | None = None, needs: str = "", fails: str = ""
+    runs: int = 1, answers: Mapping[str, str] | None = None, needs: str = ""
 ) -> Callable[[Builder], Builder]:
     """Register a builder; `answers`: texts of mapping.toml -> what a user writes there.
 
-    `needs`: a library without which the shape cannot be made; `fails`: why it is not read yet.
+    `needs`: a library without which the shape cannot be made.
     """
 
     def registered(build: Builder) -> Builder:
         name = build.__name__
-        SHAPES[name] = Shape(name, build, runs, answers or {}, needs, fails)
+        SHAPES[name] = Shape(name, build, runs, answers or {}, needs)
         return build
 
     return registered
