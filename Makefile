@@ -69,10 +69,7 @@ size: env  ## size and time of an install of hannes without extras, downloads in
 
 audit: env-test  ## licences of all that is installed; known faults of the locked versions, where a server answers
 	$(bin)/python -m tools.licences
-	$(bin)/python -m venv .venv/audit
-	.venv/audit/bin/pip install --quiet pip-audit
-	.venv/audit/bin/pip-audit --strict --requirement requirements.lock --require-hashes --disable-pip
-	.venv/audit/bin/pip-audit --strict --requirement requirements-test.lock --require-hashes --disable-pip
+	$(bin)/python -m tools.advisories
 
 release-check: env-test  ## builds, installs and runs the README's lines from an empty folder, then a fresh clone
 	$(bin)/python -m tools.release_check

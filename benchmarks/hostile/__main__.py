@@ -19,6 +19,7 @@ from benchmarks.harness import Row, main, must_show
 from benchmarks.hostile import bombs, verbs
 from benchmarks.hostile.readers import Reader, of_data
 from benchmarks.hostile.tomls import of_settings
+from benchmarks.hostile.verbs import PORT
 from benchmarks.hostile.worker import CHUNK, Ends, Ledger, furnished, prepare
 
 LEDGER = Path("results/hostile.jsonl")
@@ -34,15 +35,18 @@ def every_reader() -> list[Reader]:
 
 
 def mutated(
-    found: list[Reader], count: int, ledger: Ledger, folder: Path
+    found: list[Reader], count: int, ledger: Ledger, folder: Path, imported: bool = True
 ) -> tuple[list[Row], list[Ends]]:
-    """A row for each reader: how its mutants ended."""
+    """A row for each reader: how its mutants ended.
+
+    imported: the sound file is read here first, so that processes of mutants begin with all imports
+    """
     rows, all_ends = [], []
+    step = min(CHUNK * 10, count)
     for reader in tqdm(found, "readers", leave=False, disable=None):
         ends = Ends()
-        if reader.sound:
+        if imported and not ledger.has(reader, count, step):
             prepare(reader, folder)
-        step = min(CHUNK * 10, count)
         for first in range(0, count, step):
             ends.add(ledger.run(reader, range(first, min(first + step, count)), folder))
         rows.append(
@@ -77,11 +81,14 @@ def measure(quick: bool, only: tuple[str, ...] = PARTS) -> tuple[list[Row], list
             bounds.append(_least("reader", found))
         if "verbs" in only:
             count = VERB_QUICK if quick else VERB_MUTANTS
-            found, ends = mutated(verbs.every_verb(), count, ledger, folder)
+            found, ends = mutated(verbs.every_verb(), count, ledger, folder, imported=False)
             rows += found
             wrong = sum(len(each.faults) for each in ends)
             name = f"of {sum(x.count for x in ends)} mutants given to verbs, exit 70 or worse"
             bounds += [must_show(name, wrong, 0, wrong == 0), _least("verb", found)]
+            idle = [row["reader"] for row in found if not row["read"] and PORT not in row["reader"]]
+            name = f"verbs of which no mutant ran to its end: {', '.join(idle) or 'none'}"
+            bounds.append(must_show(name, len(idle), 0, not idle))
         if "bombs" in only:
             found, wrong = bombs.measured(Path(place), quick)
             rows += found

@@ -61,7 +61,9 @@ def member(data: bytes, rng: Rng) -> bytes:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         files = {name: archive.read(name) for name in archive.namelist()}
     name = list(files)[rng.integers(0, len(files))]
-    mutate = {".yaml": yaml, ".db3": sqlite, ".mcap": _message, **MEMBERS}[Path(name).suffix]
+    mutate = {".yaml": yaml, ".db3": sqlite, ".mcap": _message, ".zstd": packed, **MEMBERS}[
+        Path(name).suffix
+    ]
     files[name] = mutate(files[name], rng)
     if rng.random() < 0.05:
         del files[name]
@@ -70,6 +72,16 @@ def member(data: bytes, rng: Rng) -> bytes:
         for each, content in files.items():
             archive.writestr(each, content)
     return memory.getvalue()
+
+
+def packed(data: bytes, rng: Rng) -> bytes:
+    """What is packed changed, or its bytes in one of five."""
+    import zstandard
+
+    if rng.random() < 0.2:
+        return nasty.octets(data, rng)
+    with zstandard.ZstdDecompressor().stream_reader(data) as stream:
+        return zstandard.ZstdCompressor().compress(sqlite(stream.read(), rng))
 
 
 def yaml(data: bytes, rng: Rng) -> bytes:
@@ -121,14 +133,17 @@ def _stamp(k: int) -> int:
     return 50 * 10**9 + 10**7 * k
 
 
-def rosbag2(place: Path, mcap: bool = False) -> None:
-    """A rosbag2 of joint states, in SQLite or MCAP."""
-    from rosbags.rosbag2 import StoragePlugin, Writer
+def rosbag2(place: Path, mcap: bool = False, packed: bool = False) -> None:
+    """A rosbag2 of joint states, in SQLite or MCAP; its file packed as a whole."""
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_HUMBLE)
     plugin = StoragePlugin.MCAP if mcap else StoragePlugin.SQLITE3
-    with Writer(place, version=9, storage_plugin=plugin) as writer:
+    writer = Writer(place, version=9, storage_plugin=plugin)
+    if packed:
+        writer.set_compression(CompressionMode.FILE, CompressionFormat.ZSTD)
+    with writer:
         connection = writer.add_connection("/arm", STATES, typestore=store)
         for k, each in enumerate(_messages(store, COLUMNS, list(JOINTS))):
             writer.write(connection, _stamp(k), store.serialize_cdr(each, STATES))
@@ -136,7 +151,12 @@ def rosbag2(place: Path, mcap: bool = False) -> None:
 
 def rosbag2_in_mcap(place: Path) -> None:
     """A rosbag2 in MCAP."""
-    rosbag2(place, True)
+    rosbag2(place, mcap=True)
+
+
+def rosbag2_packed(place: Path) -> None:
+    """A rosbag2 whose file is packed as a whole."""
+    rosbag2(place, packed=True)
 
 
 def db3() -> bytes:

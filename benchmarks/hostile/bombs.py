@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.harness import Row
-from benchmarks.hostile import corpus, models, packed_bombs, tomls
-from benchmarks.hostile.readers import MAPPINGS, recording
+from benchmarks.hostile import corpus, models, packed_bombs, seeds, tomls
+from benchmarks.hostile.readers import MAPPINGS, recording, use_raw_log
 from benchmarks.hostile.worker import A_BYTE, ABOVE, _resident
 from hannes.core.errors import BadInput
 from hannes.core.io import bounded
@@ -140,6 +140,9 @@ def _bombs() -> Iterator[Bomb]:
     yield from packed_bombs.all_of(source)
     yield "long.toml", _written(lambda: b"a = [" + b"1," * 6_000_000 + b"]"), tomls.hand, 12 * 10**6
     yield "full.toml", _written(lambda: b"a = [" + b"1," * 499_990 + b"]"), tomls.hand, 10**6
+    yield "deep.toml", _written(lambda: b"a = " + b"[" * 900_000), tomls.hand, 0
+    yield "deep.json", _written(lambda: b"[" * 10**7), source, 0
+    yield "deep.rawlog", _written(lambda: b"[" * 10**7), use_raw_log, 0
     yield "skip.toml", _written(_skip), tomls.mapping, 0
     yield "keys.toml", _written(lambda: b"[" + b"a." * 10**6 + b"a]"), tomls.hand, 2 * 10**6
 
@@ -206,7 +209,7 @@ def _block(path: Path) -> None:
     """A channel whose one block unpacks to a gigabyte instead of its 16 MB."""
     import h5py
 
-    path.write_bytes(tomls.recording_hdf5())
+    path.write_bytes(seeds.recording_hdf5())
     packed = zlib.compressobj(9)
     data = b"".join(packed.compress(b"\0" * (1 << 20)) for _ in range(1000)) + packed.flush()
     with h5py.File(path, "r+") as file:
@@ -223,7 +226,7 @@ def _block(path: Path) -> None:
 def _claims(path: Path) -> None:
     import h5py
 
-    path.write_bytes(tomls.recording_hdf5())
+    path.write_bytes(seeds.recording_hdf5())
     with h5py.File(path, "r+") as file:
         for name in list(file["channels"]):
             del file["channels"][name]
@@ -255,7 +258,7 @@ def _set(path: Path) -> None:
 def _outside(path: Path) -> None:
     import h5py
 
-    path.write_bytes(tomls.recording_hdf5())
+    path.write_bytes(seeds.recording_hdf5())
     with h5py.File(path, "r+") as file:
         del file["channels/current"]
         file["channels/current"] = h5py.ExternalLink("recording.h5", "/channels/current")

@@ -48,9 +48,12 @@ def toml(data: bytes, rng: Rng) -> bytes:
 
 
 def as_json(data: bytes, rng: Rng) -> bytes:
-    """Values, keys and order changed; bytes in one of ten."""
-    if rng.random() < 0.1:
+    """Values, keys and order changed; bytes in one of ten, nested too deep in one of thirty."""
+    kind = rng.random()
+    if kind < 0.1:
         return nasty.octets(data, rng)
+    if kind < 0.13:
+        return data.replace(b": ", b": " + b"[" * nasty.DEEP, 1)
     return json.dumps(nasty.changed(json.loads(data), rng), default=str).encode()
 
 
@@ -149,6 +152,9 @@ def _attribute(holder: Any, key: str, rng: Rng) -> None:
     import h5py
 
     new = nasty.value(rng) if rng.random() < 0.7 else nasty.TEXTS[rng.integers(0, len(nasty.TEXTS))]
+    old = holder.attrs[key]
+    if isinstance(old, str) and len(old) > 20 and rng.random() < 0.8:
+        new = (as_json if old[0] in "[{" else toml)(old.encode(), rng).decode("utf-8", "replace")
     try:
         if isinstance(new, str):
             raw = new.encode("utf-8", "replace") or b" "

@@ -5,8 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.hostile import corpus
-
 
 def model_bytes() -> bytes:
     """A model of two trees of three nodes in each forest."""
@@ -47,27 +45,44 @@ def model_bytes() -> bytes:
         return (Path(folder) / "model.h5").read_bytes()
 
 
+GRASPS, TIMES = 24, 1e-3 * np.arange(1200)
+TOUCH, LET_GO = 0.3, 0.9  # s
+
+
 def data_set_bytes() -> bytes:
-    """A data set of 24 grasps."""
+    """A data set of 24 grasps, soft and rigid in turn, of which a model can be trained."""
     import h5py
 
     from hannes.core.recording.hdf5 import set_attribute
 
     memory = io.BytesIO()
     fields = [("role", "<i1"), ("completed", "<i1"), ("contact", "<f8"), ("release", "<f8")]
-    rows = np.ones(24, [*fields, ("peak_force", "<f8"), ("object.stiffness", "<f8")])
+    rows = np.ones(GRASPS, [*fields, ("peak_force", "<f8"), ("object.stiffness", "<f8")])
     rows["role"] = [0] * 20 + [1] * 4
-    rows["contact"], rows["release"], rows["peak_force"] = 0.05, 1.15, 100.0
-    rows["object.stiffness"] = [800.0, 20e3] * 12
+    rows["contact"], rows["release"], rows["peak_force"] = TOUCH, LET_GO, 100.0
+    rows["object.stiffness"] = [800.0, 20e3] * (GRASPS // 2)
     with h5py.File(memory, "w") as file:
         texts = {"schema": "hannes-dataset-1", "roles": '["train", "test"]'}
         for key, text in {**texts, "title": "some", "fingerprint": "0"}.items():
             set_attribute(file, key, text)
         file.attrs["border"] = 5500.0
         file["grasps"] = rows
-        file["channels/time"] = times = 1e-3 * np.arange(1200)
-        for name in ("reference", "position", "current", "force"):
-            row = np.interp(0.5 * times, corpus.TIME, corpus.COLUMNS.get(name, corpus.TIME))
-            values = np.tile(row.astype("<f4"), (24, 1))
-            file.create_dataset(f"channels/{name}", data=values, compression="gzip", shuffle=True)
+        file["channels/time"] = TIMES
+        for name, values in grasps(rows["object.stiffness"] > 5500.0).items():
+            kept = values.astype("<f4")
+            file.create_dataset(f"channels/{name}", data=kept, compression="gzip", shuffle=True)
     return memory.getvalue()
+
+
+def grasps(rigid: np.ndarray) -> dict[str, np.ndarray]:
+    """Channels by grasp, shape (grasps, samples): closing, touching, squeezing, letting go."""
+    command = np.interp(TIMES, [0.0, 0.6, LET_GO, 1.2], [0.0, 9.0, 9.0, 0.0])
+    pressed = np.interp(TIMES, [TOUCH, 0.6, LET_GO, LET_GO + 0.1], [0.0, 1.0, 1.0, 0.0])
+    hard = np.where(rigid, 1.0, 0.3) * np.linspace(0.9, 1.1, rigid.size)
+    hard = hard[:, np.newaxis]
+    return {
+        "reference": np.tile(command, (rigid.size, 1)),
+        "position": command * (1.0 - 0.3 * hard * pressed),
+        "current": 0.3 + 2.0 * hard * pressed,
+        "force": 60.0 * hard * pressed,
+    }

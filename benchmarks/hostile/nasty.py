@@ -8,6 +8,7 @@ import numpy as np
 
 Rng = np.random.Generator
 
+DEEP = 3000  # lists in one another: more than Python's stack holds
 NUMBERS = (
     1e308, -1e308, 5e-324, 0, 0.0, -1, -1.5, 1, 3, 2**31, 2**63 - 1, 2**63, 10**400, -(10**30),
     float("inf"), float("nan"), 1e12, 1e300, 1e-300, 65536, 0.1, True, False,
@@ -91,6 +92,7 @@ TEXTS = (
     "time",
     "position",
     "current",
+    "[" * DEEP,
 )
 BYTES = 6  # changed at once
 

@@ -66,7 +66,7 @@ def _varint(value: int, width: int = 0) -> bytes:
 
 def _lying_sheet(path: Path) -> None:
     """A sheet of 400 MB, of which the archive's directory states a thousand bytes."""
-    from benchmarks.hostile.readers import workbook
+    from benchmarks.hostile.seeds import workbook
 
     with zipfile.ZipFile(io.BytesIO(workbook())) as old:
         parts = {each.filename: old.read(each) for each in old.infolist()}

@@ -8,8 +8,10 @@ import re
 import resource
 import signal
 import sys
+import time
 import warnings
 import zlib
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -21,7 +23,9 @@ from benchmarks.hostile import nasty
 from benchmarks.hostile.readers import Reader
 from hannes.core.errors import BadInput, ComputationFailed
 
-SILENT = 60.0  # s without a mutant after which a process counts as hung
+LOOK = 5.0  # s without a mutant after which a process is looked at
+BEYOND = 60.0  # s of processor time, beyond a reader's own, after which it counts as hung
+STILL = 600.0  # s without a mutant after which it counts as hung, however little it computes
 ABOVE, A_BYTE = 100 << 20, 16  # bytes resident: above what was held before, and a byte decoded
 ADDRESSES = 3 << 30  # bytes of address space above that
 CHUNK = 100  # mutants between two looks at the folder
@@ -100,12 +104,17 @@ def digest(folder: Path) -> str:
     return found.hexdigest()
 
 
-def prepare(reader: Reader, folder: Path) -> None:
-    """Read the sound file here, so that every process of mutants has all imports at once."""
+def prepare(reader: Reader, folder: Path) -> str:
+    """Read the sound file here, so that all is imported; why it is refused, "" where it is not."""
     path = folder / f"mutant{reader.ending}"
     path.write_bytes(reader.seed())
-    reader.use(path)
-    path.unlink()
+    try:
+        reader.use(path)
+    except BadInput as error:
+        return str(error) if reader.sound else ""
+    finally:
+        path.unlink(missing_ok=True)
+    return ""
 
 
 def run(reader: Reader, numbers: range, folder: Path) -> Ends:
@@ -115,18 +124,18 @@ def run(reader: Reader, numbers: range, folder: Path) -> Ends:
     while first < numbers.stop:
         here, there = context.Pipe(duplex=False)
         process = context.Process(
-            target=_work, args=(reader, range(first, numbers.stop), folder, there), daemon=True
-        )
+            target=_work, args=(reader, range(first, numbers.stop), folder, there)
+        )  # no daemon: verbs start processes of their own
         process.start()
         there.close()
-        first = _followed(here, process, ends, first)
+        first = _followed(here, process, ends, first, reader.seconds)
     return ends
 
 
-def _followed(pipe: Connection, process: Any, ends: Ends, first: int) -> int:
+def _followed(pipe: Connection, process: Any, ends: Ends, first: int, seconds: float) -> int:
     """Take what a process reports until it ends; return the number of the next mutant."""
     why = "hung"
-    while pipe.poll(SILENT):
+    while _heard(pipe, process.pid, seconds + BEYOND):
         try:
             report = pipe.recv()
         except EOFError:
@@ -143,6 +152,26 @@ def _followed(pipe: Connection, process: Any, ends: Ends, first: int) -> int:
     return first + 1
 
 
+def _heard(pipe: Connection, pid: int, seconds: float) -> bool:
+    """Wait for a report; False where none comes in so much processor time, or in STILL.
+
+    On a machine with other work a minute passes in which a process hardly runs.
+    """
+    spent, late = _spent(pid), time.monotonic() + STILL
+    while not pipe.poll(LOOK):
+        if _spent(pid) > spent + seconds or time.monotonic() > late:
+            return False
+    return True
+
+
+def _spent(pid: int) -> float:
+    """Processor time of a process so far [s]; of children only those that have ended."""
+    with suppress(OSError):
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+    return 0.0
+
+
 def _work(reader: Reader, numbers: range, folder: Path, pipe: Connection) -> None:
     os.chdir(folder)
     sys.path.append(str(folder.parent / "path"))
@@ -151,12 +180,9 @@ def _work(reader: Reader, numbers: range, folder: Path, pipe: Connection) -> Non
     os.dup2(null, 2)
     data = reader.seed()
     path = folder / f"mutant{reader.ending}"
-    path.write_bytes(data)
-    try:
-        reader.use(path)  # whole, it is read; and what it needs is imported
-    except BadInput:
-        if reader.sound:
-            raise
+    if refusal := prepare(reader, folder):
+        pipe.send(Ends(faults=[(k, f"the sound file: {refusal}"[:200]) for k in numbers]))
+        return
     signal.signal(signal.SIGPROF, _late)
     _limit_addresses()
     before = digest(folder)
@@ -234,6 +260,11 @@ class Ledger:
                 row = json.loads(line)
                 key = (row.pop("reader"), row.pop("first"), row.pop("last"))
                 self.known[key] = Ends(**row)
+
+    def has(self, reader: Reader, count: int, step: int) -> bool:
+        """Whether all mutants of a reader up to `count` are known, in steps."""
+        firsts = range(0, count, step)
+        return all((reader.name, k, min(k + step, count)) in self.known for k in firsts)
 
     def run(self, reader: Reader, numbers: range, folder: Path) -> Ends:
         """Of these mutants, known or run now."""

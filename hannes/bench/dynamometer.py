@@ -15,6 +15,7 @@ import numpy as np
 
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import lines
+from hannes.core.io.json_text import table
 from hannes.core.recording.recording import Recording
 from hannes.recognition.features import NAMES
 from hannes.recognition.windowing import Windowing
@@ -132,7 +133,7 @@ def merged(recording: Recording, log: ForceLog) -> Recording:
     ):
         if short and abs(value) > TOUCHED:
             raise BadInput(f"the dynamometer's run {end} in the grasp; it must go on around it")
-    said = json.loads(recording.conversion or "{}")
+    said = table(recording.conversion)
     said["dynamometer"] = {
         "shift_s": shift, "rest_N": rest, "period_s": float(np.median(np.diff(log.time)))
     }  # fmt: skip

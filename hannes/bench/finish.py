@@ -6,7 +6,11 @@ from the board's clock to the host's, and the gaps, stand in the recording's `co
 """
 
 import json
-from dataclasses import dataclass, replace
+import math
+from array import array
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +19,16 @@ import numpy as np
 from hannes.bench import haptics
 from hannes.bench.adapters import adapter
 from hannes.bench.clock_map import ClockMap, clock_map
-from hannes.bench.events import About, Adapter, Row
+from hannes.bench.events import About, Adapter, Event, Row
 from hannes.bench.onset import Onset
-from hannes.bench.raw_log import EVENT, FROM_BOARD, HAPTIC, RawLogReader
+from hannes.bench.raw_log import EVENT, FROM_BOARD, HAPTIC, RawLogReader, Record
 from hannes.bench.reader import NANO
 from hannes.core.errors import BadInput
+from hannes.core.io.bounded import deadline
+from hannes.core.io.limits import table_fits
 from hannes.core.recording.recording import Recording
 
+PIECE = 1 << 16  # bytes of a record that an adapter is given at once
 GAP = 1.5  # periods between two samples beyond which something is missing
 
 
@@ -48,32 +55,81 @@ class Rows:
         return clock_map(self.board, self.host)
 
 
+class _Samples:
+    """Samples as they come, as plain numbers: Python's own objects take ten times as much."""
+
+    def __init__(self, path: str | Path, size: int) -> None:
+        self.path, self.size = path, size
+        self.board, self.host, self.values = array("d"), array("d"), array("d")
+        self.width = -1
+
+    def add(self, row: Row, host: float) -> None:
+        """Add a sample and the host's time [s]; BadInput where it fits no table."""
+        if self.width not in (-1, len(row.values)):
+            raise BadInput(
+                f"{self.path}: samples of {self.width} and of {len(row.values)} channels; the "
+                "board was changed while it was recorded"
+            )
+        self.width = len(row.values)
+        self.board.append(row.time)
+        self.host.append(host)
+        self.values.extend(row.values)
+        if not table_fits(len(self.board), self.width + 2, self.size):
+            raise BadInput(f"{self.path}: {len(self.board)} samples are too many; cut the log")
+
+    def in_order(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Board times, host times, values by board time, each time once.
+
+        Frames that were sent again come late: by board time they are in their place.
+        """
+        board, host = np.frombuffer(self.board), np.frombuffer(self.host)
+        values = np.frombuffer(self.values).reshape(board.size, self.width)
+        order = np.argsort(board, kind="stable")
+        order = order[np.append(True, np.diff(board[order]) > 0.0)]
+        return board[order], host[order], values[order]
+
+
 def read_rows(path: str | Path) -> Rows:
     """Read a raw log, whole or cut off. Raises BadInput where no sample is in it."""
-    log = RawLogReader(path)
+    with closing(RawLogReader(path)) as log:
+        return _rows(path, log)
+
+
+def _rows(path: str | Path, log: RawLogReader) -> Rows:
+    late = deadline(path)
     listener = _listener(path, log.about)
-    rows: list[tuple[Row, float]] = []
+    samples = _Samples(path, log.size)
     about, start, events, onset = None, None, [], Onset()
     commands: list[tuple[float, ...]] = []
     for record in log.records():
+        late()
         if record.direction == EVENT:
             events.append((record.time * NANO, record.data.decode(errors="replace")))
         if record.direction == HAPTIC and (sent := haptics.unpack(record.data)):
             commands.append(sent)
         if record.direction != FROM_BOARD:
             continue
-        for event in listener.feed(record.data, record.time * NANO):
+        for event in _heard(listener, record, late):
             if isinstance(event, Row):
-                rows.append((event, record.time * NANO))
+                samples.add(event, record.time * NANO)
             elif isinstance(event, About):
                 about = event
             elif (began := onset.feed(event)) is not None:
                 start = began
-    log.close()
-    if about is None or not rows:
+    if about is None or not samples.board:
         raise BadInput(f"{path}: no sample came from the board; nothing to recover")
-    made = _in_order(about, rows, start, listener, tuple(events), log.about)
-    return replace(made, haptics=tuple(commands))
+    if len(about.channels) != samples.width:
+        raise BadInput(f"{path}: the board named {len(about.channels)} channels and sent others")
+    board, host, values = samples.in_order()
+    said = (tuple(events), log.about, tuple(commands))
+    return Rows(about, board, host, values, start, listener.damaged, *said)
+
+
+def _heard(listener: Adapter, record: Record, late: Callable[[], None]) -> Iterator[Event]:
+    """What a record says, piece by piece."""
+    for at in range(0, len(record.data), PIECE):
+        yield from listener.feed(record.data[at : at + PIECE], record.time * NANO)
+        late()
 
 
 def _listener(path: str | Path, about: dict[str, Any]) -> Adapter:
@@ -83,25 +139,13 @@ def _listener(path: str | Path, about: dict[str, Any]) -> Adapter:
         raise BadInput(f"{path}: its first line names no board; the log is damaged there")
     try:
         return adapter(name, **options)
-    except (TypeError, ValueError, AttributeError):
+    except (TypeError, ValueError, AttributeError, ArithmeticError):
         raise BadInput(f"{path}: its first line has other options than the board {name}") from None
 
 
-def _in_order(
-    about: About,
-    rows: list[tuple[Row, float]],
-    start: float | None,
-    listener: Adapter,
-    events: tuple[tuple[float, str], ...],
-    log: dict[str, Any],
-) -> Rows:
-    """Frames that were sent again come late: by board time they are in their place."""
-    rows.sort(key=lambda pair: pair[0].time)
-    board = np.array([row.time for row, _ in rows])
-    new = np.append(True, np.diff(board) > 0.0)
-    host = np.array([host for _, host in rows])
-    values = np.array([row.values for row, _ in rows])
-    return Rows(about, board[new], host[new], values[new], start, listener.damaged, events, log)
+def _notes(given: Any) -> list[str]:
+    """Notes of a raw log's first line; what is no text is none."""
+    return [each for each in given if isinstance(each, str)] if isinstance(given, list) else []
 
 
 def gaps(time: np.ndarray, period: float) -> list[tuple[float, float]]:
@@ -130,7 +174,8 @@ def recording(
     if np.count_nonzero(inside) < 2:
         raise BadInput("fewer than two samples came after the start; nothing to write")
     time = np.round(time[inside], 9)
-    period = 1.0 / rows.about.rate if rows.about.rate else float(np.median(np.diff(time)))
+    rate = rows.about.rate
+    period = 1.0 / rate if 0.0 < rate < math.inf else float(np.median(np.diff(time)))
     clock = rows.clock()
     said = {
         "from": "raw log of a board",
@@ -138,7 +183,7 @@ def recording(
         "clock": {"offset_s": clock.offset, "drift": clock.drift},
         "gaps_s": gaps(time, period),
         "damaged_frames": rows.damaged,
-        "notes": rows.log.get("notes", []),
+        "notes": _notes(rows.log.get("notes")),
         "events": [words for _, words in rows.events],
     }
     channels = {"time": time}

@@ -15,6 +15,7 @@ from typing import Any
 
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import BLOCK, require_regular
+from hannes.core.io.json_text import parsed
 
 RECORD = struct.Struct("<QBI")
 SCHEMA = "hannes-raw-log-1"
@@ -52,15 +53,15 @@ class RawLogWriter:
 class RawLogReader:
     """Reads a raw log from its start, also while it is being written.
 
-    `about` is its first line. Raises BadInput where the file is no raw log.
+    `about` is its first line, `size` its bytes then. Raises BadInput where it is no raw log.
     """
 
     def __init__(self, path: str | Path) -> None:
-        require_regular(path, "a raw log")
+        self.size = require_regular(path, "a raw log")
         self._file = open(path, "rb")
         line = self._file.readline(65536)
         try:
-            self.about = json.loads(line)
+            self.about = parsed(line)
             known = self.about.get("schema") == SCHEMA
         except (ValueError, AttributeError):
             known = False

@@ -21,7 +21,7 @@ from hannes.bench.events import Adapter, Status
 from hannes.bench.messages import State
 from hannes.bench.port import LinkLost, Port, now
 from hannes.bench.raw_log import EVENT, FROM_BOARD, TO_BOARD, RawLogWriter
-from hannes.core.errors import BadInput
+from hannes.core.errors import BadInput, ComputationFailed
 
 NANO = 1e-9
 BEAT = 0.05  # s between two words to the board
@@ -51,7 +51,8 @@ class Link:
 class Reader:
     """Handle on the reader's process: send bytes to the board, end it.
 
-    Raises BadInput on creation where the port cannot be opened. `notes`: priority and latency.
+    Raises BadInput on creation where the port cannot be opened, ComputationFailed where the process
+    ends before that. `notes`: priority and latency.
     """
 
     def __init__(self, link: Link, log: str | Path, about: Mapping[str, Any] | None = None) -> None:
@@ -62,7 +63,13 @@ class Reader:
         )
         self._process.start()
         far.close()
-        kind, said = self._pipe.recv()
+        try:
+            kind, said = self._pipe.recv()
+        except EOFError:
+            self._process.join()
+            raise ComputationFailed(
+                "the process that reads the port ended before it began"
+            ) from None
         if kind == "refused":
             self._process.join()
             raise BadInput(said)

@@ -1,6 +1,5 @@
 """Reads a finished data set; shapes and types are checked before numbers are read."""
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from hannes.core.errors import BadInput
+from hannes.core.io.json_text import parsed
 from hannes.core.io.limits import FILE_UNPACKING, MIB, VALUES
 from hannes.core.recording.hdf5 import text_attribute
 from hannes.core.recording.hdf5_storage import hdf5_file, member, require_plain
@@ -101,7 +101,7 @@ def read(path: str | Path) -> DataSet:
         time = require_plain(member(file, "channels/time", h5py.Dataset))
         if time.dtype != np.dtype("<f8") or time.ndim != 1 or not 2 <= time.size <= 1_000_000:
             raise BadInput(f"{path}: channels/time: expected 2 or more float64 times")
-        border, roles = float(file.attrs["border"]), json.loads(text_attribute(file, "roles"))
+        border, roles = float(file.attrs["border"]), parsed(text_attribute(file, "roles"))
         title, digest = text_attribute(file, "title"), text_attribute(file, "fingerprint")
         found = DataSet(Path(path), title, table, time[()], border, tuple(roles), digest)
     _check(found)

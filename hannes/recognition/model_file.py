@@ -16,6 +16,7 @@ import numpy as np
 
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
+from hannes.core.io.json_text import parsed
 from hannes.core.recording.hdf5 import set_attribute, text_attribute
 from hannes.core.recording.hdf5_storage import hdf5_file, member, require_plain
 from hannes.recognition import gaussian_process
@@ -79,7 +80,7 @@ def read(path: str | Path) -> Model:
 def _model(file: Any) -> Model:
     if (schema := text_attribute(file, "schema")) != SCHEMA:
         raise BadInput(f"its schema is {schema!r:.60}, expected {SCHEMA!r}")
-    if json.loads(text_attribute(file, "features")) != list(WHOLE):
+    if parsed(text_attribute(file, "features")) != list(WHOLE):
         raise BadInput("it was trained on other features than this version makes; train it anew")
     window, hop, sampling, border, sure = (_number(file, key) for key in NUMBERS)
     forests = {name: _forest(file, name).check(len(NAMES)) for name in FORESTS}

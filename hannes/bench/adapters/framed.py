@@ -1,5 +1,7 @@
 """Boards that speak the protocol of `hannes/bench/messages.py`, the virtual board among them."""
 
+import math
+
 from hannes.bench.board_logic import profile_check
 from hannes.bench.events import About, Event, OtherVersion, Reply, Row, Status
 from hannes.bench.frames import Frame, Splitter, encode
@@ -28,6 +30,7 @@ from hannes.bench.messages import (
 from hannes.bench.sequence import Received
 
 MICRO = 1e-6
+CODES = frozenset("bBhHiIqQfd")  # of a channel, as Python's struct has them
 
 
 class Framed:
@@ -44,7 +47,7 @@ class Framed:
         self._hello: Hello | None = None
         self._channels: dict[int, Channel] = {}
         self._telemetry: Telemetry | None = None
-        self._number, self._check = 0, 0
+        self._number, self._check, self._refused = 0, 0, 0
 
     def ask(self) -> bytes:
         """Bytes that make the board introduce itself."""
@@ -96,7 +99,7 @@ class Framed:
     @property
     def damaged(self) -> int:
         """Frames so far that failed their checks."""
-        return self._splitter.damaged
+        return self._splitter.damaged + self._refused
 
     @property
     def missing(self) -> tuple[tuple[int, int], ...]:
@@ -133,12 +136,24 @@ class Framed:
 
     def _described(self, channel: Channel) -> list[Event]:
         """Once all channels are known, telemetry has a length, and the board is known."""
+        if not _is_readable(channel):
+            self._refused += 1
+            return []
         self._channels[channel.index] = channel
         if self._hello is None or len(self._channels) != self._hello.channels:
             return []
         channels = tuple(self._channels[k] for k in sorted(self._channels))
+        if len({each.name for each in channels}) < len(channels):
+            self._refused += 1
+            return []
         self._telemetry = Telemetry(channels)
         self._lengths[Kind.TELEMETRY] = self._telemetry.format.size
         units = {each.name: each.unit for each in channels}
         hello = self._hello
         return [About(hello.firmware, units, float(hello.rate), hello.watchdog / 1e6)]
+
+
+def _is_readable(channel: Channel) -> bool:
+    """Whether a channel can be read: its CRC was right, and yet it may come from anybody."""
+    known = channel.code in CODES and math.isfinite(channel.scale) and channel.scale != 0.0
+    return known and channel.name.isidentifier() and channel.unit.isprintable()

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Self
 from urllib.parse import parse_qs, urlsplit
 
 from hannes.core.errors import BadInput
+from hannes.core.io.json_text import parsed
 
 if TYPE_CHECKING:
     from websockets.http11 import Request, Response
@@ -123,8 +124,8 @@ class PanelServer:
 
     def _take(self, message: str | bytes) -> None:
         try:
-            asked = json.loads(message)
-        except (ValueError, RecursionError):
+            asked = parsed(message)
+        except ValueError:
             return
         if isinstance(asked, dict):
             self.asked.put(asked)

@@ -11,6 +11,7 @@ from hannes.campaigns.foreign.binary_columns import Arrays, require_file
 from hannes.campaigns.foreign.nested import DEEPEST, columns
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import read_bytes
+from hannes.core.io.json_text import parsed
 from hannes.core.io.limits import MIB
 
 SPACE = " \t\r\n"
@@ -54,8 +55,8 @@ def _refuse_lines(text: str) -> None:
     first, _, rest = text.partition("\n")
     if rest.strip(SPACE):
         try:
-            json.loads(first)
-        except (ValueError, RecursionError):
+            parsed(first)
+        except ValueError:
             return
         raise ValueError("one record a line")
 
@@ -100,8 +101,8 @@ def _lines(path: Path, text: str, whole: ValueError) -> Iterator[Any]:
         if not line.strip():
             continue
         try:
-            record = json.loads(line)
-        except (ValueError, RecursionError) as error:
+            record = parsed(line)
+        except ValueError as error:
             if start > last and count > 1:
                 return
             reason = whole if count < 2 else error

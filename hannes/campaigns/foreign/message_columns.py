@@ -5,7 +5,6 @@ A topic's numbers are `topic/field`; of a JointState those of a joint are `topic
 one, else when it was logged, in s since the log's first message.
 """
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from hannes.campaigns.foreign.message_definitions import require_sized
 from hannes.campaigns.foreign.nested import Records
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import deadline
+from hannes.core.io.json_text import parsed
 from hannes.core.io.limits import BYTES, COLUMNS, MIB
 from hannes.core.io.optional import library
 
@@ -96,7 +96,7 @@ def _of_mcap(path: Path) -> Iterator[Message]:
             if count > MOST_MESSAGES:
                 raise BadInput(f"{path}: more than {MOST_MESSAGES} messages; cut it")
             if channel.message_encoding == "json":
-                fields = json.loads(message.data)
+                fields = parsed(message.data)
                 if isinstance(fields, dict):
                     yield channel.topic, message.log_time, fields, len(message.data)
 

@@ -4,7 +4,6 @@ Vectors such as `observation.state` are taken apart: `observation.state/3`, or b
 the data set gives them, `observation.state/elbow_flex.pos`.
 """
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from hannes.campaigns.foreign.parquet_size import require_unpackable
 from hannes.campaigns.foreign.text_codes import TextCodes
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import read_bytes
+from hannes.core.io.json_text import parsed
 from hannes.core.io.limits import BYTES, COLUMNS, MIB, VALUES, table_fits
 from hannes.core.io.optional import library
 
@@ -67,8 +67,8 @@ def _names(path: Path) -> dict[str, list[str]]:
     if not path.is_dir():
         return {}
     try:
-        features = json.loads(read_bytes(path / INFO, most=MOST_INFO))["features"]
-    except (TypeError, ValueError, KeyError, RecursionError):
+        features = parsed(read_bytes(path / INFO, most=MOST_INFO))["features"]
+    except (TypeError, ValueError, KeyError):
         raise BadInput(f"{path / INFO}: cannot be read; expected a LeRobot data set") from None
     named = {}
     for name, each in features.items() if isinstance(features, dict) else ():

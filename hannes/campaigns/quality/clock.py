@@ -54,9 +54,8 @@ def _gaps(subject: Subject, intervals: FloatArray, wide: NDArray[np.bool_]) -> I
 
 def _cut(subject: Subject, place: int) -> bool:
     """Whether a wide interval is one that the mapping cut."""
-    cuts = subject.converted.get("cut_s", ())
     before, after = subject.time[place], subject.time[place + 1]
-    return any(before <= end and start <= after for start, end in cuts)
+    return any(before <= end and start <= after for start, end in subject.converted.cuts)
 
 
 def _lost(subject: Subject, place: int) -> int:

@@ -151,8 +151,8 @@ def _roughness(values: FloatArray) -> float:
 
 
 def _other_way_round(subject: Subject, name: str, command: str) -> Finding:
-    columns = subject.converted.get("channels", {})
-    is_of, should = (columns.get(each, {}).get("column", each) for each in (name, command))
+    columns = subject.converted.columns
+    is_of, should = (columns.get(each, each) for each in (name, command))
     mend = (f'channels.{name}.column = "{should}"', f'channels.{command}.column = "{is_of}"')
     text = f"moves before {command}, which is rough as a sensor is: the two columns are swapped; "
     return fault("swapped", name, text + f"convert with {' and '.join(mend)}", mend=mend)

@@ -1,14 +1,13 @@
 """A recording under inspection: limits of its channels, noise, quantisation, speeds."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.quality.conversion import Conversion, conversion
 from hannes.core.recording.channel_limits import Expected
 from hannes.core.recording.recording import Recording
 from hannes.core.recording.white_noise import levels, noise, quantum
@@ -70,19 +69,14 @@ class Subject:
         return frozenset(followed | self.asked | {"reference", "pulses"})
 
     @cached_property
-    def converted(self) -> Mapping[str, Any]:
-        """Report of the conversion that made the recording, empty where it is not known."""
-        try:
-            found = json.loads(self.recording.conversion or "{}")
-        except ValueError:
-            return {}
-        return found if isinstance(found, dict) else {}
+    def converted(self) -> Conversion:
+        """The conversion that made the recording, as far as it is known."""
+        return conversion(self.recording.conversion)
 
     def raw(self, name: str, value: float) -> float:
         """A channel's value as its column has it, as far as the conversion is known."""
-        rule = self.converted.get("channels", {}).get(name, {})
-        factor, offset = float(rule.get("factor", 1.0)), float(rule.get("offset", 0.0))
-        return (value - offset) / factor if factor else value
+        factor, offset = self.converted.scales.get(name, (1.0, 0.0))
+        return (value - offset) / factor
 
     @property
     def planned(self) -> FloatArray | None:

@@ -29,6 +29,16 @@ def noted() -> Iterator[set[Path]]:
             outer |= found
 
 
+@contextmanager
+def unnoted() -> Iterator[None]:
+    """Note nothing that is read within: a look at what stands where an output will be."""
+    token = _NOTED.set(None)
+    try:
+        yield
+    finally:
+        _NOTED.reset(token)
+
+
 def is_file(path: str | Path) -> bool:
     """Whether a regular file lies there; no, too, for a name that no file can have."""
     try:

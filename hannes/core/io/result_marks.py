@@ -8,11 +8,18 @@ versions are known by the names that their marker lists, or by what stands besid
 import hashlib
 import json
 import os
+import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from hannes.core.errors import BadInput
+from hannes.core.io.bounded import blocks, read_bytes
+from hannes.core.io.inputs import unnoted
+from hannes.core.io.json_text import parsed
+from hannes.core.io.limits import MIB
 
 MARKER = ".hannes-results"
 CONVERTED, BESIDE = ".conversion.json", ".hannes.json"  # after a CSV's name: convert's, others'
@@ -37,6 +44,8 @@ SIGNS = {
     ".mcap": (b"hannes", "export"),
     ".c": (b"Written by `hannes export-c`", "export-c"),
 }
+MOST_MARK = 64 * MIB  # of a mark: a line for each of half a million files
+_WORD = re.compile(r"[a-z][a-z-]{0,30}")
 _HEAD = 1 << 22  # bytes in which that is looked for
 
 
@@ -58,10 +67,7 @@ class Mark:
 
 def folder_mark(folder: Path) -> Mark | None:
     """The mark of a folder of results, None where it has none."""
-    try:
-        content = json.loads((folder / MARKER).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
+    content = _content(folder / MARKER)
     if isinstance(content, list):
         names = {str(name): "" for name in content}
         return Mark(
@@ -70,7 +76,7 @@ def folder_mark(folder: Path) -> Mark | None:
         )
     if isinstance(content, dict) and isinstance(content.get("files"), dict):
         return Mark(
-            str(content.get("verb", "")), {str(k): str(v) for k, v in content["files"].items()}
+            _verb(content.get("verb")) or "", {str(k): str(v) for k, v in content["files"].items()}
         )
     return None
 
@@ -138,13 +144,21 @@ def beside(path: Path, verb: str) -> Path:
     return path.with_name(path.name + (CONVERTED if verb == "convert" else BESIDE))
 
 
+def _verb(given: Any) -> str | None:
+    """A verb that a file names, None where it is no word: anybody may have written it."""
+    return given if isinstance(given, str) and _WORD.fullmatch(given) else None
+
+
 def _fmu_verb(path: Path) -> str | None:
     """An FMU is a zip archive; hannes' has a script of this name in it."""
     import zipfile
 
-    with suppress(zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
-        return "fmu" if any(name.endswith("hannes_fmu.py") for name in archive.namelist()) else None
-    return None
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
+    except Exception:  # a damaged file raises nearly anything from inside the library
+        return None
+    return "fmu" if any(name.endswith("hannes_fmu.py") for name in names) else None
 
 
 def _signed_verb(path: Path) -> str | None:
@@ -184,7 +198,7 @@ def _recording_verb(file: Any) -> str | None:
     from hannes.core.recording.hdf5 import text_attribute
 
     if "written_by" in file.attrs:
-        return text_attribute(file, "written_by")
+        return _verb(text_attribute(file, "written_by"))
     if "conversion" in file.attrs and text_attribute(file, "conversion"):
         return "convert"
     simulated = "source" in file.attrs and text_attribute(file, "source") == "simulated"
@@ -198,8 +212,8 @@ def _csv_verb(path: Path) -> str | None:
             continue
         if "sha256" in content:
             if digest(path) in content["sha256"]:
-                return str(content["verb"])
-        elif end == CONVERTED and content.get("samples") == _rows(path):
+                return _verb(content.get("verb"))
+        elif end == CONVERTED and content.get("samples", -1) == _rows(path) >= 0:
             return "convert"  # of an earlier version
     return None
 
@@ -209,15 +223,12 @@ def _beside_verb(path: Path) -> str | None:
     content = _beside(path)
     if content is None:
         return None
-    return str(content.get("verb", "convert"))
+    return _verb(content.get("verb", "convert"))
 
 
 def _beside(path: Path) -> dict[str, Any] | None:
     """What a file beside a CSV says, None where it is none of hannes'."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
+    content = _content(path)
     ours = isinstance(content, dict) and isinstance(content.get("sha256", []), list)
     known = ours and (
         {"verb", "sha256"} <= content.keys() or {"samples", "channels"} <= content.keys()
@@ -226,8 +237,19 @@ def _beside(path: Path) -> dict[str, Any] | None:
 
 
 def _rows(path: Path) -> int:
-    import gzip
+    """Rows below the header of a CSV; -1 where it cannot be read within its limits."""
+    count, last = -1, b"\n"
+    with suppress(BadInput), unnoted():
+        for block in blocks(path):
+            count, last = count + block.count(b"\n"), block
+        return count + (not last.endswith(b"\n"))
+    return -1
 
-    opened = gzip.open(path, "rb") if path.name.lower().endswith(".gz") else path.open("rb")
-    with opened as file:
-        return sum(1 for _ in file) - 1
+
+def _content(path: Path) -> Any:
+    """What a mark says, None where it is none: a folder of results may be anybody's."""
+    try:
+        with unnoted():
+            return parsed(read_bytes(path, most=MOST_MARK))
+    except (BadInput, ValueError):
+        return None

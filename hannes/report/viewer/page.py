@@ -37,7 +37,7 @@ def page(title: str, scenes: Sequence[Scene], without: Scene | None = None) -> s
         "effect": len(scenes) > 1,
         "layout": layout(),
     }
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     made = environment()
     return made.get_template("viewer.html.j2").render(
         title=title,
