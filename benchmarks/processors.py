@@ -3,6 +3,8 @@
 How a function is cut into calls, and how much these hand on, is LLVM's choice: it must not decide
 over the time of a grasp. 200 dynamometer grasps through `simulate_many` on one core at rtol 1e-2,
 processor time, all cases in turn. The processor that runs it is named, for ratios differ by it.
+Where a process lies in memory costs or saves as much as the code that it runs: each case is the
+median of many processes, started in turn, of which none waits beside another.
 With `HANNES_BASE=FOLDER` (a checkout with an environment of its own) `beside` compares its time
 too, and that of `simulate` at rtol 1e-3; `diagnoses` that of the two diagnoses of `make run`, once
 compiled. These take about a minute each: some twenty in all, `--quick` twelve.
@@ -24,7 +26,9 @@ from benchmarks.harness import Row, aligned, interval, main, must_show, processo
 ROOT = Path(__file__).parent.parent
 LEVELS = (1, 2, 3)
 PARTS = ("levels", "beside", "diagnoses")
+INSIDE = 5  # timed repeats within one process
 NAMES = ("", "znver2", "skylake-avx512", "haswell")  # of processors; the first one is this one's
+Cases = Mapping[str, tuple[Mapping[str, str], Path]]  # environment, and root of a checkout
 WORKER = """
 import hashlib, os, sys, time
 import numpy as np
@@ -90,9 +94,14 @@ class Runner:
         took, self.digest[way] = self.process.stdout.readline().split()
         self.took.setdefault(way, []).append(float(took))
 
+    def end(self) -> None:
+        """End the process."""
+        self.process.kill()
+        self.process.wait()
+
 
 @contextmanager
-def runners(cases: Mapping[str, tuple[Mapping[str, str], Path]]) -> Iterator[dict[str, Runner]]:
+def runners(cases: Cases) -> Iterator[dict[str, Runner]]:
     """A process for each case, compiled one after the other."""
     with tempfile.TemporaryDirectory() as folder:
         found = {
@@ -103,8 +112,7 @@ def runners(cases: Mapping[str, tuple[Mapping[str, str], Path]]) -> Iterator[dic
             yield found
         finally:
             for each in found.values():
-                each.process.kill()
-                each.process.wait()
+                each.end()
 
 
 def turns(found: Mapping[str, Runner], way: str, repeats: int) -> None:
@@ -115,6 +123,22 @@ def turns(found: Mapping[str, Runner], way: str, repeats: int) -> None:
     for repeat in tqdm(range(repeats), way, leave=False):
         for each in list(found.values())[:: 1 if repeat % 2 else -1]:
             each.run(way)
+
+
+def one_by_one(cases: Cases, rounds: int) -> tuple[dict[str, float], set[str]]:
+    """Median time [ms] of each case over processes of its own, and all digests of results."""
+    took: dict[str, list[float]] = {name: [] for name in cases}
+    digests = set[str]()
+    with tempfile.TemporaryDirectory() as folder:
+        for turn in tqdm(range(rounds + 1), "levels", leave=False):  # the first one compiles
+            for n, (name, case) in enumerate(cases.items()):
+                runner = Runner(Path(folder) / str(n), *case)
+                for _ in range(1 + INSIDE if turn else 1):
+                    runner.run("many")
+                runner.end()
+                digests.add(runner.digest["many"])
+                took[name] += [float(np.median(runner.took["many"][1:]))] if turn else []
+    return {name: float(np.median(each)) for name, each in took.items()}, digests
 
 
 def levels(quick: bool) -> tuple[list[Row], list[Row]]:
@@ -128,10 +152,7 @@ def levels(quick: bool) -> tuple[list[Row], list[Row]]:
         for name in names
         for level in some
     }
-    with runners(cases) as found:
-        turns(found, "many", 3 if quick else 61)
-        times = {name: float(np.median(each.took["many"])) for name, each in found.items()}
-        digests = {each.digest["many"] for each in found.values()}
+    times, digests = one_by_one(cases, 2 if quick else 9)
     least = min(times.values())
     rows: list[Row] = [
         {"compiled_for": name, "ms_per_grasp": took, "over_quickest": took / least}
