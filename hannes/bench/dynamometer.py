@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from hannes.core.errors import BadInput
+from hannes.core.io import atomic_files
 from hannes.core.io.bounded import lines
 from hannes.core.io.json_text import table
 from hannes.core.recording.recording import Recording
@@ -47,6 +48,12 @@ class ForceLog:
         k = int(above[0])
         share = (rest + TOUCHED - self.force[k - 1]) / (self.force[k] - self.force[k - 1])
         return float(self.time[k - 1] + share * (self.time[k] - self.time[k - 1])), rest
+
+
+def write_vernier(log: ForceLog, path: str | Path) -> None:
+    """Write a force log as `read_vernier` reads it."""
+    rows = [f"{t:.6f},{f:.6g}" for t, f in zip(log.time, log.force, strict=True)]
+    atomic_files.write_bytes(path, "\n".join(["Time (s),Force (N)", *rows, ""]).encode())
 
 
 def read_vernier(path: str | Path) -> ForceLog:

@@ -53,7 +53,14 @@ class OtherVersion:
     version: int
 
 
-Event = About | Row | Status | Reply | OtherVersion
+@dataclass(frozen=True)
+class Restarted:
+    """The board began anew, a reset for instance; its clock says this time [s]."""
+
+    time: float
+
+
+Event = About | Row | Status | Reply | OtherVersion | Restarted
 
 
 class Adapter(Protocol):

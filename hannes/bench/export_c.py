@@ -13,16 +13,16 @@ import numpy as np
 
 from hannes.bench.c_tables import CForest, array, c_forest, number
 from hannes.bench.c_vectors import SAMPLES, vectors
-from hannes.bench.grip_loop import RETREAT
 from hannes.bench.live import LONGEST
 from hannes.bench.policy import GripSettings
+from hannes.bench.release import RETREAT, TURN
 from hannes.core.errors import BadInput
 from hannes.recognition import features
-from hannes.recognition.model import EXTREME, FADE, HELD, NO_CONTACT, Band, Model
+from hannes.recognition.model import EXTREME, FADE, HELD, LATER, NO_CONTACT, Band, Model
 
 PARTS = Path(__file__).parent / "firmware" / "parts"
 FLAGS = "-std=c99 -O2 -ffp-contract=off"
-GRIP = 8 * 9  # bytes of a struct HannesGrip: its two flags fill the place of a double
+GRIP = 8 * 11  # bytes of a struct HannesGrip: its flags fill the place of a double
 FORESTS = ("rigid", "stiffness", "force")
 GRIP_NAMES = {"speed": "GRIP_SPEED"}  # of its settings, where they are not their own in capitals
 HEAD = """\
@@ -89,7 +89,7 @@ def _sizes(model: Model) -> dict[str, str]:
     smooth, memory = max(1, round(features.SMOOTH / period)), round(features.MEMORY / period)
     reach = max(2 * windowing.size, memory + windowing.size, smooth) + 1
     longest = int(LONGEST * windowing.sampling + 1e-6)
-    held = longest // hop // 2 + 1
+    held = min(longest // hop // 2 + 1, LATER)
     trees = max(getattr(model, name).starts.size - 1 for name in FORESTS)
     return {
         "WINDOW": f"{windowing.size}",
@@ -123,7 +123,7 @@ def _constants(model: Model) -> dict[str, str]:
         "SURE": model.sure,
     }
     values |= {GRIP_NAMES.get(key, key.upper()): x for key, x in asdict(GripSettings()).items()}
-    values["RETREAT"] = RETREAT
+    values |= {"RETREAT": RETREAT, "TURN": TURN}
     return {name: f"({number(value)})" for name, value in values.items()}
 
 
@@ -146,9 +146,12 @@ def _tables(model: Model, forests: Iterable[CForest]) -> str:
     lines = [
         "struct HannesForest {",
         "    uint32_t trees;",
-        "    const uint32_t *start, *next;",
-        "    const uint8_t *feature;",
+        "    const uint32_t *start; /* first inner node of each tree, and the end */",
+        "    const uint8_t *feature; /* + 128: its left child is a leaf, + 64: its right one is */",
         "    const float *threshold;",
+        "    const uint16_t *left; /* inner nodes under the left child; see also far */",
+        "    const uint32_t *far; /* the same where 16 bits are too few, else NULL */",
+        "    const uint16_t *place; /* of a leaf among the values, NULL where each has its own */",
         "    const double *value;",
         "};",
         "struct HannesBand { uint32_t count; const double *x, *low, *high; };",

@@ -10,7 +10,7 @@ import math
 from array import array
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ import numpy as np
 from hannes.bench import haptics
 from hannes.bench.adapters import adapter
 from hannes.bench.clock_map import ClockMap, clock_map
-from hannes.bench.events import About, Adapter, Event, Row
+from hannes.bench.events import About, Adapter, Event, Restarted, Row
 from hannes.bench.onset import Onset
 from hannes.bench.raw_log import EVENT, FROM_BOARD, HAPTIC, RawLogReader, Record
 from hannes.bench.reader import NANO
@@ -89,8 +89,20 @@ class _Samples:
         return board[order], host[order], values[order]
 
 
+@dataclass
+class _Life:
+    """What came from a board between two resets; `start`: of its last command, None without."""
+
+    samples: _Samples
+    haptics: list[tuple[float, ...]] = field(default_factory=list)
+    start: float | None = None
+
+
 def read_rows(path: str | Path) -> Rows:
-    """Read a raw log, whole or cut off. Raises BadInput where no sample is in it."""
+    """Read a raw log, whole or cut off. Raises BadInput where no sample is in it.
+
+    Where the board began anew, that part counts in which the last command began.
+    """
     with closing(RawLogReader(path)) as log:
         return _rows(path, log)
 
@@ -98,31 +110,42 @@ def read_rows(path: str | Path) -> Rows:
 def _rows(path: str | Path, log: RawLogReader) -> Rows:
     late = deadline(path)
     listener = _listener(path, log.about)
-    samples = _Samples(path, log.size)
-    about, start, events, onset = None, None, [], Onset()
-    commands: list[tuple[float, ...]] = []
+    life = kept = _Life(_Samples(path, log.size))
+    about, events, onset = None, [], Onset()
     for record in log.records():
         late()
         if record.direction == EVENT:
             events.append((record.time * NANO, record.data.decode(errors="replace")))
         if record.direction == HAPTIC and (sent := haptics.unpack(record.data)):
-            commands.append(sent)
+            life.haptics.append(sent)
         if record.direction != FROM_BOARD:
             continue
         for event in _heard(listener, record, late):
             if isinstance(event, Row):
-                samples.add(event, record.time * NANO)
+                life.samples.add(event, record.time * NANO)
             elif isinstance(event, About):
                 about = event
-            elif (began := onset.feed(event)) is not None:
-                start = began
+            elif isinstance(event, Restarted):
+                kept, life = _newer(kept, life), _Life(_Samples(path, log.size))
+                events.append((record.time * NANO, "the board began anew"))
+            if (began := onset.feed(event)) is not None:
+                life.start = began
+    life = _newer(kept, life)
+    samples = life.samples
     if about is None or not samples.board:
         raise BadInput(f"{path}: no sample came from the board; nothing to recover")
     if len(about.channels) != samples.width:
         raise BadInput(f"{path}: the board named {len(about.channels)} channels and sent others")
     board, host, values = samples.in_order()
-    said = (tuple(events), log.about, tuple(commands))
-    return Rows(about, board, host, values, start, listener.damaged, *said)
+    said = (tuple(events), log.about, tuple(life.haptics))
+    return Rows(about, board, host, values, life.start, listener.damaged, *said)
+
+
+def _newer(before: _Life, life: _Life) -> _Life:
+    """The one that counts: the newer, unless it has no samples, or only the other has a command."""
+    if not life.samples.board or (life.start is None and before.start is not None):
+        return before
+    return life
 
 
 def _heard(listener: Adapter, record: Record, late: Callable[[], None]) -> Iterator[Event]:

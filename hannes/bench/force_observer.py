@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from hannes.bench.events import About, Event, Row
+from hannes.bench.events import About, Event, Restarted, Row
 from hannes.bench.grip_loop import Force
 from hannes.bench.live import channel_places
 from hannes.bench.onset import Onset
@@ -94,7 +94,7 @@ class ForceObserver:
         elif isinstance(event, Row) and self._places:
             current, position, reference = (event.values[k] for k in self._places)
             return self._sample(event.time, current, position, reference)
-        elif self._onset.feed(event) is not None:
+        elif self._onset.feed(event) is not None or isinstance(event, Restarted):
             self._begin()
         return None
 
@@ -103,10 +103,14 @@ class ForceObserver:
         """Stiffness of the object as the twins have it [N/m]."""
         return math.exp(self._x[STIFFNESS])
 
-    def _begin(self) -> None:
+    def begin(self) -> None:
+        """Forget the object: another may be held. The twins stay where the hand is."""
         given = self.settings
         self._x = np.array([math.log(given.stiffness), given.offset, 0.0])
         self._spread = np.diag(np.square(given.start))
+
+    def _begin(self) -> None:
+        self.begin()
         self._twins = [self._twin() for _ in range(3)]
         self._force = Force(0.0, 0.0, 0.0, 0.0)
         self._last: float | None = None

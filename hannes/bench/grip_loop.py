@@ -12,9 +12,8 @@ from hannes.bench.events import About, Event, Row
 from hannes.bench.haptics import HapticCommand, HapticMemory, HapticSample, HapticSettings, haptic
 from hannes.bench.live import Decision, LiveRecogniser
 from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
+from hannes.bench.release import Release
 from hannes.recognition.model import Model
-
-RETREAT = 0.3  # rad behind the touch at which what was held is let go
 
 
 @dataclass(frozen=True)
@@ -40,6 +39,10 @@ class Observer(Protocol):
         """Take one event of the board; return the force at a sample."""
         ...
 
+    def begin(self) -> None:
+        """Forget the object: a new grasp begins."""
+        ...
+
 
 @dataclass(frozen=True)
 class GripPlan:
@@ -53,11 +56,12 @@ class GripPlan:
 
 @dataclass
 class Said:
-    """What came of one event."""
+    """What came of one event; `released`: what was held is let go, and nothing new was met."""
 
     decisions: list[Decision] = field(default_factory=list)
     force: Force | None = None
     haptic: HapticCommand | None = None
+    released: bool = False
 
 
 class GripLoop:
@@ -71,16 +75,22 @@ class GripLoop:
         self._places: dict[str, int] = {}
         self._grip, self._haptic = GripMemory(), HapticMemory()
         self._last: float | None = None
+        self._tick_time = 0.0  # s between two ticks, as the board says
         self._decision: Decision | None = None
         self._held: Decision | None = None  # the last that touched, until it is let go
+        self._release = Release()
         self._force = Force(0.0, 0.0, 0.0, 0.0)
         self.set_point = 0.0
 
     def feed(self, event: Event, wanted: float) -> Said:
         """Take one event, while the command is `wanted` [rad]."""
-        said = Said(self._recogniser.feed(event))
         if isinstance(event, About):
             self._places = {name: k for k, name in enumerate(event.channels)}
+            self._tick_time = 1.0 / event.rate if event.rate else 0.0
+        elif isinstance(event, Row) and self._places:
+            self._begin_again(event)
+        decisions, is_open = self._recogniser.feed(event), self._release.is_open
+        said = Said([] if is_open else decisions, released=is_open)
         if said.decisions:
             self._decision = said.decisions[-1]
         if self._observer is not None:
@@ -103,8 +113,15 @@ class GripLoop:
         """Whether the policy holds the object firmly."""
         return self._grip.firm
 
+    def _begin_again(self, row: Row) -> None:
+        """Forget what was held before, where the hand turns to close once more."""
+        if self._release.begins(row.values[self._places["position"]]):
+            self._recogniser.begin(row.time)
+            if self._observer is not None:
+                self._observer.begin()
+
     def _tick(self, row: Row, wanted: float, said: Said) -> None:
-        period = max(row.time - self._last, 0.0) if self._last is not None else 0.0
+        period = self._tick_time if self._last is None else max(row.time - self._last, 0.0)
         self._last = row.time
         position = row.values[self._places["position"]]
         held = self._holds(position)
@@ -127,6 +144,6 @@ class GripLoop:
         """What recognition last said of the object, until the hand has let it go."""
         if self._decision is not None and self._decision.touched:
             self._held = self._decision
-        if self._held is not None and position < self._held.touch_position - RETREAT:
+        if self._held and self._release.lets_go(self._held.touch_position, position):
             self._held = self._decision = None
         return self._held

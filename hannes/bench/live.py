@@ -4,30 +4,29 @@ Samples enter in the order of the raw log. What is said at a moment follows from
 alone; a gap is bridged by a straight line once the next sample is there, as for a recording.
 """
 
-from collections.abc import Iterator
+import math
+from collections import deque
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from hannes.bench.adapters import adapter
-from hannes.bench.events import About, Event, Row
+from hannes.bench.events import About, Event, Restarted, Row
 from hannes.bench.onset import Onset
-from hannes.bench.raw_log import FROM_BOARD, RawLogReader
-from hannes.bench.reader import NANO
 from hannes.core.errors import BadInput
 from hannes.recognition.features import CHANNELS, NAMES
 from hannes.recognition.model import (
+    LATER,
     SINCE,
     WORDS,
     Estimate,
     Model,
     decided,
+    faded,
     grasp_peak,
-    grasp_stiffness,
     held,
-    running,
+    middle,
 )
+from hannes.recognition.windowing import GrowingFeatures
 
 TOUCH = NAMES.index("touch_position")
 LONGEST = 30.0  # s of one grasp; then a new one is taken to begin
@@ -53,6 +52,15 @@ class Decision:
     force: Estimate | None
 
 
+def warm_up(model: Model) -> None:
+    """Have recognition loaded and compiled before a hand moves: a second's delay stops it."""
+    recogniser, windowing = LiveRecogniser(model), model.windowing
+    recogniser.feed(About("none", dict.fromkeys(CHANNELS, "1"), windowing.sampling, 0.0))
+    for k in range(2 * windowing.size + 1):
+        recogniser.feed(Row(k, k / windowing.sampling, (0.0, 0.0, 0.0)))
+    model.force.quantiles(np.zeros((1, len(NAMES)), np.float32))
+
+
 def channel_places(about: About) -> list[int]:
     """Places of current, position, reference in a board's rows; BadInput where one is missing."""
     names = list(about.channels)
@@ -68,7 +76,7 @@ class LiveRecogniser:
     def __init__(self, model: Model) -> None:
         self.model, self._onset = model, Onset()
         self._places: list[int] | None = None
-        self._begin(0.0)
+        self.begin(0.0)
 
     def feed(self, event: Event) -> list[Decision]:
         """Take one event; return the decisions that it allows, often none."""
@@ -76,110 +84,66 @@ class LiveRecogniser:
             return self._sample(event)
         if isinstance(event, About):
             self._places = channel_places(event)
+        elif isinstance(event, Restarted):
+            self.begin(event.time)
         elif (began := self._onset.feed(event)) is not None:
-            self._begin(began)
+            self.begin(began)
         return []
 
-    def _begin(self, board_time: float) -> None:
-        self._start, self._times, self._rows = board_time, list[float](), list[list[float]]()
-        self._grid = np.empty((1024, len(CHANNELS)))
-        self._count = self._windows = 0
-        self._known = _Windows.none()
+    def begin(self, board_time: float) -> None:
+        """Forget what was seen: a grasp begins at `board_time` [s]."""
+        self._start, self._first, self._last = board_time, 0.0, -math.inf
+        self._newest: tuple[float, np.ndarray] | None = None
+        self._features = GrowingFeatures(self.model.windowing)
+        self._odds = 0.0  # fading mean of the log odds
+        self._held: deque[np.ndarray] = deque(maxlen=LATER)  # quantiles of stiffness, newest
+        self._windows_held = 0
 
     def _sample(self, row: Row) -> list[Decision]:
         since = row.time - self._start
-        if since < -1e-9 or (self._times and since <= self._times[-1]):
+        if since < -1e-9 or since <= self._last:
             return []  # before the start, or a frame sent again: too late for live
         if since > LONGEST:
-            self._begin(row.time)
+            self.begin(row.time)
             since = 0.0
-        self._times.append(since)
-        self._rows.append([row.values[k] for k in self._places or ()])
-        self._extend()
-        return self._decide(row.time)
+        values = np.array([row.values[k] for k in self._places or ()])
+        rows = self._features.take(self._on_grid(since, values))
+        self._last, self._newest = since, (since, values)
+        return [self._decision(*each, row.time) for each in rows]
 
-    def _extend(self) -> None:
-        """Bring the newest samples onto the model's grid."""
-        sampling, first = self.model.windowing.sampling, self._times[0]
-        last = int((self._times[-1] - first) * sampling + 1e-6)
-        near, rows = np.array(self._times[-2:]) - first, np.array(self._rows[-2:])
-        for k in range(self._count, last + 1):
-            if k == len(self._grid):
-                self._grid = np.concatenate([self._grid, np.empty_like(self._grid)])
-            self._grid[k] = [np.interp(k / sampling, near, column) for column in rows.T]
-        self._count = max(self._count, last + 1)
+    def _on_grid(self, since: float, values: np.ndarray) -> list[np.ndarray]:
+        """Samples of the model's grid up to the newest, on straight lines between those there."""
+        sampling, newest = self.model.windowing.sampling, self._newest
+        if newest is None:
+            self._first = since
+            return [values]
+        last = int((since - self._first) * sampling + 1e-6)
+        near = np.array([newest[0], since]) - self._first
+        pair = np.array([newest[1], values])
+        return [
+            np.array([np.interp(k / sampling, near, column) for column in pair.T])
+            for k in range(self._features.count, last + 1)
+        ]
 
-    def _decide(self, board_time: float) -> list[Decision]:
-        ends = self.model.windowing.ends(self._count)
-        if ends.size <= self._windows:
-            return []
-        rows = self.model.windowing.features(self._grid[np.newaxis, : self._count])[0]
-        made = []
-        for k in range(self._windows, ends.size):
-            self._known.add(self.model, rows[k : k + 1])
-            made.append(self._decision(rows[: k + 1], board_time))
-        self._windows = ends.size
-        return made
-
-    def _decision(self, rows: np.ndarray, board_time: float) -> Decision:
-        model, touched, holds = self.model, rows[:, SINCE] > 0.0, held(rows)
-        so_far = running(np.array(self._known.rigid), touched, model.windowing.hop)
-        probability = float(so_far[-1]) if holds.any() else 0.5
-        word = WORDS[int(decided(np.array([probability]), model.sure)[0])]
-        stiffness = force = None
-        if holds.any():
-            value, apart = grasp_stiffness(np.array(self._known.stiffness)[holds])
+    def _decision(self, window: int, row: np.ndarray, board_time: float) -> Decision:
+        """What is said at the end of a window with features `row` (1, features)."""
+        model, touched, holds = self.model, bool(row[0, SINCE] > 0.0), bool(held(row)[0])
+        self._odds = faded(self._odds, float(model.windows(row)[0]), touched, model.windowing.hop)
+        if holds:
+            self._held.append(model.stiffness.quantiles(row)[0])
+            self._windows_held += 1
+        probability, stiffness, force = 0.5, None, None
+        if self._windows_held:
+            probability = float(1.0 / (1.0 + np.exp(-self._odds)))
+            later = min(self._windows_held - self._windows_held // 2, LATER)
+            value, apart = middle(np.array(self._held)[-later:])
             stiffness = Estimate(value, *model.stiffness_band(value, apart))
-        if holds[-1]:
-            value, apart = grasp_peak(model.force.quantiles(rows[-1:])[0])
+        if holds:
+            value, apart = grasp_peak(model.force.quantiles(row)[0])
             force = Estimate(value, *model.force_band(value, apart))
-        time = float(model.windowing.times(self._count)[len(rows) - 1])
+        word = WORDS[int(decided(np.array([probability]), model.sure)[0])]
+        time = model.windowing.time_of(window)
         return Decision(
-            time, board_time, word, probability, bool(touched[-1]), float(rows[-1, TOUCH]),
-            bool(holds[-1]), stiffness, force,
+            time, board_time, word, probability, touched, float(row[0, TOUCH]), holds, stiffness,
+            force,
         )  # fmt: skip
-
-
-@dataclass
-class _Windows:
-    """What the forests say of each window so far: probability of rigid, quantiles of stiffness."""
-
-    rigid: list[float]
-    stiffness: list[np.ndarray]
-
-    @staticmethod
-    def none() -> "_Windows":
-        return _Windows([], [])
-
-    def add(self, model: Model, row: np.ndarray) -> None:
-        """Take in the features of one more window, shape (1, features)."""
-        self.rigid.append(float(model.windows(row)[0]))
-        self.stiffness.append(model.stiffness.quantiles(row)[0])
-
-
-class Follower:
-    """Reads a raw log as it grows and recognises: `for decision in Follower(log, model): ...`
-
-    `poll` gives what is there; iterating goes through a log that is whole.
-    """
-
-    def __init__(self, log: str | Path, model: Model) -> None:
-        self._log = RawLogReader(log)
-        about = self._log.about
-        self._listener = adapter(about.get("board", "hannes"), **about.get("options", {}))
-        self._live = LiveRecogniser(model)
-
-    def poll(self) -> Iterator[tuple[Event, list[Decision]]]:
-        """Events that have come since the last look, each with the decisions that it allows."""
-        for record in self._log.records():
-            if record.direction == FROM_BOARD:
-                for event in self._listener.feed(record.data, record.time * NANO):
-                    yield event, self._live.feed(event)
-
-    def __iter__(self) -> Iterator[Decision]:
-        for _, decisions in self.poll():
-            yield from decisions
-
-    def close(self) -> None:
-        """Close the log."""
-        self._log.close()

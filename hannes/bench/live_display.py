@@ -9,19 +9,24 @@ import multiprocessing
 import queue
 import time
 from collections import deque
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from hannes.bench.live_run import Moment
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from rich.console import Console, ConsoleOptions, RenderableType
 
-BARS = " ▁▂▃▄▅▆▇█"
-WIDTH, KEPT = 60, 300  # characters of a trace, moments that it shows
+BARS = "▁▂▃▄▅▆▇█"
+KEPT = 600  # moments that a trace shows, some five seconds
+NAMES_WIDE, VALUES_WIDE = 9, 24  # characters
+AROUND = NAMES_WIDE + VALUES_WIDE + 10  # of what is beside a trace, its border with it
 WAITING = 200  # moments that the display may be behind
 LINE = 0.25  # s between two plain lines
-TRACES = (("position", "rad"), ("current", "A"))
+TRACES = (("position", "rad", 1.0), ("current", "A", 0.2))  # and the least span of a trace
+LEAST_FORCE = 5.0  # N, likewise
 
 
 class Display:
@@ -62,6 +67,9 @@ class PlainLines:
 
     def put(self, moment: Moment) -> None:
         """Print the moment where a line is due."""
+        if moment.released and self._word:
+            self._word = ""
+            print(f"{moment.time:9.3f} s  let go", flush=True)
         if moment.decision is None:
             return
         word = moment.decision.word
@@ -105,42 +113,70 @@ def _show(title: str, moments: Any) -> None:
         while (moment := moments.get()) is not None:
             kept.append(moment)
             if moments.empty():
-                shown.update(panel(title, kept))
+                shown.update(Picture(title, kept))
                 time.sleep(0.02)
 
 
-def panel(title: str, kept: "deque[Moment]") -> "RenderableType":
-    """Traces, verdict, confidence, force and link of the moments so far."""
-    from rich.panel import Panel
-    from rich.table import Table
+class Picture:
+    """Traces, verdict, confidence, force and link of the moments so far, as wide as the terminal.
 
-    rows = Table.grid(padding=(0, 2))
-    for name, unit in TRACES:
-        values = [each.values.get(name, 0.0) for each in kept]
-        rows.add_row(name, trace(values), f"{values[-1]:.2f} {unit}")
-    forces = [each.force.value if each.force else 0.0 for each in kept]
-    last = kept[-1].force
-    band = f"{last.value:.1f} N ({last.low:.1f} to {last.high:.1f})" if last else "-"
-    rows.add_row("force", trace(forces), band)
-    decision = next((each.decision for each in reversed(kept) if each.decision), None)
-    if decision is not None:
-        bar = trace([decision.rigid] * 10, 0.0, 1.0)
-        rows.add_row("verdict", f"[bold]{decision.word}[/bold]", f"{bar} {decision.rigid:.2f}")
-        stiff = decision.stiffness
-        said = f"{stiff.value:.0f} N/m ({stiff.low:.0f} to {stiff.high:.0f})" if stiff else "-"
-        rows.add_row("stiffness", said, "held firmly" if kept[-1].firm else "")
-    if last is not None and last.warns:
-        rows.add_row(
-            "residual", "[red]the machine has left the model[/red]", f"{last.residual:.1f}"
+    At least 60 columns are wanted; at 80 by 24 nothing is cut off.
+    """
+
+    def __init__(self, title: str, kept: "Sequence[Moment]") -> None:
+        self.title, self.kept = title, list(kept)
+
+    def __rich_console__(
+        self, console: "Console", options: "ConsoleOptions"
+    ) -> "Iterator[RenderableType]":
+        from rich.panel import Panel
+        from rich.table import Table
+
+        rows = Table.grid(padding=(0, 2))
+        rows.add_column(width=NAMES_WIDE)
+        rows.add_column(width=(wide := max(options.max_width - AROUND, 10)), no_wrap=True)
+        rows.add_column(width=VALUES_WIDE, no_wrap=True)
+        for row in (*self._traces(wide), *self._said(), self._link()):
+            rows.add_row(*row)
+        yield Panel(rows, title=self.title)
+
+    def _traces(self, wide: int) -> "Iterator[tuple[str, str, str]]":
+        for name, unit, span in TRACES:
+            values = [each.values.get(name, 0.0) for each in self.kept]
+            yield name, trace(values, wide, span), f"{values[-1]:.2f} {unit}"
+        forces = [each.force.value if each.force else 0.0 for each in self.kept]
+        last = self.kept[-1].force
+        band = f"{last.value:.1f} N ({last.low:.1f} to {last.high:.1f})" if last else "-"
+        yield "force", trace(forces, wide, LEAST_FORCE), band
+
+    def _said(self) -> "Iterator[tuple[str, str, str]]":
+        last = self.kept[-1]
+        decision = next((each.decision for each in reversed(self.kept) if each.decision), None)
+        if last.released:
+            yield "verdict", "[bold]nothing held[/bold]", ""
+        elif decision is not None:
+            yield "verdict", f"[bold]{decision.word}[/bold]", f"P(rigid) {decision.rigid:.2f}"
+            stiff = decision.stiffness
+            said = f"{stiff.value:.0f} N/m ({stiff.low:.0f} to {stiff.high:.0f})" if stiff else "-"
+            yield "stiffness", said, "held firmly" if last.firm else ""
+        if last.force is not None and last.force.warns:
+            words = "[red]the machine has left the model[/red]"
+            yield "residual", words, f"{last.force.residual:.1f}"
+
+    def _link(self) -> tuple[str, str, str]:
+        last = self.kept[-1]
+        return (
+            "link",
+            f"damaged {last.damaged}, gaps {last.gaps}; stop: Ctrl-C",
+            f"{last.time:.2f} s",
         )
-    link = f"{kept[-1].damaged} damaged frames, {kept[-1].gaps} gaps; stop with Ctrl-C"
-    rows.add_row("link", link, f"{kept[-1].time:.2f} s")
-    return Panel(rows, title=title)
 
 
-def trace(values: list[float], low: float | None = None, high: float | None = None) -> str:
-    """The newest values as bars, from the least to the most of them."""
-    some = values[-WIDTH:]
-    least = min(some) if low is None else low
-    span = ((max(some) if high is None else high) - least) or 1.0
-    return "".join(BARS[round((len(BARS) - 1) * min(max((v - least) / span, 0), 1))] for v in some)
+def trace(values: Sequence[float], wide: int, least_span: float) -> str:
+    """All values as `wide` bars of means; what spans less than `least_span` is nearly flat."""
+    count = min(wide, len(values))
+    edges = [k * len(values) // count for k in range(count + 1)]
+    means = [sum(values[i:j]) / (j - i) for i, j in pairwise(edges)]
+    least = min(means)
+    span = max(max(means) - least, least_span)
+    return "".join(BARS[round((len(BARS) - 1) * (each - least) / span)] for each in means)

@@ -21,7 +21,7 @@ from hannes.bench.adapters import adapter
 from hannes.bench.events import Event, Row
 from hannes.bench.grip_loop import Force, GripLoop, GripPlan, Observer
 from hannes.bench.haptics import HapticCommand
-from hannes.bench.live import Decision
+from hannes.bench.live import Decision, warm_up
 from hannes.bench.port import now
 from hannes.bench.profile_check import require_within
 from hannes.bench.raw_log import FROM_BOARD, HAPTIC, RawLogReader
@@ -60,8 +60,9 @@ class Moment:
     """What is known when a decision or a haptic command was made.
 
     time: of the newest sample on the board's clock [s]; values: its channels by name; firm: whether
-    the policy holds firmly; set_point [rad]; damaged, gaps: frames that failed their checks, and
-    intervals that never came, so far (of the link, so that a replay need not repeat them)
+    the policy holds firmly; set_point [rad]; released: what was held is let go; damaged, gaps:
+    frames that failed their checks, and intervals that never came, so far (of the link, so that a
+    replay need not repeat them)
     """
 
     time: float
@@ -71,6 +72,7 @@ class Moment:
     haptic: HapticCommand | None
     firm: bool
     set_point: float
+    released: bool = False
     damaged: int = field(default=0, compare=False)
     gaps: int = field(default=0, compare=False)
 
@@ -97,7 +99,7 @@ class _Following:
             values = dict(zip(self.loop.channels, event.values, strict=False))
             self.moments.append(Moment(
                 event.time, values, said.decisions[-1] if said.decisions else None, self._force,
-                said.haptic, self.loop.firm, self.loop.set_point,
+                said.haptic, self.loop.firm, self.loop.set_point, said.released,
             ))  # fmt: skip
 
 
@@ -114,6 +116,7 @@ def live(link: Link, model: Model, log: str | Path, order: LiveOrder) -> Iterato
         require_within(order.variant.hand, experiment, progress=order.progress)
         about = {"experiment": experiment_toml(order.variant.hand, experiment),
                  "hand": hand_toml(order.variant.hand)}  # fmt: skip
+    warm_up(model)
     observer = order.observer() if order.observer else None
     following = _Following(GripLoop(model, order.plan, observer))
     with session(link, log, about) as talk:

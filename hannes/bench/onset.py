@@ -1,6 +1,6 @@
 """When a grasp begins: at the start of a profile, or at the first of a run of set points."""
 
-from hannes.bench.events import Event, Reply, Status
+from hannes.bench.events import Event, Reply, Restarted, Status
 from hannes.bench.messages import Kind, Reason, State
 
 
@@ -14,6 +14,8 @@ class Onset:
         """Take one event."""
         if isinstance(event, Status):
             self._following &= event.state is State.FOLLOWING
+        if isinstance(event, Restarted):
+            self._following = False
         if not isinstance(event, Reply) or event.reason is not Reason.DONE:
             return None
         first = event.kind == Kind.SET_POINT and not self._following

@@ -4,8 +4,10 @@ A pure, causal function of one tick: settings, memory and a sample give new memo
 Plain arithmetic on fixed numbers, so that it is the same in C (`hannes export-c`).
 
 Until something is touched, the command passes. From the touch on the command's further travel
-counts for a share only: `soft_share` while it is soft or nothing is known, all of it once it was
-recognised as rigid for `dwell`. In lasting doubt the likelier class decides after `patience`.
+counts for a share only: `soft_share` at first, and as long as the object is surely soft. While
+doubt remains the hand goes on squeezing, slowly, up to `probe_share`: pressed on, a rigid object
+shows itself more clearly. The share goes back where it proves soft. All of the travel counts once
+it was recognised as rigid for `dwell`, or once `patience` is over and `decide_from` is reached.
 A force set point closes or opens within that limit instead.
 """
 
@@ -19,10 +21,15 @@ class GripSettings:
     """What the policy goes by; times in s, angles in rad at the output shaft, force in N."""
 
     soft_share: float = 0.5  # of the commanded travel beyond the touch, for a soft object
+    probe_share: float = 0.65  # the same while doubt remains
+    probe_speed: float = 2.0  # rad/s, by which the limit goes from one to the other
+    settle: float = 0.15  # s from the touch until that may begin
+    doubt_from: float = 0.065  # probability of rigid from which there is doubt
     rigid_from: float = 0.8  # probability of rigid from which it may be held firmly
     soft_below: float = 0.4  # probability of rigid below which a firm hold ends
     dwell: float = 0.03  # s for which that probability must last
-    patience: float = 0.6  # s from the touch until the likelier class decides
+    patience: float = 0.55  # s from the touch until doubt is decided
+    decide_from: float = 0.72  # probability of rigid from which it is then held firmly
     speed: float = 12.0  # rad/s, most by which the limit changes
     force_gain: float = 0.15  # rad/s for each newton that is missing to a force set point
     force_speed: float = 3.0  # rad/s, most of the same
@@ -66,30 +73,41 @@ def grip(
         return GripMemory(set_point=sample.wanted), sample.wanted
     since = memory.since + sample.period
     certain = memory.certain + sample.period if sample.rigid >= settings.rigid_from else 0.0
-    firm = _firm(settings, memory.firm, sample.rigid, certain, since)
-    aim = 1.0 if firm else settings.soft_share
+    firm = _firm(settings, memory.firm, sample, certain, since)
     beyond = sample.wanted - sample.touch_position
     if beyond <= 0.0:  # the command is to open
         return GripMemory(since, certain, 0.0, firm, 0.0, sample.wanted), sample.wanted
+    share = 1.0 if firm else _soft_share(settings, memory.share, sample, since, beyond)
+    offset = share * beyond
     if sample.force_wanted > 0.0:
-        offset = _force_offset(settings, memory, sample, aim * beyond, firm)
-        share = offset / beyond
-    else:
-        share = aim
-    target = sample.touch_position + share * beyond
+        offset = _force_offset(settings, memory, sample, offset, firm)
     most = settings.speed * sample.period
+    target = sample.touch_position + offset
     set_point = min(max(target, memory.set_point - most), memory.set_point + most)
-    memory = GripMemory(since, certain, share, firm, share * beyond, set_point)
-    return memory, set_point
+    return GripMemory(since, certain, share, firm, offset, set_point), set_point
 
 
-def _firm(settings: GripSettings, firm: bool, rigid: float, certain: float, since: float) -> bool:
-    """Whether the object is to be held firmly: rigid for long enough, or likelier than not."""
+def _firm(
+    settings: GripSettings, firm: bool, sample: GripSample, certain: float, since: float
+) -> bool:
+    """Whether the object is to be held firmly. Times count to the nearest tick."""
     if firm:
-        return rigid >= settings.soft_below
-    if certain >= settings.dwell:
+        return sample.rigid >= settings.soft_below
+    half = 0.5 * sample.period
+    if certain + half >= settings.dwell:
         return True
-    return since >= settings.patience and rigid > 0.5
+    return since + half >= settings.patience and sample.rigid > settings.decide_from
+
+
+def _soft_share(
+    settings: GripSettings, share: float, sample: GripSample, since: float, beyond: float
+) -> float:
+    """Share of the travel beyond the touch that is given while the object is not surely rigid."""
+    doubt = since >= settings.settle and sample.rigid > settings.doubt_from
+    goal = settings.probe_share if doubt else settings.soft_share
+    step = settings.probe_speed * sample.period / max(beyond, 0.1)
+    start = min(max(share, settings.soft_share), settings.probe_share)
+    return min(max(goal, start - step), start + step)
 
 
 def _force_offset(

@@ -2,7 +2,8 @@
 
 Nothing else runs in it, its garbage collector stands still, and its priority is raised where the
 system allows: what is slow (display, recognition, files) reads the raw log from another process.
-It ends, and stops the board, when the program that started it does, however that ended.
+It ends, and stops the board, when the program that started it does, however that ended. It feeds
+the watchdog only while that program gives signs of life: one that hangs has the board stopped.
 """
 
 import contextlib
@@ -20,11 +21,14 @@ from hannes.bench.adapters import adapter
 from hannes.bench.events import Adapter, Status
 from hannes.bench.messages import State
 from hannes.bench.port import LinkLost, Port, now
-from hannes.bench.raw_log import EVENT, FROM_BOARD, TO_BOARD, RawLogWriter
+from hannes.bench.raw_log import EVENT, FROM_BOARD, HAPTIC, TO_BOARD, RawLogWriter
 from hannes.core.errors import BadInput, ComputationFailed
 
 NANO = 1e-9
+HERE = HAPTIC + 1  # in place of a record's direction: a sign of life
 BEAT = 0.05  # s between two words to the board
+SIGN = 0.05  # s between two signs of life of the deciding process
+SILENT = 1.0  # s without one after which the board is stopped
 PATIENCE = 1.0  # s in which a stop must be seen in the telemetry
 RETRY = 0.2  # s between two tries to open a port that went away
 
@@ -74,6 +78,7 @@ class Reader:
             self._process.join()
             raise BadInput(said)
         self.notes: list[str] = said
+        self._signed = 0
 
     @property
     def pid(self) -> int:
@@ -89,6 +94,12 @@ class Reader:
         """Hand a record over for the raw log; harmless where the reader has ended."""
         with contextlib.suppress(OSError):
             self._pipe.send_bytes(bytes([direction]) + data)
+
+    def here(self) -> None:
+        """Give a sign of life where one is due: to be called at least every SILENT seconds."""
+        if now() - self._signed > SIGN / NANO:
+            self._signed = now()
+            self.write_down(HERE, b"")
 
     def is_alive(self) -> bool:
         """Whether the process still runs."""
@@ -144,6 +155,7 @@ class _Loop:
         self.speaker, self.listener = link.adapter(), link.adapter()
         self.beat, self.beaten, self.polled = 0, 0, 0
         self.ending, self.stopped = 0, False
+        self.signed, self.silent = now(), False
 
     def run(self) -> bool:
         """Go on until stopped, the parent is gone, or the link is lost for good."""
@@ -167,24 +179,34 @@ class _Loop:
                 self._look_for_stop(data, stamp)
         if stamp - self.beaten > BEAT / NANO:
             self.beaten, self.beat = stamp, self.beat + 1
-            self._write(self.speaker.alive(self.beat))
-            if self.ending:
+            self._watch(stamp)
+            if not self.silent:
+                self._write(self.speaker.alive(self.beat))
+            if self.ending or self.silent:
                 self._write(self.speaker.stop())
         if self.speaker.polls and stamp - self.polled > self.speaker.polls / NANO:
             self.polled = stamp
             self._write(self.speaker.poll())
         self._obey(stamp)
 
+    def _watch(self, stamp: int) -> None:
+        """Note whether the deciding process hangs, and when it does so no more."""
+        silent = not self.ending and stamp - self.signed > SILENT / NANO
+        if silent and not self.silent:
+            self._event(f"the deciding process hung for {SILENT:g} s: a stop was sent")
+        self.silent = silent
+
     def _obey(self, stamp: int) -> None:
         """Pass on what the parent sends; an empty message or its end means: stop and end."""
         try:
             while not self.ending and self.pipe.poll():
                 data = self.pipe.recv_bytes()
+                self.signed = stamp
                 if not data:
                     self._end(stamp)
                 elif data[0] == TO_BOARD:
                     self._write(data[1:])
-                else:
+                elif data[0] != HERE:
                     self.writer.add(stamp, data[0], data[1:])
         except (EOFError, OSError):
             self._end(stamp)

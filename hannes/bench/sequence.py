@@ -5,7 +5,7 @@ from operator import itemgetter
 
 WIDTH = 1 << 32
 MOST_GAPS = 4096  # twice what boards keep to be sent again
-FURTHEST = 1 << 20  # a jump ahead beyond this is a restarted board, not a gap
+FURTHEST = 1 << 20  # a jump ahead beyond this is a board that began anew, not a gap
 
 
 class Received:

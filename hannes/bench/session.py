@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from hannes.bench.events import About, Adapter, Event, Reply, Row, Status
+from hannes.bench.events import About, Adapter, Event, Reply, Restarted, Row, Status
 from hannes.bench.messages import VERSION, Kind, Reason, State
 from hannes.bench.raw_log import EVENT, FROM_BOARD, RawLogReader
 from hannes.bench.reader import NANO, Link, Reader
-from hannes.core.errors import BadInput, ComputationFailed
+from hannes.core.errors import BadInput, ComputationFailed, HannesError, Interrupted
 
 HELLO_TIME = 2.0  # s within which a board introduces itself
 ASK_AGAIN = 0.25  # s
@@ -27,13 +27,14 @@ ENDED = {
 
 @dataclass
 class Heard:
-    """What a board said so far; `bytes` counts what came, sense or not."""
+    """What a board said so far; `bytes` counts what came, sense or not; `restarts`: its resets."""
 
     about: About | None = None
     status: Status | None = None
     replies: list[Reply] = field(default_factory=list)
     rows: int = 0
     bytes: int = 0
+    restarts: int = 0
     version: int = VERSION
     lost: str = ""
 
@@ -51,15 +52,26 @@ class Session:
         self.read_up_to = 0  # host time of the newest record that was read [ns]
         self.watch: Callable[[Event], None] = lambda event: None  # is shown every event
         self._stopped: bool | None = None  # seen or not, once closed
+        self._unread = self._fresh()
 
     def events(self) -> Iterator[Event]:
-        """What has come since the last look."""
+        """What has come since the last look, which may be left and gone on with.
+
+        To be asked at least once a second: see `Reader`.
+        """
+        self.reader.here()
+        while (event := next(self._unread, None)) is not None:
+            yield event
+        self._unread = self._fresh()
+
+    def _fresh(self) -> Iterator[Event]:
         for record in self._follow.records():
             self.read_up_to = record.time
             if record.direction != FROM_BOARD:
                 if record.direction == EVENT:
                     self.heard.lost = record.data.decode(errors="replace")
                 continue
+            self.reader.here()
             self.heard.bytes += len(record.data)
             for event in self._listener.feed(record.data, record.time * NANO):
                 self._note(event)
@@ -71,7 +83,8 @@ class Session:
         until = time.monotonic() + seconds
         while True:
             for _ in self.events():
-                pass
+                if time.monotonic() > until:
+                    break  # it comes quicker than it is read
             if done():
                 return True
             if time.monotonic() > until or not self.reader.is_alive():
@@ -109,7 +122,12 @@ class Session:
 
     def run_to_end(self, seconds: float) -> None:
         """Wait until the board is idle again; ComputationFailed where something stopped it."""
-        self.wait(lambda: self._state() not in (State.RUNNING, None), seconds + HELLO_TIME)
+        before = self.heard.restarts
+        self.wait(
+            lambda: self._state() not in (State.RUNNING, None) or self.heard.restarts > before,
+            seconds + HELLO_TIME,
+        )
+        self._require_one_life(before)
         state = self._state()
         if state in ENDED:
             raise ComputationFailed(f"{self.link.port}: the board was stopped by {ENDED[state]}")
@@ -128,6 +146,7 @@ class Session:
 
     def require_following(self) -> None:
         """Raise ComputationFailed where the board was stopped, or the link is lost."""
+        self._require_one_life(0)
         status = self.heard.status
         if status is not None and status.state in ENDED and self._set_points(status.time):
             raise ComputationFailed(
@@ -135,6 +154,13 @@ class Session:
             )
         if not self.reader.is_alive():
             raise ComputationFailed(self.heard.lost or f"{self.link.port}: the link was lost")
+
+    def _require_one_life(self, before: int) -> None:
+        if self.heard.restarts > before:
+            raise ComputationFailed(
+                f"{self.link.port}: the board began anew, and let the hand go; was it reset, or is "
+                "its supply too weak?"
+            )
 
     def _set_points(self, before: float) -> bool:
         """Whether a set point was accepted before this board time [s]."""
@@ -162,8 +188,18 @@ class Session:
             heard.about = event
         elif isinstance(event, Reply):
             heard.replies.append(event)
+        elif isinstance(event, Restarted):
+            heard.restarts, heard.status, heard.replies = heard.restarts + 1, None, []
         else:
             heard.version = event.version
+
+    @property
+    def moved(self) -> bool:
+        """Whether the board was seen to take a start or a set point."""
+        return any(
+            each.reason is Reason.DONE and each.kind in (Kind.START, Kind.SET_POINT)
+            for each in self.heard.replies
+        )
 
     def _answers(self, kind: Kind) -> list[Reply]:
         return [reply for reply in self.heard.replies if reply.kind == kind]
@@ -204,5 +240,17 @@ def session(
     opened = Session(link, log, about)
     try:
         yield opened
-    finally:
-        opened.close()
+    except BaseException as error:
+        if not opened.close() and opened.moved:
+            raise _unseen(link.port, error) from error
+        raise
+    opened.close()
+
+
+def _unseen(port: str, error: BaseException) -> HannesError:
+    """What to say where something ended a session, and the board was not seen to stop."""
+    words = f"a stop was sent to {port}, but not seen in the telemetry: look at the hand"
+    if isinstance(error, KeyboardInterrupt):
+        return Interrupted(f"interrupted; {words}")
+    kind = ComputationFailed if isinstance(error, ComputationFailed) else HannesError
+    return kind(f"{error}; {words}" if str(error) else words)

@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hannes.commands.cli_output import add_force, add_json, print_json
-from hannes.core.errors import BadInput
+from hannes.core.errors import BadInput, ComputationFailed
 
 if TYPE_CHECKING:
     from hannes.bench.dynamometer_live import LiveDynamometer
     from hannes.bench.reader import Link
+    from hannes.core.recording.recording import Recording
 
 EXAMPLES = {
     "board": """\
@@ -134,7 +135,10 @@ def _record(chosen: argparse.Namespace) -> None:
                 f"first, then --recover {raw} with it"
             )
         reads.append(chosen.dynamometer)
-    with reserved("record", results_at(out, "record"), reads, force=chosen.force):
+    writes = results_at(out, "record")
+    if chosen.dynamometer == "live":
+        writes.append(_force_file(raw))
+    with reserved("record", writes, reads, force=chosen.force):
         _recorded(chosen, out, raw)
 
 
@@ -156,10 +160,44 @@ def _recorded(chosen: argparse.Namespace, out: Path, raw: Path) -> None:
         raise BadInput("no experiment given; `hannes experiments` lists them")
     with _dynamometer(chosen) as force:
         done = record(chosen.experiment, link(chosen), raw, progress=_say)
-        made = merged(done.recording, force.log()) if force else done.recording
+    made, why = _with_force(done.recording, force, raw, out)
     write_marked(made, out, "record")
     said = {"out": str(out), "raw": str(raw), "samples": made.time.size}
     _said(chosen, said | {"stop_seen": done.stopped})
+    if not done.stopped:
+        _say("a stop was sent, but not seen in the telemetry: look at the hand")
+    if why:
+        raise ComputationFailed(why)
+
+
+def _with_force(
+    made: "Recording", live: "LiveDynamometer | None", raw: Path, out: Path
+) -> tuple["Recording", str]:
+    """The recording with the dynamometer's force; without it where they do not fit, and why not.
+
+    The force is kept then, in a file of its own.
+    """
+    from hannes.bench.dynamometer import merged, write_vernier
+
+    if live is None:
+        return made, ""
+    try:
+        log = live.log()
+    except BadInput as error:
+        return made, f"{error}; {out} has no force"
+    try:
+        return merged(made, log), ""
+    except BadInput as error:
+        write_vernier(log, _force_file(raw))
+        return made, (
+            f"{error}; {out} has no force, which is kept: once it is mended, `hannes record "
+            f"--recover {raw} --dynamometer {_force_file(raw)} --out FILE`"
+        )
+
+
+def _force_file(raw: Path) -> Path:
+    """Where a live dynamometer's force is kept when it fits no recording."""
+    return Path(f"{raw}.force.csv")
 
 
 def _dynamometer(chosen: argparse.Namespace) -> "AbstractContextManager[LiveDynamometer | None]":

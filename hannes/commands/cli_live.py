@@ -46,7 +46,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     live.add_argument(
         "--panel",
         action="store_true",
-        help="in the browser, as `hannes panel` with this model; no policy limits the grip",
+        help="in the browser, as `hannes panel` with this model",
     )
     live.add_argument("--seconds", type=float, default=0.0, help="how long (the experiment's)")
     live.add_argument("--out", metavar="FILE", help="a .h5 or .csv recording of it")
@@ -92,12 +92,12 @@ def _in_browser(chosen: argparse.Namespace, board: "Link") -> None:
     from hannes.commands.cli_panel import BESIDE, serve
 
     given = (chosen.close, chosen.out, chosen.haptics, chosen.newtons, chosen.seconds, chosen.hand)
-    if any((*given, chosen.no_policy, chosen.no_observer, chosen.json)):
+    if any((*given, chosen.no_observer, chosen.json)):
         raise BadInput(
-            "--panel drives from the page, without a limit on the grip: leave out all options but "
-            "those of the port"
+            "--panel drives from the page: leave out all options but --no-policy and those of the "
+            "port"
         )
-    serve(board, BESIDE, chosen.model)
+    serve(board, BESIDE, chosen.model, policy=not chosen.no_policy)
 
 
 def _written(raw: Path, out: Path) -> None:

@@ -27,6 +27,11 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     add_link(panel, "port")
     panel.add_argument("--model", metavar="MODEL.h5", help="recognise with it (`hannes train`)")
     panel.add_argument(
+        "--no-policy",
+        action="store_true",
+        help="begin without a limit on the grip; the page can switch it",
+    )
+    panel.add_argument(
         "--beside", default=BESIDE, metavar="EXPERIMENT",
         help="whose hand and object step beside the measured ones (void-closure)",
     )  # fmt: skip
@@ -40,12 +45,13 @@ def _panel(chosen: argparse.Namespace) -> None:
     from hannes.commands.cli_bench import link
 
     raw = Path(chosen.raw) if chosen.raw else None
-    serve(link(chosen), chosen.beside, chosen.model, chosen.http, raw)
+    serve(link(chosen), chosen.beside, chosen.model, chosen.http, raw, not chosen.no_policy)
 
 
 def serve(
-    board: "Link", beside: str, model: str | None, http: int = 0, raw: Path | None = None
-) -> None:
+    board: "Link", beside: str, model: str | None, http: int = 0, raw: Path | None = None,
+    policy: bool = True,
+) -> None:  # fmt: skip
     """Serve the page of a board until it is closed; `beside` names the model that steps along."""
     from hannes.bench.board_file import read_board
     from hannes.bench.panel.run import Panel, run_panel
@@ -53,6 +59,6 @@ def serve(
     from hannes.recognition import model_file
 
     known = model_file.read(model) if model else None
-    panel = Panel(board, read_board(beside).variant, known, http, raw)
+    panel = Panel(board, read_board(beside).variant, known, http, raw, policy)
     with reserved("panel", [raw] if raw else []):
         run_panel(panel, lambda text: print(f"hannes: {text}", file=sys.stderr, flush=True))

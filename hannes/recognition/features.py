@@ -50,6 +50,7 @@ STARTING = 0.06  # s after the first motion in which the current only accelerate
 MOVED = 0.05  # rad
 # Places of what is known since the touch.
 START, FREE, FREE_SPEED, PEAK, FARTHEST, WORK, STEEPEST, LAST = range(8)
+BEGUN, TOUCH, ROW = range(3)  # places of: sample from which a touch counts, of the touch, next row
 
 
 @kernel
@@ -134,6 +135,56 @@ def _of_grasp(known, passed, position, since, whole, out):
         out[23 + k] = passed[k] if passed[k] >= 0.0 else LEVELS[k] * secant
 
 
+@kernel
+def _look(position, level, n, first, places, known, size, dt):
+    """Look for the touch at sample n, not before sample `first`; return what counts as free."""
+    least = _rest(level, first, n)
+    if level[n] > least + STEP:
+        touch = n
+        while touch > first and level[touch] > least + BACK:
+            touch -= 1
+        places[TOUCH] = touch
+        _begin(known, least, position, touch, size, dt)
+    return least
+
+
+@kernel
+def _read(current, position, reference, dt, size, ends, rows, span, memory):
+    """Read the samples from span[0] up to span[1], and fill the rows of windows that end there.
+
+    memory: what is kept from sample to sample: level (n,), known (8,), passed (LEVELS,), places
+    (BEGUN, TOUCH, ROW), total (1,).
+    """
+    level, known, passed, places, total = memory
+    smooth, rest, starting = max(1, round(SMOOTH / dt)), round(MEMORY / dt), round(STARTING / dt)
+    for n in range(span[0], span[1]):
+        total[0] += current[n] - (current[n - smooth] if n >= smooth else 0.0)
+        level[n] = least = total[0] / min(n + 1, smooth)
+        if places[BEGUN] < 0 and abs(position[n] - position[0]) > MOVED:
+            places[BEGUN] = n + starting
+        if places[TOUCH] < 0 and 0 <= places[BEGUN] < n:
+            first = max(places[BEGUN], n - rest)
+            least = _look(position, level, n, first, places, known, size, dt)
+        touch = places[TOUCH]
+        if touch >= 0:
+            _go_on(known, passed, level[n], position[n])
+        while places[ROW] < ends.size and ends[places[ROW]] == n + 1:
+            if n + 1 >= 2 * size:
+                out = rows[places[ROW]]
+                _of_window(current, position, reference, n + 1, size, dt, out)
+                out[7], out[8], out[10], out[21] = least, out[2], level[n] - least, position[n]
+                if touch >= 0:
+                    whole = n + 1 - touch >= size
+                    _of_grasp(known, passed, position[n], (n - touch) * dt, whole, out)
+            places[ROW] += 1
+
+
+@entry
+def go_on(current, position, reference, dt, size, ends, rows, span, memory):
+    """Go on with `fill` where it stopped: samples from span[0] up to span[1]; see `_read`."""
+    _read(current, position, reference, dt, size, ends, rows, span, memory)
+
+
 @entry
 def fill(current, position, reference, dt, size, ends, rows):
     """Fill `rows` (m, NAMES) with the features at the samples before each of `ends` (ascending).
@@ -141,31 +192,9 @@ def fill(current, position, reference, dt, size, ends, rows):
     Samples come every `dt` [s]; windows have `size` samples. Rows before two whole windows stay
     as they are.
     """
-    smooth, memory, starting = max(1, round(SMOOTH / dt)), round(MEMORY / dt), round(STARTING / dt)
-    level = np.zeros(current.size)  # current, smoothed over what was just seen
-    known, passed = np.zeros(8), np.full(len(LEVELS), -1.0)
-    running, row, begun, touch = 0.0, 0, -1, -1
-    for n in range(current.size):
-        running += current[n] - (current[n - smooth] if n >= smooth else 0.0)
-        level[n] = least = running / min(n + 1, smooth)
-        if begun < 0 and abs(position[n] - position[0]) > MOVED:
-            begun = n + starting
-        if touch < 0 and 0 <= begun < n:
-            first = max(begun, n - memory)
-            least = _rest(level, first, n)
-            if level[n] > least + STEP:
-                touch = n
-                while touch > first and level[touch] > least + BACK:
-                    touch -= 1
-                _begin(known, least, position, touch, size, dt)
-        if touch >= 0:
-            _go_on(known, passed, level[n], position[n])
-        while row < ends.size and ends[row] == n + 1:
-            if n + 1 >= 2 * size:
-                out = rows[row]
-                _of_window(current, position, reference, n + 1, size, dt, out)
-                out[7], out[8], out[10], out[21] = least, out[2], level[n] - least, position[n]
-                if touch >= 0:
-                    whole = n + 1 - touch >= size
-                    _of_grasp(known, passed, position[n], (n - touch) * dt, whole, out)
-            row += 1
+    places = np.full(3, -1)
+    places[ROW] = 0
+    memory = (
+        np.zeros(current.size), np.zeros(8), np.full(len(LEVELS), -1.0), places, np.zeros(1)
+    )  # fmt: skip
+    _read(current, position, reference, dt, size, ends, rows, (0, current.size), memory)

@@ -16,6 +16,7 @@ SINCE, RISE = NAMES.index("since"), NAMES.index("rise")
 HELD = 0.06  # A above the free current, while an object is held
 FADE = 0.03  # s, memory of the running decision
 EXTREME = 4.0  # limit of the log odds of one window
+LATER = 128  # windows, the newest, of which a grasp's stiffness is the median at most
 NO_CONTACT = -2.0  # log odds of a window before the contact is detected: held, so soft
 SOFT, RIGID, UNKNOWN = 0, 1, 2
 WORDS = ("soft", "rigid", "don't know")
@@ -161,9 +162,13 @@ def grasp_stiffness(quantiles: np.ndarray) -> tuple[float, float]:
     """One stiffness [N/m] and the spread of the trees, from quantiles of its logarithm, (n, 3).
 
     The quantiles are of the windows in which the object is held. Both results are medians over the
-    later half of them.
+    later half of them, LATER windows at most.
     """
-    later = quantiles[len(quantiles) // 2 :]
+    return middle(quantiles[max(len(quantiles) // 2, len(quantiles) - LATER) :])
+
+
+def middle(later: np.ndarray) -> tuple[float, float]:
+    """The same of those windows alone, (n, 3)."""
     value, apart = np.median(later[:, 1]), np.median(later[:, 2] - later[:, 0])
     return float(np.exp(value)), float(apart)
 
@@ -188,6 +193,12 @@ def running(rigid: np.ndarray, touched: np.ndarray, hop: float) -> np.ndarray:
         before = mean[..., k - 1] if k else 0.0
         mean[..., k] = before + share * (odds[..., k] - before)
     return 1.0 / (1.0 + np.exp(-mean))
+
+
+def faded(before: float, rigid: float, touched: bool, hop: float) -> float:
+    """One step of that mean, in log odds."""
+    odds = float(np.clip(log_odds(np.array([rigid]))[0], -EXTREME, EXTREME))
+    return before + min(1.0, hop / FADE) * ((odds if touched else NO_CONTACT) - before)
 
 
 def log_odds(probability: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
-from hannes.recognition.features import CHANNELS, NAMES, fill
+from hannes.recognition.features import CHANNELS, LEVELS, NAMES, fill, go_on
 
 Samples = np.ndarray | Sequence[Recording]
 UNITS = {"current": "A", "position": "rad", "reference": "rad"}
@@ -42,6 +42,10 @@ class Windowing:
         """Time of the last sample of each window [s], from the first sample on."""
         return (self.ends(samples) - 1) / self.sampling
 
+    def time_of(self, window: int) -> float:
+        """Time of the last sample of one window [s], as `times` has it."""
+        return float((2 * self.size + window * round(self.hop * self.sampling) - 1) / self.sampling)
+
     def features(self, grasps: Samples) -> np.ndarray:
         """Features, shape (grasps, windows, features); NaN where a grasp has no window."""
         arrays = [self.samples(each) for each in grasps]
@@ -70,3 +74,37 @@ def _numbers(grasp: np.ndarray) -> np.ndarray:
     if not np.isfinite(grasp).all():
         raise BadInput("a grasp has samples that are no numbers")
     return grasp.astype(float)
+
+
+class GrowingFeatures:
+    """Features of a grasp that goes on: those of `Windowing.features`, to the bit, as they come."""
+
+    def __init__(self, windowing: Windowing) -> None:
+        self._windowing, self.count = windowing, 0
+        self._samples = np.empty((len(CHANNELS), 1024))
+        self._level = np.zeros(1024)
+        self._memory = (
+            np.zeros(8), np.full(len(LEVELS), -1.0), np.array([-1, -1, 0]), np.zeros(1)
+        )  # fmt: skip
+        self._windows = 0
+
+    def take(self, samples: Sequence[np.ndarray]) -> list[tuple[int, np.ndarray]]:
+        """Take samples of current, position, reference; give each new window and its (1, NAMES)."""
+        end = self.count + len(samples)
+        while end > self._level.size:
+            self._samples = np.concatenate([self._samples, np.empty_like(self._samples)], axis=1)
+            self._level = np.concatenate([self._level, np.zeros_like(self._level)])
+        for k, each in enumerate(samples, start=self.count):
+            self._samples[:, k] = each
+        given = self._windowing
+        hop = round(given.hop * given.sampling)
+        fresh = max(0, (end - 2 * given.size) // hop + 1 - self._windows)
+        first = 2 * given.size + hop * self._windows
+        rows = np.zeros((fresh, len(NAMES)), np.float32)
+        self._memory[2][2] = 0
+        go_on(
+            *self._samples, 1.0 / given.sampling, given.size, first + hop * np.arange(fresh), rows,
+            (self.count, end), (self._level, *self._memory),
+        )  # fmt: skip
+        self.count, self._windows = end, self._windows + fresh
+        return [(self._windows - fresh + k, rows[k : k + 1]) for k in range(fresh)]

@@ -9,7 +9,8 @@ import pytest
 
 from hannes import Hand, Recording, load_experiment, observe, simulate
 from hannes.bench import dynamometer_live
-from hannes.bench.dynamometer import merged, read_vernier
+from hannes.bench.dynamometer import ForceLog, merged, read_vernier
+from hannes.commands.cli_bench import _with_force
 from hannes.core.errors import BadInput
 
 LATE = 3.217  # s that the dynamometer's clock is off
@@ -120,3 +121,22 @@ def test_without_the_library_one_line_says_what_it_is(monkeypatch):
     monkeypatch.setitem(sys.modules, "godirect", None)
     with pytest.raises(BadInput, match="GPL"):
         dynamometer_live.LiveDynamometer()
+
+
+def test_force_that_fits_no_recording_is_kept(bare, tmp_path):
+    flat = ForceLog(np.arange(0.0, 2.0, 0.01), np.full(200, 0.5))
+    live = types.SimpleNamespace(log=lambda: flat)
+    raw = tmp_path / "grasp.h5.rawlog"
+    made, why = _with_force(bare, live, raw, tmp_path / "grasp.h5")
+    assert made is bare and "no onset" in why and f"--dynamometer {raw}.force.csv" in why
+    kept = read_vernier(f"{raw}.force.csv")
+    assert kept.time == pytest.approx(flat.time) and kept.force == pytest.approx(flat.force)
+
+
+def test_a_dynamometer_without_a_sample_leaves_the_recording(bare, tmp_path):
+    def nothing():
+        raise BadInput("no sample came from the dynamometer")
+
+    live = types.SimpleNamespace(log=nothing)
+    made, why = _with_force(bare, live, tmp_path / "x.rawlog", tmp_path / "x.h5")
+    assert made is bare and "no sample came" in why

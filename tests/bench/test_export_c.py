@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 from drawn_model import drawn_model
 
-from hannes.bench.c_tables import below, preorder, short
+from hannes.bench.c_tables import LEFT_LEAF, RIGHT_LEAF, below, pack, short
 from hannes.bench.c_vectors import drawn, last_estimates, windows
 from hannes.bench.events import About, Row
 from hannes.bench.export_c import FLAGS, export_c
-from hannes.bench.grip_loop import RETREAT
 from hannes.bench.live import LiveRecogniser
 from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
+from hannes.bench.release import Release
 from hannes.commands.cli import main
 from hannes.recognition import model_file
+from hannes.recognition.forest import Forest
 from hannes.recognition.model import WORDS
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -122,12 +123,46 @@ def test_nothing_is_allocated_and_memory_is_as_stated(model, program):
     assert f"#define HANNES_MEMORY_BYTES {made.memory_bytes}u" in made.text
 
 
-def test_trees_in_another_order_give_the_same_leaves(model):
-    order, right = preorder(model.rigid)
-    assert np.array_equal(order, np.arange(order.size))  # as scikit-learn grows them
-    inner = model.rigid.left >= 0
-    starts = np.repeat(model.rigid.starts[:-1], np.diff(model.rigid.starts))
-    assert np.array_equal(right[inner], (starts + model.rigid.right)[inner])
+def leaf_of(packed, tree, row):
+    """The leaf's value as C finds it."""
+    node = packed.starts[tree]
+    leaf, over = node + tree, node == packed.starts[tree + 1]
+    while not over:
+        what = int(packed.feature[node])
+        if row[what % RIGHT_LEAF] <= packed.threshold[node]:
+            over, node = bool(what & LEFT_LEAF), node + 1
+        else:
+            leaf += packed.left[node] + 1
+            over, node = bool(what & RIGHT_LEAF), node + packed.left[node] + 1
+    return packed.values[leaf]
+
+
+def test_packed_trees_give_the_same_leaves(model):
+    for forest in (model.rigid, model.stiffness, model.force):
+        packed, chance = pack(forest), np.random.default_rng(2)
+        spread = np.quantile(forest.threshold[forest.left >= 0], chance.random((200, 40)))
+        rows, trees = spread.astype(np.float32), forest.starts.size - 1
+        found = [np.mean([leaf_of(packed, tree, row) for tree in range(trees)]) for row in rows]
+        assert found == pytest.approx(forest(rows), rel=1e-12)
+        leaves = np.count_nonzero(forest.left < 0)
+        assert packed.values.size == packed.left.size + trees <= leaves
+
+
+def test_leaves_of_one_value_under_one_node_are_joined():
+    left, right = np.array([1, -1, 3, -1, -1]), np.array([2, 0, 4, 0, 0])
+    value, threshold = np.array([0.0, 4.0, 0.0, 4.0, 4.0]), np.array([0.5, 0.0, 0.7, 0.0, 0.0])
+    tree = Forest(np.array([0, 5]), left, right, np.zeros(5, int), threshold, value)
+    assert pack(tree).values.tolist() == [4.0]
+    apart = Forest(tree.starts, left, right, tree.feature, threshold, value + np.arange(5))
+    assert pack(apart).values.tolist() == [5.0, 7.0, 8.0]
+
+
+def test_a_tree_without_a_branch_and_unreached_nodes():
+    one, two = np.array([-1, -1, -1]), np.zeros(3)
+    forest = Forest(np.array([0, 1, 3]), one, one, np.zeros(3, int), two, np.array([5.0, 7.0, 9.0]))
+    packed = pack(forest)
+    assert [leaf_of(packed, tree, [0.0]) for tree in range(2)] == [5.0, 7.0]
+    assert packed.values.tolist() == [5.0, 7.0]
 
 
 def test_a_threshold_is_rounded_down_and_read_back():
@@ -168,6 +203,7 @@ int main(void)
     while (fread(s, 8, 9, stdin) == 9) {
         struct HannesDecision said = {.touched = s[1] > 0.0, .held = s[1] > 0.0, .touch = s[2],
                                       .rigid = s[3], .force = {s[4], 0.0, s[5]}};
+        hannes_again(&grip, s[7]);
         point = hannes_grip(&grip, s[0] > 0.0 ? &said : NULL, 1e-3, s[6], s[7], s[8]);
         fwrite(&point, 8, 1, stdout);
     }
@@ -183,7 +219,7 @@ def drawn_policy_samples(count):
     rigid, wanted, position = 0.5, 0.0, 0.0
     for k, row in enumerate(rows):
         rigid = min(max(rigid + chance.normal(0.0, 0.05), 0.0), 1.0)
-        wanted += chance.uniform(-0.02, 0.024)
+        wanted += chance.uniform(-0.02, 0.024) - (0.009 if k % 2000 > 1500 else 0.0)
         position += 0.03 * (wanted - position)
         force = 20.0 * rigid + chance.uniform(0.0, 5.0)
         row[:] = (
@@ -195,12 +231,13 @@ def drawn_policy_samples(count):
 
 def test_the_grip_policy_has_the_bits_of_python(model, program, tmp_path):
     rows, memory, settings = drawn_policy_samples(8000), GripMemory(), GripSettings()
-    held, force, wanted = None, (0.0, 0.0), []
+    held, force, wanted, release, released = None, (0.0, 0.0), [], Release(), 0
     for fresh, touched, touch, rigid, value, high, command, position, force_wanted in rows:
-        if fresh and touched:
+        release.begins(position)
+        if fresh and touched and not release.is_open:
             held, force = (touch, rigid), (value, high)
-        if held and position < held[0] - RETREAT:
-            held = None
+        if held and release.lets_go(held[0], position):
+            held, released = None, released + 1
         known = (held is not None, *(held or (0.0, 0.5)))
         sample = GripSample(1e-3, command, position, *known, *force, force_wanted)
         memory, point = grip(settings, memory, sample)
@@ -213,4 +250,5 @@ def test_the_grip_policy_has_the_bits_of_python(model, program, tmp_path):
         [tmp_path / "grip"], input=rows.tobytes(), capture_output=True, check=True
     )
     assert np.array_equal(np.frombuffer(done.stdout), wanted)
+    assert released > 1
     assert 0.1 < np.mean(np.array(wanted) != rows[:, 6]) < 1.0  # it limits in part of them

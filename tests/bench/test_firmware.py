@@ -106,45 +106,61 @@ def heard(said):
     return [e for packet in said.split(b"\0") for e in speaker.feed(packet + b"\0", 0.0)]
 
 
-def run_alone(program, slope):
-    """Host and cable are there for a moment, then never again; a switch asks for a grasp.
+def word(what, count):
+    """A word to the host program: 1 ticks, 2 a grasp to so many mrad, 3 the object's mA/rad."""
+    return struct.pack("<BH", what, round(count))
 
-    Returns telemetry (n, 3) of reference, position and current, and the states that were said.
+
+def run_alone(program, grasps):
+    """Host and cable are there for a moment, then never again; a switch asks for each of `grasps`.
+
+    A grasp: goal [rad], slope of the object [A/rad], ticks. Returns telemetry (n, 3) of reference,
+    position and current, and the states that were said.
     """
     host = Framed()
     hello = b"".join((host.ask(), host.alive(1)))
-    given = struct.pack("<BH", 0, len(hello)) + hello + struct.pack("<BH", 1, 10)
-    given += struct.pack("<BH", 2, round(1e3 * GOAL)) + struct.pack("<BH", 1, TICKS)
-    said = subprocess.run([program, str(slope)], input=given, capture_output=True, check=True)
+    given = word(0, len(hello)) + hello + word(1, 10)
+    for goal, slope, ticks in grasps:
+        given += word(3, 1e3 * slope) + word(2, 1e3 * goal) + word(1, ticks)
+    said = subprocess.run([program], input=given, capture_output=True, check=True)
     events = heard(said.stdout)
     rows = np.array([each.values for each in events if isinstance(each, Row)])
     return rows[10:], [each.state for each in events if isinstance(each, Status)]
 
 
-def python_alone(model, slope):
-    """References of the same grasp by Python's loop, on the same machine."""
+def python_alone(model, grasps):
+    """References of the same grasps by Python's loop, on the same machine; firm at each end."""
     loop, units = GripLoop(model), {"reference": "rad", "position": "rad", "current": "A"}
     loop.feed(About("x", units, 1000.0, 0.2), 0.0)
-    shaft, command, reference, references = 0.0, 0.0, 0.0, []
-    for k in range(TICKS):
-        squeeze = max(shaft - 4.0, 0.0)
-        shaft += 0.06 * (reference - shaft - 0.8 * slope * squeeze)
-        current = (0.25 if reference >= shaft else -0.125) + slope * squeeze
-        references.append(reference)
-        command = min(GOAL, command + 15.4 * PERIOD)
-        loop.feed(Row(k, k * PERIOD, (reference, shaft, current)), command)
-        reference = loop.set_point
-    return np.array(references), loop.firm
+    shaft, command, reference, references, firm, k = 0.0, 0.0, 0.0, [], [], 0
+    for goal, slope, ticks in grasps:
+        for _ in range(ticks):
+            squeeze = max(shaft - 4.0, 0.0)
+            shaft += 0.06 * (reference - shaft - 0.8 * slope * squeeze)
+            current = (0.25 if reference >= shaft else -0.125) + slope * squeeze
+            references.append(reference)
+            command = min(max(goal, command - 15.4 * PERIOD), command + 15.4 * PERIOD)
+            loop.feed(Row(k, k * PERIOD, (reference, shaft, current)), command)
+            reference, k = loop.set_point, k + 1
+        firm.append(loop.firm)
+    return np.array(references), firm
 
 
-@pytest.mark.parametrize(("slope", "firm"), [(0.1, False), (2.0, True)], ids=["soft", "rigid"])
-def test_the_policy_runs_with_the_cable_out(strategy, slope, firm):
+SOFT, RIGID, OPEN = (GOAL, 0.1, TICKS), (GOAL, 2.0, TICKS), (0.0, 0.0, 900)
+
+
+@pytest.mark.parametrize("grasps", [
+    [SOFT], [RIGID], [SOFT, OPEN, RIGID], [RIGID, OPEN, SOFT],
+], ids=["soft", "rigid", "soft then rigid", "rigid then soft"])  # fmt: skip
+def test_the_policy_runs_with_the_cable_out(strategy, grasps):
     program, model = strategy
-    rows, states = run_alone(program, slope)
+    rows, states = run_alone(program, grasps)
     assert set(states[2:]) == {State.FOLLOWING}  # no watchdog: nobody leads but the board itself
-    wanted, by_python = python_alone(model, slope)
-    assert by_python is firm
-    assert rows[:TICKS, 0] == pytest.approx(wanted[: len(rows)], abs=1.1e-6)  # telemetry's step
+    wanted, by_python = python_alone(model, grasps)
+    firm = grasps[-1] is RIGID
+    assert by_python[-1] is firm
+    assert by_python[0] is (grasps[0] is RIGID)
+    assert rows[:, 0] == pytest.approx(wanted[: len(rows)], abs=1.1e-6)  # telemetry's step
     squeezed = rows[-1, 0] - 4.0
     assert squeezed == pytest.approx(5.0, abs=0.01) if firm else squeezed < 0.7 * 5.0
 
@@ -154,7 +170,7 @@ def test_a_host_that_leads_is_still_watched(strategy):
     host = Framed()
     asked = host.ask() + host.set_point(1.0)
     given = struct.pack("<BH", 0, len(asked)) + asked + struct.pack("<BH", 1, 100)
-    given += struct.pack("<BH", 2, 9000) + struct.pack("<BH", 1, 500)
+    given += word(2, 9000) + word(1, 500)
     said = subprocess.run([program], input=given, capture_output=True, check=True).stdout
     events = heard(said)
     assert [each.state for each in events if isinstance(each, Status)][-1] is State.WATCHDOG

@@ -3,7 +3,11 @@
 import random
 
 import pytest
+from toy_machine import Lag
 
+from hannes.bench.adapters.framed import Framed
+from hannes.bench.board_logic import BoardLogic, Settings
+from hannes.bench.events import Restarted, Row
 from hannes.bench.frames import Frame, Splitter, decode, encode
 from hannes.bench.messages import (
     AT_ONCE,
@@ -11,8 +15,10 @@ from hannes.bench.messages import (
     FROM_HOST,
     Alive,
     Answer,
+    Ask,
     Channel,
     Hello,
+    Kind,
     Points,
     Telemetry,
     lengths,
@@ -100,3 +106,19 @@ def test_telemetry_is_scaled_and_held_within_its_code():
     layout = Telemetry((Channel(0, "current", "A", "h", 1e-3), Channel(1, "duty", "1", "B", 0.01)))
     assert layout.unpack(layout.pack((-1.234, 0.5))) == pytest.approx((-1.234, 0.5))
     assert layout.unpack(layout.pack((50.0, -1.0))) == pytest.approx((32.767, 0.0))
+
+
+def test_a_board_that_begins_anew_is_heard_again():
+    """Its numbers are low once more: of an old life they would be repeats."""
+    listener, events = Framed(), []
+    for life in range(2):
+        board = BoardLogic(Lag(), Settings())
+        asked = [Frame(Kind.ASK, 0, 0, Ask().pack())] if life == 0 else []
+        frames = [answer for frame in asked for answer in board.hear(frame)]
+        frames += [frame for _ in range(700) for frame in board.tick()]
+        again = frames[-50:] if life == 0 else []  # sent once more: the same life
+        events.append([e for f in frames + again for e in listener.feed(encode(f), 0.0)])
+    assert [type(each) for each in events[0]].count(Restarted) == 0
+    assert sum(isinstance(each, Row) for each in events[0]) == 700
+    assert [type(each) for each in events[1]].count(Restarted) == 1
+    assert sum(isinstance(each, Row) for each in events[1]) > 650

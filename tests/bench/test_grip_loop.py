@@ -1,5 +1,7 @@
 """The loop on a simulated board: soft objects squeezed less, rigid ones held, the haptic signal."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,25 @@ def test_the_haptic_signal_says_contact_class_and_force(grasps):
     assert 0.0 <= soft.squeeze < rigid.squeeze <= 1.0
 
 
+def test_a_second_grasp_has_a_verdict_of_its_own(model):
+    """A soft object, let go; then a rigid one, without a stop in between; and the other way."""
+    from conftest import SimulatedBoard, holding
+
+    times, angles = (0.0, 0.637, 1.2, 1.8, 2.1, 2.737), (0.0, FULL, FULL, 0.0, 0.0, FULL)
+    for first, second in ((1500.0, 30e3), (30e3, 1500.0)):
+        machine, loop, firm, released = holding(first), GripLoop(model), [], []
+        command = partial(np.interp, xp=times, fp=angles)
+        for tick, said in enumerate(grasped(SimulatedBoard(machine), loop, command, 3300)):
+            if tick == 1900:
+                machine._stepper.set_value("object_stiffness", second)
+            firm.append(loop.firm)
+            released.append(said[-1].released)
+        assert firm[1199] is (first > 5500.0)
+        assert not firm[1999]
+        assert released[1999] and not released[2500]
+        assert firm[-1] is (second > 5500.0)
+
+
 def test_a_force_set_point_is_tracked(model, board):
     loop = GripLoop(model, GripPlan(force_wanted=20.0), Truth(board(8e3)))
     made = loop._observer.board
@@ -81,6 +102,9 @@ class Truth:
             return None
         force = self.board.logic.machine.truth["force"]
         return Force(event.time, force, force, force)
+
+    def begin(self):
+        """Nothing to forget."""
 
 
 def test_what_is_held_stays_held_when_recognition_begins_anew(model, monkeypatch):

@@ -16,6 +16,7 @@ from hannes import Hand, load_experiment
 from hannes.bench.adapters import adapter
 from hannes.bench.board_logic import Limits
 from hannes.bench.events import Status
+from hannes.bench.force_observer import ForceObserver
 from hannes.bench.haptics import CHANNELS
 from hannes.bench.live_run import LiveOrder, live, replayed
 from hannes.bench.messages import State
@@ -84,13 +85,15 @@ def states(log):
     return found
 
 
-def test_live_equals_the_raw_log_read_again(tmp_path, boards, order, model):
+@pytest.mark.parametrize("observer", [None, ForceObserver], ids=["forests", "observer"])
+def test_live_equals_the_raw_log_read_again(tmp_path, boards, order, model, observer):
     path, asked = order
+    asked = replace(asked, observer=observer, seconds=2.0)
     sent = []
     log = tmp_path / "live.rawlog"
     link = Link(boards(f'experiment = "{path}"\n'))
     made = list(live(link, model, log, replace(asked, tactor=sent.append)))
-    again = list(replayed(log, model))
+    again = list(replayed(log, model, observer=observer() if observer else None))
     decided = [m for m in made if m.decision]
     assert len(decided) > 10
     for first, second in zip(made, again, strict=False):
@@ -100,6 +103,7 @@ def test_live_equals_the_raw_log_read_again(tmp_path, boards, order, model):
             second.decision,
         )
         assert (first.force, first.haptic) == (second.force, second.haptic)
+    assert observer is None or any(m.force.residual > 0.0 for m in made if m.force)
     assert decided[-1].decision.word in ("soft", "rigid", "don't know")
     assert sent[-1] == (0.0, 0.0, 0.0)
     assert len(sent) - 1 == sum(m.haptic is not None for m in made)
@@ -109,6 +113,7 @@ def test_live_equals_the_raw_log_read_again(tmp_path, boards, order, model):
 def test_an_iteration_that_is_left_stops_the_board(tmp_path, boards, order, model):
     path, asked = order
     log = tmp_path / "live.rawlog"
+    asked = replace(asked, seconds=30.0)
     moments = live(Link(boards(f'experiment = "{path}"\n')), model, log, asked)
     for _ in range(20):
         next(moments)
@@ -135,7 +140,7 @@ def test_an_exception_stops_the_board(tmp_path, boards, order, model):
 
 def test_a_lost_link_ends_the_grasp_in_words(tmp_path, boards, order, model):
     path, asked = order
-    address = boards(f'experiment = "{path}"\n[misbehaviour]\ncut = "1.2 s"\n')
+    address = boards(f'experiment = "{path}"\n[misbehaviour]\ncut = "4 s"\n')
     asked = replace(asked, seconds=30.0)
     with pytest.raises(ComputationFailed, match=r"link was lost|watchdog"):
         for _ in live(Link(address), model, tmp_path / "lost.rawlog", asked):

@@ -13,15 +13,17 @@ from drawn_model import drawn_model
 from toy_machine import Lag
 
 from hannes.bench.adapters.framed import Framed
+from hannes.bench.adapters.text_lines import TextLines
 from hannes.bench.board_file import read_board
-from hannes.bench.board_logic import HOST_LENGTHS, Settings
-from hannes.bench.events import Reply, Row, Status
+from hannes.bench.board_logic import HOST_LENGTHS, Limits, Settings
+from hannes.bench.events import About, Reply, Restarted, Row, Status
 from hannes.bench.frames import Splitter
 from hannes.bench.messages import Kind, Reason, SetPoint, State
 from hannes.bench.misbehaviour import Misbehaviour
 from hannes.bench.panel.drive import PATIENCE, SILENCE, Drive, Range
-from hannes.bench.panel.run import Panel, run_panel
+from hannes.bench.panel.run import Panel, Profiles, run_panel
 from hannes.bench.panel.server import PanelServer
+from hannes.bench.panel.traces import Traces
 from hannes.bench.reader import Link
 from hannes.bench.virtual_board import Terminal, VirtualBoard
 from hannes.core.errors import BadInput
@@ -37,8 +39,15 @@ class Driven:
 
     def __init__(self) -> None:
         self._splitter, self.frames = Splitter(HOST_LENGTHS), []
-        self.drive = Drive(Framed(), self._take, self._profile, Range(0.0, 9.84, 15.4))
+        self.limit, self.checked, self.silent = None, True, False
+        self.drive = Drive(
+            Framed(), self._take, self._profile, Range(0.0, 9.84, 15.4), self._limited
+        )
+        self.drive.policy = False
         self.drive.channels(["reference", "position"])
+
+    def _limited(self):
+        return self.limit
 
     def _take(self, data) -> None:
         self.frames += self._splitter.feed(data)
@@ -46,7 +55,7 @@ class Driven:
     def _profile(self, name):
         if name != "known":
             raise BadInput("no such experiment")
-        return [(0.0, 0.0), (0.5, 3.0)]
+        return [(0.0, 0.0), (0.5, 3.0)] if self.checked else None
 
     @property
     def kinds(self):
@@ -59,6 +68,8 @@ class Driven:
         for k in range(round((end - begin) / 0.005)):
             now = begin + 0.005 * k
             self.drive.ask({"do": "beat"}, now)
+            if not self.silent:
+                self.drive.see(Row(k, now, (0.0, 2.0)), now)
             if state is not None:
                 self.drive.see(Status(now, state, 0, 0, 0), now)
             self.drive.go_on(now)
@@ -86,6 +97,103 @@ def test_a_silent_page_stops_the_hand():
     assert panel.kinds[-1] == Kind.STOP and "silent" in panel.drive.said
     panel.drive.go_on(SILENCE + 0.1)
     assert panel.kinds.count(Kind.STOP) == 1 and panel.kinds[-1] == Kind.STOP
+
+
+def test_a_silent_board_is_stopped_and_named():
+    panel = Driven()
+    panel.drive.ask({"do": "close"}, 0.0)
+    panel.go(0.0, 0.2, State.FOLLOWING)
+    panel.silent = True
+    panel.go(0.2, 0.2 + SILENCE - 0.02)
+    assert Kind.STOP not in panel.kinds and panel.drive.doing
+    panel.go(0.2 + SILENCE - 0.02, 0.2 + SILENCE + 0.3)
+    assert "the board was silent" in panel.drive.said and not panel.drive.doing
+    assert panel.kinds.count(Kind.STOP) > 2  # again and again: it was last seen to move
+    assert panel.drive.state(2.0) == "silent"
+
+
+def test_a_board_that_begins_anew_ends_what_is_done():
+    panel = Driven()
+    panel.drive.ask({"do": "close"}, 0.0)
+    panel.go(0.0, 0.2, State.FOLLOWING)
+    panel.drive.see(Restarted(0.0), 0.2)
+    assert panel.drive.doing == "" and "began anew" in panel.drive.said
+    panel.drive.ask({"do": "close"}, 0.3)
+    panel.go(0.3, 0.6, State.FOLLOWING)
+    assert panel.drive.doing == "closing"
+
+
+def test_an_experiment_waits_for_its_simulation_and_a_stop_ends_the_waiting():
+    panel = Driven()
+    panel.checked = False
+    for ends_in in ("stop", "start"):
+        panel.drive.ask({"do": "experiment", "value": "known"}, 0.0)
+        panel.go(0.0, 0.1)
+        assert Kind.START not in panel.kinds and "against the limits" in panel.drive.said
+        if ends_in == "stop":
+            panel.drive.ask({"do": "stop"}, 0.1)
+            panel.checked = True
+            panel.go(0.1, 0.2)
+            assert Kind.START not in panel.kinds
+            panel.checked = False
+    panel.checked = True
+    panel.go(0.1, 0.2)
+    assert Kind.START in panel.kinds and panel.drive.doing == "profile"
+
+
+def test_an_experiment_beyond_the_limits_is_refused():
+    with Profiles(Limits(current=0.01)) as profiles:
+        assert profiles("void-closure") is None
+        with pytest.raises(BadInput, match=r"current reaches .* Nothing was sent"):
+            while profiles("void-closure") is None:
+                time.sleep(0.02)
+        with pytest.raises(BadInput, match="no experiment"):
+            profiles("/etc/passwd")
+
+
+def test_the_policy_limits_until_it_is_switched_off_and_then_without_a_jump():
+    panel = Driven()
+    panel.limit = 5.0
+    panel.drive.ask({"do": "policy", "value": True}, 0.0)
+    panel.drive.ask({"do": "close"}, 0.0)
+    panel.go(0.0, 1.0, State.FOLLOWING)
+    assert max(panel.set_points()) == 5.0
+    panel.drive.ask({"do": "policy", "value": False}, 1.0)
+    panel.go(1.0, 2.0, State.FOLLOWING)
+    sent = panel.set_points()
+    assert sent[-1] == pytest.approx(9.84)
+    assert max(b - a for a, b in pairwise(sent)) <= 15.4 * 0.02 + 1e-6
+    panel.drive.ask({"do": "policy", "value": True}, 2.0)
+    panel.drive.ask({"do": "experiment", "value": "known"}, 2.0)
+    assert panel.drive.doing == "experiment"  # followed by set points, which the policy limits
+
+
+def test_the_model_goes_on_beside_a_board_that_says_neither_state_nor_reference():
+    drive = Drive(TextLines(), lambda data: None, lambda name: (), Range())
+    assert drive.state(0.0) == "says no state"
+    drive.ask({"do": "close"}, 0.0)
+    assert drive.is_moving
+    variant = read_board("void-closure").variant
+    traces = Traces(variant.hand, variant.experiment, None)
+    traces.see(About("text board", {"position": "rad", "current": "A"}, 0.0, 0.0), False, 0.0, 0.0)
+    for k in range(600):
+        traces.see(Row(k, 1e-3 * k, (0.0, 0.0)), drive.is_moving, 6.0, 6.0)
+    model_position = [row[4] for row in traces.take()["rows"]]
+    assert model_position[-1] > 3.0
+
+
+def test_samples_after_a_reset_are_drawn():
+    variant = read_board("void-closure").variant
+    traces = Traces(variant.hand, variant.experiment, drawn_model())
+    units = {"reference": "rad", "position": "rad", "current": "A"}
+    traces.see(About("x", units, 1000.0, 0.2), False, 0.0, 0.0)
+    for k in range(3000, 3010):
+        traces.see(Row(k, 1e-3 * k, (0.0, 0.0, 0.0)), False, 0.0, 0.0)
+    traces.take()
+    traces.see(Restarted(0.0), False, 0.0, 0.0)
+    for k in range(10):
+        traces.see(Row(k, 1e-3 * k, (0.0, 0.0, 0.0)), False, 0.0, 0.0)
+    assert [row[0] for row in traces.take()["rows"]] == pytest.approx([0.004, 0.009], abs=2e-3)
 
 
 @pytest.mark.parametrize("value", [-0.1, 9.9, float("nan"), "3", None, True, [1]])
@@ -216,7 +324,9 @@ class Bench:
         self.far = Terminal()
         self.board = VirtualBoard(Lag, self.far, Settings(), Misbehaviour())
         self.over, self.said = threading.Event(), []
-        panel = Panel(Link(self.far.address), read_board("void-closure").variant, model)
+        panel = Panel(
+            Link(self.far.address), read_board("void-closure").variant, model, policy=False
+        )
         self.threads = [
             threading.Thread(target=self.board.run, args=(self.over.is_set,)),
             threading.Thread(target=run_panel, args=(panel, self.said.append, self.over.is_set)),
@@ -288,6 +398,16 @@ def test_close_open_stop_and_a_reference(bench, page):
     page.keyboard.press("Escape")
     bench.reaches(State.STOPPED)
     until(page, "document.body.dataset.state === 'still'")
+
+
+def test_the_limit_on_the_grip_is_switched(bench, page):
+    until(page, "!document.getElementById('policy').checked")
+    page.check("#policy")
+    page.click("#health")  # out of focus: the page shows what the panel does
+    until(page, "document.getElementById('policy').checked")
+    page.uncheck("#policy")
+    page.click("#health")
+    until(page, "!document.getElementById('policy').checked")
 
 
 def test_an_experiment_runs_to_its_end(bench, page):

@@ -14,17 +14,22 @@ SAMPLE = GripSample(1e-3, 0.0, 0.0, False, 0.0, 0.5, 0.0, 0.0, 0.0)
 
 def closed(rigid, seconds=1.0, touched=True, **further):
     """Set points [rad] of a hand that closes at 15 rad/s, and touches something at TOUCH."""
-    memory, found = GripMemory(), []
+    memory, found, position, now = GripMemory(), [], 0.0, False
     for tick in range(round(1000 * seconds)):
         wanted = min(15.0 * tick / 1000.0, FULL)
-        now = touched and wanted >= TOUCH
+        now = touched and (now or position >= TOUCH)
         chance = rigid(tick / 1000.0) if callable(rigid) else rigid
         sample = SAMPLE._replace(
-            wanted=wanted, position=wanted, touched=now, touch_position=TOUCH, rigid=chance
+            wanted=wanted, position=position, touched=now, touch_position=TOUCH, rigid=chance
         )
-        memory, point = grip(SETTINGS, memory, sample._replace(**further))
-        found.append(point)
+        memory, position = grip(SETTINGS, memory, sample._replace(**further))
+        found.append(position)
     return found
+
+
+def limit(share):
+    """Set point of a share of the travel beyond the touch."""
+    return TOUCH + share * (FULL - TOUCH)
 
 
 def test_an_empty_hand_follows_its_command():
@@ -47,12 +52,22 @@ def test_a_moment_of_certainty_is_not_enough():
 
 
 def test_in_lasting_doubt_the_likelier_class_decides():
-    assert closed(0.6, seconds=1.5)[-1] == pytest.approx(FULL)
-    assert closed(0.45, seconds=1.5)[-1] < FULL - 1.0
+    assert closed(0.75, seconds=1.5)[-1] == pytest.approx(FULL)
+    assert closed(0.6, seconds=1.5)[-1] == pytest.approx(limit(SETTINGS.probe_share))
+
+
+def test_in_doubt_it_squeezes_slowly_on_and_goes_back_where_the_object_proves_soft():
+    points = closed(lambda time: 0.3 if time < 1.5 else 0.01, seconds=2.5)
+    begins = round(1000 * (TOUCH / 15.0 + SETTINGS.settle)) + 200
+    assert points[begins] < points[begins + 20] < points[begins] + 0.03 * SETTINGS.probe_speed
+    assert max(points) == pytest.approx(limit(SETTINGS.probe_share))
+    assert points[-1] == pytest.approx(limit(SETTINGS.soft_share))
+    steps = [b - a for a, b in itertools.pairwise(points[1500:])]
+    assert min(steps) == pytest.approx(-1e-3 * SETTINGS.probe_speed)
 
 
 def test_a_firm_hold_ends_where_the_object_proves_soft():
-    points = closed(lambda time: 0.95 if time < 0.7 else 0.1, seconds=1.5)
+    points = closed(lambda time: 0.95 if time < 0.9 else 0.01, seconds=1.5)
     assert max(points) == pytest.approx(FULL)
     assert points[-1] == pytest.approx(TOUCH + SETTINGS.soft_share * (FULL - TOUCH))
 

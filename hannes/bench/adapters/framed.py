@@ -3,8 +3,9 @@
 import math
 
 from hannes.bench.board_logic import profile_check
-from hannes.bench.events import About, Event, OtherVersion, Reply, Row, Status
+from hannes.bench.events import About, Event, OtherVersion, Reply, Restarted, Row, Status
 from hannes.bench.frames import Frame, Splitter, encode
+from hannes.bench.lives import Lives
 from hannes.bench.messages import (
     AT_ONCE,
     FROM_BOARD,
@@ -27,7 +28,7 @@ from hannes.bench.messages import (
     Telemetry,
     lengths,
 )
-from hannes.bench.sequence import Received
+from hannes.bench.sequence import MOST_GAPS, Received
 
 MICRO = 1e-6
 CODES = frozenset("bBhHiIqQfd")  # of a channel, as Python's struct has them
@@ -43,7 +44,8 @@ class Framed:
     def __init__(self) -> None:
         self._lengths = lengths(FROM_BOARD)
         self._splitter = Splitter(self._lengths)
-        self._received = Received()
+        self._received, self._lives = Received(), Lives()
+        self._before: tuple[tuple[int, int], ...] = ()  # missing in the board's earlier lives
         self._hello: Hello | None = None
         self._channels: dict[int, Channel] = {}
         self._telemetry: Telemetry | None = None
@@ -92,6 +94,9 @@ class Framed:
         """What the whole frames in `data` say, each once."""
         events: list[Event] = []
         for frame in self._splitter.feed(data):
+            if self._lives.is_new(frame):
+                self._before, self._received = self.missing[-MOST_GAPS:], Received()
+                events.append(Restarted(frame.time * MICRO))
             if self._received.accept(frame.sequence):
                 events += self._event(frame)
         return events
@@ -104,7 +109,7 @@ class Framed:
     @property
     def missing(self) -> tuple[tuple[int, int], ...]:
         """Intervals of frame numbers that never came."""
-        return self._received.missing
+        return self._before + self._received.missing
 
     def _packet(
         self, message: "Ask | Alive | Profile | Points | Start | SetPoint | Stop | Resend"

@@ -471,6 +471,7 @@ void board_stop(struct Board *b)
 static void grip_on(struct Board *b, const double *values)
 {
     double position = values[POSITION_CHANNEL], most = GRASP_SPEED * HANNES_PERIOD;
+    if (hannes_again(&b->grip, position)) hannes_reset(&b->hannes);
     bool fresh = hannes_sample(&b->hannes, values[CURRENT_CHANNEL], position,
                                values[REFERENCE_CHANNEL], &b->said);
     b->command = g_within(b->goal, b->command - most, b->command + most);
@@ -507,9 +508,6 @@ void board_tick(struct Board *b)
 
 #ifdef HANNES_HOST
 #include <stdio.h>
-#ifdef HANNES_STRATEGY
-#include <stdlib.h>
-#endif
 
 static double shaft;
 
@@ -543,23 +541,21 @@ void hardware_step(bool open, double reference, double *values)
 #endif
 
 /* Input: u8 what (0: bytes, 1: ticks), u16 count; then the bytes. With a strategy also 2: a switch
- * asks for a grasp to `count` mrad; the slope of its object is the program's argument. */
-int main(int count_of_words, char **words)
+ * asks for a grasp to `count` mrad; 3: the slope of the object is `count` mA/rad from now on. */
+int main(void)
 {
     static struct Board board;
     uint8_t head[3];
-#ifdef HANNES_STRATEGY
-    slope = count_of_words > 1 ? atof(words[1]) : 0.0;
-#else
-    (void)count_of_words;
-    (void)words;
-#endif
     board_init(&board);
     while (fread(head, 1, 3, stdin) == 3) {
         unsigned count = (unsigned)get(head + 1, 2);
 #ifdef HANNES_STRATEGY
         if (head[0] == 2) {
             board_grasp(&board, 1e-3 * count, 0.0);
+            continue;
+        }
+        if (head[0] == 3) {
+            slope = 1e-3 * count;
             continue;
         }
 #endif

@@ -4,11 +4,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hannes.bench.events import Adapter, Event, Reply, Row, Status
+from hannes.bench.events import Adapter, Event, Reply, Restarted, Row, Status
 from hannes.bench.messages import Kind, Reason, State
 from hannes.core.errors import BadInput
 
-SILENCE = 0.5  # s without a word of the page after which the board is stopped
+SILENCE = 0.5  # s without a word of the page, or a sample of the board, after which it is stopped
 EVERY = 0.01  # s between set points
 AGAIN = 0.05  # s between stops until the board obeys
 PATIENCE = 3.0  # s within which a stop is answered, and a start moves the board
@@ -28,34 +28,46 @@ class Range:
 class Drive:
     """Turns what the page asks for into bytes for the board; `send` hands them over.
 
+    `profile_of`: corners of an experiment's command, None while they are still being checked;
+    `limited`: what the grip policy makes of the command [rad], None where none limits it.
     `doing`: what is being done, in words, "" for nothing. `said`: why it was refused or ended.
+    `set_point` [rad]: the last that was sent.
     """
 
     def __init__(
         self,
         speaker: Adapter,
         send: Callable[[bytes], None],
-        profile_of: Callable[[str], Knots],
+        profile_of: Callable[[str], Knots | None],
         within: Range,
+        limited: Callable[[], float] | None = None,
     ) -> None:
         self._speaker, self._send, self._profile_of = speaker, send, profile_of
-        self.within = within
-        self.doing, self.said = "", ""
-        self._set_point, self._goal = 0.0, 0.0
+        self.within, self._limited = within, limited
+        self.policy = limited is not None
+        self.doing, self.said, self._asked = "", "", ""  # asked: an experiment, being checked
+        self._command, self.set_point, self._goal = 0.0, 0.0, 0.0
         self._path: Knots = ()
         self._began, self._sent, self._heard = 0.0, -EVERY, 0.0
         self._position, self._state, self._place = 0.0, State.IDLE, -1
+        self._sampled, self._says_state = 0.0, False
         self._stops, self._stopped, self._moved = 0, 0.0, False  # sent and not answered; when
 
     @property
     def is_moving(self) -> bool:
-        """Whether the board was last seen to move."""
-        return self._state in MOVING
+        """Whether the board was last seen to move; it is taken to where it says no state."""
+        return self._state in MOVING if self._says_state else bool(self.doing)
 
     @property
-    def state(self) -> State:
-        """State of the board, as it was last seen."""
-        return self._state
+    def wanted(self) -> float:
+        """The command [rad] before any limit; where the hand is while nothing is asked for."""
+        return self._command if self.doing else self._position
+
+    def state(self, now: float) -> str:
+        """State of the board at `now` [s] in words, as it was last seen."""
+        if now - self._sampled > SILENCE:
+            return "silent"
+        return _words(self._state.name) if self._says_state else "says no state"
 
     def channels(self, names: Sequence[str]) -> None:
         """Note the board's channels."""
@@ -63,16 +75,27 @@ class Drive:
 
     def see(self, event: Event, now: float) -> None:
         """Take what the board says at host time `now` [s]."""
-        if isinstance(event, Row) and self._place >= 0:
-            self._position = event.values[self._place]
+        if isinstance(event, Row):
+            self._sampled = now
+            if self._place >= 0:
+                self._position = event.values[self._place]
+        elif isinstance(event, Restarted):
+            self._began_anew()
         elif isinstance(event, Status):
-            self._state = event.state
+            self._state, self._says_state = event.state, True
             if self.doing and not self._awaits_stop(now):
                 self._judge(event.state, now)
         elif isinstance(event, Reply) and event.kind == Kind.STOP:
             self._stops = max(0, self._stops - 1)
         elif isinstance(event, Reply) and event.reason is not Reason.DONE and self.doing:
             self.stop(f"the board refused it: {_words(event.reason.name)}")
+
+    def _began_anew(self) -> None:
+        """A board that was reset has let the hand go, and awaits no answer."""
+        self._state = State.IDLE
+        if self.doing:
+            self.stop("the board began anew: was it reset, or is its supply too weak?")
+        self._stops = 0
 
     def _awaits_stop(self, now: float) -> bool:
         """Whether what the board says may still be of before the last stop."""
@@ -92,6 +115,8 @@ class Drive:
         """Take one message of the page, at host time `now` [s]; any of them counts as its word."""
         self._heard = now
         what, value = message.get("do"), message.get("value")
+        if what not in ("beat", "policy"):
+            self._asked = ""
         if what == "stop":
             self.stop("")
         elif what == "close":
@@ -101,7 +126,10 @@ class Drive:
         elif what == "reference":
             self._refer(value, now)
         elif what == "experiment":
-            self._run(value, now)
+            self.stop("") if self.doing else None
+            self._run(value if isinstance(value, str) else "", now)
+        elif what == "policy":
+            self.policy = value is True and self._limited is not None
         elif what != "beat":
             self.said = "the page asked for something unknown"
 
@@ -115,21 +143,34 @@ class Drive:
         """Send the set point that is due; stop where the page has been silent for too long."""
         if not self.doing:
             self._repeat_stop(now)
+        if self._asked and now - self._heard <= SILENCE:
+            self._run(self._asked, now)
+        if not self.doing:
             return
         if now - self._heard > SILENCE:
             self.stop("stopped: the page was silent")
+        elif now - max(self._sampled, self._began) > SILENCE:
+            self.stop("stopped: the board was silent; look at its cable and supply")
         elif self._path and now - self._began > self._path[-1][0]:
             self.stop("")
         elif self.doing != "profile" and now - self._sent >= EVERY:
-            self._set_point = self._next(now)
+            self._command = self._next(now)
             self._sent = now
-            self._send(self._speaker.set_point(self._set_point))
+            self.set_point = self._below_limit()
+            self._send(self._speaker.set_point(self.set_point))
 
     def _repeat_stop(self, now: float) -> None:
         """Send the stop again while the board still moves: a frame can be lost."""
         if self._stops and self._state in MOVING and now - self._sent >= AGAIN:
             self._sent = now
             self._send(self._speaker.stop())
+
+    def _below_limit(self) -> float:
+        """The command as far as the grip policy allows; its end makes no jump."""
+        limited = self._limited() if self._limited and self.policy else self._command
+        if not self._path:
+            limited = min(limited, self.set_point + 2.0 * EVERY * self.within.speed)
+        return min(limited, self._command)
 
     def _next(self, now: float) -> float:
         """The set point at `now`: on the path of an experiment, or a step nearer to the goal."""
@@ -139,13 +180,14 @@ class Drive:
             times, values = np.array(self._path).T
             return float(np.interp(now - self._began, times, values))
         most = self.within.speed * min(max(now - self._sent, 0.0), 2.0 * EVERY)
-        return min(max(self._goal, self._set_point - most), self._set_point + most)
+        return min(max(self._goal, self._command - most), self._command + most)
 
     def _towards(self, goal: float, doing: str, now: float) -> None:
         if self.doing in ("profile", "experiment"):
             self.stop("")
         if not self.doing:
-            self._set_point, self._sent, self._began, self._moved = self._position, now, now, False
+            self._command = self.set_point = self._position
+            self._sent, self._began, self._moved = now, now, False
         self._goal, self.doing, self.said, self._path = goal, doing, "", ()
 
     def _refer(self, value: Any, now: float) -> None:
@@ -156,17 +198,19 @@ class Drive:
         else:
             self._towards(float(value), "reference", now)
 
-    def _run(self, name: Any, now: float) -> None:
-        """Send an experiment's command whole, or follow it where the board takes no profile."""
+    def _run(self, name: str, now: float) -> None:
+        """Send an experiment's command whole; follow it under a policy, or without profiles."""
         try:
-            points = self._profile_of(name if isinstance(name, str) else "")
+            points = self._profile_of(name)
         except BadInput as error:
-            self.said = str(error)
+            self.said, self._asked = str(error), ""
             return
-        if self.doing:
-            self.stop("")
-        self._began, self.said, self._moved = now, "", False
-        if packets := self._speaker.profile(list(points)):
+        if points is None:
+            self._asked, self.said = name, f"simulating {name} first, against the limits"
+            return
+        self._began, self.said, self._moved, self._asked = now, "", False, ""
+        packets = [] if self.policy else self._speaker.profile(list(points))
+        if packets:
             for packet in [*packets, self._speaker.start()]:
                 self._send(packet)
             self.doing, self._path = "profile", ()

@@ -43,6 +43,7 @@ function estimate(id, found, unit) {
 function show(state) {
   document.body.dataset.state = state.doing || "still";
   document.body.dataset.board = state.board;
+  if (known.recognises && document.activeElement !== $("policy")) $("policy").checked = state.policy;
   health(`board: ${state.board}; ${state.samples} samples${state.said ? `; ${state.said}` : ""}`, Boolean(state.said));
   const found = state.recognised;
   if (known.recognises) {
@@ -98,6 +99,7 @@ $("open").onclick = () => ask("open");
 $("stop").onclick = () => ask("stop");
 $("go").onclick = () => ask("reference", Number($("reference").value));
 $("run").onclick = () => ask("experiment", $("experiment").value);
+if (known.recognises) $("policy").onchange = () => ask("policy", $("policy").checked);
 $("reference").oninput = () => { $("angle").textContent = `${Number($("reference").value).toFixed(2)} rad`; };
 window.addEventListener("keydown", (event) => event.key === "Escape" && ask("stop"));
 document.addEventListener("visibilitychange", () => document.hidden && ask("stop"));

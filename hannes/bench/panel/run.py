@@ -6,14 +6,17 @@ import queue
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
+from hannes.bench.board_logic import Limits
 from hannes.bench.panel.drive import Drive, Knots, Range
 from hannes.bench.panel.page import panel_page
 from hannes.bench.panel.server import PanelServer
 from hannes.bench.panel.traces import Traces
+from hannes.bench.profile_check import require_within
 from hannes.bench.reader import Link
 from hannes.bench.record import command_points
 from hannes.bench.session import Session, session
@@ -33,7 +36,8 @@ BEGINS = ("close", "experiment")  # with these a new grasp begins
 class Panel:
     """What a panel shows: `beside` steps as the model, `model` recognises, `port` 0: any.
 
-    raw: where the bytes are kept as they came, None for nowhere.
+    raw: where the bytes are kept as they came, None for nowhere; policy: whether it begins with the
+    grip limited, which needs a model.
     """
 
     link: Link
@@ -41,6 +45,7 @@ class Panel:
     model: Model | None = None
     port: int = 0
     raw: Path | None = None
+    policy: bool = True
 
 
 def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: False) -> None:
@@ -51,11 +56,13 @@ def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: F
     """
     traces = Traces(panel.beside.hand, panel.beside.experiment, panel.model)
     within = Range(closed=_closed(panel.beside))
-    with _raw(panel.raw) as raw, session(panel.link, raw) as talk:
+    with _raw(panel.raw) as raw, Profiles() as profiles, session(panel.link, raw) as talk:
         board = talk.hello()
-        drive = Drive(talk.speaker, talk.reader.send, _profile, within)
+        limited = (lambda: traces.set_point) if panel.model else None
+        drive = Drive(talk.speaker, talk.reader.send, profiles, within, limited)
+        drive.policy = panel.policy and limited is not None
         drive.channels(list(board.channels))
-        traces.see(board, False)
+        traces.see(board, False, 0.0, 0.0)
         page = panel_page(panel.link.port, _experiments(), within, panel.model is not None)
         with PanelServer(page, lambda: _state(talk, drive, traces), panel.port) as server:
             say(f"{panel.link.port}: {board.firmware}, {len(board.channels)} channels")
@@ -69,7 +76,7 @@ def _loop(
     while not until():
         for count, event in enumerate(talk.events()):
             drive.see(event, time.monotonic())
-            traces.see(event, drive.is_moving)
+            traces.see(event, drive.is_moving, drive.wanted, drive.set_point)
             if count % AT_ONCE == 0:
                 _attend(drive, traces, server)
         _attend(drive, traces, server)
@@ -92,7 +99,8 @@ def _attend(drive: Drive, traces: Traces, server: PanelServer) -> None:
 def _state(talk: Session, drive: Drive, traces: Traces) -> dict[str, Any]:
     """What the page is sent each time."""
     return {
-        "board": drive.state.name.lower().replace("_", " "),
+        "board": drive.state(time.monotonic()),
+        "policy": drive.policy,
         "doing": drive.doing,
         "said": drive.said,
         "samples": talk.heard.rows,
@@ -115,11 +123,38 @@ def _experiments() -> list[str]:
     return found
 
 
-def _profile(name: str) -> Knots:
-    """Corners of a shipped experiment's reference."""
-    if name not in shipped.names():
-        raise BadInput(f'no experiment "{name:.60}"')
-    return command_points(load_experiment(name)[0].experiment)
+class Profiles:
+    """Corners of the shipped experiments' references, each simulated first against the limits.
+
+    The simulation runs beside the panel, which goes on; until it ends, a call gives None. Raises
+    BadInput for what is none, or breaks the limits.
+    """
+
+    def __init__(self, limits: Limits | None = None) -> None:
+        self._pool, self._limits = ThreadPoolExecutor(1), limits
+        self._checks: dict[str, Future[Knots]] = {}
+
+    def __call__(self, name: str) -> Knots | None:
+        """Corners of the experiment `name`: (time [s], angle [rad])."""
+        if name not in shipped.names():
+            raise BadInput(f'no experiment "{name:.60}"')
+        if name not in self._checks:
+            self._checks[name] = self._pool.submit(self._checked, name)
+        return self._checks[name].result() if self._checks[name].done() else None
+
+    def _checked(self, name: str) -> Knots:
+        variant = load_experiment(name)[0]
+        try:
+            require_within(variant.hand, variant.experiment, self._limits)
+        except ComputationFailed as error:
+            raise BadInput(f"{name}: {error}") from None
+        return command_points(variant.experiment)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._pool.shutdown(wait=False, cancel_futures=True)
 
 
 @contextlib.contextmanager

@@ -3,8 +3,9 @@
 import threading
 from typing import Any
 
-from hannes.bench.events import About, Event, Row
-from hannes.bench.live import Decision, LiveRecogniser
+from hannes.bench.events import About, Event, Restarted, Row
+from hannes.bench.grip_loop import GripLoop
+from hannes.bench.live import Decision, warm_up
 from hannes.bench.virtual_hand import VirtualHand
 from hannes.recognition.model import Estimate, Model
 from hannes.simulation.experiment.experiment import Experiment
@@ -19,15 +20,18 @@ MEASURED = ("reference", "position", "current")
 class Traces:
     """Takes events, gives rows of time, MEASURED, and the model's position, current and force.
 
-    Recognition starts with `begin`; without a trained model there is none. `take` may be
-    called from another thread.
+    Recognition and grip policy start with `begin`; without a trained model there is none.
+    `set_point`: what the policy makes of the command [rad]. `take` may be called from another
+    thread.
     """
 
     def __init__(self, hand: Hand, experiment: Experiment, model: Model | None) -> None:
         self._hand, self._experiment, self._trained = hand, experiment, model
         self._beside = VirtualHand(hand, experiment)
         self._beside.step(None)  # compiled before anything moves
-        self._live: LiveRecogniser | None = None
+        if model is not None:
+            warm_up(model)
+        self._loop: GripLoop | None = None
         self._about: About | None = None
         self._places: list[int] = []
         self._last, self._count, self._reference = -1.0, 0, 0.0
@@ -39,27 +43,44 @@ class Traces:
         """A new grasp: the model is at rest, nothing is known of an object."""
         self._beside = VirtualHand(self._hand, self._experiment)
         self._decision = None
-        self._live = LiveRecogniser(self._trained) if self._trained else None
-        if self._live and self._about:
-            self._live.feed(self._about)
+        point = self.set_point
+        self._loop = GripLoop(self._trained) if self._trained else None
+        if self._loop and self._about:
+            self._loop.set_point = point
+            self._loop.feed(self._about, point)
 
-    def see(self, event: Event, moving: bool) -> None:
-        """Take one event; `moving`: the drive is on."""
+    @property
+    def set_point(self) -> float:
+        """What the grip policy makes of the command [rad]."""
+        return self._loop.set_point if self._loop else 0.0
+
+    def see(self, event: Event, moving: bool, wanted: float, sent: float) -> None:
+        """Take one event; `moving`: the drive is on; command and last set point sent [rad]."""
+        if isinstance(event, Restarted):
+            self._last = -1.0
+            self.begin()
         if isinstance(event, About):
             self._about = event
             names = list(event.channels)
             self._places = [names.index(each) if each in names else -1 for each in MEASURED]
             return
-        if self._live and (decisions := self._live.feed(event)):
-            self._decision = decisions[-1]
+        self._recognise(event, wanted)
         if isinstance(event, Row) and self._about and event.time > self._last:
-            self._sample(event, moving)
+            self._sample(event, moving, sent)
 
-    def _sample(self, row: Row, moving: bool) -> None:
+    def _recognise(self, event: Event, wanted: float) -> None:
+        if self._loop is None:
+            return
+        said = self._loop.feed(event, wanted)
+        if said.released:
+            self._decision = None
+        elif said.decisions:
+            self._decision = said.decisions[-1]
+
+    def _sample(self, row: Row, moving: bool, sent: float) -> None:
         measured = [row.values[k] if k >= 0 else None for k in self._places]
         reference = measured[0]
-        if reference is not None:
-            self._reference = reference
+        self._reference = sent if reference is None else reference
         model = self._stepped(row.time, moving)
         self._last, self._count = row.time, self._count + 1
         if self._count % EVERY == 0:

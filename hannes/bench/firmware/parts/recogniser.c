@@ -33,8 +33,10 @@ struct Hannes {
 
 /* What the grip policy keeps from tick to tick. */
 struct HannesGrip {
-    bool firm, held;
-    double since, certain, offset, set_point; /* s, s, rad from the touch, rad */
+    bool firm, held, released; /* released: let go of, and not yet closing again */
+    double lowest;            /* rad, since it was let go of */
+    double since, certain;    /* s from the touch; s for which it was surely rigid */
+    double share, offset, set_point; /* of the travel beyond the touch; rad from the touch; rad */
     double touch, rigid;      /* of what is held: rad, probability */
     double force, force_high; /* N, the last estimate */
 };
@@ -48,6 +50,9 @@ void hannes_reset(struct Hannes *h);
 bool hannes_sample(struct Hannes *h, double current, double position, double reference,
                    struct HannesDecision *said);
 void hannes_grip_reset(struct HannesGrip *g);
+/* Ask at each sample, before hannes_sample(): true where a new grasp begins, as the hand turns to
+ * close after a release; then call hannes_reset(). */
+bool hannes_again(struct HannesGrip *g, double position);
 /* Set point [rad] of the next tick, by what recognition says: `fresh` is what was just said, NULL
  * where nothing was; `wanted` the command [rad]; `force_wanted` a force set point [N], 0 for none. */
 double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, double period,
@@ -188,14 +193,26 @@ static void h_take(struct Hannes *h, double current, double position, double ref
 
 /* ---- trees ------------------------------------------------------------------------------------- */
 
-/* A node's left child comes next, its right one at `next`; of a leaf (feature 255) `next` is the
- * place of its value. Thresholds are rounded down to float, which decides the same of a float. */
+/* Inner nodes and leaves stand in preorder: a left child comes next, and a tree has one leaf more
+ * than inner nodes, so that the way to a leaf says its place. Thresholds are rounded down to float,
+ * which decides the same of a float. */
 static double h_leaf(const struct HannesForest *f, uint32_t tree, const float *row)
 {
-    uint32_t node = f->start[tree];
-    while (f->feature[node] != 255u)
-        node = row[f->feature[node]] <= f->threshold[node] ? node + 1u : f->next[node];
-    return f->value[f->next[node]];
+    uint32_t node = f->start[tree], leaf = node + tree;
+    if (node == f->start[tree + 1u]) return f->value[f->place ? f->place[leaf] : leaf];
+    for (;;) {
+        uint8_t what = f->feature[node];
+        if (row[what & 63u] <= f->threshold[node]) {
+            if (what & 128u) break;
+            node++;
+        } else {
+            uint32_t passed = (f->far ? f->far[node] : f->left[node]) + 1u;
+            leaf += passed;
+            if (what & 64u) break;
+            node += passed;
+        }
+    }
+    return f->value[f->place ? f->place[leaf] : leaf];
 }
 
 static double h_mean(const struct HannesForest *f, const float *row)
@@ -355,9 +372,18 @@ void hannes_grip_reset(struct HannesGrip *g)
     memset(g, 0, sizeof *g);
 }
 
+bool hannes_again(struct HannesGrip *g, double position)
+{
+    if (!g->released) return false;
+    if (position < g->lowest) g->lowest = position;
+    g->released = position < g->lowest + HANNES_TURN;
+    return !g->released;
+}
+
 /* What recognition last said of the object, until the hand has let it go. */
 static void g_hold(struct HannesGrip *g, const struct HannesDecision *fresh, double position)
 {
+    if (g->released) return;
     if (fresh && fresh->held) {
         g->force = fresh->force[0];
         g->force_high = fresh->force[2];
@@ -367,7 +393,11 @@ static void g_hold(struct HannesGrip *g, const struct HannesDecision *fresh, dou
         g->touch = fresh->touch;
         g->rigid = fresh->rigid;
     }
-    if (g->held && position < g->touch - HANNES_RETREAT) g->held = false;
+    if (g->held && position < g->touch - HANNES_RETREAT) {
+        g->held = false;
+        g->released = true;
+        g->lowest = position;
+    }
 }
 
 static double g_offset(const struct HannesGrip *g, double period, double position, double most,
@@ -380,12 +410,29 @@ static double g_offset(const struct HannesGrip *g, double period, double positio
     return offset != offset ? 0.0 : g_within(offset, 0.0, most);
 }
 
-static double g_free(struct HannesGrip *g, double wanted, double since, double certain)
+static double g_free(struct HannesGrip *g, double set_point, double since, double certain)
 {
     g->since = since;
     g->certain = certain;
-    g->offset = 0.0;
-    return g->set_point = wanted;
+    g->share = g->offset = 0.0;
+    return g->set_point = set_point;
+}
+
+static bool g_firm(const struct HannesGrip *g, double certain, double since, double period)
+{
+    double half = 0.5 * period;
+    if (g->firm) return g->rigid >= HANNES_SOFT_BELOW;
+    if (certain + half >= HANNES_DWELL) return true;
+    return since + half >= HANNES_PATIENCE && g->rigid > HANNES_DECIDE_FROM;
+}
+
+static double g_soft_share(const struct HannesGrip *g, double since, double beyond, double period)
+{
+    bool doubt = since >= HANNES_SETTLE && g->rigid > HANNES_DOUBT_FROM;
+    double goal = doubt ? HANNES_PROBE_SHARE : HANNES_SOFT_SHARE;
+    double step = HANNES_PROBE_SPEED * period / h_more(beyond, 0.1);
+    double start = g_within(g->share, HANNES_SOFT_SHARE, HANNES_PROBE_SHARE);
+    return g_within(goal, start - step, start + step);
 }
 
 double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, double period,
@@ -398,16 +445,16 @@ double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, dou
     }
     double since = g->since + period, most = HANNES_GRIP_SPEED * period;
     double certain = g->rigid >= HANNES_RIGID_FROM ? g->certain + period : 0.0;
-    double beyond = wanted - g->touch, share;
-    if (g->firm) g->firm = g->rigid >= HANNES_SOFT_BELOW;
-    else g->firm = certain >= HANNES_DWELL || (since >= HANNES_PATIENCE && g->rigid > 0.5);
-    share = g->firm ? 1.0 : HANNES_SOFT_SHARE;
+    double beyond = wanted - g->touch, share, offset;
+    g->firm = g_firm(g, certain, since, period);
     if (beyond <= 0.0) return g_free(g, wanted, since, certain); /* the command is to open */
-    if (force_wanted > 0.0)
-        share = g_offset(g, period, position, share * beyond, force_wanted) / beyond;
+    share = g->firm ? 1.0 : g_soft_share(g, since, beyond, period);
+    offset = share * beyond;
+    if (force_wanted > 0.0) offset = g_offset(g, period, position, offset, force_wanted);
     g->since = since;
     g->certain = certain;
-    g->offset = share * beyond;
-    g->set_point = g_within(g->touch + share * beyond, g->set_point - most, g->set_point + most);
+    g->share = share;
+    g->offset = offset;
+    g->set_point = g_within(g->touch + offset, g->set_point - most, g->set_point + most);
     return g->set_point;
 }

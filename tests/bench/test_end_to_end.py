@@ -1,0 +1,85 @@
+"""From a board with hidden slack to a hand file that fits it: through the port and the commands."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from hannes import Hand, Recording, simulate
+from hannes.commands.cli import main
+from hannes.plants.hand.recorded_experiment import experiment_of
+from hannes.simulation.hand.hand_file import load_hand
+
+CLOSURE = """
+title = "Free closure"
+hand = "hannes"
+duration = "0.8 s"
+sampling = "1 kHz"
+controller = "sampled"
+effects = []
+[reference]
+kind = "ramp"
+points = [["0 s", "0 rad"], ["0.637 s", "9.84 rad"]]
+"""
+HIDDEN = (
+    CLOSURE.replace("effects = []", 'effects = ["leader_slack"]')
+    + """
+[parameters]
+"leader_slack.length" = "3 mm"
+"controller.current_noise" = "10 mA"
+"controller.noise_seed" = "{seed}"
+"""
+)
+
+
+class Bench:
+    """A folder, the closure's file, and boards that hide their slack."""
+
+    def __init__(self, folder) -> None:
+        self.folder = folder
+        (folder / "closure.toml").write_text(CLOSURE)
+
+    def record(self, name: str, seed: int) -> Recording:
+        """`hannes board` in a process of its own, and `hannes record` from it."""
+        hidden, out = self.folder / f"hidden{seed}.toml", self.folder / name
+        hidden.write_text(HIDDEN.format(seed=seed))
+        command = [sys.executable, "-m", "hannes", "board", str(hidden), "--tcp", "0"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as board:
+            try:
+                port = board.stdout.readline().strip()
+                asked = ["record", str(self.folder / "closure.toml"), "--port", port]
+                assert main([*asked, "--out", str(out)]) == 0
+            finally:
+                board.kill()
+        return Recording.read(out)
+
+
+def current_gap(recording: Recording, hand: Hand) -> float:
+    """Root mean square of what the hand's simulation leaves of the measured current [A]."""
+    simulated = simulate(hand, experiment_of(recording)).require()
+    current = np.interp(recording.time, simulated.time, simulated["current"])
+    return float(np.sqrt(np.mean((recording["current"] - current) ** 2)))
+
+
+@pytest.mark.slow
+def test_hidden_slack_is_recorded_diagnosed_and_gone_on_new_recordings(tmp_path):
+    bench, out = Bench(tmp_path), tmp_path / "diagnosis"
+    for seed in range(1, 7):
+        bench.record(f"closure_{seed}.h5", seed)
+    campaign = tmp_path / "campaign.toml"
+    campaign.write_text(
+        'plant = "hand"\n[[recording]]\nfile = "closure_*.h5"\ncondition = "free closure"\n'
+    )
+    assert main(["check", str(campaign)]) == 0
+    assert main(["diagnose", str(campaign), "--out", str(out)]) == 0
+    verdict = json.loads((out / "verdict.json").read_text())
+    assert (verdict["verdict"], verdict["effects"]) == ("named", ["leader_slack"])
+    length = verdict["parameters"]["leader_slack.length"]
+    assert length["value"] == pytest.approx(3e-3, rel=0.1)
+    assert length["low"] < length["value"] < length["high"]
+    updated = load_hand(out / "hand.toml")
+    for seed in (21, 22):  # recorded from the board again, after the diagnosis
+        new = bench.record(f"new_{seed}.h5", seed)
+        assert current_gap(new, updated) < 0.5 * current_gap(new, Hand())
