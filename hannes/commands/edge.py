@@ -103,7 +103,10 @@ class _Watched:
         return getattr(self._stream, name)
 
     def write(self, text: str) -> int:
-        return self._guarded(self._stream.write, text)
+        """Write what the stream's encoding has, and codes of what it has not."""
+        encoding = getattr(self._stream, "encoding", None) or "utf-8"
+        shown = text.encode(encoding, "backslashreplace").decode(encoding)
+        return self._guarded(self._stream.write, shown)
 
     def flush(self) -> None:
         self._guarded(self._stream.flush)

@@ -1,5 +1,6 @@
 """However a command ends it says so in one line: bad names, closed or full output, signals."""
 
+import io
 import os
 import re
 import signal
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from hannes.commands.cli import main
-from hannes.commands.edge import INTERRUPTED
+from hannes.commands.edge import INTERRUPTED, guarded
 
 RAMP = '[reference]\nkind = "ramp"\npoints = [["0 s", "0 rad"], ["1 s", "15 rad"]]\n'
 SHORT = 'duration = "20 ms"\n' + RAMP
@@ -189,3 +190,11 @@ def test_an_error_of_the_system_names_its_file(monkeypatch, capsys):
     kept = re.search(r"details are in (\S+):", capsys.readouterr().err)
     assert kept is not None
     Path(kept[1]).unlink()
+
+
+def test_letters_that_no_encoding_has_are_shown_as_codes(monkeypatch):
+    memory = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(memory, encoding="utf-8"))
+    assert guarded(lambda: print("a\ud83dé"), ["effects"]) == 0
+    sys.stdout.flush()
+    assert memory.getvalue() == "a\\ud83dé\n".encode()
