@@ -2,14 +2,20 @@
 
 import json
 import os
+import subprocess
+import sys
+import tomllib
 from typing import ClassVar
 
 import numpy as np
 import oven
 import pytest
+import tomli_w
 
+from hannes.campaigns.convert import convert
 from hannes.commands.calibrate import calibrate
 from hannes.commands.diagnose import diagnose
+from hannes.core.recording.recording import Recording
 
 RUNS, HIDDEN = 8, {"oven.hidden": 0.2}
 
@@ -93,3 +99,103 @@ def test_what_was_recorded_does_change_it(usual, tmp_path):
     lines[50] = ",".join([*cells[:2], str(float(cells[2]) + 0.01), *cells[3:]])
     first.write_text("\n".join(lines) + "\n")
     assert verdict(file) != usual
+
+
+def of_hand(file, names=()):
+    """Text of the verdict on a campaign of the hand; `names`: of files, and what they were."""
+    from hannes.campaigns.campaign_file import read_campaign
+
+    found = diagnose(read_campaign(file), progress=False).verdict.json()
+    assert json.loads(found)["verdict"]
+    for new, old in dict(names).items():
+        found = found.replace(new, old)
+    return found
+
+
+@pytest.fixture(scope="module")
+def closures(tmp_path_factory):
+    """Three closures of a hand with a slack leader wire, made by the second formulation."""
+    folder = tmp_path_factory.mktemp("closures") / "here"
+    words = ["--out", str(folder), "--slack", "3 mm", "--runs", "3", "--seed", "1"]
+    command = [sys.executable, "-m", "benchmarks.truth.closures", *words]
+    subprocess.run(command, check=True, capture_output=True)
+    return folder / "campaign.toml"
+
+
+@pytest.fixture(scope="module")
+def usual_hand(closures):
+    return of_hand(closures)
+
+
+def copied(closures, folder, names=(), order=False):
+    """The same campaign elsewhere: files of other names, tables and keys turned round."""
+    folder.mkdir(parents=True)
+    said = tomllib.loads(closures.read_text())
+    known = {old: new for new, old in dict(names).items()}
+    for row in said["recording"]:
+        made = Recording.read(closures.parent / row["file"])
+        stem = row["file"].removesuffix(".csv")
+        row["file"] = f"{known.get(stem, stem)}.csv"
+        made.write(folder / row["file"])
+    for each in ("hand.toml", "closure.toml"):
+        content = tomllib.loads((closures.parent / each).read_text())
+        (folder / each).write_text(tomli_w.dumps(turned(content) if order else content))
+    (folder / "campaign.toml").write_text(tomli_w.dumps(turned(said) if order else said))
+    return folder / "campaign.toml"
+
+
+def turned(content):
+    """Tables with their keys in reverse order; lists stay as they are."""
+    if isinstance(content, list):
+        return [turned(each) for each in content]
+    if not isinstance(content, dict):
+        return content
+    return {key: turned(content[key]) for key in reversed(content)}
+
+
+@pytest.mark.slow
+def test_names_and_folder_of_a_hands_recordings_change_nothing(closures, usual_hand, tmp_path):
+    rows = tomllib.loads(closures.read_text())["recording"]
+    stems = [row["file"].removesuffix(".csv") for row in rows]
+    names = {f"trial_{k}": stem for k, stem in enumerate(stems)}
+    file = copied(closures, tmp_path / "else" / "where", names)
+    assert of_hand(file, names=names) == usual_hand
+
+
+@pytest.mark.slow
+def test_order_of_a_hands_tables_and_keys_changes_nothing(closures, usual_hand, tmp_path):
+    assert of_hand(copied(closures, tmp_path / "here", order=True)) == usual_hand
+
+
+@pytest.mark.slow
+def test_an_irrelevant_channel_of_a_hands_log_never_comes_in(closures, tmp_path):
+    """A column that no mapping names is left out, so that the diagnosis gets the same numbers."""
+    known = Recording.read(
+        closures.parent / tomllib.loads(closures.read_text())["recording"][0]["file"]
+    )
+    rng = np.random.default_rng(1)
+    log = {f"{name} raw": known[name] for name in ("time", *known.names) if name in known.channels}
+    table = np.column_stack([*log.values(), rng.standard_normal(len(known))])
+    rows = [",".join(map(repr, row)) for row in table.tolist()]
+    (tmp_path / "log.csv").write_text("\n".join([",".join([*log, "lamp raw"]), *rows]) + "\n")
+    lines = ['plant = "hand"', "[time]", 'column = "time raw"', 'unit = "s"']
+    for name in known.names:
+        if name != "time":
+            lines += [
+                f"[channels.{name}]",
+                f'column = "{name} raw"',
+                f'unit = "{known.units[name]}"',
+            ]
+    (tmp_path / "mapping.toml").write_text("\n".join(lines) + "\n")
+    (found,) = convert([tmp_path / "log.csv"], tmp_path / "mapping.toml")
+    made = found.recording
+    assert all(np.array_equal(made[name], known[name]) for name in (*known.names, "time"))
+    assert set(made.names) == set(known.names)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [1, 3])
+def test_the_number_of_workers_changes_nothing_of_a_hand(closures, usual_hand, monkeypatch, count):
+    monkeypatch.setattr(os, "cpu_count", lambda: count)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(count)), raising=False)
+    assert of_hand(closures) == usual_hand
