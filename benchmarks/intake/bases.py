@@ -4,7 +4,7 @@ A run is had once, without a logger's noise; a logger then samples, adds noise, 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
@@ -24,6 +24,7 @@ MACHINES = ("hand", "axis", "servo")
 HANDS, DRIVEN = 3, 12  # different machines in the pool, of the hand and of each of the others
 # Of a machine's values, and of a run's (see truth.scatter): the library's default of `run_scatter`.
 SPREAD, RUN = 0.02, 0.01
+REPEATS = 4  # runs under the same command, that say how much they scatter
 START = 10e-3  # s, its default of `start_time`: what a floor has of it
 CONDITIONS = (
     Condition("void", PAPER, 2),
@@ -52,7 +53,9 @@ SENSORS: Mapping[str, Mapping[str, tuple[float, float]]] = {
 class Base:
     """One run of one machine at 1 kHz, as it is: channels by name, (n,); noise_floors by channel.
 
-    experiment: what was done, where it is known by name; noise_floors: RMS by which repeats differ.
+    experiment: what was done, where it is known by name; noise_floors: RMS by which repeats differ;
+    values: of the driven machine, by names of `truth.servo`, none of the hand; repeats: channels of
+    further runs under the same command.
     """
 
     machine: str
@@ -60,6 +63,8 @@ class Base:
     channels: Mapping[str, FloatArray]
     noise_floors: Mapping[str, float]
     experiment: str = ""
+    values: Mapping[str, float] = field(default_factory=dict)
+    repeats: tuple[Mapping[str, FloatArray], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -81,17 +86,18 @@ def count(machine: str) -> int:
 @cache
 def base(machine: str, number: int) -> Base:
     """One run of the pool, `number` from 0."""
-    both = [_run(machine, number, repeat) for repeat in (0, 1)]
+    runs = [_run(machine, number, repeat) for repeat in range(REPEATS)]
     noise_floors = {}
-    for name, values in both[0].items():
+    for name, values in runs[0].items():
         if name not in ("time", "reference"):
             noise, step = SENSORS[machine][name]
-            scatter = float(np.mean((values - both[1][name]) ** 2)) / 2.0
+            scatter = float(np.mean(np.var([each[name] for each in runs], axis=0, ddof=1)))
             moved = START * np.gradient(values, 1e-3) if name == "position" else np.zeros(1)
             scatter += float(np.mean(moved**2))
             noise_floors[name] = float(np.sqrt(scatter + noise**2 + step**2 / 12.0))
     text = bench.experiment_text(_condition(number)) if machine == "hand" else ""
-    return Base(machine, number, both[0], noise_floors, text)
+    values = {} if machine == "hand" else _values(machine, number, 0)
+    return Base(machine, number, runs[0], noise_floors, text, values, tuple(runs[1:]))
 
 
 def other(machine: str, number: int) -> Base:
@@ -121,7 +127,8 @@ def _hand_run(hand: int, condition: Condition, repeat: int) -> dict[str, FloatAr
     return {short: found[name] for name, short in names.items() if short not in forces}
 
 
-def _driven_run(machine: str, number: int, repeat: int) -> dict[str, FloatArray]:
+def _values(machine: str, number: int, repeat: int) -> dict[str, float]:
+    """Values of one axis or servo in one of its runs."""
     shipped = servo.AXIS if machine == "axis" else servo.SERVO
     kept = ("kp", "kd", "limit", "period", "encoder", "width", "offset")
     values = dict(shipped)
@@ -130,7 +137,16 @@ def _driven_run(machine: str, number: int, repeat: int) -> dict[str, FloatArray]
         for name in values:
             factor = 1.0 + spread * float(seed.standard_normal())
             values[name] *= 1.0 if name in kept else factor
-    found = servo.simulate(values, _asked(machine, number))
+    return values
+
+
+def _driven_run(machine: str, number: int, repeat: int) -> dict[str, FloatArray]:
+    return driven(machine, _values(machine, number, repeat), _asked(machine, number))
+
+
+def driven(machine: str, values: Mapping[str, float], asked: FloatArray) -> dict[str, FloatArray]:
+    """Channels of an axis or a servo under a command at 1 kHz, (n,)."""
+    found = servo.simulate(values, asked)
     names = {"drive": "current"} if machine == "servo" else {}
     return {names.get(name, name): x for name, x in found.items() if name != "speed"}
 
@@ -157,10 +173,13 @@ def _asked(machine: str, number: int) -> FloatArray:
 
 def logged(run: Base, logger: Logger, referenced: bool, rng: np.random.Generator) -> Log:
     """What a sound logger writes of a run."""
+    another = other(run.machine, run.number)
+    asked = [each.channels["reference"] for each in (run, another)]
     return Log(
         run.machine,
         _columns(run, logger, referenced, rng),
-        _columns(other(run.machine, run.number), logger, referenced, rng),
+        _columns(another, logger, referenced, rng),
+        np.array_equal(*asked),
     )
 
 

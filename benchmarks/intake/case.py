@@ -14,11 +14,13 @@ from benchmarks.intake.log import Kind, Log, all_kinds
 from benchmarks.intake.mapped import Mapping, mended, recordings, sound_mapping
 from hannes.campaigns.check import check
 from hannes.campaigns.quality.finding import Finding
+from hannes.campaigns.quality.mends import NO_FILE
 from hannes.core.errors import BadInput
 
 STRENGTHS = {"gross": (1.0, 4.0), "middling": (1.0 / 3.0, 1.0), "small": (0.03, 1.0 / 3.0)}
 HARMLESS = 1.0 / 3.0  # consequence from which a mended log still misleads
-HALVINGS, ROUNDS, TRIES = 14, 4, 20
+HALVINGS, ROUNDS, TRIES = 10, 4, 20
+SAME = 1.5  # times the consequence that the sound log has by the samples that are left alone
 KEPT = 0.8  # of the rows, that a restored log has
 RATES = (1000.0, 1000.0, 500.0, 250.0)
 
@@ -89,9 +91,12 @@ def serious(found: Sequence[Finding]) -> list[Finding]:
 def _judged(kind: Kind, spoiled: Spoiled) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         mapping = sound_mapping(spoiled.run, spoiled.sound)
-        usual = {(f.kind, f.channel) for f in _looked(spoiled, spoiled.sound, mapping, folder)[1]}
+        usual = {
+            (f.kind, f.channel)
+            for f in _sorted(_looked(spoiled, spoiled.sound, mapping, folder)[1])
+        }
         log = spoiled.log
-        found = _looked(spoiled, log, mapping, folder)[1]
+        found = _sorted(_looked(spoiled, log, mapping, folder)[1])
         new = [each for each in found if (each.kind, each.channel) not in usual]
         lines = [str(each) for each in new]
         row = {
@@ -100,12 +105,12 @@ def _judged(kind: Kind, spoiled: Spoiled) -> dict[str, Any]:
             "size": round(spoiled.size, 6),
             "referenced": "reference" in spoiled.sound.columns,
             "restorable": kind.restorable,
-            "hidden": kind.hidden(spoiled.sound, spoiled.size),
+            "hidden": kind.hidden(spoiled.sound, spoiled.size) or log.reason,
             "found": bool(new),
             "named": bool(new) and _right(kind, new[0]),
             "lines": lines[:4],
         }
-        if new:
+        if new and row["strength"] != "small":  # of which only what is found counts
             row |= _mending(kind, spoiled, mapping, new, usual, folder)
     return row
 
@@ -117,18 +122,32 @@ def _right(kind: Kind, finding: Finding) -> bool:
 
 def _looked(
     spoiled: Spoiled, log: Log, mapping: Mapping, folder: str
-) -> tuple[list[Log], list[Finding]]:
-    """The recordings of a log, as logs, and what is serious of them; a refusal is a finding."""
+) -> tuple[list[Log], list[list[Finding]]]:
+    """The recordings of a log, as logs, and what is serious of each; a refusal is a finding."""
     try:
         made = recordings(spoiled.run, log, mapping, Path(folder))
     except BadInput as error:
         mends = getattr(error, "mend", ())
-        return [], [Finding("fault", "refused", "time", str(error), mend=mends)]
-    found, plant = [], plant_of(log.machine)
-    for each in made:
-        found += serious(check(each.recording, plant))
-    found.sort(key=lambda each: each.level != "fault")
+        return [], [[Finding("fault", "refused", "time", str(error), mend=mends)]]
+    plant = plant_of(log.machine)
+    found = [serious(check(each.recording, plant)) for each in made]
     return [Log(log.machine, dict(each.recording.channels)) for each in made], found
+
+
+def _kept(
+    logs: list[Log], found: list[list[Finding]]
+) -> tuple[list[Log], list[Finding]]:  # fmt: skip
+    """Without those of several runs in a file that a finding says to leave out."""
+    good = [not any(set(NO_FILE) & set(each.mend) for each in some) for some in found]
+    if len(logs) > 1 and any(good):
+        logs = [log for log, is_good in zip(logs, good, strict=True) if is_good]
+        found = [some for some, is_good in zip(found, good, strict=True) if is_good]
+    return logs, _sorted(found)
+
+
+def _sorted(found: list[list[Finding]]) -> list[Finding]:
+    """Faults first."""
+    return sorted((each for some in found for each in some), key=lambda each: each.level != "fault")
 
 
 def plant_of(machine: str) -> Any:
@@ -155,7 +174,7 @@ def _mending(
         if changed is None:
             return {"keys": keys[:6], "mended": not kind.restorable, "how": "left out"}
         mapping = changed
-        logs, found = _looked(spoiled, spoiled.log, mapping, folder)
+        logs, found = _kept(*_looked(spoiled, spoiled.log, mapping, folder))
         found = [each for each in found if (each.kind, each.channel) not in usual]
         found = [each for each in found if each.kind != "gap"]  # what was left out is a gap
         if not found:
@@ -164,9 +183,19 @@ def _mending(
     whole = all(log.time.size >= KEPT * spoiled.sound.time.size for log in logs)
     kept = spoiled.sound.columns.keys() <= set.intersection(*(set(x.columns) for x in logs)) if (
         logs) else False  # fmt: skip
-    good = bool(keys) and not found and left < HARMLESS
+    good = bool(keys) and not found and all(_harmless(spoiled, log) for log in logs)
     good &= (whole and kept) if kind.restorable else True
     return {
         "keys": keys[:6], "mended": good, "left": round(min(left, 1e6), 4),
         "still": [str(each) for each in found][:2],
     }  # fmt: skip
+
+
+def _harmless(spoiled: Spoiled, log: Log) -> bool:
+    """Whether a mended log misleads no more than the sound one does by the same samples alone."""
+    left = consequence(spoiled.run, log)
+    if left < HARMLESS:
+        return True
+    sound = spoiled.sound
+    columns = {n: np.interp(log.time, sound.time, sound.columns[n]) for n in log.columns}
+    return left < SAME * consequence(spoiled.run, Log(log.machine, {**columns, "time": log.time}))

@@ -22,12 +22,16 @@ class Log:
     machine: "hand", "axis" or "servo"; columns: name -> (n,), NaN for an empty cell. The hand has
     position and maybe reference [rad], current [A], duty [1], supply [V], force and sensor [N];
     the axis reference and position [m], drive [V]; the servo reference and position [rad],
-    current [A]. other: columns of another run of this machine, on its own clock.
+    current [A]. other: columns of another run of this machine, on its own clock; same_command:
+    whether that was done under the same command. reason: why this log cannot show its fault in
+    principle, as far as only what was drawn at random decides it.
     """
 
     machine: str
     columns: Mapping[str, FloatArray]
     other: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
+    same_command: bool = False
+    reason: str = ""
 
     @property
     def time(self) -> FloatArray:

@@ -70,10 +70,10 @@ def _merge(into: Mapping, more: Mapping) -> None:
     for key, value in more.items():
         if isinstance(value, dict):
             _merge(into.setdefault(key, {}), value)
-        elif isinstance(value, list) and key in into:
-            into[key] = into[key] + value
+        elif isinstance(value, list) and key in into:  # of several findings
+            into[key] = into[key] + [each for each in value if each not in into[key]]
         else:
             into[key] = value
             if key == "sampling":  # a clock is a column or a rate
-                for other in ("column", "unit", "from_zero"):
+                for other in ("column", "unit", "from_zero", "order", "wrap"):
                     into.pop(other, None)

@@ -5,8 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from hannes.campaigns.quality import (
+    breaks,
     clock,
     command,
+    crosstalk,
     disabled,
     held,
     jumps,
@@ -30,6 +32,8 @@ from hannes.plants.protocol import (
 )
 from hannes.simulation.experiment.reader import experiment_text, parse_experiment
 
+CALM = ("gap", "coarse")  # kinds of finding beside which a law of the drive still holds
+
 
 def check(recording: Recording, plant: Plant | None = None) -> list[Finding]:
     """Return all data-quality issues of one recording, faults first.
@@ -41,13 +45,26 @@ def check(recording: Recording, plant: Plant | None = None) -> list[Finding]:
     expected = dict(expectations(plant)) if plant is not None else {}
     asked = commanded(plant) if plant is not None else frozenset()
     block = plant.block if plant is not None else 0.0
-    subject = Subject(recording, expected, block, asked, _plan(recording))
+    needed = frozenset(plant.required) if plant is not None else frozenset()
+    subject = Subject(recording, expected, block, asked, _plan(recording), needed)
     found = sorted(_found(subject), key=lambda each: LEVELS.index(each.level))
     return one_line_each(found, subject)
 
 
 def _found(subject: Subject) -> Iterator[Finding]:
+    found = [*_single(subject)]
+    yield from found
+    calm = all(each.level == "note" or each.kind in CALM for each in found)
+    broken = [*breaks.inspect(subject)] if calm else []
+    yield from broken
+    if not broken and all(each.level != "fault" for each in found):
+        yield from command.retimed(subject)
+
+
+def _single(subject: Subject) -> Iterator[Finding]:
+    """What is looked for whatever else is found."""
     yield from clock.inspect(subject)
+    yield from crosstalk.inspect(subject)
     yield from held.inspect(subject)
     yield from lost.inspect(subject)
     yield from jumps.inspect(subject)
@@ -55,6 +72,7 @@ def _found(subject: Subject) -> Iterator[Finding]:
     yield from sensors.inspect(subject)
     yield from magnitudes.inspect(subject)
     yield from motion.inspect(subject)
+    yield from command.paces(subject)
     if subject.plan is not None:
         yield from command.inspect(subject, subject.plan)
 

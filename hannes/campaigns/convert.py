@@ -132,6 +132,7 @@ def _report(
         },
         "resampled_Hz": mapping.time.resample or None,
         "cut_s": [list(pair) for pair in mapping.time.cut],
+        "missing": list(mapping.missing),
         "dropped_rows": run.dropped,
         "disordered_rows": run.disordered,
         "filled_values": dict(run.filled),
@@ -141,6 +142,7 @@ def _report(
                 "unit": recording.units[name],
                 "factor": rule.factor,
                 "offset": rule.offset,
+                "stated": dict(rule.stated),
             }
             for name, rule in mapping.channels.items()
         },

@@ -71,7 +71,8 @@ def test_only_readings_of_a_slow_channel_are_kept(tmp_path):
 @pytest.mark.parametrize(
     ("time", "mend"),
     [
-        (np.sort(np.r_[TIME[:-1], TIME[30]]), 'time.order = "mean"'),
+        (np.sort(np.r_[TIME[:-1], TIME[30]]), 'time.order = "drop"'),
+        (np.r_[TIME[:300], TIME[300:] - 0.1], 'time.sampling = "500 Hz'),
         (TIME[np.r_[:30, 31, 30, 32:600]], 'time.order = "sort"'),
         (np.r_[TIME[:300], TIME[:300]], 'split_at = "restart"'),
         (np.floor(100 * TIME) / 100, 'time.sampling = "'),

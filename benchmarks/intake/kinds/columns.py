@@ -76,8 +76,12 @@ def current_of_the_supply(log: Log, size: float, rng: np.random.Generator) -> Lo
     return log.changed(current=np.round(drawn / 1e-4) * 1e-4)
 
 
-@kind("unlike", "column", "does not follow", restorable=False, graded=False, hidden=lambda log,
-      size: "no command is known" if _one_way(log, size) else "")  # fmt: skip
+def _same_command(log: Log, size: float) -> str:
+    same = "the other run had the same command: it is one of this experiment"
+    return _one_way(log, size) or (same if log.same_command else "")
+
+
+@kind("unlike", "column", "does not follow", restorable=False, graded=False, hidden=_same_command)
 def motion_of_another_run(log: Log, size: float, rng: np.random.Generator) -> Log | None:
     """Motion and command are of two runs."""
     time, names = log.time, ("position", log.drive)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from benchmarks.intake.log import Log, kind
+from hannes.core.recording.white_noise import noise, quantum
 
 
 @kind("dead", restorable=False, graded=False)
@@ -132,7 +133,8 @@ def drive_switched_off(log: Log, size: float, rng: np.random.Generator) -> Log |
     changed = {"position": q}
     for name in names:
         values = log.columns[name].copy()
-        rest = values[: max(log.time.size // 40, 5)]
-        values[start:end] = rng.permutation(np.resize(rest - np.median(rest), end - start))
+        size, step = noise(values), quantum(values)
+        off = size * rng.standard_normal(values.size)[start:end]
+        values[start:end] = step * np.round(off / step) if step else off
         changed[name] = values
     return log.changed(**changed)

@@ -1,4 +1,3 @@
-# ruff: noqa: E501, RUF046
 """Kinds of fault by somebody who knew neither the checks nor the other kinds."""
 
 import numpy as np
@@ -28,7 +27,10 @@ def _no_command(log: Log) -> bool:
 
 @kind("wrap", "overflow", "roll", "modulo", "jump", restorable=True, graded=True)
 def counter_overflows(log: Log, size: float, rng: np.random.Generator) -> Log | None:
-    """The encoder's 16-bit counter was not zeroed near the middle: its upper counts come out a whole counter range lower."""
+    """The encoder's 16-bit counter was not zeroed near the middle.
+
+    Its upper counts come out a whole counter range lower.
+    """
     position = np.array(log.columns["position"], dtype=float)
     whole = np.nanmax(position) - np.nanmin(position)
     modulus = (1.1 + 0.4 * rng.random()) * whole
@@ -40,7 +42,10 @@ def counter_overflows(log: Log, size: float, rng: np.random.Generator) -> Log | 
 
 @kind("slip", "lost", "drift", "jump", "step", "offset", "shift", restorable=False, graded=True)
 def encoder_hub_slips(log: Log, size: float, rng: np.random.Generator) -> Log | None:
-    """A loose grub screw: for part of the travel the encoder's hub turns less than the shaft, and stays off from there."""
+    """A loose grub screw: the encoder's hub turns less than the shaft.
+
+    It does so for a part of the travel, and stays off from there.
+    """
     position = np.array(log.columns["position"], dtype=float)
     begin = rng.uniform(0.1, 0.35)
     start, stop = _at_travel(position, begin), _at_travel(position, begin + 0.15)
@@ -55,10 +60,13 @@ def encoder_hub_slips(log: Log, size: float, rng: np.random.Generator) -> Log | 
 def burst_lost_and_stamped_by_counter(
     log: Log, size: float, rng: np.random.Generator
 ) -> Log | None:
-    """A full serial buffer dropped a burst of packets, and the host stamped what came by row number times period."""
+    """A full serial buffer dropped a burst of packets.
+
+    The host stamped what came by row number times period.
+    """
     time = log.columns["time"]
     middle = _at_travel(log.columns["position"], rng.uniform(0.2, 0.6))
-    count = int(round(0.2 * size * len(time)))
+    count = round(0.2 * size * len(time))
     start = min(max(middle - count // 2, 1), len(time) - count - 1)
     keep = np.ones(len(time), dtype=bool)
     keep[start : start + count] = False
@@ -79,7 +87,7 @@ def burst_lost_and_stamped_by_counter(
 def amplifier_monitor_gives_magnitude(
     log: Log, size: float, rng: np.random.Generator
 ) -> Log | None:
-    """The bridge's low-side shunt (or its PWM pin without DIR) was logged: the drive has no sign left."""
+    """The bridge's low-side shunt (or its PWM pin without DIR) was logged: no sign is left."""
     drive = np.array(log.columns[log.drive], dtype=float)
     if -np.nanmin(drive) < 0.2 * np.nanmax(np.abs(drive)) or np.nanmax(drive) < 0.2 * np.nanmax(
         np.abs(drive)
@@ -101,11 +109,14 @@ def amplifier_monitor_gives_magnitude(
     graded=True,
 )
 def ring_buffer_not_flushed(log: Log, size: float, rng: np.random.Generator) -> Log | None:
-    """The logger's buffer still held the end of the run before: its rows, with their own stamps, lead the file."""
+    """The logger's buffer still held the end of the run before.
+
+    Its rows, with their own stamps, lead the file.
+    """
     if not log.other:
         return None
     length = len(log.other["time"])
-    count = int(round(0.6 * size * length))
+    count = round(0.6 * size * length)
     joined = {}
     for name, values in log.columns.items():
         old = log.other.get(name)
@@ -116,7 +127,7 @@ def ring_buffer_not_flushed(log: Log, size: float, rng: np.random.Generator) -> 
 
 @kind("clock", "stamp", "time", "gap", "backward", restorable=True, graded=True)
 def ntp_steps_the_clock(log: Log, size: float, rng: np.random.Generator) -> Log | None:
-    """Stamps by the wall clock, and the PC's time service set it amid the run, forward or back."""
+    """Stamps by the wall clock, which the PC's time service set amid the run."""
     time = np.array(log.columns["time"], dtype=float)
     start = int(rng.uniform(0.3, 0.7) * len(time))
     way = 1.0 if rng.random() < 0.5 else -1.0
@@ -139,7 +150,10 @@ def ntp_steps_the_clock(log: Log, size: float, rng: np.random.Generator) -> Log 
 def sensor_ground_carries_motor_current(
     log: Log, size: float, rng: np.random.Generator
 ) -> Log | None:
-    """The position potentiometer shares its ground lead with the motor: the drive's current shows in the position."""
+    """The position potentiometer shares its ground lead with the motor.
+
+    So the drive's current shows in the position.
+    """
     position = np.array(log.columns["position"], dtype=float)
     drive = _filled(log.columns[log.drive])
     way = 1.0 if rng.random() < 0.5 else -1.0
@@ -165,11 +179,14 @@ def sensor_ground_carries_motor_current(
     restorable=False,
     graded=True,
     hidden=lambda log, size: (
-        "without a command a tripped drive looks like a planned stop" if _no_command(log) else ""
+        "no command: a tripped drive looks like a planned stop" if _no_command(log) else ""
     ),
 )
 def drive_stage_trips(log: Log, size: float, rng: np.random.Generator) -> Log | None:
-    """Over-temperature: the drive stage switched itself off amid the run; the logger and the command went on."""
+    """Over-temperature: the drive stage switched itself off amid the run.
+
+    The logger and the command went on.
+    """
     time = log.columns["time"]
     position = np.array(log.columns["position"], dtype=float)
     drive = np.array(log.columns[log.drive], dtype=float)
@@ -204,7 +221,10 @@ def drive_stage_trips(log: Log, size: float, rng: np.random.Generator) -> Log | 
 
 @kind("gain", "scale", "range", "factor", "unit", restorable=False, graded=True)
 def probe_range_switched(log: Log, size: float, rng: np.random.Generator) -> Log | None:
-    """Somebody turned the range knob of the probe amid the run: from there the drive reads up to ten times too small or large."""
+    """Somebody turned the range knob of the probe amid the run.
+
+    From there the drive reads up to ten times too small or large.
+    """
     drive = np.array(log.columns[log.drive], dtype=float)
     start = _at_travel(log.columns["position"], rng.uniform(0.3, 0.6))
     way = 1.0 if rng.random() < 0.5 else -1.0
@@ -227,7 +247,10 @@ def probe_range_switched(log: Log, size: float, rng: np.random.Generator) -> Log
     ),
 )
 def speed_override_left_down(log: Log, size: float, rng: np.random.Generator) -> Log | None:
-    """The override knob was not at 100 %: the machine ran the same path slower than the command that is on file."""
+    """The override knob was not at 100 %.
+
+    The machine ran the same path slower than the command that is on file.
+    """
     time = np.array(log.columns["time"], dtype=float)
     pace = 1.0 - (0.5 + 0.1 * rng.random()) * size
     at = time[0] + pace * (time - time[0])

@@ -15,6 +15,7 @@ from hannes.campaigns.foreign.raw_values import COARSE
 FloatArray = NDArray[np.float64]
 
 TURNS = (256.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0, 32768.0, 65536.0, 360.0, 1e9)
+STARTS, SHORT_START = 10, 8  # beginnings of lines that are left out, and characters of each
 SHOWN = 20  # columns that are not used, on the terminal
 NEAR = 0.03  # of a turn: how close to it a jump must be
 
@@ -130,7 +131,8 @@ def _text(made: Draft, layout: TextLayout) -> None:
     if odd := [
         line for line in layout.odd if not (layout.comment and line.startswith(layout.comment))
     ]:
-        add(f"skip = {_quoted(_expression(odd))}  # lines such as {odd[0].strip()[:40]!r}")
+        skipped = _quoted(_expression(odd, layout.samples))
+        add(f"skip = {skipped}  # lines such as {odd[0].strip()[:40]!r}")
         made.seen.append(f"{len(odd)} lines that are no samples, left out")
     if layout.ragged:
         add("ragged = true  # rows are of unequal length")
@@ -139,12 +141,22 @@ def _text(made: Draft, layout: TextLayout) -> None:
     made.seen.append(f"text, divided by {delimiter}, decimal {layout.decimal!r}, {names}")
 
 
-def _expression(odd: Sequence[str]) -> str:
-    """A regular expression of the beginnings of lines."""
+def _expression(odd: Sequence[str], samples: Sequence[str]) -> str:
+    """A regular expression of the beginnings of lines, none of them that of a sample."""
+    starts = sorted({_start(line.strip(), samples) for line in odd if line.strip()})
+    return f"^\\s*({'|'.join(starts[:STARTS])})"
+
+
+def _start(line: str, samples: Sequence[str]) -> str:
+    """The shortest beginning of a line, from a word on, with which no sample begins."""
     import re
 
-    starts = sorted({re.escape(line.split()[0][:8]) for line in odd})
-    return f"^\\s*({'|'.join(starts[:10])})"
+    same = [each.strip() for each in samples]
+    for size in range(min(len(line.split()[0]), SHORT_START), len(line) + 1):
+        same = [each for each in same if each.startswith(line[:size])]
+        if not same:
+            return re.escape(line[:size])
+    return f"{re.escape(line)}\\s*$"  # samples go on where it ends
 
 
 def _time(

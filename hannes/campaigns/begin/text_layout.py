@@ -38,9 +38,9 @@ class TextLayout:
     """Layout of a text file; line numbers from 1.
 
     names, units: of the columns, as far as header lines say; rows: some lines of numbers, as
-    cells; blanks, headers: whether blank lines or repeated headers stand between numbers; odd:
-    other lines there; ragged: whether rows have unequal length; missing: texts for no value;
-    form: of a serial monitor's lines;
+    cells; samples: the same as they stand; blanks, headers: whether blank lines or repeated headers
+    stand between numbers; odd: other lines there; ragged: whether rows have unequal length;
+    missing: texts for no value; form: of a serial monitor's lines;
     numbered: whether columns are pairs of time and value, whose names stand in no one line.
     """
 
@@ -60,6 +60,7 @@ class TextLayout:
     missing: tuple[str, ...]
     numbered: bool = False
     form: SerialForm | None = None
+    samples: tuple[str, ...] = field(default=(), repr=False)
 
 
 def text_layout(path: Path) -> TextLayout:
@@ -87,7 +88,9 @@ def text_layout(path: Path) -> TextLayout:
         header, (names, units) = 0, pairs
     if form is not None and form.mark:
         header, first, odd = 0, 0, []
-    elif form is not None and form.stamped:
+    samples = [lines[k] for k in places if k >= first]
+    if form is not None and form.stamped and not form.mark:
+        samples = [line.partition(form.delimiter)[2] for line in samples]
         names = (STAMP_NAME, *names[1:]) if names else ()
         odd = [line.partition(form.delimiter)[2] for line in odd]
         again = again.partition(form.delimiter)[2] if again else None
@@ -108,6 +111,7 @@ def text_layout(path: Path) -> TextLayout:
         tuple(sorted({cell for row in rows for cell in row if _is_missing(cell) and cell})),
         pairs is not None,
         form,
+        tuple(samples),
     )
 
 

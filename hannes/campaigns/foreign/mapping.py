@@ -7,6 +7,7 @@ negated where `reversed`, plus `offset`.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from hannes.plants.protocol import Plant, commanded
 
@@ -40,6 +41,7 @@ class ChannelRule:
     constant: the same throughout a run [channel's unit], without a column
     renewed:  rows between two readings of a channel that a logger wrote more often, 0 for each row
     source:   the further file that has the column, "" for the first
+    stated:   the keys unit, scale, reversed and side as the mapping has them
     """
 
     column: Column | None
@@ -52,6 +54,7 @@ class ChannelRule:
     constant: float = 0.0
     source: str = ""
     renewed: int = 0
+    stated: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

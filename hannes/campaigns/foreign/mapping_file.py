@@ -40,6 +40,7 @@ CHANNEL = (
     "signed", "unwrap", "kind", "constant", "from", "renewed",
 )  # fmt: skip
 ALIGN = ("to", "by", "channel", "within", "lag")
+STATED = ("unit", "scale", "reversed", "side")
 SIDES = ("output", "motor")
 RATIO = "gear.ratio"  # parameter of a plant that has a reducer
 
@@ -111,7 +112,16 @@ def _channel(table: Table, plant: Plant, name: str) -> ChannelRule:
         supply,
         source=table.text("from", ""),
         renewed=table.whole("renewed", 2, 10**6) if "renewed" in table else 0,
+        stated=_stated(table),
     )
+
+
+def _stated(table: Table) -> dict[str, Any]:
+    """What a mapping says of a channel's size and sign: further changes are made to that."""
+    known = {key: table.content[key] for key in STATED if key in table}
+    if "scale" in known:
+        known["scale"] = quantity(known["scale"], "1", table.name("scale"))
+    return {key: x for key, x in known.items() if isinstance(x, str | float | bool)}
 
 
 def _constant(table: Table, wanted: str) -> ChannelRule:

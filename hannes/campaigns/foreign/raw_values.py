@@ -86,16 +86,41 @@ def disorder(time: FloatArray) -> tuple[str, str]:
     if restarts(time).size:
         return "several runs in one file, whose clock begins anew", 'split_at = "restart"'
     if np.mean(steps == 0.0) > COARSE and forth.size:
-        rate = float((time.size - 1) / (time[-1] - time[0]))
+        rate = _round(float((time.size - 1) / (time[-1] - time[0])), forth.min() / np.ptp(time))
         what = (
             f"the clock is too coarse, {forth.min():.4g} s a step; by its ends it is {rate:.5g} Hz"
         )
         return what, f'time.sampling = "{rate:.6g} Hz"'
+    if rate := _set_back(steps):
+        return "the clock was set back, and rows go on", f'time.sampling = "{rate:.7g} Hz"'
     if (steps < 0.0).any():
         return "rows are out of order", 'time.order = "sort"'
-    return "stamps are doubled", 'time.order = "mean"'
+    return "stamps are doubled", 'time.order = "drop"'
 
 
+def _round(rate: float, doubt: float) -> float:
+    """The roundest rate or interval within a relative doubt, else the rate as it is."""
+    for digits in (1, 2, 3):
+        for near in (float(f"{rate:.{digits}g}"), 1.0 / float(f"{1.0 / rate:.{digits}g}")):
+            if abs(near / rate - 1.0) < doubt:
+                return near
+    return rate
+
+
+def _set_back(steps: FloatArray) -> float:
+    """Rate of rows whose clock was set back a few times [Hz], 0 where it was not.
+
+    Rows out of order are followed by longer intervals; after a clock that was set all goes on.
+    """
+    usual = float(np.median(steps))
+    back = np.flatnonzero(steps <= 0.0)
+    if usual <= 0.0 or back.size > MOST_SET or not (steps < 0.0).any():
+        return 0.0
+    near = steps[np.clip(back[:, None] + np.array([-2, -1, 1, 2]), 0, steps.size - 1)]
+    return 1.0 / usual if (np.abs(near / usual - 1.0) < 0.5).all() else 0.0
+
+
+MOST_SET = 3  # times that a clock is set within a file
 COARSE = 0.4  # share of equal stamps from which a clock is too coarse
 
 

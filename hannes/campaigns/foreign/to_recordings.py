@@ -24,7 +24,7 @@ from hannes.campaigns.foreign.resample import resampled
 from hannes.campaigns.foreign.sources import Source, open_source
 from hannes.campaigns.foreign.stacked import Stacked
 from hannes.campaigns.foreign.text_columns import Delimited
-from hannes.campaigns.held_rows import held_rows
+from hannes.campaigns.held_rows import MOTIONS, held_rows
 from hannes.core.errors import BadInput
 
 FloatArray = NDArray[np.float64]
@@ -59,7 +59,10 @@ def read_runs(path: Path, mapping: ColumnMap) -> list[Run]:
     for name, further in mapping.files.items():
         raw |= _beside(path, mapping, name, further, time)
     parts = _parts(source, mapping, time)
-    return [_run(source, mapping, time, raw, rows) for rows in parts]
+    long = [rows for rows in parts if rows.size > 1] or parts
+    runs = [_run(source, mapping, time, raw, rows) for rows in long]
+    alone = len(parts) - len(long)  # rows between two splits, which are no run
+    return [replace(runs[0], dropped=runs[0].dropped + alone), *runs[1:]]
 
 
 def _opened(path: Path, mapping: ColumnMap) -> Source:
@@ -165,8 +168,10 @@ def _run(
         filled[name] = int(np.count_nonzero(np.isfinite(channels[name]) & ~np.isfinite(values)))
         known &= np.isfinite(channels[name])
     if not rule.repeats:
-        measured = [x[known] for name, x in channels.items() if name not in mapping.commands]
-        known[known] = ~held_rows(measured)
+        measured = [name for name in channels if name not in mapping.commands]
+        units = [mapping.plant.channels[name] for name in measured]
+        smooth = [each in MOTIONS for each in units]
+        known[known] = ~held_rows([channels[name][known] for name in measured], smooth)
     kept = rows[known]
     if kept.size < 2:
         raise BadInput(f"{source.place(int(rows[0]))}: fewer than two complete rows follow")

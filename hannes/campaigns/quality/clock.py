@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
-from hannes.campaigns.quality.subject import Subject, speeds, sustained
+from hannes.campaigns.quality.subject import Subject, noise, quantum, speeds, sustained
 
 FloatArray = NDArray[np.float64]
 
@@ -19,6 +19,8 @@ LEAST_LOST = 0.15  # samples by which a drifting clock is off
 PARTS = 8  # of a recording, whose rates are compared
 FEWEST = 80  # samples to compare rates by
 SLOWEST = 0.5  # of the plant's `block`, between two samples
+MOST_SET = 3  # times that a clock is set within a run
+EVEN = 0.3  # of what a gap would have missed, by which a motion that goes on may differ
 AROUND = 8  # samples on each side of a gap
 BEYOND = 3.0  # times the fastest plausible speed, that only a wrong clock gives
 MILLI = 1000.0
@@ -39,6 +41,10 @@ def _gaps(subject: Subject, intervals: FloatArray, wide: NDArray[np.bool_]) -> I
     places = np.array([k for k in missing if _lost(subject, int(k)) > 0], np.intp)
     if not places.size:
         return
+    dropped = subject.converted.dropped
+    if places.size <= MOST_SET and not dropped and all(_goes_on(subject, int(k)) for k in places):
+        yield _set_forward(subject, places, intervals)
+        return
     worst = int(places[np.argmax(intervals[places])])
     lost = sum(_lost(subject, int(k)) for k in places)
     yield warning(
@@ -49,6 +55,40 @@ def _gaps(subject: Subject, intervals: FloatArray, wide: NDArray[np.bool_]) -> I
         "filled in; check the logger if there are many",
         time=float(subject.time[places[0]]),
         size=float(intervals[worst]),
+    )
+
+
+def _goes_on(subject: Subject, place: int) -> bool:
+    """Whether a motion goes on over a wide interval as from one sample to the next."""
+    if not AROUND <= place < subject.time.size - AROUND - 1:
+        return False
+    for name in subject.recording.names:
+        if not subject.is_motion(name):
+            continue
+        values = subject.recording[name]
+        steps = np.diff(values[place - AROUND : place + AROUND + 2])
+        usual, step = float(np.median(np.delete(steps, AROUND))), float(steps[AROUND])
+        least = max(2.0 * quantum(values), 4.0 * noise(values))
+        missed = abs(usual) * _lost(subject, place)
+        if missed > least and abs(step - usual) < EVEN * missed:
+            return True
+    return False
+
+
+def _set_forward(
+    subject: Subject, places: NDArray[np.intp], intervals: FloatArray
+) -> Finding:  # fmt: skip
+    first, rate = int(places[0]), 1.0 / subject.interval
+    by = float(np.sum(intervals[places]) - places.size * subject.interval)
+    mend = mends.rate(subject, rate)
+    return fault(
+        "clock",
+        "time",
+        f"the clock was set forward by {by:.4g} s at {subject.time[first]:.4g} s: the motion goes "
+        f"on without a leap, so no samples are missing; convert with {mend[0]}",
+        time=float(subject.time[first]),
+        size=by,
+        mend=mend,
     )
 
 
@@ -105,7 +145,7 @@ def _drift(subject: Subject, intervals: FloatArray, even: NDArray[np.bool_]) -> 
             f"against the count of samples, {lost * subject.interval:.2g} s in all: take times "
             f'from a steady clock, or convert with time.sampling = "{rate:.6g} Hz", the mean',
             size=change,
-            mend=mends.rate(rate),
+            mend=mends.rate(subject, rate),
         )
 
 

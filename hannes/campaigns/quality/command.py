@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
-from hannes.campaigns.quality.motion import UNLIKE, found_lag, pace, timed, unlike
+from hannes.campaigns.quality.motion import UNLIKE, begins_moving, found_lag, pace, timed, unlike
+from hannes.campaigns.quality.retimed import pace_of
 from hannes.campaigns.quality.subject import Plan, Subject
 
 FloatArray = NDArray[np.float64]
@@ -18,6 +19,10 @@ GROSS_DRIFT = 1e-2  # beyond which a fit is misled
 GROSS_PACE = 0.06  # of the rate, by the motion alone, which lags its command
 FITS = 0.08  # of the range, that a motion may be off the experiment's command and still be of it
 FACTOR = 0.05  # relative, about a factor that a mistake would make
+LEAST_PACE = 3e-3  # of the rate of a recorded command, by which a motion may differ
+AGREE = 0.2  # by which the pace of a motion, which lags, may differ from that of its controller
+OWN_LAG = 2.5  # of its error of fit over its range, by which a machine's own lag looks like a rate
+ENOUGH = 4000  # samples by which a rate is found
 ROUNDS = 30
 
 
@@ -57,7 +62,53 @@ def _paced(subject: Subject, name: str, plan: Plan) -> Iterator[Finding]:
     size = float(np.ptp(plan.values))
     rate, rest = _clock(subject.time, subject.recording[name], plan)
     if abs(rate - 1.0) > GROSS_PACE and rest < FITS * size:
-        yield _drift(subject, "time", rate, fault)
+        yield _drift(subject, "time", pace_of(subject) or rate, fault)
+
+
+def paces(subject: Subject) -> Iterator[Finding]:
+    """Motions that take another time than their recorded command."""
+    for name, expected in subject.expected.items():
+        command = expected.follows
+        if name not in subject.recording or command not in subject.recording:
+            continue
+        plan = Plan(subject.time, subject.recording[command])
+        size = float(np.ptp(plan.values))
+        still = np.ptp(subject.recording[name]) == 0.0
+        if size == 0.0 or still or begins_moving(subject, name):
+            continue
+        rate, rest = _paced_as(subject, name, plan)
+        if rest < FITS * size and abs(rate - 1.0) > max(LEAST_PACE, OWN_LAG * rest / size):
+            yield _pace(name, command, rate)
+
+
+def _paced_as(subject: Subject, name: str, plan: Plan) -> tuple[float, float]:
+    """Pace of a motion by itself, and the rms of what is left."""
+    few = slice(None, None, max(subject.time.size // ENOUGH, 1))
+    motion = subject.recording[name] - (subject.recording[name][0] - plan.values[0])
+    return _clock(subject.time[few], motion[few], plan)
+
+
+def _pace(name: str, command: str, rate: float) -> Finding:
+    text = f"does not follow {command} in time, it takes {1.0 / rate:.4g} times as long "
+    text += "the same way: its speed was overridden, the two have different clocks, or they are of "
+    text += "two runs; record the command as it was carried out"
+    return fault("pace", name, text, size=1.0 / rate, mend=mends.NO_FILE)
+
+
+def retimed(subject: Subject) -> Iterator[Finding]:
+    """Another pace than that of the command, by the law of the controller."""
+    pace = pace_of(subject)
+    if pace is None:
+        return
+    for name, expected in subject.expected.items():
+        if expected.follows and name in subject.recording:
+            asked = subject.asked_at(name)
+            if asked is None or abs(_paced_as(subject, name, Plan(*asked))[0] - pace) > AGREE:
+                continue
+            recorded = expected.follows in subject.recording
+            yield _pace(name, expected.follows, pace) if recorded else _drift(
+                subject, "time", pace, fault)  # fmt: skip
+            return
 
 
 def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
@@ -69,7 +120,7 @@ def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
     for what, factor in subject.of(command).mistakes.items():
         if abs(gain / factor - 1.0) < FACTOR or abs(gain * factor - 1.0) < FACTOR:
             text = f"is {gain:.4g} times the experiment's: {what} ({factor:.4g})?"
-            mend = mends.side(command) if "side" in what else mends.scaled(subject, command, gain)
+            mend = mends.sized(subject, command, gain, what)
             yield fault("unit", command, f"{text} convert with {mend[0]}", size=gain, mend=mend)
             return
     rate, rest = _clock(time, values, plan)
@@ -93,13 +144,13 @@ def _drifting(subject: Subject, command: str, rate: float) -> Iterator[Finding]:
 
 def _drift(subject: Subject, channel: str, rate: float, level: Callable[..., Finding]) -> Finding:
     span = float(subject.time[-1] - subject.time[0])
-    mend = mends.rate((len(subject.recording) - 1) / (rate * span))
+    mend = mends.rate(subject, (len(subject.recording) - 1) / (rate * span))
     return level(
         "drift",
         channel,
         f"the recording's clock runs {100 * (1.0 / rate - 1.0):+.3g} % against the experiment's, "
-        f"{1e3 * abs(rate - 1.0) * span:.3g} ms over the recording: take the times of the "
-        f"controller's clock, or convert with {mend[0]}",
+        f"{1e3 * abs(rate - 1.0) * span:.3g} ms over the recording (or its speed was overridden): "
+        f"take the times of the controller's clock, or convert with {mend[0]}",
         size=1.0 / rate - 1.0,
         mend=mend,
     )

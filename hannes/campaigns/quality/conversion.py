@@ -15,11 +15,18 @@ SMALLEST = 1e-15  # of a factor between units
 
 @dataclass(frozen=True)
 class Conversion:
-    """Columns, and factor and offset, by channel; intervals that the mapping cut [s]."""
+    """Columns, and factor and offset, by channel; intervals that the mapping cut [s].
+
+    stated: what the mapping says of a channel's unit, scale, sign and side; missing: texts for no
+    value; dropped: whether rows were left out.
+    """
 
     columns: Mapping[str, str] = field(default_factory=dict)
     scales: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     cuts: tuple[tuple[float, float], ...] = ()
+    stated: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    missing: tuple[str, ...] = ()
+    dropped: bool = False
 
 
 def conversion(text: str) -> Conversion:
@@ -35,7 +42,30 @@ def conversion(text: str) -> Conversion:
         {name: str(rule["column"]) for name, rule in known.items() if _is_column(rule)},
         {name: scale for name, rule in known.items() if (scale := _scale(rule))},
         tuple(_cuts(said.get("cut_s"))),
+        {name: _stated(rule.get("stated")) for name, rule in known.items()},
+        tuple(each for each in _listed(said.get("missing")) if _is_text(each)),
+        said.get("dropped_rows") not in (None, 0),
     )
+
+
+def _stated(given: Any) -> dict[str, Any]:
+    """Keys of a mapping as it has them, each of its own type."""
+    if not isinstance(given, dict):
+        return {}
+    known = {key: given[key] for key in ("unit", "side") if _is_text(given.get(key))}
+    if _numbers(given.get("scale", "")):
+        known["scale"] = float(given["scale"])
+    if isinstance(given.get("reversed"), bool):
+        known["reversed"] = given["reversed"]
+    return known
+
+
+def _is_text(given: Any) -> bool:
+    return isinstance(given, str) and given.isprintable()
+
+
+def _listed(given: Any) -> list[Any]:
+    return given if isinstance(given, list) else []
 
 
 def _is_column(rule: Mapping[str, Any]) -> bool:
@@ -51,7 +81,7 @@ def _scale(rule: Mapping[str, Any]) -> tuple[float, float] | None:
 
 
 def _cuts(given: Any) -> Iterator[tuple[float, float]]:
-    for pair in given if isinstance(given, list) else ():
+    for pair in _listed(given):
         if isinstance(pair, list) and len(pair) == 2 and _numbers(*pair):
             yield float(pair[0]), float(pair[1])
 

@@ -7,56 +7,68 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault
+from hannes.campaigns.quality.held import held_frames
+from hannes.campaigns.quality.law import answer
+from hannes.campaigns.quality.motion import found_lag
 from hannes.campaigns.quality.subject import Subject, noise, quantum, true_runs
 
 FloatArray = NDArray[np.float64]
 
 NOTHING = 0.03  # of the largest drive: none, within noise
-ACTIVE = 0.25  # of the largest drive, from which it was enabled
-SHORTEST = 6  # samples without any drive
-ASKED = 0.1  # of its range, that the command moves meanwhile
+ACTIVE = 0.1  # of the largest drive, from which it was enabled
+SHORTEST, BRIEF = 3, 6  # samples without any drive, and without a law that asks for one
+# Of its range, that the command moves meanwhile: at least, and by itself enough.
+LEAST, ASKED = 0.01, 0.1
+FURTHER = 2.0  # times the largest error before, at the end of a stretch in which it moves less
+# Residuals of the controller's law, share of the largest drive, and steps, that are missing.
+CLEARLY, WANTED, COUNTS = 6.0, 0.1, 3.0
+UNUSUAL = 2.0  # times what the law leaves before over any stretch as long
+MOSTLY = 0.7  # of the readings of a sensor that stands, that are equal
 STILL = 0.3  # of the command's move, that the machine makes meanwhile
 
 
 def inspect(subject: Subject) -> Iterator[Finding]:
-    """Stretches without drive, in which the machine stands and its command does not."""
+    """Stretches without drive though the controller has cause for one."""
     recording = subject.recording
     drives = [n for n, each in subject.expected.items() if each.drives and n in recording]
     moved = next((n for n, each in subject.expected.items() if each.follows and n in recording), "")
-    asked = _command(subject, moved)
+    asked = subject.asked_of(moved) if moved else None
     if not drives or not moved or asked is None or np.ptp(asked) == 0.0:
         return
-    off = np.all([_idle(recording[name]) for name in drives], axis=0)
+    off = np.all([_idle(recording[name]) for name in drives], axis=0) & ~held_frames(subject)
     used = np.any([_used(recording[name]) for name in drives], axis=0)
+    answers = {name: answer(subject, name, ~off) for name in drives if off.any()}
     runs = [
         each
         for each in true_runs(off)
         if used[each[0]]
-        and _behind(recording[moved], asked, *each)
-        and not any(_same(recording[name], *each) for name in drives)
+        and each[1] - each[0] + 1 >= SHORTEST
+        and not all(_stands(recording[name], *each) for name in drives)
+        and (
+            _behind(recording[moved], asked, *each)
+            or any(_wanted(recording[n], *answers[n], *each) for n in drives)
+        )
     ]
-    if not runs:
+    if not runs or _another_run(subject, moved, asked, runs[-1][1]):
         return
     first = runs[0][0]
     lasting = float(sum(subject.time[b] - subject.time[a] for a, b in runs))
     yield fault(
         "disabled",
         drives[0],
-        f"is zero for {lasting:.3g} s from {subject.time[first]:.4g} s on while the command goes "
-        f"on and {moved} stands: the drive was switched off; leave that out (time.cut)",
+        f"is zero for {lasting:.3g} s from {subject.time[first]:.4g} s on while {moved} is away "
+        "from its command: the drive was switched off; leave out what follows (time.cut)",
         time=float(subject.time[first]),
         size=lasting,
-        mend=mends.cut(subject, [(first, len(recording) - 1)]),
+        mend=mends.rest(subject, first),
     )
 
 
-def _command(subject: Subject, moved: str) -> FloatArray | None:
-    command = subject.of(moved).follows if moved else ""
-    if command in subject.recording:
-        return subject.recording[command]
-    if subject.plan is None:
-        return None
-    return np.interp(subject.time, subject.plan.times, subject.plan.values)
+def _another_run(subject: Subject, moved: str, asked: FloatArray, last: int) -> bool:
+    """Whether a motion that is driven again does not follow this command anyway."""
+    driven_again = last < len(subject.recording) - BRIEF
+    motion = subject.recording[moved]
+    return driven_again and found_lag(subject, motion, subject.time, asked) is None
 
 
 def _idle(values: FloatArray) -> NDArray[np.bool_]:
@@ -67,9 +79,10 @@ def _idle(values: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(np.abs(median_filter(values, 3, mode="nearest")) <= band)
 
 
-def _same(values: FloatArray, first: int, last: int) -> bool:
-    """Whether a noisy channel does not even show its noise: its sensor stands, not the drive."""
-    return noise(values) > 0.0 and float(np.ptp(values[first : last + 1])) == 0.0
+def _stands(values: FloatArray, first: int, last: int) -> bool:
+    """Whether a noisy channel hardly shows its noise: its sensor stands, not the drive."""
+    same = np.diff(values[first : last + 1]) == 0.0
+    return noise(values) > quantum(values) / 2.0 and float(np.mean(same)) > MOSTLY
 
 
 def _used(values: FloatArray) -> NDArray[np.bool_]:
@@ -77,10 +90,29 @@ def _used(values: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(np.maximum.accumulate(np.abs(values)) > ACTIVE * np.abs(values).max())
 
 
+def _wanted(
+    drive: FloatArray, predicted: FloatArray, left: float, first: int, last: int
+) -> bool:  # fmt: skip
+    """Whether the controller would drive in a stretch, by what it does while it is on."""
+    from scipy.ndimage import uniform_filter1d
+
+    missing = float(np.abs(np.mean(predicted[first + 1 : last + 1])))
+    before = (drive - predicted)[:first]
+    usual = np.abs(uniform_filter1d(before, last - first + 1)).max() if before.size else 0.0
+    if missing < UNUSUAL * usual:
+        return False
+    size = float(np.abs(drive).max())
+    return missing > max(CLEARLY * left, WANTED * size, COUNTS * quantum(drive))
+
+
 def _behind(motion: FloatArray, asked: FloatArray, first: int, last: int) -> bool:
     """Whether the command moves on in a stretch and the machine does not."""
-    if last - first + 1 < SHORTEST:
+    if last - first + 1 < BRIEF:
         return False
     part = slice(first, last + 1)
     goes, made = float(np.ptp(asked[part])), float(np.ptp(motion[part]))
-    return goes > ASKED * float(np.ptp(asked)) and made < STILL * goes
+    if made >= STILL * goes or goes < LEAST * float(np.ptp(asked)):
+        return False
+    error = np.abs(asked[: last + 1] - motion[: last + 1])
+    return goes > ASKED * float(np.ptp(asked)) or float(error[-1]) > FURTHER * float(
+        error[:first].max(initial=0.0))  # fmt: skip

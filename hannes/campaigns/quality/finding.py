@@ -16,8 +16,11 @@ KINDS = (
         "resolution",
         "coarse",
         "zero",
+        "range",
+        "slip",
+        "crosstalk",
     ),  # of sensors
-    *("unit", "sign", "unlike", "magnitude", "swapped", "signed"),  # of columns
+    *("unit", "sign", "unlike", "magnitude", "swapped", "signed", "pace"),  # of columns
     *("disabled", "supply", "mixed"),  # of machines
 )
 

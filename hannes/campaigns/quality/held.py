@@ -30,7 +30,8 @@ def held_frames(subject: Subject) -> NDArray[np.bool_]:
     around it go on by several of their steps.
     """
     recording = subject.recording
-    return held_rows([recording[n] for n in recording.names if n not in subject.commands])
+    names = [n for n in recording.names if n not in subject.commands]
+    return held_rows([recording[n] for n in names], [subject.is_motion(n) for n in names])
 
 
 def _frames(subject: Subject) -> Iterator[Finding]:

@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, warning
 from hannes.campaigns.quality.held import held_frames, renewal
+from hannes.campaigns.quality.sensors import stuck_runs
 from hannes.campaigns.quality.subject import (
     Subject,
+    alone,
     noise,
     quantum,
     running_median,
@@ -31,6 +33,10 @@ MANY = 50_000  # samples that are enough for a quantile
 OUTSIDE = 1.5  # ranges of the other values, by which a code lies outside them
 ALIKE = 0.05  # relative, of jumps that are all of one turn
 FULL = 0.9  # of a turn, that the values of a counter that wraps reach over
+STOOD = 5  # equal readings of a sensor that dropped out
+HARDER = 2.5  # times the largest change of a step elsewhere
+OFTEN = 0.1  # share of readings that are off the median of their neighbours
+WIDE = 1.5  # median intervals, from which one is a gap
 WORDS = 2.0**16
 
 
@@ -70,7 +76,7 @@ def _code(subject: Subject, name: str, values: FloatArray) -> Finding | None:
                 f'missing = ["{raw:.10g}"]',
                 time=float(subject.time[int(np.argmax(same))]),
                 size=float(extreme),
-                mend=(f'missing = ["{raw:.10g}", "{round(raw)}.0"]',),
+                mend=mends.missing(subject, (f"{raw:.10g}", f"{round(raw)}.0")),
             )
     return None
 
@@ -88,17 +94,23 @@ def _unsigned(subject: Subject, name: str, values: FloatArray) -> Finding | None
         if (whole[~high] < 0.25 * WORDS).all() and (~high).any():
             text = f"jumps to {subject.with_unit(float(values.max()), name)}, 65536 counts above "
             text += "zero: numbers of 16 bits that lost their sign; convert with "
-            mend = [f"channels.{name}.signed = 16"]
+            mend: tuple[str, ...] = (f"channels.{name}.signed = 16",)
             if scale > 1.0:
-                return fault("signed", name, f"{text}the raw counts and signed = 16", size=WORDS,
-                             mend=_by_turn(name, WORDS / scale))  # fmt: skip
-            return fault("signed", name, f"{text}{mend[0]}", size=WORDS, mend=tuple(mend))
+                text += "signed = 16 of the raw counts, or "
+                mend = _by_turn(subject, name, scale, bool(high[0]))
+            return fault("signed", name, f"{text}{mend[0]}", size=WORDS, mend=mend)
     return None
 
 
-def _by_turn(name: str, turn: float) -> tuple[str, ...]:
-    """Jumps of one turn taken out: the same as a sign, where values change by less than half."""
-    return (f"channels.{name}.unwrap = {turn:.10g}",)
+def _by_turn(subject: Subject, name: str, scale: float, high: bool) -> tuple[str, ...]:
+    """Jumps of one turn taken out: the same as a sign, where values change by less than half.
+
+    What begins below zero, so is read `high`, is one turn lower throughout.
+    """
+    turn = WORDS / scale
+    lines = (f"channels.{name}.unwrap = {turn:.10g}",)
+    whole = turn / (subject.raw(name, 1.0) - subject.raw(name, 0.0))
+    return (*lines, *mends.shifted(subject, name, -whole)) if high else lines
 
 
 def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool_]:
@@ -112,7 +124,10 @@ def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool
     few = slice(None, None, max(values.size // MANY, 1))  # of which quantiles are taken
     low, high = np.quantile(values[few], (0.02, 0.98))
     least = (LEAST_JUMP if subject.is_motion(name) else FAR_OF_RANGE) * float(high - low)
-    usual = float(np.quantile(off[off > 0.0][few], 0.8)) / 1.28 if off.any() else 0.0
+    most = off[off > 0.0]
+    if not most.size or (subject.is_motion(name) and most.size < OFTEN * off.size):
+        most = off  # of a smooth motion only outliers are off
+    usual = float(np.quantile(most[:: max(most.size // MANY, 1)], 0.8)) / 1.28
     typical = max(usual, quantum(values), noise(values))
     far = off > max(FAR * typical, least)
     if subject.is_motion(name):
@@ -154,6 +169,10 @@ def _jumps(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]
     odd = np.abs(steps - usual * np.diff(subject.time))
     least = max(8.0 * quantum(values), 12.0 * noise(values), LEAST_JUMP * float(np.ptp(values)))
     beyond &= ~held_frames(subject)[:-1]  # what follows a frame that was held
+    beyond &= np.diff(subject.time) < WIDE * subject.interval  # over a gap it may go far
+    beyond |= _at_rest(steps, least) & (np.diff(subject.time) < WIDE * subject.interval)
+    for _, last in stuck_runs(subject, name, values):
+        beyond[min(last, beyond.size - 1)] = False  # it catches up with what it missed
     places = np.flatnonzero(beyond & (odd > least))
     if not places.size or places.size > values.size / 20:
         return
@@ -171,14 +190,31 @@ def _jumps(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]
     )
 
 
+def _stood_since(values: FloatArray, place: int) -> int:
+    """The sample before a jump; of equal readings before it, of a sensor that stood, the first."""
+    changes = np.flatnonzero(np.diff(values[: place + 1]))
+    if not changes.size or place - changes[-1] < STOOD:
+        return place
+    return int(changes[-1]) + 1
+
+
+def _at_rest(steps: FloatArray, least: float) -> NDArray[np.bool_]:
+    """Steps with rest before and after them, that start and stop far harder than any motion."""
+    single = alone(steps, least)
+    if not single.any() or steps.size < 2:
+        return np.zeros_like(single)
+    near = np.flatnonzero(single)[:, None] + np.arange(-2, 2)
+    change = np.abs(np.diff(steps))
+    others = np.delete(change, np.unique(np.clip(near, 0, change.size - 1)))
+    return np.asarray(single & (np.abs(steps) > HARDER * float(others.max(initial=0.0))))
+
+
 def _jump_advice(
     subject: Subject, name: str, steps: FloatArray, places: NDArray[np.intp]
 ) -> tuple[str, tuple[str, ...]]:
-    first, last = int(places[0]), len(subject.recording) - 1
+    first = int(places[0])
     worst = int(places[np.argmax(np.abs(steps[places]))])
-    rest = mends.cut(subject, [(first + 1, last)])
-    if first < 0.05 * last:
-        rest = mends.NO_FILE
+    rest = mends.rest(subject, _stood_since(subject.recording[name], first) + 1)
     for other in subject.commands & set(subject.recording.names):
         moves = np.abs(np.diff(subject.recording[other]))
         if moves[worst] > JUMP * np.median(moves) and moves[worst] > 0.3 * abs(steps[worst]):

@@ -14,7 +14,7 @@ from hannes.campaigns.quality.subject import (
     sustained,
 )
 
-BACK = 0.3  # of the fastest sustained speed: surely moving
+BACK = 0.1  # of the fastest sustained speed: surely moving
 FEWEST = 20  # samples of motion each way
 ZERO = 0.02  # of its rms, below zero
 LEAST = 0.2  # of its mean forth, that a magnitude has on the way back
@@ -39,13 +39,14 @@ def inspect(subject: Subject) -> Iterator[Finding]:
         if expected.drives in subject.recording:
             yield from _magnitude(subject, name, expected.drives)
         if expected.forward and values.max() < 0.2 * -values.min() and -values.min() > low:
+            turned = mends.reversed_sign(subject, name)
             yield fault(
                 "sign",
                 name,
                 f"goes down to {subject.with_unit(float(values.min()), name)}, and its positive "
-                f"direction is the other one: convert with channels.{name}.reversed = true",
+                f"direction is the other one: convert with {turned[0]}",
                 size=float(values.min()),
-                mend=mends.reversed_sign(name),
+                mend=turned,
             )
 
 
@@ -72,7 +73,7 @@ def _magnitude(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
         'supply; log it with its sign, convert with kind = "supply" beside the duty, or leave it '
         "out",
         size=float(back.mean()),
-        mend=mends.without(name),
+        mend=mends.without(subject, name),
     )
 
 
@@ -122,7 +123,7 @@ def _large(subject: Subject, name: str, peak: float) -> Finding:
 def _mend(subject: Subject, name: str, factor: float) -> tuple[str, ...]:
     """The line for values that are `factor` times too large."""
     geared = any(f == factor and "side" in what for what, f in subject.of(name).mistakes.items())
-    return mends.side(name) if geared else mends.scaled(subject, name, factor)
+    return mends.side(subject, name, factor) if geared else mends.scaled(subject, name, factor)
 
 
 def _nearest(subject: Subject, name: str, factors: Sequence[float]) -> float:

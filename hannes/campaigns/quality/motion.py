@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, warning
+from hannes.campaigns.quality.law import zero_of
 from hannes.campaigns.quality.subject import Subject, running_median, speeds, sustained
 from hannes.core.errors import BadInput
 from hannes.core.recording.time_lag import Lag, best_lag, lag_behind, time_apart
@@ -21,6 +22,9 @@ BEFORE = 5e-3  # s, by which a motion cannot run ahead of its command
 IN_MOTION = 0.15  # of the fastest sustained speed, at the first sample
 ENDS = 0.3  # relative, by which a shifted zero may differ at the end
 HELD_BACK = 0.1  # of the time through its range, by which friction holds a motion back
+STARTS, AT_ONCE = 5, 5e-3  # samples by which a zero is taken, and the time [s] that they last
+LEAST_ZERO = 4e-3  # of its range, that a zero is shifted which a law shows, too
+STANDS = 0.01  # of its range, that a zero is shifted
 APART = 0.03  # of its range, that a command begins away from what follows it
 DEGREES = 57.29578
 FOLLOWED = 0.7  # correlation of a command that follows its motion
@@ -50,9 +54,8 @@ def inspect(subject: Subject) -> Iterator[Finding]:
 
 def _started(subject: Subject, name: str) -> Iterator[Finding]:
     """A recording that begins after the command: the simulation would begin at rest."""
-    speed = running_median(speeds(subject.time, subject.recording[name]))
-    fastest = float(np.abs(speed).max())
-    if fastest > 0.0 and abs(speed[0]) > IN_MOTION * fastest:
+    if begins_moving(subject, name) and not _amid_the_plan(subject):
+        speed = running_median(speeds(subject.time, subject.recording[name]))
         yield warning(
             "late-start",
             name,
@@ -63,6 +66,22 @@ def _started(subject: Subject, name: str) -> Iterator[Finding]:
             size=float(speed[0]),
             mend=_onto_experiment(subject),
         )
+
+
+def begins_moving(subject: Subject, name: str) -> bool:
+    """Whether a motion is under way in the first sample."""
+    speed = running_median(speeds(subject.time, subject.recording[name]))
+    fastest = float(np.abs(speed).max())
+    return fastest > 0.0 and abs(float(speed[0])) > IN_MOTION * fastest
+
+
+def _amid_the_plan(subject: Subject) -> bool:
+    """Whether a recording begins when its experiment, which is simulated from its start, moves."""
+    plan = subject.plan
+    if plan is None or "reference" in subject.recording:
+        return False
+    moved = abs(float(np.interp(subject.time[0], plan.times, plan.values) - plan.values[0]))
+    return moved > STANDS * float(np.ptp(plan.values))
 
 
 def _onto_experiment(subject: Subject) -> tuple[str, ...]:
@@ -80,12 +99,13 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
         against = found_lag(subject, -motion, subject.time, asked)
         better = against is not None and (lag is None or against.correlation > lag.correlation)
         if better and against is not None and not _implausible(subject, name, against):
-            mend = mends.reversed_sign(name)
+            mend = mends.reversed_sign(subject, name)
             text = f"runs against {command}: convert with {mend[0]}"
             yield fault("sign", name, text, size=-1.0, mend=mend)
             return
     if _swapped(subject, name, command, lag or _best(subject, motion, asked)):
-        yield _other_way_round(subject, name, command)
+        why = f"moves before {command}, which is rough as a sensor is"
+        yield other_way_round(subject, name, command, why)
         return
     if lag is None:
         yield from unlike(subject, name, command, subject.time, asked)
@@ -95,17 +115,31 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
         return
     yield from _gain(subject, name, command, lag)
     yield from timed(subject, name, command, pace(subject.time, asked), lag)
-    apart = float(motion[0] - asked[0])
-    ends = float(motion[-1] - asked[-1])
-    if abs(apart) > APART * np.ptp(asked) and PLAUSIBLE[0] < lag.gain < PLAUSIBLE[1]:
-        yield _apart(subject, name, command, apart, abs(ends - apart) < ENDS * abs(apart))
+    first = slice(0, max(min(STARTS, round(AT_ONCE / subject.interval)), 1))
+    apart = float(np.median(motion[first] - asked[first]))
+    later = np.interp(subject.time - lag.value, subject.time, asked)
+    usual = motion - later
+    ends = min(abs(float(each) - apart) for each in (usual[-1], motion[-1] - asked[-1]))
+    size, zero = float(np.ptp(asked)), None
+    if abs(apart) > LEAST_ZERO * size:
+        zero = zero_of(subject, name)
+    known = zero is not None and abs(zero - apart) < ENDS * abs(apart)
+    shifted = known or ends < ENDS * abs(apart) or _wobbles(usual, apart)
+    least = (LEAST_ZERO if known else STANDS if shifted else APART) * size
+    if abs(apart) > least and PLAUSIBLE[0] < lag.gain < PLAUSIBLE[1]:
+        yield _apart(subject, name, command, apart, shifted)
+
+
+def _wobbles(usual: FloatArray, apart: float) -> bool:
+    """Whether a motion that ends on its way is off by the same at most times."""
+    return float(np.median(np.abs(usual - apart))) < 0.5 * ENDS * abs(apart)
 
 
 def _apart(subject: Subject, name: str, command: str, apart: float, shifted: bool) -> Finding:
     """A motion that starts away from its command, and maybe ends as far from it."""
-    line = f'channels.{name}.offset = "{-apart:.6g} {subject.recording.units[name]}"'
+    mend = mends.shifted(subject, name, -apart)
     text = f"starts {subject.with_unit(apart, name)} away from {command}"
-    text += f" and ends as far: its zero is shifted; convert with {line}" if shifted else (
+    text += f" and ends as far: its zero is shifted; convert with {mend[0]}" if shifted else (
         ": the recording begins after its command; start the logger earlier")  # fmt: skip
     return warning(
         "zero" if shifted else "late-start",
@@ -113,7 +147,7 @@ def _apart(subject: Subject, name: str, command: str, apart: float, shifted: boo
         text,
         time=float(subject.time[0]),
         size=apart,
-        mend=(line,) if shifted else mends.NO_FILE,
+        mend=mend if shifted else mends.NO_FILE,
     )
 
 
@@ -150,12 +184,13 @@ def _roughness(values: FloatArray) -> float:
     return float(np.median(second[second > 0.0])) / float(np.ptp(values)) if second.any() else 0.0
 
 
-def _other_way_round(subject: Subject, name: str, command: str) -> Finding:
+def other_way_round(subject: Subject, name: str, command: str, why: str) -> Finding:
+    """The columns of a motion and its command taken for each other."""
     columns = subject.converted.columns
     is_of, should = (columns.get(each, each) for each in (name, command))
     mend = (f'channels.{name}.column = "{should}"', f'channels.{command}.column = "{is_of}"')
-    text = f"moves before {command}, which is rough as a sensor is: the two columns are swapped; "
-    return fault("swapped", name, text + f"convert with {' and '.join(mend)}", mend=mend)
+    text = f"{why}: the two columns are swapped; convert with {' and '.join(mend)}"
+    return fault("swapped", name, text, mend=mend)
 
 
 def unlike(
@@ -205,12 +240,11 @@ def _gain(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Findi
     for what, factor in {**degrees, **subject.of(name).mistakes}.items():
         for culprit, gain in ((name, lag.gain), (command, 1.0 / lag.gain)):
             if max(gain / factor, factor / gain) < NEAR:
-                side = "side" in what
-                mend = mends.side(culprit) if side else mends.scaled(subject, culprit, factor)
+                mend = mends.sized(subject, culprit, factor, what)
                 text = f"{moves}: {what} ({factor:.4g}) in {culprit}? convert with {mend[0]}"
                 yield fault("unit", name, text, size=lag.gain, mend=mend)
                 return
-    mend = (f"channels.{name}.scale = {1.0 / lag.gain:.4g}",)
+    mend = mends.scaled(subject, name, lag.gain)
     text = f"{moves}: check unit and scale of both, such as {mend[0]}"
     yield fault("unit", name, text, size=lag.gain, mend=mend)
 
@@ -255,11 +289,11 @@ def _drives(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
     level = AGAINST * float(np.sqrt(np.mean(push**2)))
     against = forth.size > 0 and forth.mean() < -level
     if against and back.size and back.mean() > level:
-        mend = mends.reversed_sign(name)
+        mend = mends.reversed_sign(subject, name)
         text = f"pushes against {moved} both ways: convert with {mend[0]}"
         yield fault("sign", name, text, size=float(forth.mean()), mend=mend)
     elif against:
-        mend = mends.reversed_sign(name)
+        mend = mends.reversed_sign(subject, name)
         text = f"pushes against {moved} as it moves in + direction: is its sign reversed? "
         text += f"convert with {mend[0]}"
         yield warning("sign", name, text, size=float(forth.mean()), mend=mend)

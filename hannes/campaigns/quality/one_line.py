@@ -5,27 +5,30 @@ from collections.abc import Sequence
 from hannes.campaigns.quality.finding import Finding
 from hannes.campaigns.quality.subject import Subject
 
-MOTION = ("late-start", "unlike", "zero", "command")
-VALUES = ("jump", "unit", "sign", "magnitude", "saturated", "coarse", "frozen")
+MOTION = ("late-start", "unlike", "zero", "command", "pace")
+VALUES = ("jump", "disabled", "unit", "sign", "magnitude", "saturated", "coarse", "frozen")
 # Cause, whether only within its own channel and what that moves or follows, what it explains.
 EXPLAINS: tuple[tuple[str, bool, tuple[str, ...]], ...] = (
     ("missing", True, (*VALUES, *MOTION)),
     ("signed", True, (*VALUES, *MOTION)),
-    ("swapped", False, ("sign", "jump", "held", "drift", "coarse", "lost", *MOTION)),
-    ("dead", True, ("magnitude", "sign", "unit", "held", "coarse", *MOTION)),
+    ("crosstalk", True, (*VALUES, *MOTION, "drift", "held")),
+    ("swapped", False, ("sign", "disabled", "jump", "held", "drift", "coarse", "lost", *MOTION)),
+    ("dead", True, ("magnitude", "disabled", "sign", "unit", "held", "coarse", *MOTION)),
     ("clock", False, ("drift", *MOTION)),
-    ("disabled", False, ("frozen", "saturated", "held", "jump", "unlike", "late-start", "zero")),
-    ("held", False, ("saturated", "frozen", "jump", "lost")),
-    ("frozen", True, ("saturated", "jump", "late-start")),
-    ("lost", False, ("jump", "drift", "late-start", "unlike")),
-    ("jump", True, ("unit", "sign", "magnitude", "saturated", "coarse", "drift", *MOTION)),
-    ("unit", True, ("unit", "sign", "jump", "coarse", "drift", "saturated", *MOTION)),
-    ("unlike", True, ("late-start", "zero", "sign", "drift", "frozen", "unit", "command")),
-    ("sign", True, ("sign", "jump", "magnitude", "late-start", "zero", "command")),
-    ("magnitude", True, ("sign", "coarse", "frozen")),
+    ("held", False, ("saturated", "frozen", "jump", "lost", "pace")),
+    ("frozen", True, ("saturated", "jump", "late-start", "pace")),
+    ("lost", False, ("jump", "drift", "late-start", "unlike", "pace")),
+    ("jump", True, (*VALUES, "drift", *MOTION)),
+    ("unit", True, (*VALUES, "drift", *MOTION)),
+    ("unlike", True, ("disabled", "sign", "drift", "frozen", "unit", *MOTION)),
+    ("sign", True, ("sign", "disabled", "jump", "magnitude", "late-start", "zero", "command")),
+    ("magnitude", True, ("sign", "coarse", "frozen", "disabled")),
+    ("disabled", False, ("frozen", "saturated", "held", "jump", *MOTION)),
+    ("pace", True, ("late-start", "zero")),
     ("late-start", True, ("zero", "drift", "command")),
-    ("drift", False, ("late-start", "zero")),
+    ("drift", False, ("late-start", "zero", "pace")),
 )  # fmt: skip
+STANDS = ("frozen", "saturated", "held")  # what a drive that is off looks like, too
 TIMING = ("unit", "clock")  # of the channel time: all that compares speeds follows
 
 
@@ -36,6 +39,8 @@ def one_line_each(found: Sequence[Finding], subject: Subject) -> list[Finding]:
         same = any((k.kind, k.channel) == (each.kind, each.channel) for k in kept)
         if each.level == "note" or not (same or any(_explains(k, each, subject) for k in kept)):
             kept.append(each)
+    if any(each.kind == "disabled" for each in kept):
+        kept = [each for each in kept if each.kind not in STANDS]
     return [each for each in found if any(each is k for k in kept)]
 
 

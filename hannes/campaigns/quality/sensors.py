@@ -23,6 +23,9 @@ DRIVEN = ("A", "V", "N", "N m")  # units of quantities that do not rest on a sto
 # equal readings on top were taken for a clipped sensor in 12, three in 45, five in none.
 SHORTEST_TOP = 5
 LONG_TOP = 12  # samples at the extreme, of a noisy channel, that no chance gives
+# Noise in steps, from which readings do not pile up at an extreme, how many do, and times how many
+# are at each of the steps before it.
+DITHERED, FEWEST_PILED, PILED = 0.8, 15, 2.5
 ENTRY = 3  # samples before and after a flat top that give its slope
 ABRUPT = 3.0  # quantisation steps from sample to sample; less than one at a round top
 FEWEST_LEVELS = 8  # a signal of fewer values is switched, not measured
@@ -32,6 +35,7 @@ FEWEST_STUCK = 5  # equal readings of a position that moves
 LEAST_FROZEN = 20  # samples without any change, where there is noise otherwise
 REPEATS = 0.2  # share of repeated values from which a channel is at rest
 RARE = 4  # times longer than any other run of one value
+WIDE = 1.5  # median intervals, over which a motion may go far
 COARSE = 50.0  # steps in the range, below which resolution is poor
 
 
@@ -63,7 +67,7 @@ def _dead(subject: Subject, name: str) -> Finding:
             f"stays at {value} while {other} moves by "
             f"{subject.with_unit(float(np.ptp(recording[other])), other)}: leave the channel out, "
             "or check its sensor and its column",
-            mend=mends.without(name),
+            mend=mends.without(subject, name),
         )
     return note("dead", name, f"stays at {value} throughout")
 
@@ -92,7 +96,7 @@ def _clipped(subject: Subject, name: str, values: FloatArray) -> Iterator[Findin
             f"flat at its {side} value {value} for {lasting:.3g} s: its sensor clips or holds; "
             "widen the range, or leave these samples out (time.cut)"
         )
-        mend = mends.cut(subject, tops, name)
+        mend = mends.cut(subject, true_runs(values == extreme), name)
         yield warning("saturated", name, text, time=start, size=lasting, mend=mend)
 
 
@@ -100,13 +104,17 @@ def _flat_tops(values: FloatArray, extreme: float) -> list[tuple[int, int]]:
     """Runs at the extreme: any where noise is clipped away, else those entered at speed."""
     if extreme == 0.0:  # a rest, not a range
         return []
-    span, rough, step = float(np.ptp(values)), noise(values), quantum(values)
+    span, step = float(np.ptp(values)), quantum(values)
+    others = values[values != extreme]  # most may be cut off
+    rough = max(noise(values), noise(others)) if others.size > FEWEST_LEVELS else noise(values)
     tops = true_runs(np.abs(values - extreme) <= 1e-9 * span)
     tops = [each for each in tops if each[1] - each[0] + 1 >= SHORTEST_TOP]
     if rough > 3.0 * step:
         return tops
     if rough > 0.0 and (long := _long_tops(values, tops)):
         return long
+    if rough > DITHERED * step > 0.0 and _piled(values, extreme, step):
+        return true_runs(np.abs(values - extreme) <= 1e-9 * span)
     step = max(step, 1e-9 * span)
     return [(first, last) for first, last in tops if _abrupt(values, first, last, step)]
 
@@ -120,6 +128,15 @@ def _long_tops(values: FloatArray, tops: list[tuple[int, int]]) -> list[tuple[in
     natural = max((last - first + 2 for first, last in others), default=1)
     longest = max((last - first + 1 for first, last in tops), default=0)
     return tops if longest >= max(LONG_TOP, RARE * natural) else []
+
+
+def _piled(values: FloatArray, extreme: float, step: float) -> bool:
+    """Whether far more readings are at the extreme than at the steps before it."""
+    inward = -step if extreme > float(np.median(values)) else step
+    there, *near = (
+        np.count_nonzero(np.abs(values - extreme - k * inward) < 0.5 * step) for k in range(4)
+    )
+    return there >= FEWEST_PILED and there > PILED * max(float(np.mean(near)), 1.0)
 
 
 def _abrupt(values: FloatArray, first: int, last: int, step: float) -> bool:
@@ -161,22 +178,7 @@ def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding
 
 def _stuck(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
     """Equal readings of a position that then catches up at once with what it missed."""
-    steps, step = np.diff(values), quantum(values)
-    if renewal(subject, name) > 1 or held_frames(subject).any():
-        return
-    runs = []
-    for first, last in true_runs(steps == 0.0):
-        if last - first + 2 < FEWEST_STUCK or not 4 < first or last + 5 > steps.size:
-            continue
-        if abs(steps[last + 1]) < 2.0 * CAUGHT_UP * step:
-            continue
-        before, after = (float(np.median(each)) for each in (
-            steps[first - 4 : first], steps[last + 2 : last + 6]))  # fmt: skip
-        missed = 0.5 * (abs(before) + abs(after)) * (last - first + 1)
-        leap = abs(float(steps[last + 1]))
-        usual = max(abs(before), abs(after), 2.0 * step)
-        if leap > CAUGHT_UP * usual and 0.3 * missed < leap < 4.0 * missed:
-            runs.append((first, last + 1))
+    runs = stuck_runs(subject, name, values)
     if not runs:
         return
     first, last = max(runs, key=lambda each: each[1] - each[0])
@@ -192,6 +194,28 @@ def _stuck(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]
     )
 
 
+def stuck_runs(subject: Subject, name: str, values: FloatArray) -> list[tuple[int, int]]:
+    """First and last index of such readings."""
+    steps, step = np.diff(values), quantum(values)
+    if renewal(subject, name) > 1 or held_frames(subject).any():
+        return []
+    even = np.diff(subject.time) < WIDE * subject.interval
+    runs = []
+    for first, last in true_runs(steps == 0.0):
+        if last - first + 2 < FEWEST_STUCK or not 4 < first or last + 5 > steps.size:
+            continue
+        if not even[last + 1] or abs(steps[last + 1]) < 2.0 * CAUGHT_UP * step:
+            continue
+        before, after = (float(np.median(each)) for each in (
+            steps[first - 4 : first], steps[last + 2 : last + 6]))  # fmt: skip
+        missed = 0.5 * (abs(before) + abs(after)) * (last - first + 1)
+        leap = abs(float(steps[last + 1]))
+        usual = max(abs(before), abs(after), 2.0 * step)
+        if leap > CAUGHT_UP * usual and 0.3 * missed < leap < 4.0 * missed:
+            runs.append((first, last + 1))
+    return runs
+
+
 def _resolution(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]:
     """What the channel resolves at best: noise and quantisation step."""
     rough, step, span = noise(values), quantum(values), float(np.ptp(values))
@@ -205,6 +229,6 @@ def _resolution(subject: Subject, name: str, values: FloatArray) -> Iterator[Fin
     many = levels(values) >= fewest
     if measured and step * COARSE > span and many and not dithered:
         text = f"only {span / step:.0f} steps of {subject.with_unit(step, name)} cover its range"
-        mend = mends.without(name)
+        mend = mends.without(subject, name)
         text = f"{text}: choose a finer range, or leave the channel out"
         yield warning("coarse", name, text, size=step, mend=mend)

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.held_rows import MOTIONS
 from hannes.campaigns.quality.conversion import Conversion, conversion
 from hannes.core.recording.channel_limits import Expected
 from hannes.core.recording.recording import Recording
@@ -17,6 +18,7 @@ FloatArray = NDArray[np.float64]
 __all__ = [
     "Plan",
     "Subject",
+    "alone",
     "levels",
     "noise",
     "quantum",
@@ -27,7 +29,7 @@ __all__ = [
 ]
 
 NOTHING = Expected()
-MOTIONS = ("rad", "m", "deg", "mm")  # units of positions, which inertia keeps from jumping
+AROUND, AT_ONCE = 3, 3.0  # steps on each side, and times them, of one that stands alone
 WINDOW = 9  # samples of a running median
 
 
@@ -43,7 +45,8 @@ class Plan:
 class Subject:
     """`expected` by channel, empty where no plant is known; `block` [s] is 0 there.
 
-    asked: commanded channels, as far as the plant declares them; plan: what the experiment asks.
+    asked: commanded channels, as far as the plant declares them; plan: what the experiment asks;
+    needed: channels without which the plant cannot be used.
     """
 
     recording: Recording
@@ -51,6 +54,7 @@ class Subject:
     block: float = 0.0
     asked: frozenset[str] = frozenset()
     plan: "Plan | None" = None
+    needed: frozenset[str] = frozenset()
 
     @property
     def time(self) -> FloatArray:
@@ -83,6 +87,20 @@ class Subject:
         """The experiment's command, None where it is not known."""
         return None if self.plan is None else self.plan.values
 
+    def asked_of(self, moved: str) -> FloatArray | None:
+        """The command that a motion follows, recorded or of the experiment, (n,)."""
+        found = self.asked_at(moved)
+        return None if found is None else np.interp(self.time, *found)
+
+    def asked_at(self, moved: str) -> tuple[FloatArray, FloatArray] | None:
+        """Times [s] and values of the command that a motion follows, each (m,)."""
+        command = self.of(moved).follows
+        if command and command in self.recording:
+            return self.time, self.recording[command]
+        if not command or self.plan is None:
+            return None
+        return self.plan.times, self.plan.values
+
     def of(self, name: str) -> Expected:
         """Plausible limits of a channel."""
         return self.expected.get(name, NOTHING)
@@ -113,6 +131,17 @@ def running_median(values: FloatArray) -> FloatArray:
     from scipy.ndimage import median_filter
 
     return np.asarray(median_filter(values, size=WINDOW, mode="nearest"))
+
+
+def alone(steps: FloatArray, least: float) -> NDArray[np.bool_]:
+    """Whether each step is far larger than those around it, and than `least`, (n,)."""
+    from scipy.ndimage import maximum_filter1d
+
+    size = np.abs(steps)
+    before = maximum_filter1d(size, AROUND, origin=AROUND // 2, mode="nearest")
+    after = maximum_filter1d(size, AROUND, origin=-(AROUND // 2), mode="nearest")
+    near = np.maximum(np.r_[0.0, before[:-1]], np.r_[after[1:], 0.0])
+    return np.asarray((size > least) & (size > AT_ONCE * near))
 
 
 def true_runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
