@@ -79,10 +79,10 @@ def _shares(channels: Mapping[str, FloatArray], name: str) -> tuple[FloatArray, 
 
 def consequence(run: Base, log: Log) -> float:
     """Size of what is wrong with a log of a run; 0 for nothing, 1 from which it is gross."""
+    whole = np.all([np.isfinite(x) for x in log.columns.values()], axis=0)
+    log = log if whole.all() else log.rows(whole)  # converting leaves out what lacks a value
     time = log.time
     if time.size < 10 or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
-        return REFUSED
-    if not np.all([np.isfinite(x).all() for x in log.columns.values()]):
         return REFUSED
     ratio = float(time[-1] - time[0]) / float(run.channels["time"][-1])
     if not 1.0 / SHORT < ratio < LONG:

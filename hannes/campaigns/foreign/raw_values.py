@@ -86,7 +86,7 @@ def disorder(time: FloatArray) -> tuple[str, str]:
     if restarts(time).size:
         return "several runs in one file, whose clock begins anew", 'split_at = "restart"'
     if np.mean(steps == 0.0) > COARSE and forth.size:
-        rate = _round(float((time.size - 1) / (time[-1] - time[0])), forth.min() / np.ptp(time))
+        rate = roundest(float((time.size - 1) / (time[-1] - time[0])), forth.min() / np.ptp(time))
         what = (
             f"the clock is too coarse, {forth.min():.4g} s a step; by its ends it is {rate:.5g} Hz"
         )
@@ -98,8 +98,8 @@ def disorder(time: FloatArray) -> tuple[str, str]:
     return "stamps are doubled", 'time.order = "drop"'
 
 
-def _round(rate: float, doubt: float) -> float:
-    """The roundest rate or interval within a relative doubt, else the rate as it is."""
+def roundest(rate: float, doubt: float) -> float:
+    """The roundest rate [Hz], or that of the roundest interval, within a relative doubt."""
     for digits in (1, 2, 3):
         for near in (float(f"{rate:.{digits}g}"), 1.0 / float(f"{1.0 / rate:.{digits}g}")):
             if abs(near / rate - 1.0) < doubt:

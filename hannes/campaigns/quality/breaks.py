@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault
-from hannes.campaigns.quality.law import Break, Law, breaks_of, laws, pushes_away
+from hannes.campaigns.quality.law import Break, Relation, breaks_of, laws, pushes_away
 from hannes.campaigns.quality.motion import other_way_round
 from hannes.campaigns.quality.subject import Subject, quantum
 
@@ -44,7 +44,7 @@ def inspect(subject: Subject) -> Iterator[Finding]:
             yield from _other_steps(subject, name)
 
 
-def _other_way_round(subject: Subject, law: Law) -> Finding:
+def _other_way_round(subject: Subject, law: Relation) -> Finding:
     moved = subject.of(law.of).drives
     command = subject.of(moved).follows
     if command not in subject.recording:
@@ -53,14 +53,14 @@ def _other_way_round(subject: Subject, law: Law) -> Finding:
     return other_way_round(subject, moved, command, f"is pushed away from {command} by {law.of}")
 
 
-def _is_one(law: Law, found: Break) -> bool:
+def _is_one(law: Relation, found: Break) -> bool:
     """Whether a law holds to either side, and a break of it is clear."""
     kind = found.kind if found.kind == "range" else f"slip of {law.name}"
     clear = found.kind != "range" or abs(np.log(max(found.size, 1e-6))) > CLEAR * found.left
     return found.share > SHARE[kind] and found.left < LEFT[kind] and clear
 
 
-def _ranged(subject: Subject, law: Law, found: Break) -> Finding:
+def _ranged(subject: Subject, law: Relation, found: Break) -> Finding:
     first = int(law.places[max(found.place - 1, 0)])
     return _switched(subject, law.of, first, f"{found.size:.3g} times what the {law.name} asks for")
 
@@ -76,7 +76,7 @@ def _switched(subject: Subject, name: str, first: int, what: str) -> Finding:
     )
 
 
-def _slipped(subject: Subject, law: Law, found: Break) -> Finding:
+def _slipped(subject: Subject, law: Relation, found: Break) -> Finding:
     moved = subject.of(law.of).drives
     first = int(law.places[max(found.place - 1, 0)])
     last = int(law.places[min(found.end + 1, law.places.size - 1)])

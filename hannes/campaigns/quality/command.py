@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.foreign.raw_values import roundest
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
 from hannes.campaigns.quality.motion import UNLIKE, begins_moving, found_lag, pace, timed, unlike
@@ -20,6 +21,8 @@ GROSS_PACE = 0.06  # of the rate, by the motion alone, which lags its command
 FITS = 0.08  # of the range, that a motion may be off the experiment's command and still be of it
 FACTOR = 0.05  # relative, about a factor that a mistake would make
 LEAST_PACE = 3e-3  # of the rate of a recorded command, by which a motion may differ
+WHOLE = 0.85  # of the experiment's command, that a recording covers by which a rate is judged
+ROUND = 0.01  # relative, by which a rounder sampling rate is taken
 AGREE = 0.2  # by which the pace of a motion, which lags, may differ from that of its controller
 OWN_LAG = 2.5  # of its error of fit over its range, by which a machine's own lag looks like a rate
 ENOUGH = 4000  # samples by which a rate is found
@@ -53,16 +56,17 @@ def _unrecorded(subject: Subject, plan: Plan, name: str) -> Iterator[Finding]:
             return  # its sign is reversed, which its magnitude says
         yield from unlike(subject, name, what, plan.times, plan.values)
     else:
-        found = list(timed(subject, name, what, pace(plan.times, plan.values), lag))
-        yield from found or _paced(subject, name, plan)
+        yield from timed(subject, name, what, pace(plan.times, plan.values), lag)
 
 
 def _paced(subject: Subject, name: str, plan: Plan) -> Iterator[Finding]:
     """A motion that takes another time than the experiment: the clock runs at another rate."""
-    size = float(np.ptp(plan.values))
+    size, end = float(np.ptp(plan.values)), float(plan.times[-1])
+    if subject.time[-1] < WHOLE * end or begins_moving(subject, name):
+        return  # of a part, a lag looks like a rate
     rate, rest = _clock(subject.time, subject.recording[name], plan)
     if abs(rate - 1.0) > GROSS_PACE and rest < FITS * size:
-        yield _drift(subject, "time", pace_of(subject) or rate, fault)
+        yield _drift(subject, "time", rate, fault)
 
 
 def paces(subject: Subject) -> Iterator[Finding]:
@@ -99,6 +103,7 @@ def retimed(subject: Subject) -> Iterator[Finding]:
     """Another pace than that of the command, by the law of the controller."""
     pace = pace_of(subject)
     if pace is None:
+        yield from _by_motion(subject)
         return
     for name, expected in subject.expected.items():
         if expected.follows and name in subject.recording:
@@ -111,6 +116,15 @@ def retimed(subject: Subject) -> Iterator[Finding]:
             return
 
 
+def _by_motion(subject: Subject) -> Iterator[Finding]:
+    """Another pace than the experiment's, by the motion alone."""
+    for name, expected in subject.expected.items():
+        if subject.plan is None or expected.follows in subject.recording:
+            continue
+        if expected.follows and name in subject.recording and np.ptp(subject.recording[name]):
+            yield from _paced(subject, name, subject.plan)
+
+
 def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
     time, values = subject.time, subject.recording[command]
     size = float(np.ptp(plan.values))
@@ -120,7 +134,7 @@ def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
     for what, factor in subject.of(command).mistakes.items():
         if abs(gain / factor - 1.0) < FACTOR or abs(gain * factor - 1.0) < FACTOR:
             text = f"is {gain:.4g} times the experiment's: {what} ({factor:.4g})?"
-            mend = mends.sized(subject, command, gain, what)
+            mend = mends.of_mistake(subject, command, gain, what)
             yield fault("unit", command, f"{text} convert with {mend[0]}", size=gain, mend=mend)
             return
     rate, rest = _clock(time, values, plan)
@@ -144,7 +158,8 @@ def _drifting(subject: Subject, command: str, rate: float) -> Iterator[Finding]:
 
 def _drift(subject: Subject, channel: str, rate: float, level: Callable[..., Finding]) -> Finding:
     span = float(subject.time[-1] - subject.time[0])
-    mend = mends.rate(subject, (len(subject.recording) - 1) / (rate * span))
+    hertz = (len(subject.recording) - 1) / (rate * span)
+    mend = mends.rate(subject, roundest(hertz, ROUND) if level is fault else hertz)
     return level(
         "drift",
         channel,

@@ -29,7 +29,7 @@ RAMPS = 40  # places at which a slip may begin or end
 
 
 @dataclass(frozen=True)
-class Law:
+class Relation:
     """A drive and what it follows from, as means over parts of a run.
 
     drive: (k,), `of` the channel of that name; columns: (k, p), the first of which is what a slip
@@ -47,21 +47,21 @@ class Law:
     places: NDArray[np.intp]
 
 
-def laws(subject: Subject) -> Iterator[Law]:
+def laws(subject: Subject) -> Iterator[Relation]:
     """Laws of the winding and of the controller, as far as their channels were recorded."""
     recording = subject.recording
     for name, moved in drives_of(subject):
         motion = recording[moved]
         speed = np.gradient(motion, subject.time)  # parts take its mean
         if name == "current" and "duty" in recording:
-            supply = recording["supply"] if "supply" in recording else 1.0
-            yield _law(subject, "winding", name, [speed, recording["duty"] * supply], motion, False)
+            voltage = recording["duty"] * (recording["supply"] if "supply" in recording else 1.0)
+            yield _relation(subject, "winding", name, [speed, voltage], motion, False)
         asked = subject.asked_of(moved)
         if asked is not None and np.ptp(asked) > 0.0:
             error = asked - motion
             total = np.cumsum(error * np.gradient(subject.time))
             columns = [error, total, speed, np.gradient(asked, subject.time)]
-            yield _law(subject, "controller", name, columns, motion, True)
+            yield _relation(subject, "controller", name, columns, motion, True)
 
 
 def drives_of(subject: Subject) -> Iterator[tuple[str, str]]:
@@ -105,9 +105,9 @@ def speed_of(subject: Subject, values: FloatArray) -> FloatArray:
     return np.asarray(savgol_filter(values, size, 1, deriv=1, delta=subject.interval))
 
 
-def _law(
+def _relation(
     subject: Subject, name: str, of: str, columns: list[FloatArray], motion: FloatArray, slips: bool
-) -> Law:
+) -> Relation:
     count = max(min(PARTS, motion.size // LEAST_SIZE), 1)
     size = motion.size // count
     kept = slice(0, size * count)
@@ -118,7 +118,7 @@ def _law(
     drive = parts(subject.recording[of])
     table = np.column_stack([*(parts(each) for each in columns), np.ones(count)])
     places = np.arange(count) * size
-    return Law(name, of, drive, table, parts(motion), slips, subject.time[places], places)
+    return Relation(name, of, drive, table, parts(motion), slips, subject.time[places], places)
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class Break:
 NOTHING = Break("range", 0, 0, 1.0, 0.0, 1.0, 1.0)
 
 
-def breaks_of(law: Law) -> list[Break]:
+def breaks_of(law: Relation) -> list[Break]:
     """The best change of gain, and the best slip; none where there are too few parts."""
     if law.drive.size < FEWEST:
         return []
@@ -153,7 +153,7 @@ def breaks_of(law: Law) -> list[Break]:
     return [_range(law, columns, base, predicted, rest), _slip(law)]
 
 
-def pushes_away(law: Law) -> bool:
+def pushes_away(law: Relation) -> bool:
     """Whether a law of the controller holds, and drives the motion away from its command."""
     if law.drive.size < FEWEST:
         return False
@@ -194,7 +194,7 @@ def _gains(base: FloatArray, rest: FloatArray, added: FloatArray) -> FloatArray:
 
 
 def _range(
-    law: Law, columns: FloatArray, base: FloatArray, predicted: FloatArray, rest: FloatArray
+    law: Relation, columns: FloatArray, base: FloatArray, predicted: FloatArray, rest: FloatArray
 ) -> Break:
     """The gain of the drive's own probe changes."""
     count = law.drive.size
@@ -215,7 +215,7 @@ def _range(
     return _break("range", place, count - 1, factor, law.drive, rest, left)
 
 
-def _slip(law: Law) -> Break:
+def _slip(law: Relation) -> Break:
     """The motion that is read falls behind that of the shaft for a while.
 
     Its error, or its speed, then no longer follows from the drive and the rest as it did.

@@ -127,7 +127,7 @@ def _leaps(steps: np.ndarray, least: float, count: float) -> list[int]:
     for k in places:
         around = np.r_[steps[k - AROUND : k], steps[k + 1 : k + 1 + AROUND]]
         usual = float(np.median(around))
-        alike = np.abs(around - usual).max() < ALIKE * abs(usual)
+        alike = np.abs(around - usual).max() < max(ALIKE * abs(usual), ROUNDED * count)
         rounded = abs(steps[k] - usual) < ROUNDED * count
         if alike and abs(usual) > least and steps[k] / usual > LEAP and not rounded:
             found.append(int(k))

@@ -1,8 +1,8 @@
 """Lines of a mapping that mend what was found, as TOML.
 
 They go on from what the mapping has already: a scale is multiplied, a sign turned once more, an
-offset added to, and stretches are cut beside those that are cut. Put in place of a key of the
-same name, a line thus loses nothing.
+offset added to, and stretches are cut beside those that are cut. A line may thus replace the one
+that a mapping has of the same key.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -48,7 +48,7 @@ def scaled(subject: Subject, name: str, factor: float) -> tuple[str, ...]:
     return (f"channels.{name}.scale = {float(has.get('scale', 1.0)) / factor:.6g}", *moved)
 
 
-def sized(subject: Subject, name: str, factor: float, mistake: str) -> tuple[str, ...]:
+def of_mistake(subject: Subject, name: str, factor: float, mistake: str) -> tuple[str, ...]:
     """Take a channel that is `factor` times too large as the words of a plant's mistake say."""
     way = side if "side" in mistake else scaled
     return way(subject, name, factor)

@@ -240,7 +240,7 @@ def _gain(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Findi
     for what, factor in {**degrees, **subject.of(name).mistakes}.items():
         for culprit, gain in ((name, lag.gain), (command, 1.0 / lag.gain)):
             if max(gain / factor, factor / gain) < NEAR:
-                mend = mends.sized(subject, culprit, factor, what)
+                mend = mends.of_mistake(subject, culprit, factor, what)
                 text = f"{moves}: {what} ({factor:.4g}) in {culprit}? convert with {mend[0]}"
                 yield fault("unit", name, text, size=lag.gain, mend=mend)
                 return
