@@ -96,8 +96,8 @@ def base(machine: str, number: int) -> Base:
             scatter += float(np.mean(moved**2))
             noise_floors[name] = float(np.sqrt(scatter + noise**2 + step**2 / 12.0))
     text = bench.experiment_text(_condition(number)) if machine == "hand" else ""
-    values = {} if machine == "hand" else _values(machine, number, 0)
-    return Base(machine, number, runs[0], noise_floors, text, values, tuple(runs[1:]))
+    drawn = {} if machine == "hand" else _values(machine, number, 0)
+    return Base(machine, number, runs[0], noise_floors, text, drawn, tuple(runs[1:]))
 
 
 def other(machine: str, number: int) -> Base:
@@ -174,12 +174,12 @@ def _asked(machine: str, number: int) -> FloatArray:
 def logged(run: Base, logger: Logger, referenced: bool, rng: np.random.Generator) -> Log:
     """What a sound logger writes of a run."""
     another = other(run.machine, run.number)
-    asked = [each.channels["reference"] for each in (run, another)]
+    asked = run.channels["reference"], another.channels["reference"]
     return Log(
         run.machine,
         _columns(run, logger, referenced, rng),
         _columns(another, logger, referenced, rng),
-        np.array_equal(*asked),
+        np.array_equal(asked[0], asked[1]),
     )
 
 

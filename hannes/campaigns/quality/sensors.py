@@ -136,7 +136,7 @@ def _piled(values: FloatArray, extreme: float, step: float) -> bool:
     there, *near = (
         np.count_nonzero(np.abs(values - extreme - k * inward) < 0.5 * step) for k in range(4)
     )
-    return there >= FEWEST_PILED and there > PILED * max(float(np.mean(near)), 1.0)
+    return bool(there >= FEWEST_PILED and there > PILED * max(float(np.mean(near)), 1.0))
 
 
 def _abrupt(values: FloatArray, first: int, last: int, step: float) -> bool:
