@@ -25,9 +25,9 @@ WEAKEST = 5.0  # N: an object that full closure holds with less is hardly graspe
 
 
 @cache
-def spec() -> Spec:
-    """Which objects and hands."""
-    return load_spec(Path(__file__).parent / "forty.toml")
+def spec(name: str = "forty") -> Spec:
+    """Which objects and hands: the `forty`, or those of `development`."""
+    return load_spec(Path(__file__).parent / f"{name}.toml")
 
 
 @cache
@@ -109,7 +109,7 @@ def grasp(sampled: SampledGrasp, trained: Model, policy: bool, observed: bool = 
         for each in said:
             if each.force is not None:
                 latest = each.force.value, each.force.low, each.force.high
-                residual = max(residual, each.force.residual)
+                residual = max(residual, each.force.residual if len(force) < 1e3 * HOLD else 0.0)
             for decision in each.decisions:
                 found = decision.force
                 guess = (found.value, found.low, found.high) if found else guess
@@ -125,16 +125,16 @@ def grasp(sampled: SampledGrasp, trained: Model, policy: bool, observed: bool = 
     )  # fmt: skip
 
 
-def drawn(number: int) -> SampledGrasp:
+def drawn(number: int, name: str = "forty") -> SampledGrasp:
     """Object `number`, without a data set's own noise."""
-    sampled = sample_grasp(spec(), number)
+    sampled = sample_grasp(spec(name), number)
     noise = {"current": sampled.values["noise.current"]}
     return replace(sampled, experiment=replace(sampled.experiment, noise=noise))
 
 
-def measured(path: str, data: str, number: int) -> dict[str, Any]:
+def measured(path: str, data: str, number: int, name: str = "forty") -> dict[str, Any]:
     """One line of the study: the object, with and without the policy."""
-    sampled = drawn(number)
+    sampled = drawn(number, name)
     trained = model(path)
     known = {
         "stiffness": sampled.values["object.stiffness"],

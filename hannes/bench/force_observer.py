@@ -43,8 +43,9 @@ class ObserverSettings:
 
     start: of log stiffness (1), of the angle at the touch [rad], of the torque's error [N m];
     walk: by how much each may change in a second; torque [N m] and its share: errors of the
-    measured torque, which last for `memory` [s]; force_share: error of the twins' force alone, by
-    scattered hands; warning: residual from which the machine has left the model.
+    measured torque, which last for `memory` [s], as those of a scattered hand do; force_share:
+    error of the twins' force alone, by scattered hands; warning: residual from which the machine
+    has left the model.
     """
 
     stiffness: float = 6e3
@@ -53,12 +54,12 @@ class ObserverSettings:
     walk: tuple[float, float, float] = (0.3, 0.3, 3e-4)
     torque: float = 4e-4
     torque_share: float = 0.05
-    memory: float = 0.02
+    memory: float = 0.1
     period: float = 2e-3  # s between two steps of the twins
     force_share: float = 0.1
     least: float = 0.5  # N, of the band to each side
     smoothing: float = 4e-3  # s, of the measured speed
-    warning: float = 5.0
+    warning: float = 7.0
     warning_memory: float = 0.3  # s
     gear_loss: float = 0.05  # share of its load, middle of what gears lose
     object: Mapping[str, float] = field(

@@ -25,11 +25,11 @@ class GripSettings:
     probe_speed: float = 2.0  # rad/s, by which the limit goes from one to the other
     settle: float = 0.15  # s from the touch until that may begin
     doubt_from: float = 0.065  # probability of rigid from which there is doubt
-    rigid_from: float = 0.8  # probability of rigid from which it may be held firmly
+    rigid_from: float = 0.95  # probability of rigid from which it may be held firmly
     soft_below: float = 0.4  # probability of rigid below which a firm hold ends
     dwell: float = 0.03  # s for which that probability must last
     patience: float = 0.55  # s from the touch until doubt is decided
-    decide_from: float = 0.72  # probability of rigid from which it is then held firmly
+    decide_from: float = 0.75  # probability of rigid from which it is then held firmly
     speed: float = 12.0  # rad/s, most by which the limit changes
     force_gain: float = 0.15  # rad/s for each newton that is missing to a force set point
     force_speed: float = 3.0  # rad/s, most of the same

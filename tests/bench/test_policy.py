@@ -52,7 +52,7 @@ def test_a_moment_of_certainty_is_not_enough():
 
 
 def test_in_lasting_doubt_the_likelier_class_decides():
-    assert closed(0.75, seconds=1.5)[-1] == pytest.approx(FULL)
+    assert closed(0.8, seconds=1.5)[-1] == pytest.approx(FULL)
     assert closed(0.6, seconds=1.5)[-1] == pytest.approx(limit(SETTINGS.probe_share))
 
 
@@ -67,7 +67,7 @@ def test_in_doubt_it_squeezes_slowly_on_and_goes_back_where_the_object_proves_so
 
 
 def test_a_firm_hold_ends_where_the_object_proves_soft():
-    points = closed(lambda time: 0.95 if time < 0.9 else 0.01, seconds=1.5)
+    points = closed(lambda time: 0.97 if time < 0.9 else 0.01, seconds=1.5)
     assert max(points) == pytest.approx(FULL)
     assert points[-1] == pytest.approx(TOUCH + SETTINGS.soft_share * (FULL - TOUCH))
 
