@@ -41,17 +41,24 @@ class Packed:
     values: np.ndarray
 
 
-def c_forest(name: str, forest: Forest) -> CForest:
-    """Trees of `forest` as a `struct HannesForest hannes_<name>`."""
+def is_single(forest: Forest) -> bool:
+    """Whether floats hold the values of all leaves."""
+    return np.array_equal(forest.value.astype(np.float32), forest.value)
+
+
+def c_forest(name: str, forest: Forest, leaf: str = "double") -> CForest:
+    """Trees of `forest` as a `struct HannesForest hannes_<name>`; `leaf`: C type of a value."""
     packed, own = pack(forest), f"hannes_{name}"
     values, place = np.unique(packed.values, return_inverse=True)
-    shared = values.size <= SMALL and 8 * values.size + 2 * place.size < 8 * place.size
+    wide, write = (4, short) if leaf == "float" else (8, number)
+    shared = values.size <= SMALL and wide * values.size + 2 * place.size < wide * place.size
+    table = values if shared else packed.values
     far = packed.left.max(initial=0) >= SMALL
     parts = {
         "start": array("uint32_t", f"{own}_start", map(str, packed.starts)),
         "feature": array("uint8_t", f"{own}_feature", map(str, packed.feature)),
         "threshold": array("float", f"{own}_threshold", map(short, packed.threshold)),
-        "value": array("double", f"{own}_value", map(number, values if shared else packed.values)),
+        "value": array(leaf, f"{own}_value", map(write, table)),
     }
     left = "far" if far else "left"
     parts[left] = array(f"uint{32 if far else 16}_t", f"{own}_{left}", map(str, packed.left))
@@ -65,8 +72,7 @@ def c_forest(name: str, forest: Forest) -> CForest:
             f"static const struct HannesForest {own} = {{.trees = {trees}u{fields}}};",
         ]
     )
-    leaf = 8 * values.size + 2 * leaves if shared else 8 * leaves
-    size = 4 * (trees + 1) + (9 if far else 7) * inner + leaf
+    size = 4 * (trees + 1) + (9 if far else 7) * inner + wide * table.size + 2 * leaves * shared
     return CForest(text, size, trees, inner + leaves)
 
 
@@ -139,7 +145,7 @@ def number(value: float) -> str:
     return float(value).hex()
 
 
-def short(value: np.float32) -> str:
+def short(value: np.float32 | float) -> str:
     """A float as C reads it back, bit for bit."""
     if np.isinf(value):
         return "INFINITY" if value > 0.0 else "-INFINITY"

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hannes.bench.c_tables import CForest, array, c_forest, number
+from hannes.bench.c_tables import CForest, array, c_forest, is_single, number
 from hannes.bench.c_vectors import SAMPLES, vectors
 from hannes.bench.live import LONGEST
 from hannes.bench.policy import GripSettings
@@ -61,7 +61,8 @@ class Exported:
 def export_c(model: Model) -> Exported:
     """Return `model` as one C file. Raises BadInput where its windows fit no whole samples."""
     sizes = _sizes(model)
-    forests = {name: c_forest(name, getattr(model, name)) for name in FORESTS}
+    leaf = "float" if all(is_single(getattr(model, name)) for name in FORESTS) else "double"
+    forests = {name: c_forest(name, getattr(model, name), leaf) for name in FORESTS}
     memory = _memory(sizes)
     tables = sum(each.table_bytes for each in forests.values())
     trees, nodes = (sum(getattr(f, k) for f in forests.values()) for k in ("trees", "nodes"))
@@ -72,7 +73,7 @@ def export_c(model: Model) -> Exported:
     parts = [
         head,
         _defined(sizes | {"MEMORY_BYTES": f"{memory}u"} | _constants(model)),
-        _tables(model, forests.values()),
+        _tables(model, forests.values(), leaf),
         (PARTS / "recogniser.c").read_text(encoding="utf-8"),
         vectors(model),
         (PARTS / "self_test.c").read_text(encoding="utf-8"),
@@ -141,7 +142,7 @@ def _defined(values: dict[str, str]) -> str:
     return "\n".join(f"#define HANNES_{name} {value}" for name, value in values.items()) + "\n"
 
 
-def _tables(model: Model, forests: Iterable[CForest]) -> str:
+def _tables(model: Model, forests: Iterable[CForest], leaf: str) -> str:
     curve = model.calibration
     lines = [
         "struct HannesForest {",
@@ -152,7 +153,7 @@ def _tables(model: Model, forests: Iterable[CForest]) -> str:
         "    const uint16_t *left; /* inner nodes under the left child; see also far */",
         "    const uint32_t *far; /* the same where 16 bits are too few, else NULL */",
         "    const uint16_t *place; /* of a leaf among the values, NULL where each has its own */",
-        "    const double *value;",
+        f"    const {leaf} *value;",
         "};",
         "struct HannesBand { uint32_t count; const double *x, *low, *high; };",
         array("double", "hannes_levels", map(number, features.LEVELS)),

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from hannes.bench.reader import Link
     from hannes.core.recording.recording import Recording
 
+FINE = 1e-4  # relative tolerance, as of `simulate`: a diagnosis sees the errors of a coarser one
 EXAMPLES = {
     "board": """\
 hannes board dynamometer              a virtual hand on a pseudo-terminal; prints its name
@@ -108,12 +109,14 @@ def _board(chosen: argparse.Namespace) -> None:
 
     given = read_board(chosen.specification)
     variant = given.variant
-    VirtualHand(variant.hand, variant.experiment).step(None)  # compiled before anybody connects
+
+    def machine() -> VirtualHand:
+        return VirtualHand(variant.hand, variant.experiment, FINE)
+
+    machine().step(None)  # compiled before anybody connects
     far = Terminal() if chosen.tcp is None else Socket(chosen.tcp)
     print(far.address, flush=True)
-    board = VirtualBoard(
-        lambda: VirtualHand(variant.hand, variant.experiment), far, given.settings, given.how
-    )
+    board = VirtualBoard(machine, far, given.settings, given.how)
     ticks = round(chosen.seconds * given.settings.rate)
     try:
         board.run(lambda: bool(ticks) and board.ticks >= ticks)

@@ -7,7 +7,7 @@ from hannes.commands.cli_output import add_force, add_json, print_json
 
 EXAMPLES = {
     "export-c": """\
-hannes train results/large.h5 --trees 16 --out small-model.h5    few trees fit a small board
+hannes train results/large.h5 --trees 16 --leaf 40 --out small-model.h5    for a small board
 hannes export-c small-model.h5 --out recogniser.c
 cc -O2 -ffp-contract=off -DHANNES_SELF_TEST recogniser.c -lm && ./a.out""",
 }

@@ -91,6 +91,10 @@ def _add_models(command: Callable[..., argparse.ArgumentParser]) -> None:
     train.add_argument("dataset", help="a data set made by `hannes dataset`")
     train.add_argument("--out", metavar="MODEL.h5", help="the model (<dataset>-model.h5)")
     train.add_argument("--trees", type=int, help="number of bagged trees (default 320)")
+    train.add_argument(
+        "--leaf", type=int, default=0, metavar="N",
+        help="fewest windows in a leaf, for small tables on a board (2, of the class 20)",
+    )  # fmt: skip
     train.add_argument("--seed", type=int, default=0, help="seed of all random draws (default 0)")
     train.add_argument("--window", default="50 ms", metavar="TIME", help="span of a window (50 ms)")
     train.add_argument("--hop", default="10 ms", metavar="TIME", help="between windows (10 ms)")
@@ -162,6 +166,8 @@ def _train(chosen: argparse.Namespace) -> None:
     trees = TREES if chosen.trees is None else chosen.trees
     if not 1 <= trees <= 2000:
         raise BadInput(f"--trees {trees}: expected 1 to 2000")
+    if not 0 <= chosen.leaf <= 10_000:
+        raise BadInput(f"--leaf {chosen.leaf}: expected 0 to 10000")
     windowing = Windowing(
         quantity(chosen.window, "s", "--window"), quantity(chosen.hop, "s", "--hop")
     )
@@ -169,7 +175,9 @@ def _train(chosen: argparse.Namespace) -> None:
     if not out.lower().endswith((".h5", ".hdf5")):
         raise BadInput(f"--out {out}: expected a file named .h5 or .hdf5 for the model")
     with reserved("train", [out], [chosen.dataset], force=chosen.force):
-        model, result = train(chosen.dataset, trees=trees, seed=chosen.seed, windowing=windowing)
+        model, result = train(
+            chosen.dataset, trees=trees, seed=chosen.seed, windowing=windowing, leaf=chosen.leaf
+        )
         model_file.write(out, model)
     if chosen.json:
         print_json({"out": out, **result})

@@ -1,7 +1,7 @@
 """Bagged trees as plain arrays, and their prediction compiled."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -109,6 +109,11 @@ class Forest:
             raise BadInput(f"a node asks for a feature that is not one of the {features}")
         if not (np.isfinite(self.threshold).all() and np.isfinite(self.value).all()):
             raise BadInput("a threshold or value is not finite")
+
+
+def single(forest: Forest) -> Forest:
+    """The same, its values rounded to single precision."""
+    return replace(forest, value=forest.value.astype(np.float32).astype(float))
 
 
 FIELDS: dict[str, np.dtype] = {

@@ -16,6 +16,7 @@ from hannes.recognition.calibration import (
     held_out_predictions,
     predictions_by,
 )
+from hannes.recognition.forest import single
 from hannes.recognition.gaussian_process import FEWEST as FEWEST_LET_GO
 from hannes.recognition.gaussian_process import ProcessMean, train_process
 from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, held, running
@@ -39,14 +40,16 @@ def train(
     windowing: Windowing | None = None,
     jobs: int | None = -1,
     most: int | None = None,
+    leaf: int = 0,
 ) -> tuple[Model, dict[str, Any]]:
     """Train on a data set; return the model, and the scores of its parts on unseen grasps.
 
     Unseen grasps calibrate it too: probabilities and intervals come from predictions of trees and
     processes that were not trained on them. `trees` classify, an eighth of that number predict
     stiffness, three quarters force. `jobs` as joblib's. At most `most` grasps train where that is
-    given. Grasps of the role "test" are only scored. Raises BadInput where the file is no data set,
-    or has too few grasps of a class.
+    given. `leaf`: fewest windows in a leaf of any tree, for small tables on a board; values of
+    leaves have single precision then. Grasps of the role "test" are only scored. Raises BadInput
+    where the file is no data set, or has too few grasps of a class.
     """
     if seed < 0:
         raise BadInput(f"seed = {seed}: expected 0 or more")
@@ -54,7 +57,7 @@ def train(
     known = grasps(data, data.role("train"), windowing)
     if most is not None:
         known = known.some(np.random.default_rng(seed).permutation(known.rigid.size)[:most])
-    model, unseen = _trained(known, data, windowing, trees, seed, jobs)
+    model, unseen = _trained(known, data, windowing, trees, seed, jobs, leaf)
     predicted = {"title": data.title, "grasps": int(known.rigid.size)}
     predicted["unseen_scores"] = worth(model, known, unseen)
     if data.role("test").any():
@@ -102,20 +105,28 @@ class _Forests:
 
 
 def _trained(
-    known: Grasps, data: DataSet, windowing: Windowing, trees: int, seed: int, jobs: int | None
+    known: Grasps,
+    data: DataSet,
+    windowing: Windowing,
+    trees: int,
+    seed: int,
+    jobs: int | None,
+    leaf: int = 0,
 ) -> tuple[Model, HeldOutPredictions]:
     """A calibrated model, and predictions for each grasp by trees that have not seen it."""
     if not _enough(known):
         raise BadInput(f"{data.path}: expected two grasps or more of soft and of rigid objects")
-    made, (peak, of_peak) = _grown(known, trees, seed, jobs), _peak(known, seed)
+    made, (peak, of_peak) = _grown(known, trees, seed, jobs, leaf), _peak(known, seed)
+    forests = [each.forest() for each in (made.rigid, made.stiffness, made.force)]
+    rigid, stiffness, force = map(single, forests) if leaf else forests
     none = np.zeros(1)
     model = Model(
         windowing,
         data.border,
         0.5,
-        made.rigid.forest(),
-        made.stiffness.forest(),
-        made.force.forest(),
+        rigid,
+        stiffness,
+        force,
         peak,
         Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0])),
         Band(none, none, none),
@@ -141,12 +152,12 @@ def _peak(known: Grasps, seed: int) -> tuple[ProcessMean | None, np.ndarray]:
     return peak, unseen
 
 
-def _grown(known: Grasps, trees: int, seed: int, jobs: int | None) -> _Forests:
+def _grown(known: Grasps, trees: int, seed: int, jobs: int | None, fewest: int) -> _Forests:
     from hannes.recognition.estimators import BaggedTrees
 
     used = known.scored | held(known.features)
     few = used.sum() < FEW
-    leaf, share = (2, 1.0) if few else (20, 0.5)
+    leaf, share = (max(2, fewest), 1.0) if few else (max(20, fewest), 0.5)
     bag = BaggedTrees(trees, leaf, share, seed, jobs)
     bag.fit(known.features, known.rigid.astype(int), used)
     so_far = np.maximum.accumulate(known.force, axis=1)
@@ -166,7 +177,7 @@ def _grown(known: Grasps, trees: int, seed: int, jobs: int | None) -> _Forests:
     return _Forests(
         bag.bagged_,
         regression(stiff, stiffness, used.astype(float), share / 2.0, **how),
-        regression(force, so_far, weight, 1.0, min_samples_leaf=2, max_features=0.6),
+        regression(force, so_far, weight, 1.0, min_samples_leaf=max(2, fewest), max_features=0.6),
     )
 
 

@@ -5,6 +5,7 @@ import re
 import shutil
 import struct
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
 from hannes.bench.release import Release
 from hannes.commands.cli import main
 from hannes.recognition import model_file
-from hannes.recognition.forest import Forest
+from hannes.recognition.forest import Forest, single
 from hannes.recognition.model import WORDS
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -146,6 +147,19 @@ def test_packed_trees_give_the_same_leaves(model):
         assert found == pytest.approx(forest(rows), rel=1e-12)
         leaves = np.count_nonzero(forest.left < 0)
         assert packed.values.size == packed.left.size + trees <= leaves
+
+
+def test_leaves_of_single_precision_are_smaller_and_the_same(model, tmp_path):
+    parts = {name: single(getattr(model, name)) for name in ("rigid", "stiffness", "force")}
+    small = replace(model, **parts)
+    assert "const float *value;" in export_c(small).text
+    assert export_c(small).table_bytes < export_c(model).table_bytes
+    grasps = [drawn(seed, 1150, 1e-3) for seed in range(1000, 1010)]
+    for samples, said in zip(grasps, answers(built(small, tmp_path), grasps), strict=True):
+        wanted = windows(small, samples)
+        assert np.array_equal(said["window"], wanted.window)
+        stiffness, _ = last_estimates(small, wanted)
+        assert said["stiffness"][-1] == pytest.approx(list(vars(stiffness).values()), rel=1e-12)
 
 
 def test_leaves_of_one_value_under_one_node_are_joined():

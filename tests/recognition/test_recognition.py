@@ -68,6 +68,14 @@ def trained(data):
     return train(data, trees=12, seed=1, jobs=1)
 
 
+def test_larger_leaves_make_smaller_trees_of_single_precision(data, trained):
+    small, _ = train(data, trees=12, seed=1, jobs=1, leaf=8)
+    for name in ("rigid", "stiffness", "force"):
+        forest = getattr(small, name)
+        assert forest.value.size < getattr(trained[0], name).value.size
+        assert np.array_equal(forest.value, forest.value.astype(np.float32))
+
+
 @pytest.fixture(scope="module")
 def arrays(data):
     """Grasps as arrays (n, samples, 3), their classes, and a recording of one."""
