@@ -11,6 +11,7 @@ EXAMPLES = {
 hannes view results/dynamometer/recording.h5
 hannes view void_01.csv --hand results/closure/hand.toml     measured, and with what was found
 hannes view before.h5 after.h5 --out results/both.html       the second as a ghost over the first
+hannes view grasp.csv --experiment dynamometer               what was done, where no file says it
 hannes view grasp.h5 --still 0.64                            an SVG and a PNG of one moment""",
     "export": """\
 hannes export void_01.h5 --out void_01.mat            MATLAB
@@ -33,6 +34,11 @@ def add(command: Callable[..., argparse.ArgumentParser], whole: argparse.Argumen
     view.add_argument(
         "--hand", action="append", default=[], metavar="HAND.toml",
         help="the hand that draws them, once for all or once for each (default: their own)",
+    )  # fmt: skip
+    view.add_argument(
+        "--experiment", action="append", default=[], metavar="NAME",
+        help="what was done: a shipped name or a .toml, once for all or once for each "
+             "(default: as the recording says)",
     )  # fmt: skip
     view.add_argument(
         "--out", default="results/view.html", metavar="FILE", help="page (results/view.html)"
@@ -118,8 +124,10 @@ def _complete(action: argparse.Action, experiments: Sequence[str]) -> None:
 def _view(chosen: argparse.Namespace) -> None:
     from hannes.commands.view import view
 
-    given = {"hands": chosen.hand, "stills": chosen.still, "force": chosen.force}
-    made = view(chosen.recording, chosen.out, **given)
+    made = view(
+        chosen.recording, chosen.out, hands=chosen.hand, experiments=chosen.experiment,
+        stills=chosen.still, force=chosen.force,
+    )  # fmt: skip
     if chosen.json:
         print_json(made)
         return

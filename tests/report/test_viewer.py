@@ -136,6 +136,10 @@ def test_a_measured_recording_is_drawn_by_a_simulation_and_says_so(folder, tmp_p
     recording = Recording.read(folder / "bare.csv")
     assert np.array_equal(unpacked(scene["recorded"]["current"]), recording["current"])
     assert scene["simulated"].keys() >= {"position", "current", "leader_tension"}
+    assert "nothing fitted" in shown["note"]
+    assert "free closure without an object, which is assumed" in shown["note"]
+    assert "--experiment NAME" in shown["note"]
+    assert "FAR" not in shown["note"]
 
 
 def test_long_recordings_are_thinned_and_it_is_said(tmp_path):
@@ -150,6 +154,123 @@ def test_long_recordings_are_thinned_and_it_is_said(tmp_path):
     assert made["bytes"] < 1e6
     scene = data(tmp_path / "slow.html")["scenes"][0]
     assert np.array_equal(unpacked(scene["recorded"]["position"]), reference[::3])
+
+
+def test_thinning_keeps_the_end_and_the_moments_of_stills():
+    from hannes.report.viewer.scene import kept_rows
+
+    times = np.linspace(0.0, 60.0, 60002)
+    rows, every = kept_rows(times, [59.9991])
+    assert every == 26
+    assert rows[-1] == 60001
+    assert np.abs(times[rows] - 59.9991).min() < 6e-4
+
+
+def test_stills_at_near_times_have_names_of_their_own(folder, tmp_path):
+    made = view([folder / "bare.csv"], tmp_path / "v.html", stills=[0.30001, 0.300013, 0.30001])
+    names = [Path(each).name for each in made["stills"]]
+    assert names[::2] == ["v-0.30001s.svg", "v-0.300013s.svg"]
+
+
+def test_two_results_of_one_name_are_refused_as_what_they_are(tmp_path):
+    from hannes.core.io.outputs import reserved
+
+    same = [tmp_path / "a.html", tmp_path / "." / "a.html"]
+    with pytest.raises(BadInput, match="two results"), reserved("view", same):
+        pass
+
+
+def test_what_was_gripped_is_taken_from_the_experiment_that_is_named(folder, tmp_path):
+    Recording.read(folder / "grasp.h5").to_csv(tmp_path / "grasp.csv")
+    out = tmp_path / "grasp.html"
+    (assumed,) = view([tmp_path / "grasp.csv"], out)["recordings"]
+    assert "CURRENT IS FAR FROM THE RECORDED: what was gripped?" in assumed["note"]
+    made = view([tmp_path / "grasp.csv"], out, experiments=["dynamometer"])
+    (named,) = made["recordings"]
+    assert '"Dynamometer grasp" (a cylinder)' in named["note"]
+    assert "assumed" not in named["note"] and "FAR" not in named["note"]
+    assert data(out)["scenes"][0]["slices"]
+    assert "<h1>Dynamometer grasp (grasp)</h1>" in out.read_text(encoding="utf-8")
+    with pytest.raises(BadInput, match="stands for"):
+        view([tmp_path / "grasp.csv"], out, experiments=["stiffness-sweep"])
+
+
+def test_the_start_is_found_where_no_reference_says_it(folder, tmp_path):
+    recording = Recording.read(folder / "grasp.h5")
+    channels = {name: recording[name] for name in ("time", "position", "current")}
+    channels["time"] = channels["time"] + 700.25
+    units = {"time": "s", "position": "rad", "current": "A"}
+    Recording(channels, units).to_csv(tmp_path / "late.csv")
+    made = view([tmp_path / "late.csv"], tmp_path / "late.html", experiments=["dynamometer"])
+    note = made["recordings"][0]["note"]
+    assert "begun at 700 s, where the positions agree best" in note
+    assert "FAR" not in note
+
+
+def test_a_misfit_as_of_a_wrong_unit_leads_to_check(folder, tmp_path):
+    recording = Recording.read(folder / "void.h5")
+    degrees = recording.with_channels({"position": np.degrees(recording["position"])}, {})
+    degrees.to_csv(tmp_path / "degrees.csv")
+    with pytest.raises(BadInput, match="hannes check"):
+        view([tmp_path / "degrees.csv"], tmp_path / "v.html")
+    turns = recording.with_channels({"position": recording["position"] / 6.2832}, {})
+    turns.to_csv(tmp_path / "turns.csv")
+    (shown,) = view([tmp_path / "turns.csv"], tmp_path / "v.html")["recordings"]
+    assert "POSITION IS FAR FROM THE RECORDED" in shown["note"]
+    assert "hannes check" in shown["note"]
+
+
+def test_channels_keep_their_units_where_only_the_reference_was_recorded(folder, tmp_path):
+    recording = Recording.read(folder / "void.h5")
+    channels = {name: recording[name] for name in ("time", "reference")}
+    Recording(channels, {"time": "s", "reference": "rad"}).to_csv(tmp_path / "command.csv")
+    (shown,) = view([tmp_path / "command.csv"], tmp_path / "v.html")["recordings"]
+    assert "()" not in shown["note"] and "no position or current to compare" in shown["note"]
+    units = data(tmp_path / "v.html")["scenes"][0]["units"]
+    assert (units["position"], units["current"]) == ("rad", "A")
+
+
+def test_metres_are_no_angles(tmp_path):
+    lines = [f"{k * 1e-3},{k * 1e-4},{k * 1e-4},{k * 1e-2}" for k in range(100)]
+    text = "\n".join(["time_s,reference_m,position_m,drive_V", *lines, ""])
+    (tmp_path / "axis.csv").write_text(text)
+    with pytest.raises(BadInput, match="comes in m, expected rad, of the output shaft"):
+        view([tmp_path / "axis.csv"], tmp_path / "v.html")
+
+
+@pytest.fixture(scope="module")
+def loose(folder):
+    """A hand with a slack leader."""
+    hand = Hand(["leader_slack"]).with_values({"leader_slack.length": 3e-3})
+    (folder / "loose.toml").write_text(hand_toml(hand), encoding="utf-8")
+    return folder / "loose.toml"
+
+
+def test_what_was_simulated_by_another_hand_is_named(folder, loose, tmp_path):
+    view([folder / "void.h5"], tmp_path / "v.html", hands=[loose])
+    scene = data(tmp_path / "v.html")["scenes"][0]
+    assert scene["drawnBy"] == "loose.toml" and not scene["own"]
+    assert scene["simulated"].keys() >= {"current", "leader_tension"}
+
+
+def test_stills_hold_wires_carts_and_traces(folder, loose):
+    from hannes.report.viewer.scene import scene
+    from hannes.report.viewer.still import still
+    from hannes.simulation.hand.hand_file import load_hand
+
+    made = scene(replay(Recording.read(folder / "bare.csv"), load_hand(loose)), "bare")
+    figure = still([made], 0.02)
+    words = [each.get_text() for axes in figure.axes for each in axes.texts]
+    assert any(each.startswith("leader slack 2.9") for each in words)
+    assert any(each.startswith("cart A") for each in words)
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert titles[-3:] == ["position [rad]", "current [A]", "leader tension [N]"]
+    drive = figure.axes[6]
+    straight, waves = (
+        max(len(line.get_xdata()) for line in axes.lines)
+        for axes in (still([made], 0.4).axes[6], drive)
+    )
+    assert waves > straight  # the slack leader
 
 
 @pytest.mark.parametrize(
@@ -223,6 +344,18 @@ def test_page_of_two_grasps_answers_in_a_browser(chromium, folder, capsys):
     box = page.locator(".u-over").first.bounding_box()
     page.mouse.click(box["x"] + 0.25 * box["width"], box["y"] + 10)
     assert abs(state("time") - 0.25 * 1.15) < 0.02
+    page.locator("#view").focus()
+    page.keyboard.press("Space")  # presses the button that has the focus
+    assert not state("playing")
+    turned = page.evaluate("viewer.turn()")
+    page.keyboard.press("d")
+    assert page.evaluate("viewer.turn()")["y"] > turned["y"]
+    box = page.locator("#space").bounding_box()
+    page.mouse.move(box["x"] + 100, box["y"] + 100)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 160, box["y"] + 120, steps=4)
+    page.mouse.up()
+    assert page.evaluate("viewer.turn()")["y"] != turned["y"] + 0.12
     assert messages == []
     page.close()
 
@@ -238,17 +371,53 @@ def assert_numbers(page, folder):
     assert float(cell) == pytest.approx(first["recorded"]["current"], rel=1e-5)
 
 
-def test_effect_switch_shows_the_hand_without_it(chromium, folder, tmp_path):
-    hand = Hand(["leader_slack"]).with_values({"leader_slack.length": 3e-3})
-    (tmp_path / "loose.toml").write_text(hand_toml(hand), encoding="utf-8")
-    made = view([folder / "bare.csv"], tmp_path / "slack.html", hands=[tmp_path / "loose.toml"])
+def test_recordings_of_other_clocks_and_lengths_share_one_time(chromium, folder, tmp_path):
+    """The second begins by a clock of its own, is sampled slower, and is the longer one."""
+    recording = Recording.read(folder / "void.h5")
+    rows = np.arange(0, len(recording), 7)
+    channels = {name: each[rows] for name, each in recording.items()}
+    channels["time"] = channels["time"] + 1500.0
+    Recording(channels, dict(recording.units)).to_csv(tmp_path / "late.csv")
+    Recording.read(folder / "grasp.h5").between(0.0, 0.6).to_hdf5(tmp_path / "short.h5")
+    out = tmp_path / "pair.html"
+    made = view([tmp_path / "short.h5", tmp_path / "late.csv"], out, stills=[1.1])
+    assert (
+        "its clock begins at 1500 s, here it begins with the first"
+        in (made["recordings"][1]["note"])
+    )
+    assert "over since 0.6 s" in Path(made["stills"][0]).read_text(encoding="utf-8")
+    page, messages = opened(chromium, out)
+    until(page, "Boolean(window.viewer && viewer.ready)")
+    page.keyboard.press("End")
+    last = recording.time[rows[-1]]
+    assert page.evaluate("viewer.time") == pytest.approx(last, abs=1e-6)
+    spans = page.evaluate(
+        "viewer.plots.charts.map((each) => [each.scales.x.min, each.scales.x.max])"
+    )
+    assert len(spans) > 4
+    assert {tuple(each) for each in spans} == {(0.0, page.evaluate("viewer.time"))}
+    first, second = page.evaluate("viewer.values()")
+    assert first["row"] is None and second["recorded"]["position"] == channels["position"][-1]
+    cells = page.locator("#readout tbody tr").first.locator("td")
+    assert cells.nth(0).inner_text() == "–" and cells.nth(1).inner_text() != "–"
+    assert "short (over: recorded from 0.000 to 0.600 s)" in page.locator("#drawn").inner_text()
+    assert messages == []
+    page.close()
+
+
+def test_effect_switch_shows_the_hand_without_it(chromium, folder, loose, tmp_path):
+    made = view([folder / "bare.csv"], tmp_path / "slack.html", hands=[loose])
     assert [each["name"] for each in made["recordings"]] == ["bare", "bare without"]
     page, messages = opened(chromium, tmp_path / "slack.html", 600, 900)
     until(page, "Boolean(window.viewer && viewer.ready)")
-    assert not page.evaluate("viewer.effect")
-    assert page.locator("#effect-label").is_visible()
+    assert page.evaluate("viewer.ghost")  # the hand without is drawn, and its switch says so
+    assert page.locator("#ghost").is_checked()
+    assert "without leader_slack" in page.locator("#ghost-label").inner_text()
+    assert not page.locator("#effect-label").is_visible()
+    drawn = page.locator("#drawn").inner_text
+    assert "solid: bare, with leader_slack · dashed: bare without" in drawn()
     page.keyboard.press("e")
-    assert page.evaluate("viewer.effect")
+    assert not page.evaluate("viewer.ghost") and "dashed" not in drawn()
     page.keyboard.press("e")
     wide = page.evaluate("document.documentElement.scrollWidth")
     assert wide <= 600

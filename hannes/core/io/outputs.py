@@ -33,7 +33,11 @@ def reserved(
     BadInput, naming the target, for one that must not be written.
     """
     with ExitStack() as held:
+        taken: set[Path] = set()
         for target in targets:
+            if real_path(target) in taken:
+                raise BadInput(f"two results would be written to {target}: give different names")
+            taken.add(real_path(target))
             require_free(verb, target, reads, folder=folder, force=force)
             if not held.enter_context(alone(f"write {real_path(target)}", wait=False)):
                 raise BadInput(

@@ -28,13 +28,12 @@ def page(title: str, scenes: Sequence[Scene], without: Scene | None = None) -> s
     `without` is the last scene without its effects, which a switch shows as the ghost in its place.
     """
     shown = [*scenes, *([without] if without else [])]
-    second = len(scenes) - 1 if len(scenes) > 1 or without else None
+    second = 1 if len(scenes) > 1 else None
     data = {
         "title": title,
         "fingers": list(FINGERS),
         "scenes": [_packed(each) for each in shown],
         "ghost": {"with": second, "without": len(scenes) if without else None},
-        "effect": len(scenes) > 1,
         "layout": layout(),
     }
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
@@ -74,6 +73,9 @@ def _packed(scene: Scene) -> dict[str, Any]:
     values = scene.hand.parameters
     return {
         "name": scene.name,
+        "drawnBy": scene.drawn_by,
+        "own": scene.own,
+        "effects": ", ".join(each.name for each in scene.hand.present_effects()),
         "every": scene.every,
         "time": exact(scene.time),
         "points": whole(scene.points, LENGTH),

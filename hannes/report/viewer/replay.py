@@ -5,7 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hannes.core.errors import BadInput
+from hannes.core.recording import time_lag
 from hannes.core.recording.recording import Recording
+from hannes.plants.hand.channel_limits import EXPECTED
 from hannes.plants.hand.plant import TOLERANCE, HandPlant
 from hannes.plants.hand.recorded_experiment import experiment_of
 from hannes.plants.hand.recorded_hand import hand_of
@@ -20,7 +22,8 @@ from hannes.simulation.trajectory import Trajectory
 class Replay:
     """A recording, the hand and the experiment that were simulated for it, and what came out.
 
-    `trajectory` starts at time 0 s, the recording at `start` [s].
+    `start`: when the trajectory's time 0 s was, by the recording's clock [s]; `aligned`: it was
+    found by comparing positions.
     """
 
     recording: Recording
@@ -28,6 +31,7 @@ class Replay:
     experiment: Experiment
     trajectory: Trajectory
     start: float
+    aligned: bool = False
 
     @property
     def posed(self) -> Hand:
@@ -59,17 +63,67 @@ class Replay:
 def replay(recording: Recording, hand: Hand | None = None) -> Replay:
     """Simulate what a recording was made of, with `hand` or else with the recording's own.
 
-    Raises BadInput for a recording of another plant, or one that has neither a reference nor
-    an experiment; ComputationFailed where the simulation does not end.
+    Raises BadInput for a recording of another plant, one in other units, or one that has neither a
+    reference nor an experiment; ComputationFailed where the simulation does not end.
     """
+    _require_hand(recording)
+    chosen = hand or hand_of(recording.hand)
+    own = recording.source == "simulated" and bool(recording.experiment)
+    if own:
+        experiment = replace(parse_experiment(recording.experiment), noise={})
+    else:
+        HandPlant(chosen).check(recording)
+        experiment = experiment_of(recording)
+    ran = simulate(chosen, experiment, rtol=TOLERANCE).require()
+    start, aligned = (_clock(recording, ran), False) if own else _start(recording, ran)
+    return Replay(recording, chosen, experiment, ran, start, aligned)
+
+
+def _require_hand(recording: Recording) -> None:
+    """Raise BadInput where a channel cannot be one of the hand's: unit, or an impossible angle."""
     if recording.plant not in ("", "hand"):
         raise BadInput(
             f'the recording is of the plant "{recording.plant}": only the hand can be drawn'
         )
-    chosen = hand or hand_of(recording.hand)
-    experiment, start = _experiment(recording, chosen)
-    ran = simulate(chosen, experiment, rtol=TOLERANCE).require()
-    return Replay(recording, chosen, experiment, ran, start)
+    known = HandPlant.channels
+    for name in recording.names:
+        if name in known and recording.units[name] != known[name]:
+            raise BadInput(
+                f'channel "{name}" comes in {recording.units[name]}, expected {known[name]}, of '
+                "the output shaft of the hand's motor: only recordings of the hand can be drawn"
+                if known[name] == "rad"
+                else f'channel "{name}" comes in {recording.units[name]}, expected {known[name]}'
+            )
+    for name in ("reference", "position"):
+        peak = float(np.abs(recording[name]).max()) if name in recording else 0.0
+        most = EXPECTED[name].peak[1]
+        if peak > most:
+            raise BadInput(
+                f'channel "{name}" reaches {peak:.3g} rad, at most {most:g} rad are expected at '
+                "the output shaft: `hannes check` says which unit was taken for which"
+            )
+
+
+def _start(recording: Recording, ran: Trajectory) -> tuple[float, bool]:
+    """When the simulation began by the recording's clock [s], and whether positions say so."""
+    first = float(recording.time[0])
+    if "reference" in recording:
+        return first, False
+    if "position" in recording:
+        try:
+            lag = time_lag.best_lag(
+                recording.time - first, recording["position"], ran.time, ran["position"]
+            )
+        except BadInput:  # one of the two stands still
+            return first, False
+        return first + lag.value, True
+    return _clock(recording, ran), False
+
+
+def _clock(recording: Recording, ran: Trajectory) -> float:
+    """Time 0 of the recording's clock, or its first sample where that lies beyond the run."""
+    first = float(recording.time[0])
+    return 0.0 if 0.0 <= first < ran.time[-1] else first
 
 
 def without_effects(shown: Replay) -> Replay | None:
@@ -89,12 +143,3 @@ def without_effects(shown: Replay) -> Replay | None:
     hand = shown.hand.with_values(off)
     ran = simulate(hand, shown.experiment, rtol=TOLERANCE).require()
     return replace(shown, hand=hand, trajectory=ran)
-
-
-def _experiment(recording: Recording, hand: Hand) -> tuple[Experiment, float]:
-    """What to simulate, and when it began by the recording's clock [s]."""
-    if recording.source == "simulated" and recording.experiment:
-        return replace(parse_experiment(recording.experiment), noise={}), 0.0
-    HandPlant(hand).check(recording)
-    start = float(recording.time[0]) if "reference" in recording else 0.0
-    return experiment_of(recording), start

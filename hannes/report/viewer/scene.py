@@ -1,10 +1,11 @@
 """One hand in motion, ready to be drawn: poses, wires, contacts and channels at common times."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from hannes.plants.hand.plant import HandPlant
 from hannes.report.viewer.contacts import touches
 from hannes.report.viewer.geometry import (
     Outlines,
@@ -19,7 +20,7 @@ from hannes.simulation.hand.hand import Hand
 MOST = 2400  # samples of a scene; a longer recording is thinned
 SHOWN = ("position", "current", "duty", "force", "sensor", "supply")
 WIRES = ("leader", "follower_a", "follower_b")
-UNITS = {"leader_tension": "N"}
+UNITS = {**HandPlant.channels, "leader_tension": "N"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +30,16 @@ class Scene:
     points (n, 5, 4), contacts (n, 10, 4): see geometry.py and contacts.py. carts (n, 2) [m],
     motor (n,) [rad] at the output shaft, pose (n, 3) of the object. tension and stretch (n, 3) of
     `WIRES` [N, m]; forces (n, 10) normal, of the phalanges [N]. `recorded` and `simulated` hold
-    channels (n,) by name. `every`: the scene has one of so many samples.
+    channels (n,) by name. `every`: the scene has one of so many samples, and the last.
+    `title`: of the experiment; `drawn_by`: which hand was simulated; `own`: it is the one that
+    was recorded, too.
     """
 
     name: str
     note: str
+    title: str
+    drawn_by: str
+    own: bool
     hand: Hand
     shape: str | None
     every: int
@@ -60,16 +66,39 @@ class Scene:
         """The object as drawn in space."""
         return outlines(self.hand, self.shape) if self.shape else None
 
+    @property
+    def step(self) -> float:
+        """Time between two samples [s]: their median."""
+        return float(np.median(np.diff(self.time)))
+
     def nearest(self, time: float) -> int:
         """The sample nearest to a time [s]."""
         return int(np.abs(self.time - time).argmin())
 
+    def ended(self, time: float) -> bool:
+        """Whether the recording is over, or has not begun, at a time [s]."""
+        return not self.time[0] - self.step <= time <= self.time[-1] + self.step
 
-def scene(shown: Replay, name: str, note: str = "") -> Scene:
-    """Everything to draw of one recording, thinned to at most MOST samples."""
+
+def kept_rows(times: np.ndarray, moments: Sequence[float] = ()) -> tuple[np.ndarray, int]:
+    """Rows of at most about MOST samples, and one of how many they are.
+
+    The last sample is among them, and those nearest to `moments` [s].
+    """
+    every = -(-len(times) // MOST)
+    asked = [int(np.abs(times - each).argmin()) for each in moments]
+    return np.unique([*range(0, len(times), every), len(times) - 1, *asked]), every
+
+
+def scene(shown: Replay, name: str, drawn_by: str = "", moments: Sequence[float] = ()) -> Scene:
+    """Everything to draw of one recording, thinned to about MOST samples.
+
+    The samples nearest to `moments` [s] are kept. drawn_by: the name of a hand other than the
+    recording's own.
+    """
     recording, hand, shape = shown.recording, shown.posed, shown.experiment.shape
-    every = -(-len(recording) // MOST)
-    times = recording.time[::every]
+    rows, every = kept_rows(recording.time, moments)
+    times = recording.time[rows]
     states, layout = shown.states(times), shown.trajectory.compiled.states
     forces = shown.output("phalanx_force", times)
     points = finger_points(hand, states[:, layout["joint_angle"]])
@@ -80,7 +109,10 @@ def scene(shown: Replay, name: str, note: str = "") -> Scene:
     carts = states[:, layout["cart_position"]]
     return Scene(
         name=name,
-        note=note,
+        note="",
+        title=shown.experiment.title if recording.experiment else "",
+        drawn_by=drawn_by,
+        own=recording.source == "simulated" and not drawn_by,
         hand=hand,
         shape=shape,
         every=every,
@@ -95,7 +127,7 @@ def scene(shown: Replay, name: str, note: str = "") -> Scene:
         ),
         stretch=_stretch(shown, hand, states, carts, times),
         forces=forces,
-        recorded={each: recording[each][::every] for each in recording.names},
+        recorded={each: recording[each][rows] for each in recording.names},
         simulated={each: shown.output(each, times) for each in (*SHOWN[:4], "leader_tension")},
         units={**UNITS, **recording.units},
     )

@@ -1,4 +1,4 @@
-"""One moment of a hand as a figure: all fingers together, and each in its own plane."""
+"""One moment of a hand as a figure: all fingers, each in its plane, wires and carts, traces."""
 
 import io
 import math
@@ -11,6 +11,8 @@ import numpy as np
 from hannes.core.io.result_marks import VIEW
 from hannes.report import style
 from hannes.report.viewer.scene import Scene
+from hannes.report.viewer.still_traces import traces
+from hannes.report.viewer.still_wires import SLACK, drive, flexor, pulled, strongest, wavy
 from hannes.simulation.hand.anatomy import FINGERS
 
 if TYPE_CHECKING:
@@ -24,29 +26,42 @@ GHOST: dict[str, Any] = {
     "facecolor": "none", "edgecolor": style.VERMILLION, "linewidth": 0.9, "linestyle": "--",
 }  # fmt: skip
 ARROW = 0.4  # mm of arrow per N
+FADED = 0.25  # opacity of a recording that is over
 
 
 def still(scenes: Sequence[Scene], time: float) -> "Figure":
     """The hand at the sample nearest to `time` [s], a second scene as dashed outlines over it."""
     from matplotlib.figure import Figure
 
-    rows = [each.nearest(time) for each in scenes]
-    figure = Figure(figsize=(7.0, 5.6), layout="constrained")
-    grid = figure.add_gridspec(2, 5, height_ratios=(2.1, 1.0))
+    figure = Figure(figsize=(7.4, 8.4), layout="constrained")
+    grid = figure.add_gridspec(3, 5, height_ratios=(2.1, 1.0, 2.0))
     space = figure.add_subplot(grid[0, :])
-    for scene, row, look in reversed(list(zip(scenes, rows, (SOLID, GHOST), strict=False))):
+    shown = [(each, each.nearest(time), look) for each, look in _looks(scenes, time)]
+    for scene, row, look in reversed(shown):
         _space(space, scene, row, look)
     planes = [figure.add_subplot(grid[1, f]) for f in range(5)]
+    most = strongest(scenes)
     for f, axes in enumerate(planes):
-        for scene, row, look in zip(scenes, rows, (SOLID, GHOST), strict=False):
-            _plane(axes, scene, row, f, look)
-        axes.set_title(_caption(scenes[0], rows[0], f), fontsize=8.5, loc="center")
-    for axes in (space, *planes):
+        for scene, row, look in shown:
+            _plane(axes, scene, row, f, look, most)
+        axes.set_title(_caption(scenes[0], time, f), fontsize=8.5, loc="center")
+    wires = figure.add_subplot(grid[2, :3])
+    drive(wires, shown, most, [each.ended(time) for each in scenes])
+    for axes in (space, *planes, wires):
         axes.set_aspect("equal")
         axes.autoscale_view()
         axes.axis("off")
-    figure.suptitle(_title(scenes, rows), x=0.02, ha="left", fontsize=9.5)
+    traces(figure, grid[2, 3:], scenes, time)
+    figure.suptitle(_title(scenes, time), x=0.02, ha="left", fontsize=9.5)
     return figure
+
+
+def _looks(scenes: Sequence[Scene], time: float) -> list[tuple[Scene, dict[str, Any]]]:
+    """How each scene is drawn: the first filled, the second dashed, pale where it is over."""
+    looks = zip(scenes, (SOLID, GHOST), strict=False)
+    return [
+        (scene, {**look, "alpha": FADED} if scene.ended(time) else look) for scene, look in looks
+    ]
 
 
 def still_files(scenes: Sequence[Scene], time: float) -> dict[str, bytes]:
@@ -58,17 +73,23 @@ def still_files(scenes: Sequence[Scene], time: float) -> dict[str, bytes]:
         return {".svg": text.encode(), ".png": png.getvalue()}
 
 
-def _title(scenes: Sequence[Scene], rows: Sequence[int]) -> str:
-    first, row = scenes[0], rows[0]
-    tension, stretch = first.tension[row, 0], first.stretch[row, 0]
-    wire = f"{tension:.1f} N" if stretch > 0.0 else f"slack by {-MM * stretch:.2f} mm"
-    ghost = f"; dashed: {scenes[1].name}" if len(scenes) > 1 else ""
-    return f"{first.name} at {first.time[row]:.4f} s; leader {wire}{ghost}"
+def _title(scenes: Sequence[Scene], time: float) -> str:
+    """What is solid and what dashed, the leader's state, and which recording is over."""
+    parts = []
+    for each, kind in zip(scenes, ("", "dashed: "), strict=False):
+        row = each.nearest(time)
+        tension, stretch = each.tension[row, 0], each.stretch[row, 0]
+        wire = f"{tension:.1f} N" if stretch > SLACK else f"slack by {-MM * stretch:.2f} mm"
+        over = f"over since {each.time[-1]:.4g} s" if time > each.time[-1] else "not begun"
+        parts.append(f"{kind}{each.name}, {over if each.ended(time) else 'leader ' + wire}")
+    moment = scenes[0].time[scenes[0].nearest(time)] if not scenes[0].ended(time) else time
+    return f"at {moment:.4f} s: {'; '.join(parts)}"
 
 
-def _caption(scene: Scene, row: int, f: int) -> str:
-    force = scene.forces[row, 2 * f : 2 * f + 2].sum()
-    return f"{FINGERS[f]} {force:.1f} N" if force > 0.05 else FINGERS[f]
+def _caption(scene: Scene, time: float, f: int) -> str:
+    force = scene.forces[scene.nearest(time), 2 * f : 2 * f + 2].sum()
+    shown = force > 0.05 and not scene.ended(time)
+    return f"{FINGERS[f]} {force:.1f} N" if shown else FINGERS[f]
 
 
 def _ends(scene: Scene, row: int, f: int) -> np.ndarray:
@@ -86,8 +107,8 @@ def capsule(start: np.ndarray, end: np.ndarray, radius: float) -> np.ndarray:
     return np.concatenate([start + turn, end - turn])
 
 
-def _plane(axes: "Axes", scene: Scene, row: int, f: int, look: dict[str, Any]) -> None:
-    """One finger in its plane [mm]."""
+def _plane(axes: "Axes", scene: Scene, row: int, f: int, look: dict[str, Any], most: float) -> None:
+    """One finger in its plane [mm], its wire coloured by its tension [N], of at most `most`."""
     from matplotlib.patches import Polygon
 
     finger = FINGERS[f]
@@ -96,19 +117,34 @@ def _plane(axes: "Axes", scene: Scene, row: int, f: int, look: dict[str, Any]) -
         outline = _moved(scene, row, scene.sections.points[f])
         outline -= (values[f"{finger}.mount_x"], values[f"{finger}.mount_y"])
         outline *= (1.0, values[f"{finger}.facing"])
-        rim = {**look, "edgecolor": style.GREEN if look is SOLID else style.VERMILLION}
+        rim = {**look, "edgecolor": style.GREEN if _solid(look) else style.VERMILLION}
         axes.add_patch(Polygon(MM * outline, **{**rim, "facecolor": "none"}))
     ends, radius = _ends(scene, row, f), MM * values[f"{finger}.radius"]
     for a, b in pairwise(ends):
         axes.add_patch(Polygon(capsule(a, b, radius), **look))
+    _wire(axes, scene, row, f, look, most)
     for phalanx in (2 * f, 2 * f + 1):
         force = scene.forces[row, phalanx]
-        if force > 0.05 and look is SOLID:
+        if force > 0.05 and look is SOLID:  # neither of a ghost nor of what is over
             place, normal = MM * scene.contacts[row, phalanx, :2], scene.contacts[row, phalanx, 2:]
             tip = place - (4.0 + ARROW * force) * normal
             axes.annotate(
                 "", tuple(tip), tuple(place), arrowprops={"arrowstyle": "->", "color": "#7a4a00"}
             )
+
+
+def _wire(axes: "Axes", scene: Scene, row: int, f: int, look: dict[str, Any], most: float) -> None:
+    """The flexor wire of a finger, in waves where it is slack."""
+    wire = 0 if f == 4 else 1 if f < 2 else 2
+    route = flexor(scene, _ends(scene, row, f))
+    if scene.stretch[row, wire] < SLACK:
+        route = wavy(route, 1.6)
+    drawn = pulled(scene.tension[row, wire], most) if _solid(look) else {"color": style.VERMILLION}
+    axes.plot(*route.T, **{"linewidth": 0.9, **drawn}, alpha=look.get("alpha"))
+
+
+def _solid(look: dict[str, Any]) -> bool:
+    return bool(look["facecolor"] != "none")
 
 
 def _moved(scene: Scene, row: int, points: np.ndarray) -> np.ndarray:
@@ -137,7 +173,7 @@ def _space(axes: "Axes", scene: Scene, row: int, look: dict[str, Any]) -> None:
             drawn.append((2.0 * seen[:, 2].mean(), seen[:, :2]))
     for _, outline in sorted(drawn, key=lambda item: item[0]):
         ring = len(outline) != 30
-        shade = {"facecolor": "none", "edgecolor": style.GREEN} if ring and look is SOLID else {}
+        shade = {"facecolor": "none", "edgecolor": style.GREEN} if ring and _solid(look) else {}
         axes.add_patch(Polygon(outline, **{**look, **shade}))
 
 

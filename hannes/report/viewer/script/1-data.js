@@ -39,3 +39,21 @@ function nearest(times, time) {
   }
   return time - times[low] <= times[high] - time ? low : high;
 }
+
+// Times of all recordings together: where two samples are of one instant, once [s].
+function timeline(scenes) {
+  const all = scenes.flatMap((scene) => Array.from(scene.time)).sort((a, b) => a - b);
+  const least = 0.05 * Math.min(...scenes.map(stepOf));
+  return all.filter((time, k) => k === 0 || time - all[k - 1] > least);
+}
+
+function stepOf({ time }) {
+  return (time[time.length - 1] - time[0]) / (time.length - 1);
+}
+
+// The sample of a scene at a time; `over` where its recording has ended or has not begun.
+function sampleAt(scene, time) {
+  const { time: own } = scene, step = stepOf(scene);
+  const over = time > own[own.length - 1] + step || time < own[0] - step;
+  return { scene, row: nearest(own, time), over };
+}

@@ -4,6 +4,7 @@ const MM = 1000, INK = "#1a1a1a";
 const BODY = { fill: "#cfd8e3", edge: INK, dash: [] };
 const GHOST = { fill: "rgba(213,94,0,.10)", edge: "#b34e00", dash: [4, 3] };
 const WAVES = 26;
+const FADED = 0.22;  // share of ink that is left of a recording that is over
 
 // Ends of a finger's three phalanges in its plane [mm].
 function links(scene, row, f) {

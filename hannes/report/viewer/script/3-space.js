@@ -22,7 +22,16 @@ function makeSpace(element, scenes, most) {
 }
 
 const shape = (parent, stroke, color) =>
-  new Zdog.Shape({ addTo: parent, path: [{}, { x: 1 }], stroke, color, closed: false });
+  Object.assign(new Zdog.Shape({ addTo: parent, path: [{}, { x: 1 }], stroke, color, closed: false }), { own: color });
+// A ghost stands behind a hand in the same pose.
+function behind(shape) {
+  shape.updateSortValue = function () {
+    Zdog.Shape.prototype.updateSortValue.call(this);
+    this.sortValue -= 4;
+  };
+}
+
+const PALE = { under: "#d4d4d4", over: "#fafafa", wire: "#d4d4d4" };  // of a recording that is over
 
 function makeHand(parent, scene, look, most) {
   const solid = look === BODY, root = new Zdog.Anchor({ addTo: parent });
@@ -35,6 +44,7 @@ function makeHand(parent, scene, look, most) {
   const slices = (scene.slices ? scene.slices.planes : []).map((z) => ({
     z, ring: new Zdog.Shape({ addTo: root, path: [{}], stroke: 0.7, color: solid ? "rgba(0,90,60,.75)" : "rgba(213,94,0,.5)" }) }));
   const all = [...slices.map((each) => each.ring), ...fingers.flatMap((f) => [...f.under, ...f.over, f.wire, ...f.arrows])];
+  if (!solid) all.forEach(behind);
   const hand = { fingers, slices, all, pose: "" };
   return { place: (state) => placeHand(hand, state, most) };
 }
@@ -43,7 +53,7 @@ function placeHand(hand, state, most) {
   for (const each of hand.all) each.visible = state !== null;
   if (!state) return;
   const { scene, row } = state;
-  hand.fingers.forEach((finger, f) => placeFinger(scene, row, f, finger, most));
+  hand.fingers.forEach((finger, f) => placeFinger(state, f, finger, most));
   const pose = [0, 1, 2].map((k) => scene.pose.at(row, k));
   if (pose.join() === hand.pose) return;  // most objects stand still
   hand.pose = pose.join();
@@ -56,18 +66,19 @@ function placeSlices(scene, [x, y, turn], slices) {
     ({ x: MM * (c * u - s * v + x), y: -MM * (s * u + c * v + y), z: MM * z }))));
 }
 
-function placeFinger(scene, row, f, finger, most) {
+function placeFinger({ scene, row, over }, f, finger, most) {
+  for (const kind of ["under", "over"]) for (const each of finger[kind]) each.color = over ? PALE[kind] : each.own;
   const [mountX, mountY, mountZ, facing] = scene.mounts[f];
   const lift = ([x, y], out = 0) => ({ x: MM * mountX + x, y: -(MM * mountY + facing * y), z: MM * mountZ + out });
   const ends = links(scene, row, f), wire = wireOf(f), stretch = scene.stretch.at(row, wire);
   for (let k = 0; k < 3; k++)
     for (const each of [finger.under[k], finger.over[k]]) if (each) put(each, [lift(ends[k]), lift(ends[k + 1])]);
   const look = pulled(scene.tension.at(row, wire), most), route = flexor(scene, ends);
-  finger.wire.color = look.color;
+  finger.wire.color = over ? PALE.wire : look.color;
   finger.wire.stroke = 0.6 * look.width;
   put(finger.wire, (stretch < 0 ? wavy(route, 1.8) : route).map((p) => lift(p)));
   finger.arrows.forEach((arrow, k) => {
-    const touch = contact(scene, row, 2 * f + k);
+    const touch = over ? null : contact(scene, row, 2 * f + k);
     arrow.visible = touch !== null;
     if (touch) put(arrow, arrowed(touch).map((p) => lift(p)));
   });

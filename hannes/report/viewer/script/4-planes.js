@@ -25,15 +25,16 @@ function line(pen, x, height) {
   pen.stroke();
 }
 
-function caption(pen, { scene, row }, f, name, x, y) {
-  const force = [0, 1].map((k) => contact(scene, row, 2 * f + k)).reduce(
+function caption(pen, { scene, row, over }, f, name, x, y) {
+  const force = over ? 0 : [0, 1].map((k) => contact(scene, row, 2 * f + k)).reduce(
     (sum, each) => sum + (each ? Math.hypot(...each.force) : 0), 0);
   pen.fillStyle = INK;
   pen.font = "12px system-ui, 'DejaVu Sans', sans-serif";
   pen.fillText(force > 0.05 ? `${name} ${force.toFixed(1)} N` : name, x, y);
 }
 
-function drawFinger(pen, { scene, row }, f, look, scale, most) {
+function drawFinger(pen, { scene, row, over }, f, look, scale, most) {
+  pen.globalAlpha = over ? FADED : 1;
   const ends = links(scene, row, f), radius = MM * scene.mounts[f][5];
   if (scene.sections) {
     traced(pen, section(scene, row, f), true);
@@ -50,7 +51,7 @@ function drawFinger(pen, { scene, row }, f, look, scale, most) {
   pen.lineWidth = pull.width / scale;
   pen.stroke();
   pen.setLineDash([]);
-  for (let k = 0; k < 2; k++) {
+  for (let k = 0; k < 2 && !over; k++) {
     const touch = contact(scene, row, 2 * f + k);
     if (!touch) continue;
     traced(pen, arrowed(touch));
@@ -58,6 +59,7 @@ function drawFinger(pen, { scene, row }, f, look, scale, most) {
     pen.lineWidth = 2 / scale;
     pen.stroke();
   }
+  pen.globalAlpha = 1;
 }
 
 function outline(pen, fill, edge, dash, scale) {

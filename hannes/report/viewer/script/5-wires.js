@@ -13,7 +13,8 @@ function drawWires(canvas, states, layout, names, most) {
   labels(pen, states[0], layout, names, size);
 }
 
-function drawDrive(pen, { scene, row }, layout, look, most) {
+function drawDrive(pen, { scene, row, over }, layout, look, most) {
+  pen.globalAlpha = over ? FADED : 1;
   const gone = [0, 1].map((k) => layout.travel * scene.carts.at(row, k)), solid = look === BODY;
   Object.values(layout.carts).forEach(([x, y], k) => {
     traced(pen, [[x - 56 - gone[k], y - 30], [x + 56 - gone[k], y - 30], [x + 56 - gone[k], y + 34], [x - 56 - gone[k], y + 34]], true);
@@ -36,6 +37,7 @@ function drawDrive(pen, { scene, row }, layout, look, most) {
     pen.stroke();
     pen.setLineDash([]);
   });
+  pen.globalAlpha = 1;
 }
 
 function wheel(pen, x, y, radius, look) {
@@ -51,17 +53,21 @@ function rail(pen, x, y) {
   pen.stroke();
 }
 
-function labels(pen, { scene, row }, layout, names, size) {
+function labels(pen, { scene, row, over }, layout, names, size) {
   pen.font = `${size}px system-ui, 'DejaVu Sans', sans-serif`;
   pen.fillStyle = INK;
   const wire = (k, name) => {
     const slack = -MM * scene.stretch.at(row, k);
+    if (over) return `${name} –`;
     return slack > 0 ? `${name} slack ${slack.toFixed(2)} mm` : `${name} ${scene.tension.at(row, k).toFixed(1)} N`;
   };
   pen.fillText("motor", layout.motor[0] - 20, layout.motor[1] + 45);
-  pen.fillText(wire(0, "leader"), 150, layout.carts.a[1] + 92);
+  pen.fillText(wire(0, "leader"), 150, layout.carts.a[1] + 100);
   Object.entries(layout.carts).forEach(([name, [x, y]], k) => {
-    pen.fillText(`cart ${name.toUpperCase()} ${(MM * scene.carts.at(row, k)).toFixed(2)} mm`, x - 10, y + 42 + size);
+    const gone = over ? "–" : `${(MM * scene.carts.at(row, k)).toFixed(2)} mm`;
+    pen.textAlign = "right";
+    pen.fillText(`cart ${name.toUpperCase()} ${gone}`, x + 30, y + 44 + size);
+    pen.textAlign = "left";
     pen.fillText(wire(1 + k, "follower"), x + 74, y + 6);
   });
   names.forEach((name) => pen.fillText(name, layout.fingers[name][0] + 10, layout.fingers[name][1] + 24));

@@ -12,46 +12,57 @@ async function start() {
   for (const { pushes } of scenes) for (const x of pushes.values) hardest = Math.max(hardest, Math.abs(x));
   ARROW = Math.min(0.8, 26 / hardest);
   const state = window.viewer = {
-    time: scenes[0].time[0], index: 0, playing: false, speed: 0.1, ghost: true, effect: data.effect,
+    times: timeline(scenes), index: 0, playing: false, speed: 0.1, ghost: true, effect: true,
     frames: 0, seconds: 0, scenes, ready: false,
   };
+  state.time = state.times[0];
   makePlayer(state, data, scenes, most);
 }
 
-// The scene drawn as ghost, by the effect's switch; null where there is none or it is switched off.
-function ghostOf(state, data) {
-  const number = state.effect ? data.ghost.with : data.ghost.without;
-  return state.ghost && number !== null ? number : null;
+// The scene drawn as ghost: the second recording, or what has no effects; null where switched off.
+function ghostOf(state, { ghost }) {
+  if (!state.ghost) return null;
+  return ghost.with !== null && (state.effect || ghost.without === null) ? ghost.with : ghost.without;
+}
+
+// What the two hands of the picture are, and which of them is over.
+function drawnWords(states, time) {
+  return `At ${time.toFixed(4)} s · ` + states.filter((each) => each).map(({ scene, over }, k) => {
+    const words = `${k ? "dashed" : "solid"}: ${scene.name}${scene.effects ? `, with ${scene.effects}` : ""}`;
+    const last = scene.time[scene.time.length - 1];
+    return over ? `${words} (over: recorded from ${scene.time[0].toFixed(3)} to ${last.toFixed(3)} s)` : words;
+  }).join(" · ");
 }
 
 function makePlayer(state, data, scenes, most) {
-  const first = scenes[0], times = first.time, scrub = byId("scrub");
+  const first = scenes[0], times = state.times, scrub = byId("scrub");
   const seek = (time) => { jump(state, nearest(times, time)); draw(); };
-  const plots = makePlots(byId("plots"), scenes, seek);
+  const plots = makePlots(byId("plots"), scenes, times, seek);
   const readout = makeReadout(byId("readout"), plots, scenes);
   const ghosts = scenes.length > 1 ? [scenes[scenes.length - 1]] : [];
   const space = makeSpace(byId("space"), [first, ...ghosts], most);
   scrub.max = times.length - 1;
 
   function draw(light = false) {
-    const ghost = ghostOf(state, data), index = state.index;
-    const states = [{ scene: first, row: index }];
-    states.push(ghost === null ? null : { scene: scenes[ghost], row: nearest(scenes[ghost].time, times[index]) });
+    const ghost = ghostOf(state, data), time = times[state.index];
+    const states = [sampleAt(first, time)];
+    states.push(ghost === null ? null : sampleAt(scenes[ghost], time));
     space.draw(states);
     drawPlanes(byId("planes"), states, data.fingers, most);
     drawWires(byId("wires"), states, data.layout, data.fingers, most);
-    plots.cursor(times[index]);
+    plots.cursor(time);
     if (light) return;
-    scrub.value = index;
-    byId("clock").value = `${times[index].toFixed(4)} s`;
-    readout.write(scenes.map((each) => nearest(each.time, times[index])));
+    scrub.value = state.index;
+    byId("clock").value = `${time.toFixed(4)} s`;
+    byId("drawn").textContent = drawnWords(states, time);
+    readout.write(rowsAt(scenes, time));
   }
 
   function refresh() {
     const visible = scenes.map((_, k) => k === 0 || k === ghostOf(state, data));
     plots.show(visible);
     readout.show(visible);
-    plots.size();
+    plots.size(state.printed);
     draw();
   }
 
@@ -81,21 +92,26 @@ function makePlayer(state, data, scenes, most) {
     jump(state, Math.min(times.length - 1, Math.max(0, state.index + count)));
     draw();
   };
-  Object.assign(state, { seek, step, play, refresh, redraw: draw });
-  state.values = () => scenes.map((scene) => ({
-    name: scene.name, row: nearest(scene.time, times[state.index]),
-    recorded: picked(scene.recorded, nearest(scene.time, times[state.index])),
-    simulated: picked(scene.simulated, nearest(scene.time, times[state.index])) }));
+  Object.assign(state, { seek, step, play, refresh, redraw: draw, plots });
+  state.turn = () => ({ x: space.illo.rotate.x, y: space.illo.rotate.y });
+  state.values = () => scenes.map((scene, k) => {
+    const row = rowsAt(scenes, times[state.index])[k];
+    return { name: scene.name, row, recorded: picked(scene.recorded, row), simulated: picked(scene.simulated, row) };
+  });
   listen(state, data, scrub, space);
   refresh();
   state.ready = true;
 }
 
-const picked = (table, row) => Object.fromEntries(Object.entries(table).map(([name, each]) => [name, each[row]]));
+// The row of each scene at a time, null where it is over.
+const rowsAt = (scenes, time) => scenes.map((scene) => sampleAt(scene, time))
+  .map(({ row, over }) => (over ? null : row));
+
+const picked = (table, row) => row === null ? {} : Object.fromEntries(Object.entries(table).map(([name, each]) => [name, each[row]]));
 
 function jump(state, index) {
   state.index = index;
-  state.time = state.scenes[0].time[index];
+  state.time = state.times[index];
 }
 
 function listen(state, data, scrub, space) {
@@ -103,6 +119,9 @@ function listen(state, data, scrub, space) {
   const { with: kept, without } = data.ghost;
   byId("ghost-label").hidden = kept === null && without === null;
   byId("effect-label").hidden = kept === null || without === null;
+  const { effects } = state.scenes[kept === null ? 0 : kept];
+  byId("ghost-label").lastElementChild.textContent = kept === null ? `beside it, without ${effects} (G or E)` : "second hand (G)";
+  byId("effect-label").lastElementChild.textContent = `second hand with ${effects} (E)`;
   byId("effect").checked = state.effect;
   byId("play").onclick = () => state.play();
   byId("back").onclick = () => state.step(-1);
@@ -112,23 +131,29 @@ function listen(state, data, scrub, space) {
   byId("speed").onchange = (event) => { state.speed = Number(event.target.value); };
   for (const name of ["ghost", "effect"])
     byId(name).onchange = (event) => { state[name] = event.target.checked; state.refresh(); };
-  space.illo.onDragMove = function (pointer, x, y) {
-    Zdog.Illustration.prototype.onDragMove.call(this, pointer, x, y);
-  };
   byId("space").addEventListener("pointerdown", () => window.addEventListener("pointermove", redraw));
   window.addEventListener("pointerup", () => window.removeEventListener("pointermove", redraw));
   window.addEventListener("resize", () => state.refresh());
-  window.addEventListener("beforeprint", () => state.refresh());
+  window.addEventListener("beforeprint", () => { state.printed = true; state.refresh(); });
+  window.addEventListener("afterprint", () => { state.printed = false; state.refresh(); });
   window.addEventListener("keydown", (event) => press(event, state, space, redraw));
 }
 
+const NATIVE = ["BUTTON", "SELECT"];  // they answer to keys themselves
+const TURNED = 0.12;  // rad a key
+
 function press(event, state, space, redraw) {
-  if (event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "SELECT") return;
-  const far = event.shiftKey ? 10 : 1, toggle = (id) => !byId(`${id}-label`).hidden && byId(id).click();
+  const { target } = event, box = target.type === "checkbox";
+  if (event.ctrlKey || event.metaKey || event.altKey || target.tagName === "SELECT") return;
+  if ((NATIVE.includes(target.tagName) || box) && [" ", "Enter"].includes(event.key)) return;
+  const far = event.shiftKey ? 10 : 1, toggle = (id) => byId(`${id}-label`).hidden || byId(id).click();
+  const turn = (axis, by) => { space.illo.rotate[axis] += by; redraw(); };
   const keys = {
     " ": () => state.play(), ArrowLeft: () => state.step(-far), ArrowRight: () => state.step(far),
     Home: () => state.step(-Infinity), End: () => state.step(Infinity),
-    g: () => toggle("ghost"), e: () => toggle("effect"), 0: () => { space.reset(); redraw(); },
+    a: () => turn("y", -TURNED), d: () => turn("y", TURNED), w: () => turn("x", -TURNED), s: () => turn("x", TURNED),
+    g: () => toggle("ghost"), e: () => toggle(byId("effect-label").hidden ? "ghost" : "effect"),
+    0: () => { space.reset(); redraw(); },
   };
   const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (!action) return;
