@@ -10,7 +10,6 @@ others, all below 10,000 but those named at FIRST. Some two hours on one core, w
 """
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,7 +19,7 @@ from benchmarks import study
 from benchmarks.calibrating import real_axis, speed, summary
 from benchmarks.calibrating.cases import NINE, ONE_RUN, QUICK, case
 from benchmarks.calibrating.outcome import outcome
-from benchmarks.harness import Row, aligned, must_show, table
+from benchmarks.harness import Row, given, must_show
 
 TEN = (*NINE, summary.HIDDEN_ON_PURPOSE)
 ONE = ("object.stiffness", "leader.stiffness")
@@ -128,13 +127,7 @@ def main() -> None:
         if kind in asked.only:
             found = more()
             rows, bounds = [*rows, *found[0]], [*bounds, *found[1]]
-    stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(table(aligned(rows)), "\n", table(aligned(bounds)), sep="\n", file=stream)
-    text = json.dumps({"rows": rows, "must_show": bounds}, indent=1)
-    if asked.json == "-":
-        print(text)
-    elif asked.json:
-        Path(asked.json).write_text(text + "\n")
+    given({"rows": rows, "must_show": bounds}, (rows, bounds), asked.json)
 
 
 if __name__ == "__main__":

@@ -8,8 +8,6 @@ was tuned on these seeds: development had others, all below 1,000. Some ten seco
 """
 
 import argparse
-import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +15,7 @@ from benchmarks import study
 from benchmarks.few.cases import case
 from benchmarks.few.outcome import outcome
 from benchmarks.few.summary import figures
-from benchmarks.harness import aligned, table
+from benchmarks.harness import given
 
 CASES = Path("results/benchmarks/few_runs.jsonl")
 FIRST, COUNTS = 100_000, (400, 3)  # whole, quick
@@ -52,13 +50,7 @@ def main() -> None:
     cases = [("few", asked.first + k) for k in range(count)]
     done = study.run(asked.cases, cases, measured, asked.resume)
     rows, shown = figures(done)
-    stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(table(aligned(rows)), "\n", table(aligned(shown)), sep="\n", file=stream)
-    text = json.dumps({"rows": rows, "must_show": shown}, indent=1)
-    if asked.json == "-":
-        print(text)
-    elif asked.json:
-        Path(asked.json).write_text(text + "\n")
+    given({"rows": rows, "must_show": shown}, (rows, shown), asked.json)
 
 
 if __name__ == "__main__":

@@ -14,15 +14,13 @@ The whole takes an hour, which --resume spreads over several calls; --quick has 
 """
 
 import argparse
-import json
-import sys
 from pathlib import Path
 from typing import Any
 
 from benchmarks import study
 from benchmarks.guarding.plan import KINDS, SETS, cases
 from benchmarks.guarding.work import measured
-from benchmarks.harness import Row, aligned, must_show, table
+from benchmarks.harness import Row, given, must_show
 
 FOLDER = Path("results/benchmarks")
 RECORDS = Path(__file__).parent / "records"
@@ -88,13 +86,7 @@ def main() -> None:
         wanted = cases(asked.chosen, asked.quick)[: asked.most]
         done = study.run(file, wanted, measured, asked.resume or home == RECORDS, asked.workers)
     rows, bounds = figures(done)
-    stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(table(aligned(rows)), "\n", table(aligned(bounds)), sep="\n", file=stream)
-    text = json.dumps({"rows": rows, "must_show": bounds}, indent=1)
-    if asked.json == "-":
-        print(text)
-    elif asked.json:
-        Path(asked.json).write_text(text + "\n", encoding="utf-8")
+    given({"rows": rows, "must_show": bounds}, (rows, bounds), asked.json)
 
 
 if __name__ == "__main__":

@@ -92,6 +92,20 @@ def _cell(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
+def given(found: Mapping[str, Any], tables: Sequence[Sequence[Row]], target: str | None) -> None:
+    """Print tables, and write what was found as JSON where asked: to a file, or "-".
+
+    Tables go to standard error where the JSON goes to standard output.
+    """
+    stream = sys.stderr if target == "-" else sys.stdout
+    print("\n\n".join(table(aligned(each)) for each in tables), file=stream)
+    text = json.dumps(found, indent=1)
+    if target == "-":
+        print(text)
+    elif target:
+        Path(target).write_text(text + "\n", encoding="utf-8")
+
+
 def main(
     doc: str,
     module: str,
@@ -107,12 +121,6 @@ def main(
     asked = arguments(doc, module, parts)
     with threadpool_limits(1, "blas"):
         rows, bounds = measure(asked.quick, asked.only) if parts else measure(asked.quick)
+    given({"rows": rows, "must_show": bounds}, (rows, bounds), asked.json)
     stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(table(rows), "\n", table(aligned(bounds)), "\n", sep="\n", file=stream)
-    print(f"On {processor()}; ratios of times differ from one processor to another.", file=stream)
-    if asked.json:
-        text = json.dumps({"rows": rows, "must_show": bounds}, indent=1)
-        if asked.json == "-":
-            print(text)
-        else:
-            Path(asked.json).write_text(text + "\n")
+    print(f"\nOn {processor()}; ratios of times differ from one processor to another.", file=stream)

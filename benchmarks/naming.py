@@ -19,13 +19,12 @@ benchmarks/records. --quick takes some minutes. Times need an otherwise idle mac
 """
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import Any
 
 from benchmarks import study
-from benchmarks.harness import Row, aligned, table
+from benchmarks.harness import given
 from benchmarks.naming_study import frozen, records, summary
 from benchmarks.naming_study.draw import PLANS, Drawn, any_run, drawn, with_run
 from benchmarks.naming_study.plan import NAMED, SETS, cases
@@ -112,11 +111,6 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def printed(rows: list[Row], bounds: list[Row], confusion: list[Row]) -> str:
-    """All tables."""
-    return "\n\n".join(table(aligned(each)) for each in (rows, confusion, bounds))
-
-
 def main() -> None:
     """Measure, print tables, write JSON where asked."""
     asked = _arguments()
@@ -132,14 +126,8 @@ def main() -> None:
         print("not all cases are of the same code; --resume kept them", file=sys.stderr)
     rows, bounds = summary.figures(done)
     confusion = summary.confusion(done)
-    stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(printed(rows, bounds, summary.confusion_rows(confusion)), file=stream)
     found = {"cases": file.name, "rows": rows, "must_show": bounds, "confusion": confusion}
-    text = json.dumps(found, indent=1)
-    if asked.json == "-":
-        print(text)
-    elif asked.json:
-        Path(asked.json).write_text(text + "\n", encoding="utf-8")
+    given(found, (rows, summary.confusion_rows(confusion), bounds), asked.json)
 
 
 if __name__ == "__main__":

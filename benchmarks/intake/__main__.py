@@ -11,14 +11,13 @@ bits and speed. `--resume` goes on where a study ended.
 """
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from benchmarks import study
-from benchmarks.harness import aligned, table
+from benchmarks.harness import given
 from benchmarks.intake import sound, summary
 from benchmarks.intake.case import STRENGTHS, case
 from benchmarks.intake.log import all_kinds
@@ -63,12 +62,9 @@ def main(words: Sequence[str] | None = None) -> int:
     else:
         done = study.run(file, cases, measured, asked.resume, asked.workers)
     rows, bounds = summary.figures(done)
+    given({"rows": rows, "must_show": bounds}, (rows, bounds), asked.json)
     stream = sys.stderr if asked.json == "-" else sys.stdout
-    print(table(rows), "\n", table(aligned(bounds)), sep="\n", file=stream)
     print(f"code {study.code(*CODE)}, {len(done)} cases", file=stream)
-    if asked.json:
-        text = json.dumps({"rows": rows, "must_show": bounds}, indent=1) + "\n"
-        print(text) if asked.json == "-" else Path(asked.json).write_text(text, encoding="utf-8")
     return 0 if all(each["holds"] for each in bounds) or asked.quick else 1
 
 

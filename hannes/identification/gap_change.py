@@ -96,18 +96,9 @@ def _change(
 ) -> GapChange:
     from scipy.stats import t
 
-    variance, freedom = 0.0, dict[tuple[object, ...], float]()
     pairs = [(s, b[name], a[name]) for s, b, a in zip(unfitted, *raws, strict=True)
              if name in b]  # fmt: skip
-    for segment, was, now in pairs:
-        repeats = _repeats(plant, segments, segment, name)
-        alone = len(repeats) < 2
-        freedom[_key(plant, segment)] = ASSUMED if alone else len(repeats) - 1.0
-        variance += (
-            _assumed(plant, segment, now - was, noise_floor)
-            if alone
-            else _variance(repeats, now - was)
-        )
+    chances = _chances(plant, segments, pairs, name, noise_floor)
     old, new = (np.concatenate([pair[k] for pair in pairs]) for k in (1, 2))
     return GapChange(
         name,
@@ -116,9 +107,44 @@ def _change(
         float(np.sqrt(np.mean(new**2))),
         float(new @ new - old @ old),
         -float((new - old) @ (new - old)),
-        float(np.sqrt(variance)),
-        float(t.ppf(1.0 - level, sum(freedom.values()))),
+        float(np.sqrt(sum(variance for variance, _ in chances))),
+        float(t.ppf(1.0 - level, _freedom(chances))),
     )
+
+
+def _chances(
+    plant: Plant,
+    segments: Sequence[Segment],
+    pairs: Sequence[tuple[Segment, np.ndarray, np.ndarray]],
+    name: str,
+    noise_floor: float,
+) -> list[tuple[float, float]]:
+    """Variance of the rise by chance, and its degrees of freedom, of each command's runs.
+
+    Runs under one command share the error of the mean that was fitted.
+    """
+    found: list[tuple[float, float]] = []
+    alike: dict[tuple[object, ...], list[tuple[Segment, np.ndarray]]] = {}
+    for segment, was, now in pairs:
+        alike.setdefault(_key(plant, segment), []).append((segment, now - was))
+    for some in alike.values():
+        first, moved = some[0]
+        repeats = _repeats(plant, segments, first, name)
+        if len(repeats) < 2:
+            found.append((_assumed(plant, first, moved, noise_floor), ASSUMED))
+        else:
+            fitted = len(repeats) - len(some)
+            times = len(some) * (1.0 + (len(some) / fitted if fitted else 0.0))
+            found.append((times * _variance(repeats, moved), len(repeats) - 1.0))
+    return found
+
+
+def _freedom(chances: Sequence[tuple[float, float]]) -> float:
+    """Degrees of freedom of a sum of variances (Welch 1947; Satterthwaite 1946)."""
+    whole = sum(variance for variance, _ in chances)
+    if not whole:
+        return min((freedom for _, freedom in chances), default=ASSUMED)
+    return 1.0 / sum((variance / whole) ** 2 / freedom for variance, freedom in chances)
 
 
 def _repeats(plant: Plant, segments: Sequence[Segment], of: Segment, name: str) -> list[np.ndarray]:
@@ -144,9 +170,8 @@ def _assumed(plant: Plant, segment: Segment, moved: np.ndarray, noise_floor: flo
 
 
 def _variance(repeats: Sequence[np.ndarray], moved: np.ndarray) -> float:
-    """Variance of 2 u'e between runs, plus that of the mean that was fitted."""
-    along = np.array([2.0 * float(moved @ each) for each in repeats])
-    return float(np.var(along, ddof=1)) * (1.0 + 1.0 / len(repeats))
+    """Variance of 2 u'e between runs."""
+    return float(np.var([2.0 * float(moved @ each) for each in repeats], ddof=1))
 
 
 def hardly_tested(changes: Sequence[GapChange]) -> str:

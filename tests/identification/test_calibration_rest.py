@@ -44,7 +44,12 @@ def test_the_rest_is_inexact_unless_exactness_is_said():
     usual, stated = Rest.read(table(), plant), Rest.read(table(doubt="2 %"), plant)
     assert (usual.share, usual.apart, usual.stated) == (0.03, 0.01, False)
     assert (stated.share, stated.apart, stated.stated) == (0.02, 0.01, True)
-    assert "3 % inexact" in usual.sentence and "default" not in stated.sentence
+    doubt, own = usual.doubt(plant, ()), {"index_mcp.moment_arm": 0.01, "object.x (sphere)": 0.03}
+    assert "3 % inexact, each of 1 like parts for itself as 1 %" in usual.sentence(doubt, own)
+    assert "objects" in usual.sentence(doubt, own) and "objects" not in usual.sentence(doubt, {})
+    assert "for itself" not in usual.sentence(doubt, {})  # of a plant without parts
+    assert "default" not in stated.sentence(doubt, own)
+    assert usual.sentence({}, {}) == "all that is not fitted was taken as exact"
     exact = Rest.read(table(doubt="0 %"), plant)
     assert exact.doubt(plant, ()) == {} and "exact" in exact.sentence
     doubt = usual.doubt(plant, ("motor.resistance",))

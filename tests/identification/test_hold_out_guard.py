@@ -11,12 +11,13 @@ from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.segments import Segment
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
-from hannes.identification.diagnosis import baseline, work_bound
+from hannes.identification.diagnosis import work_bound
 from hannes.identification.diagnosis.decision import Decision
 from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
 from hannes.identification.diagnosis.reservations import _further
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.gap_change import gap_changes, refusal, too_faint
+from hannes.identification.holdout.diagnosis import diagnose_by_holdout
 from hannes.identification.remainder import largest, remainders
 from hannes.plants.finger.plant import Finger
 from hannes.plants.hand.plant import HandPlant
@@ -165,6 +166,15 @@ def test_a_remainder_is_found_where_it_is():
     assert largest(remainders(sled, quiet.segments, quiet.raw(1), quiet.raw(2), FLOORS)) is None
 
 
+def test_no_gap_with_a_large_remainder_somewhere_is_unknown():
+    """As given the whole is near, and one phase of one channel is not."""
+    local, sled = run(WAVE + 0.05 * (TIMES > 0.9)), Sled()
+    sled.phases = lambda recording: {"early": TIMES <= 0.9, "late": TIMES > 0.9}
+    stood = guarded(decided("no_gap"), replace(stages(local, local, local), plant=sled))
+    assert stood.decision.kind == "unknown" and "as given it leaves" in stood.decision.reason
+    assert guarded(decided("no_gap"), stages(RIGHT, RIGHT, RIGHT)).decision.kind == "no_gap"
+
+
 def test_a_name_with_a_large_remainder_is_unknown():
     left = run(0.97 * WAVE)
     stood = guarded(decided("named_with_remainder", "slack"), stages(LACKING, LACKING, left))
@@ -243,19 +253,16 @@ def test_a_finger_that_cannot_touch_is_refused_in_words():
         diagnose(replace(campaign, entries=far), progress=False)
 
 
-def test_a_channel_that_stays_zero_is_refused_in_words(monkeypatch):
-    group = SimpleNamespace(
-        names=("force",), of=lambda name: slice(0, 3), mean=np.array([0.0, 50.0, 0.0]),
-        entries=[SimpleNamespace(name="grasp_1.csv")],
-    )  # fmt: skip
-    nominal = SimpleNamespace(
-        model=SimpleNamespace(groups=[group]), vectors=[np.zeros(3)], derivatives=[np.zeros((2, 3))]
-    )
-    monkeypatch.setattr(baseline, "recorded_roughness", lambda group: {"force": 0.2})
-    with pytest.raises(BadInput, match=r"grasp_1\.csv: the simulated force is zero throughout"):
-        baseline._require_answers(nominal)
-    nominal.derivatives = [np.ones((2, 3))]
-    baseline._require_answers(nominal)
+def test_hold_out_keeps_the_number_that_it_said(monkeypatch):
+    made, said, counts, simulate = finger_campaign(8.6, "force_lag"), [], [], Finger.simulate
+
+    def counted(self, parameters, recording):
+        counts.append(0)
+        return simulate(self, parameters, recording)
+
+    monkeypatch.setattr(Finger, "simulate", counted)
+    diagnose_by_holdout(made, 0, said.append)
+    assert len(counts) <= int(said[0].split()[2].replace(",", ""))
 
 
 def closures(controller, runs=4):

@@ -85,3 +85,8 @@ def quantum(values: np.ndarray) -> float:
     multiples = gaps / gaps.min()
     off = np.abs(multiples - np.round(multiples)) > 0.05
     return float(np.median(gaps / np.round(multiples))) if off.mean() < 0.01 else 0.0
+
+
+def rounding(values: np.ndarray) -> float:
+    """Step of a coarse sensor, of one with two levels too; 0 where none is visible."""
+    return float(np.ptp(values)) if levels(values) == 2 else quantum(values)

@@ -55,15 +55,22 @@ class Rest:
                 found[name] = self.apart if like else self.share
         return {name: size for name, size in found.items() if size}
 
-    @property
-    def sentence(self) -> str:
-        """What was taken, in words; "" where nothing of the rest can be uncertain."""
-        if not self.share:
+    def sentence(self, doubt: Mapping[str, float], parts: Mapping[str, float]) -> str:
+        """What was taken, in words; doubt, parts: of the recordings fitted, see the methods."""
+        own = any(name.startswith("object.") for name in parts)
+        like = {name.partition(".")[0] for name in parts if not name.startswith("object.")}
+        inexact = [f"{len(doubt)} parameters that are not fitted"] * bool(doubt)
+        inexact += ["the objects of experiments"] * own
+        if not inexact and not like:
             return "all that is not fitted was taken as exact"
-        text = f"all that is not fitted was taken as {100.0 * self.share:.3g} % inexact"
-        if self.apart:
-            text += f", each joint for itself as {100.0 * self.apart:.3g} %"
+        text = f"{' and '.join(inexact) or 'nothing'} were taken as {_percent(self.share)} inexact"
+        if like:
+            text += f", each of {len(like)} like parts for itself as {_percent(self.apart)}"
         return text + ("" if self.stated else ' (the default; "0 %" says exact)')
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"
 
 
 def _sizes(plant: Plant) -> Mapping[str, float]:

@@ -195,7 +195,8 @@ class Fit(ByValue):
     @property
     def assumed(self) -> list[str]:
         """What was taken of the rest and of the controller, a sentence each."""
-        said = [self.found.plan.rest.sentence, self.found.plan.controller]
+        plan = self.found.plan
+        said = [plan.rest.sentence(plan.doubt, plan.parts), plan.controller]
         return [f"{text[:1].upper()}{text[1:]}." for text in said if text]
 
     def _warnings(self) -> list[str]:

@@ -25,7 +25,7 @@ from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import VERDICT
 from hannes.identification.diagnosis.untested import untested
-from hannes.identification.diagnosis.work_bound import SearchEnded
+from hannes.identification.diagnosis.work_bound import SearchEnded, Work, said
 from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
 from hannes.plants.protocol import Plant
@@ -52,7 +52,21 @@ class Result:
 
 def declares_uncertainty(plant: Plant) -> bool:
     """Whether a plant declares what of it is uncertain, which this diagnosis needs."""
-    return bool(getattr(plant, "uncertain", {}))
+    return bool(uncertain(plant))
+
+
+def uncertain(plant: Plant) -> Mapping[str, float]:
+    """What a plant declares uncertain; empty where it says nothing of that."""
+    found: Mapping[str, float] = getattr(plant, "uncertain", {})
+    return found
+
+
+def command_durations(campaign: Campaign) -> list[float]:
+    """Duration [s] of each command that is simulated."""
+    found = {}
+    for each in campaign.entries:
+        found[campaign.plant.same_run(each.recording)] = float(np.ptp(each.recording.time))
+    return list(found.values())
 
 
 def diagnose_campaign(
@@ -68,10 +82,13 @@ def diagnose_campaign(
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]
     usable += [each for each in GENERIC if not campaign.plant.accepts(each)]
+    work = Work(bounded=True)
+    durations = command_durations(campaign)
+    progress(said(work.most(durations, len(uncertain(campaign.plant))), durations))
     with threadpool_limits(1, "blas"):  # sums over several threads round otherwise
-        campaign, observed = as_recorded(campaign, settings, seed, progress)
+        campaign, observed = as_recorded(campaign, settings, seed, progress, work)
         known = campaign.of("fit", "select")
-        found = search_effects(campaign.plant, known, usable, settings, seed, progress)
+        found = search_effects(campaign.plant, known, usable, settings, seed, progress, work)
         decision, spread = _decided(found, seed, progress)
         progress("the test recordings")
         closing = _Closing(campaign, found, decision, spread, seed)
@@ -94,8 +111,6 @@ def _decided(
         return with_sizes(decision, seed, found.variance_factor, progress)
     except SearchEnded:
         return Decision("unknown", (), work.ended, found.baseline), {}
-    finally:
-        work.bounded = False
 
 
 def candidates(campaign: Campaign) -> dict[str, tuple[Effect, str]]:
@@ -188,7 +203,8 @@ class _Closing:
         """The machine as given, refitted, and with what was found, simulated whole."""
         points = (self.found.nominal, self.found.baseline, self.decision.point)
         places = np.array([each.x for each in points])
-        made = simulated(self.model, _entries(self.segments), places)
+        with self.model.work.in_any_case():
+            made = simulated(self.model, _entries(self.segments), places)
         failed = {k for k in range(len(points)) if any(each[k] is None for each in made)}
         runs: list[list[Channels]] = []
         for k in range(len(points)):
@@ -223,7 +239,10 @@ class _Closing:
         if kind not in ("one_of", "unknown") or not trials:
             return None
         known = _entries(self.known)
-        run = next_run(self.campaign.plant, self.found, known)
+        try:
+            run = next_run(self.campaign.plant, self.found, known)
+        except SearchEnded:
+            return None
         names = [self.names.get(name, name) for name in run["separates"]] if run else []
         return run and {**run, "separates": names}
 

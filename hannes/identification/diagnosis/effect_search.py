@@ -26,7 +26,7 @@ from hannes.identification.diagnosis.multistart import (
     without,
 )
 from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
-from hannes.identification.diagnosis.repeat_groups import Group, grouped
+from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.score_test import Guess, screened
 from hannes.identification.diagnosis.second_effect import with_second_effect
 from hannes.identification.diagnosis.settings import Settings
@@ -39,7 +39,7 @@ from hannes.identification.diagnosis.trials import (
     with_confusable,
 )
 from hannes.identification.diagnosis.tuning import SEARCH
-from hannes.identification.diagnosis.work_bound import SearchEnded
+from hannes.identification.diagnosis.work_bound import SearchEnded, Work
 from hannes.plants.protocol import Plant
 
 
@@ -50,21 +50,19 @@ def search_effects(
     settings: Settings,
     seed: int,
     progress: Progress = lambda text: None,
+    work: Work | None = None,
 ) -> SearchResult:
-    """Search for what is missing; ComputationFailed where the baseline cannot be simulated."""
+    """Search for what is missing; ComputationFailed where the baseline cannot be simulated.
+
+    work: what was spent before, and the limit of all
+    """
+    work = work or Work(bounded=True)
     groups = grouped(plant, entries)
-    nominal, baseline = based(plant, groups, settings, effects, seed, progress)
-    work = baseline.model.work
-    progress(f"the effects, by {work.text(_duration(groups))}")
-    work.bounded = True
+    nominal, baseline = based(plant, groups, settings, effects, seed, progress, work)
     try:
         return _all_searched(nominal, baseline, effects, progress)
     except SearchEnded:
         return SearchResult(nominal, baseline, [], [], None, None, 1.0, ended=work.ended)
-
-
-def _duration(groups: Sequence[Group]) -> float:
-    return float(np.mean([np.ptp(group.recording.time) for group in groups]))
 
 
 def _all_searched(

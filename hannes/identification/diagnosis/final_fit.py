@@ -74,7 +74,12 @@ def _finer(
     held = model.held([Group(model.small, each.entries, FIT.finer_bins) for each in model.groups])
     try:
         there = begun(
-            held.with_sampling_correction(point.x, effects), point.x, point.active, accuracy, seed
+            held.with_sampling_correction(point.x, effects),
+            point.x,
+            point.active,
+            accuracy,
+            seed,
+            point.noise.parts,
         )
     except ComputationFailed:
         return point

@@ -47,8 +47,9 @@ def _only(point: Linearisation, masks: Sequence[int]) -> Linearisation:
     discretisation = [noise.discretisation[k] for k in numbers]
     model, rows = noise.model.of(groups, numbers), [noise.run_to_run[k] for k in numbers]
     some = NoiseCovariance(
-        model, noise.run_noise, discretisation, covariances, rows, noise.simulated_noise
-    )
+        model, noise.run_noise, discretisation, covariances, rows, noise.simulated_noise,
+        noise.parts and noise.parts.only(numbers),
+    )  # fmt: skip
     vectors, derivatives = (
         [each[k] for k in numbers] for each in (point.vectors, point.derivatives)
     )

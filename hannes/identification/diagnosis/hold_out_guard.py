@@ -99,6 +99,8 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
         cautions += more
     elif decision.kind == "recalibrated":
         decision = _recalibrated(decision, stages, refitted)
+    elif decision.kind == "no_gap":
+        decision = _as_given(decision, stages)
     if not decision.effects:
         stages = stages.with_stage(2, 1)
         decision = replace(decision, point=stages.points[2])
@@ -127,6 +129,12 @@ def _recalibrated(decision: Decision, stages: Stages, refitted: bool) -> Decisio
         return _unknown(decision, stages, f"as given it leaves {rest[0].text}")
     reason = f"as given it leaves no more than {SMALL:g} times the noise floor anywhere"
     return Decision("no_gap", (), reason, stages.points[0])
+
+
+def _as_given(decision: Decision, stages: Stages) -> Decision:
+    """No gap, or unknown where the machine as given leaves much anywhere."""
+    worst = largest(stages.remaining(0, 0))
+    return _unknown(decision, stages, f"as given it leaves {worst.text}") if worst else decision
 
 
 def _unknown(decision: Decision, stages: Stages, why: str) -> Decision:

@@ -13,6 +13,7 @@ from hannes.identification.diagnosis.noise_covariance import (
     estimated_noise,
 )
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
+from hannes.identification.diagnosis.part_deviations import PartDeviations
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.simulator import NOWHERE, Model
 from hannes.identification.diagnosis.tuning import FIT
@@ -176,11 +177,17 @@ def differenced(
 def _near(
     model: Model, group: Group, here: np.ndarray, x: np.ndarray, rows: np.ndarray, effects: bool
 ) -> np.ndarray:
-    """Changes at rows near x; simulated alone where a run cannot follow the one at x."""
+    """Changes at rows near x; simulated alone where a run cannot follow the one at x.
+
+    Where that fails too, by what less of the step does, or as much the other way.
+    """
     changes = model.changes(group, x, rows, effects, here)
-    lost = ~np.isfinite(changes).all(axis=1)
-    if lost.any():
-        changes[lost] = model.vectors(group, rows[lost], effects) - here
+    for share in FIT.other_steps:
+        lost = ~np.isfinite(changes).all(axis=1)
+        if not lost.any():
+            break
+        made = model.vectors(group, x + share * (rows[lost] - x), effects)
+        changes[lost] = (made - here) / share
     return changes
 
 
@@ -201,14 +208,23 @@ def first(model: Model, accuracy: NoiseAccuracy, seed: int) -> Linearisation:
 
 
 def begun(
-    model: Model, x: np.ndarray, active: np.ndarray, accuracy: NoiseAccuracy, seed: int
+    model: Model,
+    x: np.ndarray,
+    active: np.ndarray,
+    accuracy: NoiseAccuracy,
+    seed: int,
+    parts: PartDeviations | None = None,
 ) -> Linearisation:
-    """The point at x with noise estimated there; ComputationFailed where it cannot be simulated."""
+    """The point at x with noise estimated there; ComputationFailed where it cannot be simulated.
+
+    parts: what like parts are off for themselves
+    """
     effects = active.size > model.space.uncertain.size
     vectors, derivatives = differenced(model, x, active, effects)
     if not all(np.isfinite(each).all() for each in vectors):
         raise ComputationFailed(NOWHERE)
-    return _assembled(estimated_noise(model, x, accuracy, seed), x, active, vectors, derivatives)
+    noise = estimated_noise(model, x, accuracy, seed, parts)
+    return _assembled(noise, x, active, vectors, derivatives)
 
 
 def with_noise(

@@ -7,10 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from hannes.identification.diagnosis.noise_model import Noise, of_repeats
+from hannes.identification.diagnosis.part_deviations import PartDeviations
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.diagnosis.tuning import NOISE
+from hannes.identification.whitening import Whitening
 from hannes.plants.protocol import run_to_run_spread
 
 
@@ -33,6 +35,7 @@ class NoiseCovariance:
     discretisation: mean effect of the sampled controller on each group, shape (n,) each
     covariances: of the mean of each group's runs, everything uncertain in it, (n, n) each
     run_to_run: how the runs of each group differ, one standard deviation a row, (k, n)
+    parts: what like parts are off for themselves, the same in all runs; None where nothing is
     simulated_noise: whether the noise is simulated, not estimated from a few repeats alone
     """
 
@@ -42,6 +45,16 @@ class NoiseCovariance:
     covariances: list[np.ndarray]
     run_to_run: list[np.ndarray]
     simulated_noise: bool
+    parts: PartDeviations | None = None
+
+    @cached_property
+    def shared(self) -> Whitening | None:
+        """Whitens all groups together against what parts are off for themselves."""
+        if self.parts is None:
+            return None
+        rows = self.parts.rows(self.model.groups)
+        whole = np.concatenate([self.white(k, each) for k, each in enumerate(rows)], axis=-1)
+        return Whitening.of(np.ones(whole.shape[1]), whole)
 
     @cached_property
     def roots(self) -> list[np.ndarray]:
@@ -56,13 +69,21 @@ class NoiseCovariance:
 
     def together(self, rows: Sequence[np.ndarray]) -> np.ndarray:
         """Rows of all groups, whitened, shape (..., N)."""
-        return np.concatenate([self.white(k, each) for k, each in enumerate(rows)], axis=-1)
+        whole = np.concatenate([self.white(k, each) for k, each in enumerate(rows)], axis=-1)
+        return self.shared(whole) if self.shared else whole
 
 
 def estimated_noise(
-    model: Model, x: np.ndarray, accuracy: NoiseAccuracy, seed: int
+    model: Model,
+    x: np.ndarray,
+    accuracy: NoiseAccuracy,
+    seed: int,
+    parts: PartDeviations | None = None,
 ) -> NoiseCovariance:
-    """Noise, discretisation error and run-to-run variability at x; effects only where held."""
+    """Noise, discretisation error and run-to-run variability at x; effects only where held.
+
+    parts: what like parts of the machine are off for themselves, which joins it
+    """
     discretisations = model.discretisation_errors(x, accuracy.samples, seed)
     channels = [model.simulated(group, x[np.newaxis], False)[0] or {} for group in model.groups]
     nonlinearities = [
@@ -96,6 +117,7 @@ def estimated_noise(
         covariances,
         run_to_run,
         simulated_noise,
+        parts,
     )
 
 

@@ -5,9 +5,11 @@ per bin, and noise counts less accordingly. Run-to-run variability keeps its ass
 inform about it. Were it reduced too, twelve runs that happened to start late would be a delay.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
-from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.linearisation import Linearisation, whitened_residual
 from hannes.identification.diagnosis.tuning import NOISE
 
 
@@ -30,18 +32,13 @@ def chi2_reduction(baseline: Linearisation, point: Linearisation, variance_facto
 
 
 def _weighed(point: Linearisation, variance_factor: float) -> float:
-    """Chi-squared with less noise and unchanged run-to-run variability."""
-    from scipy.linalg import solve_triangular
-
-    noise, found = point.noise, float(np.sum((point.space.prior * point.x) ** 2))
-    groups = noise.model.groups
-    misses = np.split(point.residual, np.cumsum([group.part.size for group in groups])[:-1])
-    for group, root, rows, residual in zip(
-        groups, noise.roots, noise.run_to_run, misses, strict=True
-    ):
-        less = variance_factor * (root @ root.T) + (1.0 - variance_factor) / group.count * (
-            rows.T @ rows
+    """Chi-squared with less noise; what runs and parts differ by is unchanged."""
+    noise = point.noise
+    less = [
+        variance_factor * covariance + (1.0 - variance_factor) / group.count * (rows.T @ rows)
+        for group, covariance, rows in zip(
+            noise.model.groups, noise.covariances, noise.run_to_run, strict=True
         )
-        white = solve_triangular(np.linalg.cholesky(less), root @ residual, lower=True)
-        found += float(white @ white)
-    return found
+    ]
+    left = whitened_residual(replace(noise, covariances=less), point.vectors)
+    return float(left @ left + np.sum((point.space.prior * point.x) ** 2))

@@ -24,7 +24,13 @@ from hannes.identification.diagnosis.repeat_groups import Group, grouped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.diagnosis.tuning import NOISE
+from hannes.identification.diagnosis.work_bound import SearchEnded, Work
 from hannes.plants.protocol import Plant
+
+UNTESTED = (
+    "experiments say a continuous controller; whether the recordings show a sampled one was not "
+    "tested, as that takes more simulations than one diagnosis may make"
+)
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,11 @@ class Controller:
 
 
 def as_recorded(
-    campaign: Campaign, settings: Settings, seed: int, progress: Progress
+    campaign: Campaign,
+    settings: Settings,
+    seed: int,
+    progress: Progress,
+    work: Work | None = None,
 ) -> tuple[Campaign, str]:
     """The campaign under the controller that its recordings show, and what was changed or ""."""
     others = list(_sampled(campaign))
@@ -46,20 +56,35 @@ def as_recorded(
     progress("the controller")
     known = in_roles(split_campaign(campaign)[0], "fit", "select")
     levels, _ = noise_floors(campaign.plant, known)
-    stated = _apart(Controller(campaign.plant, campaign.entries), levels, settings, seed)
-    apart = [_apart(each, levels, settings, seed) for each in others]
-    nearest = int(np.argmin(apart))
-    counted = _counted(campaign)
+    stated = Controller(campaign.plant, campaign.entries)
+    work = work or Work()
+    try:
+        apart = [_apart(each, levels, settings, seed, work) for each in (stated, *others)]
+    except SearchEnded:
+        return campaign, UNTESTED
+    nearest, counted = int(np.argmin(apart[1:])), _counted(campaign)
     needed = NOISE.counted_controller if counted else NOISE.nearer_controller
-    if not apart[nearest] < needed * stated:
+    if not apart[1:][nearest] < needed * apart[0]:
         return campaign, ""
-    taken, counts = others[nearest], "whole encoder counts and " if counted else ""
-    said = (
-        f"experiments say a continuous controller; the recordings show {counts}one sampled every "
-        f"{1e3 * taken.period:.3g} ms, which comes {stated / apart[nearest]:.2g} times as near: "
-        "that is taken"
-    )
+    taken = others[nearest]
+    said = _said(taken.period, apart[0] / apart[1:][nearest], counted)
     return replace(campaign, plant=taken.plant, entries=taken.entries), said
+
+
+def _said(period: float, times: float, counted: bool) -> str:
+    """What was taken and why; times: how much nearer it comes than the controller as stated."""
+    text = "experiments say a continuous controller; "
+    sampled = f"one sampled every {1e3 * period:.3g} ms"
+    if not np.isfinite(times):
+        return f"{text}with it the machine cannot be simulated: {sampled} is taken"
+    if times * NOISE.nearer_controller > 1.0:
+        counts = "whole encoder counts and " if counted else ""
+        nearer = f"which comes {times:.2g} times as near: that is taken"
+        return f"{text}the recordings show {counts}{sampled}, {nearer}"
+    return (
+        f"{text}the recordings are whole encoder counts, which firmware reads, so {sampled} is "
+        f"taken. It comes {times:.2g} times as near, which alone would not decide it"
+    )
 
 
 def _counted(campaign: Campaign) -> bool:
@@ -93,7 +118,11 @@ def _periods(usual: float, entries: Sequence[Entry]) -> list[float]:
 
 
 def _apart(
-    controller: Controller, levels: Mapping[str, float], settings: Settings, seed: int
+    controller: Controller,
+    levels: Mapping[str, float],
+    settings: Settings,
+    seed: int,
+    work: Work,
 ) -> float:
     """RMS of simulated minus mean recorded in noise floors, geometric mean over channels.
 
@@ -101,9 +130,8 @@ def _apart(
     """
     known = [each for each in controller.entries if each.role in ("fit", "select")]
     groups = grouped(controller.plant, known)
-    model = Model(
-        controller.plant, groups, ParameterSpace(controller.plant, groups, settings, ()), ()
-    )
+    space = ParameterSpace(controller.plant, groups, settings, ())
+    model = Model(controller.plant, groups, space, (), work)
     try:
         given = first(model, COARSE, seed)
         places = np.array([given.x, fitted(given, 5, restarts=1).x])

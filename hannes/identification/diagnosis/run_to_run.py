@@ -4,7 +4,7 @@ Assumed too small, means of a few runs seem more certain than they are. Six runs
 start late would then be a delay.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -24,10 +24,12 @@ def settings_from_repeats(noise: NoiseCovariance, settings: Settings) -> Setting
     machine, start = observed_ratios(noise)
     if (machine, start) == (1.0, 1.0):
         return settings
-    return Settings(
-        max(settings.scatter, min(NOISE.wider_scatter * settings.scatter, NOISE.widest_scatter)),
-        machine * settings.run_scatter,
-        start * settings.start_time,
+    wider = min(NOISE.wider_scatter * settings.scatter, NOISE.widest_scatter)
+    return replace(
+        settings,
+        scatter=max(settings.scatter, wider),
+        run_scatter=machine * settings.run_scatter,
+        start_time=start * settings.start_time,
     )
 
 

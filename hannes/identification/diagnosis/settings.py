@@ -8,7 +8,7 @@ from hannes.core.io.toml_table import Table
 if TYPE_CHECKING:  # the help of the command line shows these defaults, and answers at once
     from hannes.plants.protocol import Plant
 
-KEYS = ("scatter", "run_scatter", "start_time")
+KEYS = ("scatter", "run_scatter", "start_time", "scatter_apart")
 
 
 @dataclass(frozen=True)
@@ -19,11 +19,13 @@ class Settings:
     run_scatter: share by which friction varies from run to run; a plant's own run-to-run
                  variability (`run_to_run`) is for 1 %, and scales in proportion
     start_time:  s, of the moment at which a run starts
+    scatter_apart: share by which each of several like parts (joints) is off for itself, besides
     """
 
     scatter: float = 0.03
     run_scatter: float = 0.01
     start_time: float = 0.0
+    scatter_apart: float = 0.01
 
 
 def read_settings(table: Table, plant: "Plant") -> Settings:
@@ -32,16 +34,19 @@ def read_settings(table: Table, plant: "Plant") -> Settings:
     if table.content and not getattr(plant, "uncertain", {}):
         why = f"cannot be used: the plant {plant.name} does not say what is uncertain in it"
         table.refuse(next(iter(table.content)), why)
+    scatter = _share(table, "scatter", Settings.scatter)
     return Settings(
-        _share(table, "scatter", Settings.scatter),
+        scatter,
         _share(table, "run_scatter", Settings.run_scatter),
         _time(table, plant),
+        _share(table, "scatter_apart", min(Settings.scatter_apart, scatter), none=True),
     )
 
 
-def _share(table: Table, key: str, default: float) -> float:
+def _share(table: Table, key: str, default: float, none: bool = False) -> float:
+    """A share above 0, or 0 too where that may be `none`."""
     share = table.quantity(key, "1", "2 %") if key in table else default
-    if not 0.0 < share < 0.5:
+    if not (0.0 < share < 0.5 or (none and share == 0.0)):
         table.refuse(key, f"= {share:g}: expected a share between 0 and 50 %")
     return share
 

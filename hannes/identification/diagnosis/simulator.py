@@ -84,11 +84,12 @@ class Model:
         groups: Sequence[Group],
         space: ParameterSpace,
         effects: Sequence[Effect],
+        work: Work | None = None,
     ) -> None:
         self.groups, self.space = list(groups), space
         self.small, self.whole = plant, plant.with_effects(*effects)
         self._corrections: dict[int, dict[int, SamplingCorrection]] = {}  # group, place
-        self.work = Work()  # of this model and all made of it
+        self.work = work or Work()  # of this model and all made of it
         self._held = False  # whether effects are a fixed part of the machine
 
     def with_sampling_correction(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
@@ -183,6 +184,21 @@ class Model:
             _alone(plant, {name: float(column[k]) for name, column in columns.items()}, group)
             for k in range(len(rows))
         ]
+
+    def part_slopes(self, group: Group, x: np.ndarray) -> dict[str, Channels]:
+        """Like part -> change of a group's channels per relative deviation of it alone, at x.
+
+        {} where the plant has none. Raises ComputationFailed where no run nearby succeeds.
+        """
+        parts, slopes = (getattr(self.small, name, None) for name in ("parts", "slopes"))
+        if parts is None or slopes is None:
+            return {}
+        like = [name for name, each in parts(group.recording).items() if each]
+        self._count(group, 1 + len(like), False)
+        columns = self.space.columns(group, x[np.newaxis], False)
+        values = {name: float(column[0]) for name, column in columns.items()}
+        found = slopes(values, {}, group.recording, group.names)
+        return {name: found[name] for name in like}
 
     def _count(self, group: Group, runs: int, exact: bool) -> None:
         self.work.add(runs, float(np.ptp(group.recording.time)), exact)

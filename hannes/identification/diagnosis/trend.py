@@ -28,7 +28,7 @@ class Trend:
 def strongest_trend(point: Linearisation, guesses: Sequence[Guess]) -> Trend | None:
     """The trend with the largest reduction; None where no repeats in a known order show any."""
     groups = point.model.groups
-    if not any(_ordered(group) for group in groups):
+    if not any(ordered(group) for group in groups):
         return None
     found = [
         Trend(each.effect, _reduction(point, row)) for each in guesses for row in each.signature
@@ -36,7 +36,7 @@ def strongest_trend(point: Linearisation, guesses: Sequence[Guess]) -> Trend | N
     return max(found, key=lambda each: each.delta_chi2, default=None)
 
 
-def _ordered(group: Group) -> bool:
+def ordered(group: Group) -> bool:
     """Whether a group has repeats enough, in a known order."""
     return group.count >= VERDICT.fewest_repeats and float(np.ptp(group.numbers)) > 0.0
 
@@ -77,7 +77,7 @@ def _spread(
     """Variance of runs along a signature without their trend, over what is assumed; at least 1."""
     squares, freedom = VERDICT.assumed_weight, VERDICT.assumed_weight
     for group, along, signature in zip(groups, runs, signatures, strict=True):
-        if _ordered(group) and (size := float(signature @ signature)) > 0.0:
+        if ordered(group) and (size := float(signature @ signature)) > 0.0:
             order = group.numbers - group.numbers.mean()
             rest = along - order * (order @ along) / (order @ order)
             squares += float(rest @ rest) / size / group.count

@@ -1,31 +1,51 @@
 """How much one diagnosis may simulate: an answer always comes, and its cost is known before.
 
-Processor time would end the search elsewhere on another machine. So simulated time is counted,
-which is the same everywhere. A run with the sampled controller counts more, as it takes more steps.
+Processor time would end a search elsewhere on another machine. So simulated time is counted, which
+is the same everywhere. A run with the sampled controller counts more, as it takes more steps.
+Everything counts: the choice of a controller, baseline fits, all starts, the search, hold-out, the
+final fit and the run proposed next. Whatever comes first must leave the rest less. Only what every
+verdict needs is made in any case: the machine as given with its derivatives, and the closing.
 """
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from hannes.identification.diagnosis.tuning import SEARCH
 
 
 class SearchEnded(Exception):
-    """The search has simulated as much as it may."""
+    """The diagnosis has simulated as much as it may."""
 
 
 class Work:
-    """Simulated time [s] spent so far, weighted; `bounded` while a search may be ended by it."""
+    """Simulated time [s] spent so far, weighted; SearchEnded beyond the limit where `bounded`."""
 
-    def __init__(self) -> None:
-        self.limit, self.spent, self.bounded = SEARCH.most_simulated, 0.0, False
+    def __init__(self, bounded: bool = False) -> None:
+        self.limit, self.spent, self.bounded = SEARCH.most_simulated, 0.0, bounded
 
     def add(self, runs: int, duration: float, exact: bool) -> None:
         """Count runs before they are made; SearchEnded where that is more than the limit."""
-        self.spent += runs * duration * (SEARCH.exact_weight if exact else 1.0)
-        if self.bounded and self.spent > self.limit:
+        cost = runs * duration * (SEARCH.exact_weight if exact else 1.0)
+        if self.bounded and self.spent + cost > self.limit:
             raise SearchEnded
+        self.spent += cost
 
-    def text(self, duration: float) -> str:
-        """The bound in words, for runs of this mean duration [s]."""
-        return f"at most {self.limit / duration:,.0f} simulations"
+    @contextmanager
+    def in_any_case(self) -> Iterator[None]:
+        """Within, runs are counted and made although the limit is reached."""
+        before, self.bounded = self.bounded, False
+        try:
+            yield
+        finally:
+            self.bounded = before
+
+    def most(self, durations: Sequence[float], uncertain: int) -> float:
+        """What a diagnosis of commands of these durations [s] may simulate, weighted [s].
+
+        uncertain: number of parameters of the machine
+        """
+        needed = SEARCH.needed_runs + SEARCH.needed_per_parameter * uncertain
+        return self.limit + needed * sum(durations)
 
     @property
     def ended(self) -> str:
@@ -34,3 +54,8 @@ class Work:
             f"the search was ended at its bound, {self.limit:,.0f} s of simulated runs: "
             "nothing is named by half a search"
         )
+
+
+def said(most: float, durations: Sequence[float]) -> str:
+    """A bound [s] in words, for commands of these durations [s]."""
+    return f"at most {most / (sum(durations) / len(durations)):,.0f} simulations"

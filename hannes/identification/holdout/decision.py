@@ -9,6 +9,7 @@ from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.segments import FEWEST_BLOCKS_TO_SPLIT, Segment, in_roles, may_be_split
 from hannes.identification.holdout.effect_test import Trial, rivals
 from hannes.identification.holdout.tuning import HOLDOUT
+from hannes.identification.remainder import Remainder
 
 VerdictFields = dict[str, Any]  # the verdict's first fields: verdict, effects, reason
 
@@ -75,6 +76,13 @@ def without_refit(fields: VerdictFields, why: str) -> VerdictFields:
     if not why or fields["verdict"] != "recalibrated":
         return fields
     return _fields("unknown", f"{fields['reason']}; but {why}")
+
+
+def small_everywhere(fields: VerdictFields, worst: Remainder | None) -> VerdictFields:
+    """A verdict of absence, or unknown where more than little is left in some place: `worst`."""
+    if worst is None:
+        return fields
+    return _fields("unknown", f"{fields['reason']}; but it leaves {worst.text}")
 
 
 def confirmed(

@@ -27,6 +27,8 @@ from hannes.identification.holdout.effect_test import (
 from hannes.identification.holdout.least_squares import Fitted, Progress, WeightedResidual, fit
 from hannes.identification.holdout.starting_points import start
 from hannes.identification.holdout.tuning import HOLDOUT
+from hannes.identification.holdout.work_bound import most_simulations
+from hannes.identification.remainder import Remainder, largest, remainders
 from hannes.identification.residuals import (
     Traces,
     gaps,
@@ -90,6 +92,9 @@ class _HoldoutDiagnosis:
         return WeightedResidual(self.plant, segments, self.noise_floors)
 
     def result(self) -> HoldoutResult:
+        tried = [effect for _, effect in self.candidates() if not self.plant.accepts(effect)]
+        most = most_simulations(self.plant, self.segments, tried)
+        self.progress(f"at most {most:,} simulations")
         training = self.of("fit") or self.known
         baseline, scales = self.baseline(training)
         trials = self.trials(training, baseline, scales)
@@ -166,6 +171,7 @@ class _HoldoutDiagnosis:
         after = before if best is None else after
         gap = gaps(self.residual(test), before, after)
         fields = decision.without_refit(fields, caution)
+        fields = decision.small_everywhere(fields, self.largest_left(fields, before))
         fields = decision.confirmed(fields, gap, refusal(self.change(test, before, after)))
         named = best is not None and bool(fields["effects"])
         found = after if named else before
@@ -202,6 +208,16 @@ class _HoldoutDiagnosis:
         given = self.as_given(before)
         why = refusal(self.change(test, given, before)) if self.of("show") else ""
         return (given, f"the refitted baseline is not taken: {why}") if why else (before, "")
+
+    def largest_left(self, fields: decision.VerdictFields, before: Fitted) -> Remainder | None:
+        """Where a verdict of absence leaves more than little, or None."""
+        if fields["verdict"] not in ("no_gap", "recalibrated"):
+            return None
+        given = self.as_given(before)
+        taken = given if fields["verdict"] == "no_gap" else before
+        residual = self.residual(self.segments)
+        was, now = (residual.raw(each.plant, each.values) for each in (given, taken))
+        return largest(remainders(self.plant, self.segments, was, now, self.noise_floors))
 
     def as_given(self, fitted: Fitted) -> Fitted:
         """The same fit with every parameter at its given value."""

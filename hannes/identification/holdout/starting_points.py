@@ -4,32 +4,39 @@ A finger that never touches from the given angle has no force, and no derivative
 touch. A fit from there ends where it began, and what it leaves looks like something missing.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from hannes.core.errors import BadInput, ComputationFailed
+from hannes.core.recording.white_noise import rounding
 from hannes.identification.holdout.least_squares import Progress, WeightedResidual
 from hannes.identification.holdout.tuning import HOLDOUT
 from hannes.plants.protocol import Plant
 
 Values = dict[str, float]
+Raw = Sequence[Mapping[str, np.ndarray]]  # of each segment: channel -> simulated minus recorded
 
 
 def start(residual: WeightedResidual, plant: Plant, progress: Progress) -> Values:
     """Free parameters [SI] from which every channel answers to some of them; {} as given.
 
-    Raises BadInput where none does from any of the places tried, ComputationFailed where the
-    machine as given cannot be simulated.
+    As given too where some channel answers nowhere, and another one does: what is recorded in the
+    first may be what is missing. Raises BadInput where none answers at any of the places tried,
+    ComputationFailed where the machine as given cannot be simulated.
     """
-    silent = _silent(residual, plant, {})
-    if not silent:
+    here = residual.raw(plant, {})
+    if not (silent := _silent(residual, plant, {}, here)):
         return {}
     progress("other starting points")
     places = sorted(_places(plant), key=lambda each: _misfit(residual, plant, each))
     for place in places[: HOLDOUT.starts_looked_at]:
-        if not _silent(residual, plant, place):
+        there = _tried(residual, plant, place)
+        if there is not None and not _silent(residual, plant, place, there):
             return place
+    every = list(residual.noise_floors)
+    if len(_deaf(residual, plant, {}, here, every, HOLDOUT.starts_alone)) < len(every):
+        return {}
     names = ", ".join(name for name, size in plant.free.items() if size > 0.0)
     raise BadInput(
         f"the simulated {' and '.join(silent)} does not answer to {names}, as given and at "
@@ -38,32 +45,57 @@ def start(residual: WeightedResidual, plant: Plant, progress: Progress) -> Value
     )
 
 
-def _silent(residual: WeightedResidual, plant: Plant, values: Values) -> list[str]:
-    """Channels that change in the recordings, but by no step of any free parameter."""
-    here, found = residual.raw(plant, values), []
-    moved = [residual.raw(plant, each) for each in _stepped(plant, values)]
-    for name in residual.noise_floors:
-        recorded = [s.recording[name][s.mask] for s in residual.segments if name in s.recording]
-        alive = any(float(np.ptp(each)) > residual.noise_floors[name] for each in recorded)
-        if alive and moved and not any(_apart(here, each, name) for each in moved):
-            found.append(name)
-    return found
+def _silent(residual: WeightedResidual, plant: Plant, values: Values, here: Raw) -> list[str]:
+    """Channels recorded otherwise than simulated, but that answer to no step of any parameter.
+
+    here: what the values leave
+    """
+    names = [name for name in residual.noise_floors if _unlike(residual, here, name)]
+    step = HOLDOUT.difference_steps[0]
+    return _deaf(residual, plant, values, here, names, (step, -step))
 
 
-def _apart(
-    one: Sequence[Mapping[str, np.ndarray]], other: Sequence[Mapping[str, np.ndarray]], name: str
-) -> bool:
+def _unlike(residual: WeightedResidual, here: Raw, name: str) -> bool:
+    """Whether what a channel leaves is more than noise and rounding, and no mere offset."""
+    recorded = [each.recording[name] for each in residual.segments if name in each.recording]
+    floor = max(residual.noise_floors[name], *(rounding(values) for values in recorded))
+    return any(float(np.std(each[name])) > HOLDOUT.silent * floor for each in here if name in each)
+
+
+def _deaf(
+    residual: WeightedResidual,
+    plant: Plant,
+    values: Values,
+    here: Raw,
+    names: Sequence[str],
+    steps: Sequence[float],
+) -> list[str]:
+    """Of these channels, those that no free parameter changes, whatever the step."""
+    left = list(names) if _sizes(plant) else []
+    for place in _stepped(plant, values, steps):
+        if left and (made := _tried(residual, plant, place)) is not None:
+            left = [name for name in left if not _apart(here, made, name)]
+    return left
+
+
+def _tried(residual: WeightedResidual, plant: Plant, values: Values) -> Raw | None:
+    """What a place leaves, None where it cannot be simulated."""
+    try:
+        return residual.raw(plant, values)
+    except ComputationFailed:
+        return None
+
+
+def _apart(one: Raw, other: Raw, name: str) -> bool:
     pairs = zip(one, other, strict=True)
     return any(name in a and not np.array_equal(a[name], b[name]) for a, b in pairs)
 
 
-def _stepped(plant: Plant, values: Values) -> list[Values]:
-    """The values with each free parameter a step up, then down."""
-    return [
-        values | {name: _within(plant, name, _at(plant, values, name) + side * size)}
-        for side in (HOLDOUT.difference_steps[0], -HOLDOUT.difference_steps[0])
-        for name, size in _sizes(plant).items()
-    ]
+def _stepped(plant: Plant, values: Values, steps: Sequence[float]) -> Iterator[Values]:
+    """The values with each free parameter off by each step [standard deviations]."""
+    for side in steps:
+        for name, size in _sizes(plant).items():
+            yield values | {name: _within(plant, name, _at(plant, values, name) + side * size)}
 
 
 def _places(plant: Plant) -> list[Values]:
@@ -89,10 +121,8 @@ def _places(plant: Plant) -> list[Values]:
 
 def _misfit(residual: WeightedResidual, plant: Plant, values: Values) -> float:
     """Squares of the weighted residual, infinite where a simulation fails."""
-    try:
-        return float(np.sum(residual.weighted(residual.raw(plant, values)) ** 2))
-    except ComputationFailed:
-        return float("inf")
+    made = _tried(residual, plant, values)
+    return float("inf") if made is None else float(np.sum(residual.weighted(made) ** 2))
 
 
 def _sizes(plant: Plant) -> Values:

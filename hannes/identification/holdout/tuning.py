@@ -31,6 +31,9 @@ class HoldoutTuning:
     scanned_sizes: tuple[float, ...] = constant(
         (-4.0, -1.0, 1.0, 4.0), "twentieths of an effect's range", "from off, where a fit starts"
     )
+    silent: float = constant(
+        3.0, "noise floors", "of what a channel leaves that answers to no parameter, to count"
+    )
     starts_alone: tuple[float, ...] = constant(
         (-1.0, 1.0, -2.0, 2.0, -4.0, 4.0),
         "standard deviations",

@@ -7,9 +7,11 @@ is simulated here, one at a time; a fit takes it as uncertain.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
+from hannes.core.errors import ComputationFailed
 from hannes.core.recording.recording import Recording
 from hannes.simulation.compiled_call import Plan, ended
 from hannes.simulation.experiment.experiment import Experiment
@@ -30,6 +32,8 @@ QUANTITIES = (
 )
 OF_OBJECT = {"object.stiffness": 0.0, "object.damping": 0.0, "object.friction": 0.0,
              "object.x": 10e-3, "object.y": 10e-3}  # fmt: skip  # m, to which a place is relative
+NEARER = (0.25, 0.05, -0.05)  # shares of a difference at whose whole no run succeeds
+Channels = dict[str, np.ndarray]
 TOLERANCE = 1e-4  # all runs take the steps of one: its error cancels in the differences
 
 
@@ -60,49 +64,104 @@ def slopes(
     """Name -> change of each channel at the recorded times, per unit, by each of `steps` and parts.
 
     Central differences over `steps` [SI] at `values`; of parts per relative deviation of 1. All of
-    the continuous controller, all runs by the solver's steps of one. Zero where a run fails.
+    the continuous controller, all runs by the solver's steps of one. Where a run fails, from the
+    other side or over less. Raises ComputationFailed where no run nearby succeeds.
     """
     posed = hand.with_values(values).with_values(experiment.overrides())
     compiled = posed.compiled(hand.effects)
     plan = Plan.of(compiled, experiment, TOLERANCE, channels).make_ready()
-    ends = {name: _ends(posed, experiment, name, step) for name, step in steps.items()}
-    of_parts = _moved(plan, posed.vector(experiment.shape, hand.effects), experiment)
-    rows = [
-        posed.with_values({name: at}).vector(experiment.shape, hand.effects)
-        for name, pair in ends.items()
-        for at in pair
-    ]
-    vectors = np.array([*of_parts, *rows])
-    ran = plan.run(vectors, posed.rests(compiled, vectors), alike=True)
-    done = [ended(counts)[0] is Outcome.COMPLETED for counts in ran.counts]
+    runs = _Runs(plan, posed, posed.vector(experiment.shape, hand.effects))
+    ways = _of_parts(plan, runs.base, experiment)
+    for name, step in steps.items():
+        here, ends = _ends(posed, experiment, name, step)
+        vectors = [posed.with_values({name: at}).vector(experiment.shape, hand.effects)
+                   for at in ends]  # fmt: skip
+        ways[name] = Way(here, dict(zip(ends, vectors, strict=True)))
+    made = runs.of(ways)
+    if lost := [name for name, each in made.items() if ways[name].ends and len(each) == 1]:
+        made |= runs.of({name: ways[name].nearer(runs.base) for name in lost})
     since = recording.time - (recording.time[0] if "reference" in recording else 0.0)
-
-    def change(low: int, high: int, apart: float) -> dict[str, np.ndarray]:
-        if not (done[0] and done[low] and done[high] and apart):
-            return {name: np.zeros(since.size) for name in channels}
-        one, two = plan.named(ran.kept[low]), plan.named(ran.kept[high])
-        return {n: np.interp(since, plan.times, (two[n] - one[n]) / apart) for n in channels}
-
-    found = {name: change(0, row, STEP) for row, name in enumerate(parts(experiment), 1)}
-    for place, (name, pair) in enumerate(ends.items()):
-        row = len(of_parts) + 2 * place
-        found[name] = change(row, row + 1, pair[1] - pair[0])
-    return found
+    return {
+        name: {n: np.interp(since, plan.times, each) for n, each in _slope(name, places).items()}
+        for name, places in made.items()
+    }
 
 
-def _ends(hand: Hand, experiment: Experiment, name: str, step: float) -> tuple[float, float]:
-    """Values of a parameter on both sides, inside its bounds; equal where the experiment gives it.
+@dataclass(frozen=True)
+class Way:
+    """Along one parameter or part: its value here, and packed vectors by its values elsewhere.
 
-    The place of an experiment's own object moves with the hand's.
+    No ends: it cannot differ.
+    """
+
+    here: float
+    ends: Mapping[float, np.ndarray]
+
+    def nearer(self, base: np.ndarray) -> "Way":
+        """The same with ends at shares of the distance, on either side of those that there are."""
+        return Way(
+            self.here,
+            {
+                self.here + share * (at - self.here): base + share * (vector - base)
+                for at, vector in self.ends.items()
+                for share in NEARER
+            },
+        )
+
+
+@dataclass(frozen=True)
+class _Runs:
+    """Runs of a posed hand from one packed vector and near it."""
+
+    plan: Plan
+    posed: Hand
+    base: np.ndarray
+
+    def of(self, ways: Mapping[str, Way]) -> dict[str, dict[float, Channels]]:
+        """Value along each way -> channels, where that can be simulated; here first."""
+        vectors = np.array([self.base, *(v for way in ways.values() for v in way.ends.values())])
+        rests = self.posed.rests(self.plan.compiled, vectors)
+        ran = self.plan.run(vectors, rests, alike=True)
+        done = [
+            self.plan.named(kept) if ended(counts)[0] is Outcome.COMPLETED else {}
+            for kept, counts in zip(ran.kept, ran.counts, strict=True)
+        ]
+        if not done[0]:
+            raise ComputationFailed("the hand cannot be simulated here, so no derivative is known")
+        found, rest = {}, iter(done[1:])
+        for name, way in ways.items():
+            ends = {at: next(rest) for at in way.ends} or {way.here + 1.0: done[0]}
+            found[name] = {way.here: done[0], **{at: each for at, each in ends.items() if each}}
+        return found
+
+
+def _slope(name: str, places: Mapping[float, Channels]) -> Channels:
+    """Change of each channel per unit, between the two places that are farthest from each other."""
+    low, high = min(places), max(places)
+    if low == high:
+        raise ComputationFailed(
+            f"no hand with another {name} can be simulated near here, so what it does is not known"
+        )
+    one, other = places[low], places[high]
+    return {n: (other[n] - one[n]) / (high - low) for n in one}
+
+
+def _ends(
+    hand: Hand, experiment: Experiment, name: str, step: float
+) -> tuple[float, tuple[float, ...]]:
+    """A parameter's value, and those on both sides, inside its bounds.
+
+    None where the experiment gives it, but the place of its own object moves with the hand's.
     """
     at, (low, high) = hand.parameters[name], hand.parameters.declared[name].bounds
     if name in experiment.overrides() and name not in ("object.x", "object.y"):
-        return at, at
-    return max(low, at - step), min(high, at + step)
+        return at, ()
+    ends = max(low, at - step), min(high, at + step)
+    return at, tuple(end for end in ends if end != at)
 
 
-def _moved(plan: Plan, base: np.ndarray, experiment: Experiment) -> np.ndarray:
-    """Packed vectors: as given, then each part off by STEP, in the order of `parts`."""
+def _of_parts(plan: Plan, base: np.ndarray, experiment: Experiment) -> dict[str, Way]:
+    """The way of each part, off by STEP, in the order of `parts`."""
     slots, own = plan.compiled.parameters, _own(experiment)
     places = [
         slots[f"joint_{quantity}"].start + joint
@@ -112,7 +171,10 @@ def _moved(plan: Plan, base: np.ndarray, experiment: Experiment) -> np.ndarray:
     places += [variables.PACKED.index(name) for name in own]
     scales = [base[place] for place in places[: len(places) - len(own)]]
     scales += [OF_OBJECT[name] or base[variables.PACKED.index(name)] for name in own]
-    vectors = np.tile(base, (1 + len(places), 1))
-    for row, (place, scale) in enumerate(zip(places, scales, strict=True), 1):
+    vectors = np.tile(base, (len(places), 1))
+    for row, (place, scale) in enumerate(zip(places, scales, strict=True)):
         vectors[row, place] += STEP * scale
-    return vectors
+    return {
+        name: Way(0.0, {STEP: vector})
+        for name, vector in zip(parts(experiment), vectors, strict=True)
+    }

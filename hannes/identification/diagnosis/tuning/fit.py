@@ -16,6 +16,9 @@ class FitTuning:
     effect_step: float = constant(
         0.3, "steps", "by which an effect's parameter is differenced", NUMERICS
     )
+    other_steps: tuple[float, ...] = constant(
+        (1.0, 0.3, -0.3, 0.1), "1", "of a step whose run fails, tried in turn", NUMERICS
+    )
     steps_per_range: float = constant(60.0, "1", "in the range of an effect's parameter", NUMERICS)
     effect_prior_weight: float = constant(
         1e-3, "1/steps^2", "of an effect's size: it regularises and hardly pulls", NUMERICS

@@ -78,6 +78,10 @@ class NoiseTuning:
     alive: float = constant(
         20.0, "times its roughness", "range of a recorded channel that surely is not zero"
     )
+    apart: float = constant(
+        5.0, "times what repeats differ by", "at least, likewise: sensors drift at rest"
+    )
+    beside: float = constant(0.1, "1", "of the channel's largest range under any command, likewise")
     start_shift: float = constant(0.4e-3, "s", "by which a start time is differenced", NUMERICS)
     excess_ratios: tuple[float, ...] = constant(
         (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0),

@@ -12,8 +12,14 @@ class SearchTuning:
     most_simulated: float = constant(
         60_000.0,
         "s",
-        "of simulated runs in one search, which then ends: about 120 s of a processor",
+        "of simulated runs in one diagnosis, whose search then ends: about 120 s of a processor",
         COST,
+    )
+    needed_runs: float = constant(
+        60.0, "weighted runs", "of each command that every verdict needs, whatever was spent", COST
+    )
+    needed_per_parameter: float = constant(
+        6.0, "runs", "likewise, for each uncertain parameter of the machine", COST
     )
     exact_weight: float = constant(
         4.0, "1", "of a run with the sampled controller among these", COST

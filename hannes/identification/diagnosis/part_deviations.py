@@ -1,0 +1,52 @@
+"""What like parts of a machine are off for themselves: alike in all runs, free in every fit.
+
+Fingers are made alike and are not alike. A machine's parameters hold for all of them. What each
+joint is off for itself changes a run a little, and no value of the machine does the same. So these
+changes are simulated one by one at the baseline, and their covariance joins the noise of all runs
+together: a fit may move every part within its scatter, at no further simulation.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hannes.identification.diagnosis.repeat_groups import Channels, Group
+from hannes.identification.diagnosis.simulator import Model
+
+
+@dataclass(frozen=True)
+class PartDeviations:
+    """Changes of each group's channels by one standard deviation of each part: part -> channels."""
+
+    changes: Sequence[dict[str, Channels]]
+
+    def rows(self, groups: Sequence[Group]) -> list[np.ndarray]:
+        """The same in the bins of these groups, in their order, shape (parts, n) each."""
+        names = list(dict.fromkeys(name for own in self.changes for name in own))
+        return [
+            np.array([_binned(group, own.get(name)) for name in names]).reshape(-1, group.part.size)
+            for group, own in zip(groups, self.changes, strict=True)
+        ]
+
+    def only(self, numbers: Sequence[int]) -> "PartDeviations":
+        """Of the groups of these numbers."""
+        return PartDeviations([self.changes[k] for k in numbers])
+
+
+def _binned(group: Group, change: Channels | None) -> np.ndarray:
+    return np.zeros(group.part.size) if change is None else group.vector(change)
+
+
+def part_deviations(model: Model, x: np.ndarray) -> PartDeviations | None:
+    """Of all groups at x; None where the plant has no like parts, or these do not scatter."""
+    size = model.space.settings.scatter_apart
+    found = [model.part_slopes(group, x) for group in model.groups] if size else []
+    if not any(found):
+        return None
+    return PartDeviations(
+        [
+            {name: {n: size * slope for n, slope in each.items()} for name, each in own.items()}
+            for own in found
+        ]
+    )

@@ -1,0 +1,94 @@
+"""The number of simulations is bounded, said before, and kept."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sled import HARDENING, Sled, campaign
+
+from hannes.identification.diagnosis import (
+    campaign_diagnosis,
+    observed_controller,
+    untested,
+    work_bound,
+)
+from hannes.identification.diagnosis.campaign_diagnosis import command_durations, diagnose_campaign
+from hannes.identification.diagnosis.observed_controller import _said
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.work_bound import SearchEnded, Work
+
+
+def spent(monkeypatch, limit):
+    """What a diagnosis of a sled simulates, what it said that at most, and its verdict."""
+    monkeypatch.setattr(work_bound, "SEARCH", replace(work_bound.SEARCH, most_simulated=limit))
+    whole, said = [], []
+
+    class Counted(Work):
+        def add(self, runs, duration, exact):
+            super().add(runs, duration, exact)
+            whole.append(runs * duration)
+
+    monkeypatch.setattr(campaign_diagnosis, "Work", Counted)
+    made = campaign(1, ((HARDENING, 900.0),))
+    found = diagnose_campaign(made, Settings(0.02, 0.005), 0, said.append)
+    bound = Counted(True).most(command_durations(made), len(Sled.uncertain))
+    assert said[0] == work_bound.said(bound, command_durations(made))
+    return sum(whole), bound, found.verdict
+
+
+@pytest.mark.parametrize("limit", [1.0, 40.0, 60_000.0])
+def test_all_stages_together_keep_the_bound_that_was_said(monkeypatch, limit):
+    made, bound, verdict = spent(monkeypatch, limit)
+    assert made <= bound
+    ended = "the search was ended at its bound" in verdict.reason
+    assert ended == (limit < 60_000.0)
+    assert verdict.verdict == ("unknown" if ended else "named")
+
+
+def test_what_is_needed_in_any_case_is_counted_and_made():
+    work = Work(bounded=True)
+    work.spent = work.limit
+    with pytest.raises(SearchEnded):
+        work.add(1, 1.0, False)
+    with work.in_any_case():
+        work.add(1, 1.0, True)
+    assert work.bounded and work.spent > work.limit
+
+
+def test_a_controller_beyond_the_bound_is_left_as_stated_and_said(monkeypatch):
+    def ended(*arguments):
+        raise SearchEnded
+
+    monkeypatch.setattr(observed_controller, "_sampled", lambda campaign: iter([None]))
+    monkeypatch.setattr(observed_controller, "_apart", ended)
+    made = campaign(1, ())
+    found, said = observed_controller.as_recorded(made, Settings(), 0, lambda text: None)
+    assert found is made and "not tested" in said
+
+
+def test_the_controllers_sentence_says_what_decided():
+    assert "comes 5.2 times as near: that is taken" in _said(1e-3, 5.2, True)
+    counts = _said(1e-3, 0.9, True)
+    assert "whole encoder counts, which firmware reads" in counts and "would not" in counts
+    assert "cannot be simulated" in _said(1e-3, np.inf, False)
+
+
+def group(bins=100, count=4):
+    return SimpleNamespace(bins=bins, count=count, numbers=np.arange(count))
+
+
+@pytest.mark.parametrize(
+    ("groups", "simulated", "said"),
+    [
+        ([group(), group(bins=20)], True, "of 1 of 2 commands hangs together was not tested"),
+        ([group(bins=20)], False, "repeats alone"),
+        ([group(count=1)], False, "no command was repeated"),
+        ([group(count=2)], True, "a change from run to run could not show"),
+    ],
+)
+def test_what_could_not_have_fired_is_said_of_what_it_holds(groups, simulated, said):
+    noise = SimpleNamespace(simulated_noise=simulated)
+    baseline = SimpleNamespace(model=SimpleNamespace(groups=groups), noise=noise)
+    found = untested.untested(SimpleNamespace(baseline=baseline, guesses=[1]), "recalibrated")
+    assert any(said in each for each in found)
