@@ -5,7 +5,7 @@ is in the recordings. Every value of the hand is 1.5 % off what the analyst beli
 0.75 % for itself besides. A third of the analysts state nothing: not that their firmware samples.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +29,7 @@ from hannes.campaigns.campaign import Campaign, Entry
 from hannes.core.io.toml_table import Table
 from hannes.core.recording.recording import Recording
 from hannes.plants.hand.plant import HandPlant
+from hannes.simulation.catalogue import effects
 from hannes.simulation.hand.hand import Hand
 
 KINDS = ("sound", "missing", "fault")
@@ -55,7 +56,10 @@ STREAM = 97  # of random numbers
 
 @dataclass(frozen=True)
 class Case:
-    """A campaign as the analyst has it, and what he does not know."""
+    """A campaign as the analyst has it, and what he does not know.
+
+    plain: where something is missing, the same recordings by the same hand without it
+    """
 
     campaign: Campaign
     true: dict[str, float]
@@ -64,6 +68,7 @@ class Case:
     fault: str
     stated: bool
     protocol: Protocol
+    plain: dict[str, Recording] = field(default_factory=dict, repr=False)
 
 
 def case(seed: int) -> Case:
@@ -82,10 +87,13 @@ def case(seed: int) -> Case:
         entries.append(Entry(name, changed, made.conditions[name], "fit"))
     table = Table({"parameters": list(names)}, "calibrate", ())
     plant = HandPlant()
-    campaign = Campaign(plant, plant, tuple(entries), Path("results"), {}, "known", calibrate=table)
+    campaign = Campaign(
+        plant, plant, tuple(entries), Path("results"), effects(), "known", calibrate=table
+    )
     real = {**dict(Hand().parameters), **made.answer["hand"]}
     true = {name: float(real[name]) for name in names}
-    return Case(campaign, true, kind, hidden, fault, stated, protocol)
+    plain = truth.make(protocol, seed, {}, SPREAD).recordings if hidden else {}
+    return Case(campaign, true, kind, hidden, fault, stated, protocol, plain)
 
 
 def _protocol(rng: np.random.Generator) -> Protocol:

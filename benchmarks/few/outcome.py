@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.few.cases import SPREAD, Case
+from benchmarks.few.missing import times_spread
 from hannes.commands.calibrate import Calibration, calibrate
 from hannes.core.errors import HannesError
 from hannes.identification.calibration.identifiability import NORMAL
@@ -34,11 +35,14 @@ def outcome(case: Case, seed: int) -> dict[str, Any]:
         **row,
         "parameters": _parameters(case, found),
         "repeats": remains.repeats,
-        "misleads": bool(remains.misleads),
+        "misleads": found.misleads,
         "ratio": remains.ratio,
         "share": remains.share,
         "chance": remains.chance,
+        "looks_like": found.missing.name,
+        "deviations": found.missing.deviations,
         "seconds": time.process_time() - begun,
+        **({"times_spread": times_spread(case, found.found)} if case.plain else {}),
     }
 
 

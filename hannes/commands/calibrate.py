@@ -22,6 +22,7 @@ from hannes.identification.calibration.heldout_prediction import prediction
 from hannes.identification.calibration.identifiability import answers
 from hannes.identification.calibration.intervals import spread
 from hannes.identification.calibration.linearisation import State
+from hannes.identification.calibration.missing_effect import MissingEffect, missing_effect
 from hannes.identification.calibration.observed_controller import as_recorded
 from hannes.identification.calibration.profile_likelihood import sides
 from hannes.identification.calibration.repeat_noise import noise_floors, sample_noise_floors
@@ -121,6 +122,7 @@ def _result(
 ) -> Calibration:
     width, noise = spread(found), sample_noise_floors(found.model.views)
     halves, held_out, fitted = np.tile(width.reach, (2, 1)), {}, {}
+    missing = MissingEffect()
 
     def gap(*roles: str) -> Gap:
         made = prediction(found, campaign.of(*roles))
@@ -132,10 +134,13 @@ def _result(
         apart = bool(campaign.of("fit", "select"))
         held_out = gap("show") if apart else {}
         fitted = gap("fit", "select") if apart else gap("show")
+        progress("effects that may be missing", found.rms)
+        missing = missing_effect(found, list(campaign.effects.values()))
     except KeyboardInterrupt:  # then intervals are as wide above as below, and gaps not known
         found = replace(found, interrupted=True)
     repeated = repeatable_residual(found)
-    lack_of_fit = "the model does not fit: see what remains" if repeated.misleads else ""
+    wrong = repeated.misleads or missing.likely
+    lack_of_fit = "the model does not fit: see what remains" if wrong else ""
     return Calibration(
         campaign,
         issues,
@@ -143,6 +148,7 @@ def _result(
         width,
         tuple(answers(found, width, halves, lack_of_fit)),
         repeated,
+        missing,
         held_out,
         fitted,
         how,

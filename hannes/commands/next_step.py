@@ -41,7 +41,7 @@ def after_calibrate(campaign: str, out: str | Path, result: "Fit") -> str:
     diagnosis = _command("diagnose", campaign)
     if result.found.interrupted:
         return f"next: {again}"
-    if result.repeatable_residual.misleads:
+    if result.misleads:
         return f"next: {diagnosis}"
     left = {each.label: each.name for each in reversed(result.answers) if not each.identified}
     if name := left.get(CONFOUNDED):

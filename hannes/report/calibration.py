@@ -24,7 +24,7 @@ def page(result: "Fit") -> str:
         {
             "title": result.campaign.title,
             "sentence": result.sentence,
-            "remaining": " ".join([result.repeatable_residual.sentence + ".", *result.assumed]),
+            "remaining": " ".join(result.remaining),
             "values": _values(result),
             "gaps": _gaps(result),
             "starts": _starts(result),

@@ -21,6 +21,7 @@ from hannes.identification.calibration.identifiability import (
 )
 from hannes.identification.calibration.intervals import Spread
 from hannes.identification.calibration.linearisation import State
+from hannes.identification.calibration.missing_effect import MissingEffect
 from hannes.identification.calibration.repeatable_residual import RepeatableResidual
 from hannes.identification.calibration.tuning import CALIBRATION
 from hannes.plants.protocol import Plant
@@ -48,6 +49,7 @@ class Fit(ByValue):
     spread: Spread
     answers: tuple[Answer, ...]
     repeatable_residual: RepeatableResidual
+    missing: MissingEffect
     gap: dict[str, dict[str, float]]
     fitted_gap: dict[str, dict[str, float]]
     floor_from: str
@@ -87,8 +89,11 @@ class Fit(ByValue):
     @property
     def sentence(self) -> str:
         """The result in one sentence, the worst thing first."""
-        misleads = self.repeatable_residual.misleads
-        parts = ["the model does not fit these recordings"] if misleads else []
+        parts = []
+        if self.repeatable_residual.misleads:
+            parts = ["the model does not fit these recordings"]
+        elif self.missing.likely:
+            parts = [f"the model likely lacks {self.missing.name}, or something like it"]
         for label in (AT_BOUND, NOT_IDENTIFIED, CONFOUNDED):
             some = [each.name for each in self.answers if each.label == label]
             parts += [f"{label}: {', '.join(some)}"] if some else []
@@ -120,6 +125,7 @@ class Fit(ByValue):
                 "common": self.repeatable_residual.common,
                 "sentence": self.repeatable_residual.sentence,
             },
+            "missing": {**asdict(self.missing), "likely": self.missing.likely},
             "starts": self._starts(),
             "runs": self._runs(),
             "recordings": {
@@ -189,8 +195,19 @@ class Fit(ByValue):
         for each in self.answers:
             note = "" if each.identified else f"  {each.label}"
             lines.append(f"  {each.name:<{width}}  {value_text(each)}{note}")
-        lines += [self.repeatable_residual.sentence + ".", *self.assumed]
+        lines += self.remaining
         return "\n".join([*lines, *self._warnings()])
+
+    @property
+    def misleads(self) -> bool:
+        """Whether the model is wrong in some way, so that no interval holds."""
+        return self.repeatable_residual.misleads or self.missing.likely
+
+    @property
+    def remaining(self) -> list[str]:
+        """What remains and what was assumed, a sentence each."""
+        said = [self.repeatable_residual.sentence, self.missing.sentence]
+        return [*(f"{text}." for text in said if text), *self.assumed]
 
     @property
     def assumed(self) -> list[str]:

@@ -77,6 +77,12 @@ class CalibrationTuning:
     absent_ratio: float = constant(
         2.0, "1", "the same, which must have shown for absence to be stated"
     )
+    missing_p_value: float = constant(
+        0.02, "1", "that chance gives as much to any effect: from it the model counts as wrong"
+    )
+    effect_step: float = constant(
+        1.0 / 60.0, "1", "of its range, by which an effect is differenced", NUMERICS
+    )
     repeat_share: float = constant(0.25, "1", "of the residual, that must repeat to be stated")
 
 
