@@ -45,8 +45,10 @@ class Plant(Protocol):
                 all of them as uncertain, see hannes/identification/diagnosis
     parts(recording): what single parts may be off for themselves in a run, beside what the
                 parameters say: name -> True for one of several like parts (a joint), False for
-                one of its own (the object of an experiment). Calibrate takes these as uncertain,
-                diagnose those of several like ones
+                one of its own (the object of an experiment). Calibrate takes these as uncertain
+    apart(parameters, share, recording, channels): name of each of several like parts -> two
+                changes of channels, each name -> shape (n,): with it off by `share` (relative), and
+                by as much the other way. Diagnose takes these as uncertain
     slopes(parameters, steps, recording, channels): name -> channel -> its change, shape (n,), per
                 unit of each parameter of `steps` [SI], and per relative deviation of each part
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, fast

@@ -87,7 +87,8 @@ def estimated_noise(
     discretisations = model.discretisation_errors(x, accuracy.samples, seed)
     channels = [model.simulated(group, x[np.newaxis], False)[0] or {} for group in model.groups]
     nonlinearities = [
-        group.nonlinearity(each) for group, each in zip(model.groups, channels, strict=True)
+        np.hypot(group.nonlinearity(each), group.onsets(each, NOISE.onset) if each else 0.0)
+        for group, each in zip(model.groups, channels, strict=True)
     ]
     pairs = zip(model.groups, channels, strict=True)
     run_to_run = [run_to_run_rows(model, x, group, each) for group, each in pairs]

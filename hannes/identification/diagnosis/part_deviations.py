@@ -3,10 +3,12 @@
 Fingers are made alike and are not alike. A machine's parameters hold for all of them. What each
 joint is off for itself changes a run a little, and no value of the machine does the same. So these
 changes are simulated one by one at the baseline, and their covariance joins the noise of all runs
-together: a fit may move every part within its scatter, at no further simulation.
+together: a fit may move every part within its scatter, at no further simulation. With contacts a
+change is not the reverse of the opposite one: a finger that touches first may touch earlier, and
+not later. What both have in common is a row of its own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +19,12 @@ from hannes.identification.diagnosis.simulator import Model
 
 @dataclass(frozen=True)
 class PartDeviations:
-    """Changes of each group's channels by one standard deviation of each part: part -> channels."""
+    """Changes of each group's channels by one standard deviation of each part: row -> channels."""
 
     changes: Sequence[dict[str, Channels]]
 
     def rows(self, groups: Sequence[Group]) -> list[np.ndarray]:
-        """The same in the bins of these groups, in their order, shape (parts, n) each."""
+        """The same in the bins of these groups, in their order, shape (rows, n) each."""
         names = list(dict.fromkeys(name for own in self.changes for name in own))
         return [
             np.array([_binned(group, own.get(name)) for name in names]).reshape(-1, group.part.size)
@@ -41,12 +43,14 @@ def _binned(group: Group, change: Channels | None) -> np.ndarray:
 def part_deviations(model: Model, x: np.ndarray) -> PartDeviations | None:
     """Of all groups at x; None where the plant has no like parts, or these do not scatter."""
     size = model.space.settings.scatter_apart
-    found = [model.part_slopes(group, x) for group in model.groups] if size else []
+    found = [model.apart(group, x, size) for group in model.groups] if size else []
     if not any(found):
         return None
-    return PartDeviations(
-        [
-            {name: {n: size * slope for n, slope in each.items()} for name, each in own.items()}
-            for own in found
-        ]
-    )
+    return PartDeviations([dict(_rows(own)) for own in found])
+
+
+def _rows(own: Mapping[str, tuple[Channels, Channels]]) -> Iterator[tuple[str, Channels]]:
+    """Of each part what its two changes do not share, and what they do."""
+    for name, (up, down) in own.items():
+        yield name, {n: 0.5 * (up[n] - down[n]) for n in up}
+        yield f"{name}, either way", {n: 0.5 * (up[n] + down[n]) for n in up}

@@ -62,10 +62,34 @@ class Group:
         """Deviation of samples from a straight line in each bin, see View.nonlinearities."""
         return self.views[0].nonlinearities(channels)
 
+    def onsets(self, channels: Channels, within: float) -> np.ndarray:
+        """What a channel that is zero next to a touch reaches as long on its other side, (n,).
+
+        within: time [s] from the touch; 0 beyond, and where a channel is not zero
+        """
+        vector, most = self.vector(channels), max(1, round(within / self.width))
+        return np.concatenate([_mirrored(vector[self.of(name)], most) for name in self.names])
+
     def of(self, name: str) -> slice:
         """Where a channel lies in the vector."""
         first = self.names.index(name) * self.bins
         return slice(first, first + self.bins)
+
+
+def _mirrored(values: np.ndarray, most: int) -> np.ndarray:
+    """At zeros, the size of what lies as far beyond the nearest other value, up to `most` away."""
+    found, there = np.zeros(values.size), values != 0.0
+    if there.all() or not there.any():
+        return found
+    for edge in np.flatnonzero(there[1:] != there[:-1]):
+        outward = np.arange(most)
+        inside, outside = (edge + 1 + outward, edge - outward)
+        if there[edge]:
+            inside, outside = edge - outward, edge + 1 + outward
+        known = (np.minimum(inside, outside) >= 0) & (np.maximum(inside, outside) < values.size)
+        quiet = known & ~there[np.where(known, outside, 0)]
+        found[outside[quiet]] = np.maximum(found[outside[quiet]], np.abs(values[inside[quiet]]))
+    return found
 
 
 def nominal_values(

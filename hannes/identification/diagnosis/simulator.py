@@ -185,20 +185,23 @@ class Model:
             for k in range(len(rows))
         ]
 
-    def part_slopes(self, group: Group, x: np.ndarray) -> dict[str, Channels]:
-        """Like part -> change of a group's channels per relative deviation of it alone, at x.
+    def apart(
+        self, group: Group, x: np.ndarray, share: float
+    ) -> dict[str, tuple[Channels, Channels]]:
+        """Like part -> changes of a group's channels with it off by a share, up and down, at x.
 
         {} where the plant has none. Raises ComputationFailed where no run nearby succeeds.
         """
-        parts, slopes = (getattr(self.small, name, None) for name in ("parts", "slopes"))
-        if parts is None or slopes is None:
+        apart = getattr(self.small, "apart", None)
+        if apart is None:
             return {}
-        like = [name for name, each in parts(group.recording).items() if each]
-        self._count(group, 1 + len(like), False)
         columns = self.space.columns(group, x[np.newaxis], False)
         values = {name: float(column[0]) for name, column in columns.items()}
-        found = slopes(values, {}, group.recording, group.names)
-        return {name: found[name] for name in like}
+        found: dict[str, tuple[Channels, Channels]] = apart(
+            values, share, group.recording, group.names
+        )
+        self._count(group, 1 + 2 * len(found), False)
+        return found
 
     def _count(self, group: Group, runs: int, exact: bool) -> None:
         self.work.add(runs, float(np.ptp(group.recording.time)), exact)

@@ -79,12 +79,52 @@ def slopes(
         ways[name] = Way(here, dict(zip(ends, vectors, strict=True)))
     made = runs.of(ways)
     if lost := [name for name, each in made.items() if ways[name].ends and len(each) == 1]:
-        made |= runs.of({name: ways[name].nearer(runs.base) for name in lost})
+        made |= runs.of({name: ways[name].times(runs.base, *NEARER) for name in lost})
     since = recording.time - (recording.time[0] if "reference" in recording else 0.0)
     return {
         name: {n: np.interp(since, plan.times, each) for n, each in _slope(name, places).items()}
         for name, places in made.items()
     }
+
+
+def apart(
+    hand: Hand,
+    experiment: Experiment,
+    recording: Recording,
+    values: Mapping[str, float],
+    share: float,
+    channels: tuple[str, ...],
+) -> dict[str, tuple[Channels, Channels]]:
+    """Name of each joint's own deviation -> changes of each channel by it: up, and down.
+
+    share: how far it is off, relative. With contacts one change is not the other's reverse. Where
+    one fails it is taken as that. Raises ComputationFailed as `slopes` does.
+    """
+    posed = hand.with_values(values).with_values(experiment.overrides())
+    compiled = posed.compiled(hand.effects)
+    plan = Plan.of(compiled, experiment, TOLERANCE, channels).make_ready()
+    runs = _Runs(plan, posed, posed.vector(experiment.shape, hand.effects))
+    like = [name for name, each in parts(experiment).items() if each]
+    ways = _of_parts(plan, runs.base, experiment)
+    both = {name: ways[name].times(runs.base, share / STEP, -share / STEP) for name in like}
+    since = recording.time - (recording.time[0] if "reference" in recording else 0.0)
+
+    def change(here: Channels, there: Channels) -> Channels:
+        return {n: np.interp(since, plan.times, there[n] - here[n]) for n in channels}
+
+    found = {}
+    for name, places in runs.of(both).items():
+        if len(places) == 1:
+            raise ComputationFailed(_unknown(name))
+        here, *_ = places.values()
+        more, less = (places.get(side) for side in both[name].ends)
+        up, down = (change(here, each) if each else {} for each in (more, less))
+        found[name] = (up or _reversed(down), down or _reversed(up))
+    return found
+
+
+def _reversed(change: Channels) -> Channels:
+    return {name: -values for name, values in change.items()}
 
 
 @dataclass(frozen=True)
@@ -97,14 +137,14 @@ class Way:
     here: float
     ends: Mapping[float, np.ndarray]
 
-    def nearer(self, base: np.ndarray) -> "Way":
-        """The same with ends at shares of the distance, on either side of those that there are."""
+    def times(self, base: np.ndarray, *shares: float) -> "Way":
+        """The same with ends at shares of the distance of those that there are."""
         return Way(
             self.here,
             {
                 self.here + share * (at - self.here): base + share * (vector - base)
                 for at, vector in self.ends.items()
-                for share in NEARER
+                for share in shares
             },
         )
 
@@ -139,11 +179,13 @@ def _slope(name: str, places: Mapping[float, Channels]) -> Channels:
     """Change of each channel per unit, between the two places that are farthest from each other."""
     low, high = min(places), max(places)
     if low == high:
-        raise ComputationFailed(
-            f"no hand with another {name} can be simulated near here, so what it does is not known"
-        )
+        raise ComputationFailed(_unknown(name))
     one, other = places[low], places[high]
     return {n: (other[n] - one[n]) / (high - low) for n in one}
+
+
+def _unknown(name: str) -> str:
+    return f"no hand with another {name} can be simulated near here, so what it does is not known"
 
 
 def _ends(

@@ -152,6 +152,20 @@ class HandPlant(ByValue):
             self.hand, moved, recording, parameters, steps, tuple(channels)
         )
 
+    def apart(
+        self,
+        parameters: Mapping[str, float],
+        share: float,
+        recording: Recording,
+        channels: Sequence[str],
+    ) -> dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]]:
+        """Changes of channels by each joint off by a share for itself, see joint_deviations.py."""
+        asked = replace(experiment_of(recording), controller="continuous")
+        moved = self._with_moved_object(asked, parameters)
+        return joint_deviations.apart(
+            self.hand, moved, recording, parameters, share, tuple(channels)
+        )
+
     def with_effects(self, *effects: Effect) -> "HandPlant":
         """Return a plant whose hand has `effects` too."""
         return HandPlant(self.hand.with_effects(*effects))

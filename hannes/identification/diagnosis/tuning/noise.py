@@ -78,6 +78,12 @@ class NoiseTuning:
     alive: float = constant(
         20.0, "times its roughness", "range of a recorded channel that surely is not zero"
     )
+    onset: float = constant(
+        0.05,
+        "s",
+        "about a simulated touch, in which a finger may touch earlier than all others",
+        DEVELOPMENT,
+    )
     apart: float = constant(
         5.0, "times what repeats differ by", "at least, likewise: sensors drift at rest"
     )
