@@ -13,6 +13,7 @@ from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.noise_covariance import NoiseCovariance
 from hannes.identification.diagnosis.noise_scale import _weighed
 from hannes.identification.diagnosis.part_deviations import PartDeviations, part_deviations
+from hannes.identification.diagnosis.repeat_groups import _mirrored
 from hannes.identification.diagnosis.settings import Settings, read_settings
 from hannes.plants.hand.plant import HandPlant
 
@@ -110,3 +111,9 @@ def test_joints_are_off_by_a_hundredth_and_no_more_than_the_hand():
     assert settings(scatter_apart="0 %").scatter_apart == 0.0
     with pytest.raises(BadInput, match="scatter_apart"):
         settings(scatter_apart="60 %")
+
+
+def test_before_a_touch_a_channel_is_as_uncertain_as_it_is_large_after_it():
+    force = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 3.0, 9.0, 4.0, 0.0, 0.0])
+    assert _mirrored(force, 3) == pytest.approx([0.0, 9.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.0, 4.0, 9.0])
+    assert not _mirrored(force[:4], 3).any() and not _mirrored(force[4:8], 3).any()
