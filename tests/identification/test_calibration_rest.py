@@ -51,7 +51,7 @@ def test_the_rest_is_inexact_unless_exactness_is_said():
     assert "default" not in stated.sentence(doubt, own)
     assert usual.sentence({}, {}) == "all that is not fitted was taken as exact"
     exact = Rest.read(table(doubt="0 %"), plant)
-    assert exact.doubt(plant, ()) == {} and "exact" in exact.sentence
+    assert exact.doubt(plant, ()) == {} and "exact" in exact.sentence({}, {})
     doubt = usual.doubt(plant, ("motor.resistance",))
     assert doubt["motor.inertia"] == pytest.approx(0.03 * plant.parameters["motor.inertia"])
     assert "motor.resistance" not in doubt and "gear.ratio" not in doubt

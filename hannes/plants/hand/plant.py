@@ -70,6 +70,7 @@ CERTAIN = (
 CERTAIN_ENDINGS = ("onset", ".mount_x", ".mount_y", ".mount_z", ".facing", ".first_length")
 PLACED = dict.fromkeys(("object.x", "object.y"), 10e-3)  # m, scale of an object's place
 TOLERANCE = 1e-5
+Values = Mapping[str, float]
 
 
 class HandPlant(ByValue):
@@ -139,17 +140,12 @@ class HandPlant(ByValue):
         return joint_deviations.parts(experiment_of(recording))
 
     def slopes(
-        self,
-        parameters: Mapping[str, float],
-        steps: Mapping[str, float],
-        recording: Recording,
-        channels: Sequence[str],
+        self, parameters: Values, steps: Values, recording: Recording, channels: Sequence[str]
     ) -> dict[str, dict[str, np.ndarray]]:
         """Change of channels by parameters and by parts, see joint_deviations.py."""
-        asked = replace(experiment_of(recording), controller="continuous")
-        moved = self._with_moved_object(asked, parameters)
+        asked = self._smooth(parameters, recording)
         return joint_deviations.slopes(
-            self.hand, moved, recording, parameters, steps, tuple(channels)
+            self.hand, asked, recording, parameters, steps, tuple(channels)
         )
 
     def apart(
@@ -158,12 +154,11 @@ class HandPlant(ByValue):
         share: float,
         recording: Recording,
         channels: Sequence[str],
-    ) -> dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]]:
+    ) -> dict[str, tuple[joint_deviations.Channels, joint_deviations.Channels]]:
         """Changes of channels by each joint off by a share for itself, see joint_deviations.py."""
-        asked = replace(experiment_of(recording), controller="continuous")
-        moved = self._with_moved_object(asked, parameters)
+        asked = self._smooth(parameters, recording)
         return joint_deviations.apart(
-            self.hand, moved, recording, parameters, share, tuple(channels)
+            self.hand, asked, recording, parameters, share, tuple(channels)
         )
 
     def with_effects(self, *effects: Effect) -> "HandPlant":
@@ -206,8 +201,11 @@ class HandPlant(ByValue):
         self, parameters: Mapping[str, float], recording: Recording
     ) -> dict[str, np.ndarray]:
         """As `simulate`, but always with the continuous controller: fast and differentiable."""
+        return self._run(parameters, recording, self._smooth(parameters, recording))
+
+    def _smooth(self, parameters: Mapping[str, float], recording: Recording) -> Experiment:
         asked = replace(experiment_of(recording), controller="continuous")
-        return self._run(parameters, recording, self._with_moved_object(asked, parameters))
+        return self._with_moved_object(asked, parameters)
 
     def _with_moved_object(
         self, experiment: Experiment, parameters: Mapping[str, float]
