@@ -9,6 +9,7 @@ from benchmarks.harness import Row
 Cases = Sequence[dict[str, Any]]
 COVERED, CALLED, FAR, SOUND, UNSEEN = (0.90, 0.98), 0.70, 0.01, 0.03, 0.02
 SAID, LARGE = 0.80, 3.0  # of models that lack so many times the spread of repeats
+NONE = {"whole": 0.0, "beyond": 0.0}
 HALVES = 3.0  # half-widths from the truth, beyond which a value is plainly wrong
 
 
@@ -38,7 +39,7 @@ def figures(cases: Cases) -> tuple[list[Row], list[Row]]:
         unseen = share([each["repeats"] is False for each in wrong])
         shown.append(_held("wrong: residual said not to repeat", unseen, 0.0, UNSEEN))
         for name, what in (("whole", "lacks"), ("beyond", "lacks beyond the machine's values")):
-            large = [e for e in wrong if e["times_spread"][name] >= LARGE]
+            large = [e for e in wrong if e.get("times_spread", NONE)[name] >= LARGE]
             if large:
                 said = share([bool(each["misleads"]) for each in large])
                 text = f"{what} {LARGE:g} times the spread of repeats: model said to be wrong"

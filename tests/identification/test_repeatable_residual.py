@@ -25,7 +25,7 @@ def test_what_may_hide_shows_in_nineteen_campaigns_of_twenty(groups, runs):
 
 def test_few_runs_hide_more_than_many():
     few, many = (_largest_hidden(1.0, 2, 2 * (runs - 1)) for runs in (2, 10))
-    assert few > CALIBRATION.absent_ratio >= _largest_hidden(1.0, 3, 3 * 9) and few > many
+    assert few > CALIBRATION.absent_ratio >= _largest_hidden(1.0, 4, 4 * 9) and few > many
 
 
 def test_absence_comes_with_what_would_have_shown():

@@ -75,7 +75,7 @@ class CalibrationTuning:
         3.0, "1", "mean residual over what repeats leave, from which no interval is trusted"
     )
     absent_ratio: float = constant(
-        2.0, "1", "the same, which must have shown for absence to be stated"
+        1.6, "1", "the same, which must have shown for absence to be stated"
     )
     missing_p_value: float = constant(
         0.02, "1", "that chance gives as much to any effect: from it the model counts as wrong"

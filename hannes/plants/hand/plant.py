@@ -144,22 +144,16 @@ class HandPlant(ByValue):
     ) -> dict[str, dict[str, np.ndarray]]:
         """Change of channels by parameters and by parts, see joint_deviations.py."""
         asked = self._smooth(parameters, recording)
-        return joint_deviations.slopes(
-            self.hand, asked, recording, parameters, steps, tuple(channels)
-        )
+        given = (parameters, steps, tuple(channels))
+        return joint_deviations.slopes(self.hand, asked, recording, *given)
 
     def apart(
-        self,
-        parameters: Mapping[str, float],
-        share: float,
-        recording: Recording,
-        channels: Sequence[str],
+        self, parameters: Values, share: float, recording: Recording, channels: Sequence[str]
     ) -> dict[str, tuple[joint_deviations.Channels, joint_deviations.Channels]]:
         """Changes of channels by each joint off by a share for itself, see joint_deviations.py."""
         asked = self._smooth(parameters, recording)
-        return joint_deviations.apart(
-            self.hand, asked, recording, parameters, share, tuple(channels)
-        )
+        given = (parameters, share, tuple(channels))
+        return joint_deviations.apart(self.hand, asked, recording, *given)
 
     def with_effects(self, *effects: Effect) -> "HandPlant":
         """Return a plant whose hand has `effects` too."""
@@ -197,13 +191,11 @@ class HandPlant(ByValue):
             parameters, recording, self._with_moved_object(experiment_of(recording), parameters)
         )
 
-    def smooth(
-        self, parameters: Mapping[str, float], recording: Recording
-    ) -> dict[str, np.ndarray]:
+    def smooth(self, parameters: Values, recording: Recording) -> dict[str, np.ndarray]:
         """As `simulate`, but always with the continuous controller: fast and differentiable."""
         return self._run(parameters, recording, self._smooth(parameters, recording))
 
-    def _smooth(self, parameters: Mapping[str, float], recording: Recording) -> Experiment:
+    def _smooth(self, parameters: Values, recording: Recording) -> Experiment:
         asked = replace(experiment_of(recording), controller="continuous")
         return self._with_moved_object(asked, parameters)
 
