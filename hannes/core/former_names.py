@@ -4,6 +4,7 @@
 """
 
 import importlib
+import re
 import sys
 import warnings
 from collections.abc import Callable, Mapping
@@ -11,40 +12,11 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any, TypeVar, cast
 
+from hannes.core.former_modules import MOVED
+
 AnyClass = TypeVar("AnyClass", bound=type)
 
-# Name within hannes before -> today.
-MOVED = {
-    "_jit": "core.kernels.jit",
-    "axis": "plants.axis.plant",
-    "batch": "simulation.batch.simulate_many",
-    "calibrate": "commands.calibrate",
-    "campaign": "campaigns.campaign_file",
-    "catalogue": "simulation.catalogue",
-    "check": "campaigns.check",
-    "convert": "campaigns.convert",
-    "diagnose": "commands.diagnose",
-    "effect": "core.effect",
-    "errors": "core.errors",
-    "expected": "core.recording.channel_limits",
-    "experiment": "simulation.experiment.experiment",
-    "hand": "simulation.hand.hand",
-    "hand_plant": "plants.hand.plant",
-    "lanes": "core.kernels.vector_math",
-    "layout": "core.layout",
-    "observe": "simulation.sensors",
-    "onset": "core.kernels.smooth_switches",
-    "parameter": "core.parameter",
-    "plain_plant": "plants.plain",
-    "plant": "plants.protocol",
-    "recording": "core.recording.recording",
-    "simulate": "simulation.simulate",
-    "spec": "simulation.experiment.load",
-    "trajectory": "simulation.trajectory",
-    "units": "core.io.units",
-    "verdict": "identification.verdict",
-}
-
+_COMMENT = re.compile(r"(?m)^( *)# effects: (\w+(?:, \w+)*)$")
 CHANNELS = {"told_force": "logged_force", "told_sensor": "logged_sensor"}
 
 
@@ -103,6 +75,15 @@ def channel(name: str) -> str:
     return CHANNELS.get(name, name)
 
 
+def opened(text: str) -> str:
+    """Text of equations with each former comment `# effects: a, b` as a statement; warn on one."""
+    found, count = _COMMENT.subn(r"\1\2 = effects(\2)", text)
+    if count:
+        advice = "comments `# effects: a, b` go with the next release: write `a, b = effects(a, b)`"
+        warnings.warn(f"{advice}, with effects from hannes.core.kernels.insertion", MovedWarning, 2)
+    return found
+
+
 def attributes(names: Mapping[str, str]) -> Callable[[AnyClass], AnyClass]:
     """Decorate a class so that former names of its attributes can be read, with a warning.
 
@@ -127,7 +108,11 @@ def _former(owner: str, former: str, today: str) -> property:
 
 
 def install() -> None:
-    """Look up former names after all others; warn on them where nothing else is asked for."""
-    sys.meta_path.append(Finder)
+    """Look up former names first; warn on them where nothing else is asked for.
+
+    First, for `hannes.diagnosis.search` would else be found beside what stands there today, and be
+    loaded a second time.
+    """
+    sys.meta_path.insert(0, Finder)
     if not sys.warnoptions:  # else users would not see what is not of their own __main__
         warnings.filterwarnings("default", category=MovedWarning)

@@ -1,12 +1,13 @@
 """The names that hannes shows, what its import costs, and files written for its former layout."""
 
+import importlib.util
 import inspect
 import re
 import runpy
 import subprocess
 import sys
 import warnings
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -125,16 +126,33 @@ def test_importing_hannes_loads_nothing_of_weight():
     assert {name.partition(".")[0] for name in loaded} - {"hannes"} <= set(sys.stdlib_module_names)
 
 
-@pytest.mark.parametrize("former", MOVED)
-def test_a_former_module_is_that_of_today(former, forgotten):
-    import importlib
+def test_every_former_module_is_somewhere_today():
+    for name in MOVED.values():
+        assert importlib.util.find_spec(f"hannes.{name}") is not None
 
-    with pytest.warns(MovedWarning, match=re.escape(f"hannes.{MOVED[former]}")):
+
+@pytest.mark.parametrize("former", [*ADVICE, "assemble", "batch", "check", "finger.plant"])
+def test_a_former_module_is_that_of_today(former, forgotten):
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
         found = importlib.import_module(f"hannes.{former}")
+    assert f"hannes.{MOVED[former]}" in str(said[-1].message)
     assert found is importlib.import_module(f"hannes.{MOVED[former]}")
     assert found.__spec__.name == f"hannes.{MOVED[former]}"
     for name in ("simulate", "check", "convert", "calibrate", "diagnose", "observe"):
         assert inspect.isfunction(getattr(hannes, name))
+
+
+def test_former_comments_of_equations_are_todays_statements(tmp_path, monkeypatch):
+    from hannes.plants.axis import plant as axis
+
+    written = Path(axis.EQUATIONS.module.__file__).read_text(encoding="utf-8")
+    former, count = re.subn(r"(?m)^( *)(\S.*?) = effects\(\2\)$", r"\1# effects: \2", written)
+    (tmp_path / "former_equations.py").write_text(former, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.warns(MovedWarning, match="write `a, b = effects"):
+        found = replace(axis.EQUATIONS, module=importlib.import_module("former_equations"))
+        assert count > 3 and found.source() == axis.EQUATIONS.source()
 
 
 def test_a_name_that_never_was_is_not_found():

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from hannes.core import former_names
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.kernels.pointers import address
@@ -76,7 +77,7 @@ class Equations:
 
     def source(self) -> str:
         """Text of the module's functions, without its imports and head."""
-        return _functions(self.module)
+        return former_names.opened(_functions(self.module))
 
     def stage_of(self, channel: str) -> str:
         """Name of the written function in which effects may add to `channel`."""
