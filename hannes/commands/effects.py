@@ -37,6 +37,8 @@ def _known(plant: str | None) -> Mapping[str, Effect]:
 
 def _check(effect: Effect, plant: Plant) -> None:
     """Raise BadInput in one line for what a run would refuse."""
+    if effect.name in {**catalogue.effects(), **own_catalogue(plant)}:
+        raise BadInput(f"effect {effect.name}: one that ships has this name: choose another")
     equations: Equations | None = getattr(plant, "compiled_from", None)
     if why := plant.accepts(effect):
         meant = _meant(equations, effect) if equations is not None else ""

@@ -10,6 +10,7 @@ import inspect
 import pkgutil
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from keyword import iskeyword
 from typing import Any
 
 from hannes.core import former_names
@@ -33,6 +34,10 @@ class Term:
     unit: str = ""
 
     def __post_init__(self) -> None:
+        if isinstance(self.writes, str) or isinstance(self.states, str):
+            raise BadInput(
+                f'a term of {plain(self.kernel).__name__}: expected names in a tuple, ("a",)'
+            )
         object.__setattr__(self, "writes", tuple(map(former_names.channel, self.writes)))
 
     @property
@@ -78,6 +83,10 @@ class Effect:
     states: tuple[Slot, ...] = ()
 
     def __post_init__(self) -> None:
+        for name in (self.name, *(each.name for each in (*self.parameters, *self.states))):
+            if not name.isidentifier() or iskeyword(name):
+                what = "expected a name of letters, digits and _, as Python has it"
+                raise BadInput(f"effect {self.name!r}: {name!r} is no name; {what}")
         if not self.amplitudes:
             raise BadInput(f"effect {self.name}: no parameter declares `off`")
         own = {each.name for each in self.parameters} | {each.name for each in self.states}

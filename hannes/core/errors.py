@@ -15,6 +15,12 @@ class HannesError(Exception):
     def __init__(self, text: str = "") -> None:
         super().__init__("".join(each if each.isprintable() else "?" for each in text))
 
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and vars(other) == vars(self) and str(other) == str(self)
+
+    def __hash__(self) -> int:
+        return hash((type(self), str(self)))
+
 
 class BadInput(HannesError):
     """The input cannot be used: what was expected, what came, what to do.
@@ -27,6 +33,9 @@ class BadInput(HannesError):
     def __init__(self, text: str = "", mend: tuple[str, ...] = ()) -> None:
         super().__init__(text)
         self.mend = mend
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({str(self)!r}{f', mend={self.mend!r}' if self.mend else ''})"
 
 
 class NotTrusted(BadInput):

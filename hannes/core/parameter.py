@@ -35,7 +35,8 @@ class Parameter:
         low, high = self.bounds
         if not low < high:
             raise BadInput(f"{self.name}: lower bound {low:g} is not below upper bound {high:g}")
-        for value in (self.value, *self.tried):
+        off = () if self.off is None else (self.off,)
+        for value in (self.value, *self.tried, *off):
             self.check(value)
 
     def check(self, value: float) -> float:

@@ -109,7 +109,13 @@ class PlainPlant(ByValue):
         self, parameters: Mapping[str, float], recording: Recording
     ) -> dict[str, np.ndarray]:
         """Channels at the recording's times, shape (n,); to be written by the subclass."""
-        raise BadInput(f"the plant {self.name or type(self).__name__} does not say how it moves")
+        name = self.name or type(self).__name__
+        raise BadInput(f"the plant {name} does not say how it moves: write its method simulate")
+
+    @property
+    def simulates(self) -> bool:
+        """Whether a subclass has written `simulate`."""
+        return type(self).simulate is not PlainPlant.simulate
 
     def same_run(self, recording: Recording) -> bytes:
         """Equal where the times and the required channels are."""

@@ -155,6 +155,8 @@ def find_plant(name: str, folder: Path | None = None, toml: str | Path | None = 
         plant: Plant = found() if isinstance(found, type) else found
         lacking = _lacks(plant)
         fault = "" if lacking else _fault(plant)
+    except BadInput as error:
+        raise BadInput(f"plant {name}: {error}") from None
     except (Exception, SystemExit) as error:  # of the user's own code
         what = f"{type(error).__name__}: {error}"
         raise BadInput(f"plant {name} raises when it is made or looked at: {what}") from None
@@ -177,6 +179,12 @@ def shipped_plant(name: str) -> Plant:
 
 def _fault(plant: Plant) -> str:
     """What contradicts itself in a plant's attributes, or an empty string."""
+    if not (isinstance(plant.name, str) and plant.name):
+        return f"name = {plant.name!r}: expected a text"
+    if not getattr(plant, "simulates", True):
+        return "it does not say how it moves: write its method simulate"
+    if not isinstance(plant.channels, Mapping):
+        return f"channels is {plant.channels!r:.80}: expected units by name"
     if plant.channels.get("time") != "s":
         return 'channels lacks "time": "s"'
     for what in ("required", "judged"):

@@ -30,17 +30,27 @@ REFUSED = {
         {"arguments": "leader_pull, size", "returned": "size * leader_pull"},
         "for gear_friction: expected a number",
     ),
+    "more than nothing at off": ({"returned": "motor_speed"}, "expected exactly 0"),
+    "no number at off": ({"returned": "0.0 / size"}, "adds nan to gear_friction"),
+    "an element that is not there": (
+        {"arguments": "leader_pull, size", "returned": "size * leader_pull[9]"},
+        "kernel rub reads beyond an array: index 9",
+    ),
+    "the name of one that ships": ({"name": "leader_slack"}, "one that ships has this name"),
+    "a name that is none": ({"name": "my effect"}, "expected a name of letters, digits and _"),
+    "channels as one text": ({"writes": "gear_friction", "tuple_end": ""}, 'in a tuple, ("a",)'),
     "a plain function": ({"mark": ""}, "kernel rub is a plain function: mark it @kernel"),
 }
 
 
 def written(folder, mark="@kernel\n", arguments="motor_speed, size", returned="size * motor_speed",
-            writes="gear_friction"):  # fmt: skip
+            writes="gear_friction", name="mine", tuple_end=","):  # fmt: skip
     """An effect's file with one fault or none; returns what to type."""
     code = f"{mark}def rub({arguments}):\n    return {returned} + 0.0 * size\n"
     if "," in returned or returned == "None":
         code = f"{mark}def rub({arguments}):\n    x = size\n    return {returned}\n"
-    text = EFFECT.format(code=code).replace('"gear_friction"', f'"{writes}"')
+    text = EFFECT.format(code=code).replace('"gear_friction",', f'"{writes}"{tuple_end}')
+    text = text.replace('"mine"', f'"{name}"')
     (folder / "mine.py").write_text(text, encoding="utf-8")
     return f"{folder / 'mine.py'}:EFFECT"
 
@@ -52,6 +62,15 @@ def test_what_a_run_would_refuse_is_refused(tmp_path, capsys, compiling, fault):
     printed = capsys.readouterr()
     assert said in printed.err and printed.out == ""
     assert printed.err.count("\n") == 1 and printed.err.startswith("hannes: ")
+
+
+def test_a_kernel_that_changes_what_it_reads_is_refused(tmp_path, capsys, compiling):
+    typed = written(tmp_path, arguments="leader_pull, size", returned="size * leader_pull[0]")
+    file = tmp_path / "mine.py"
+    changed = file.read_text().replace("    return", "    leader_pull[0] = 0.0\n    return")
+    file.write_text(changed, encoding="utf-8")
+    assert main(["effects", typed]) == 2
+    assert "changes leader_pull, which it may only read" in capsys.readouterr().err
 
 
 def test_an_effect_that_a_run_would_take_is_described(tmp_path, capsys):

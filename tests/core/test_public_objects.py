@@ -60,6 +60,8 @@ def made(number):
     shipped = list(hannes.effects().values())[number]
     hand = Hand(["leader_slack"]).with_values({"leader_slack.length": 1e-3 * (1 + number)})
     return {
+        "BadInput": hannes.BadInput("expected more", (f"scale = {number}",)),
+        "ComputationFailed": hannes.ComputationFailed(f"after {number} steps"),
         "Effect": Effect("it", "A test.", "F += f", "none", (replace(size, name="size"),), (term,))
         if number
         else sled.TURBULENCE,

@@ -1,6 +1,5 @@
 """What a run would refuse of an effect, found in a moment: without the model around it compiled."""
 
-import re
 from typing import Any
 
 from hannes.core.effect import Effect, Term
@@ -9,8 +8,8 @@ from hannes.core.kernels import jit
 from hannes.simulation.compiler.assemble import Equations
 from hannes.simulation.compiler.expansion import Layouts
 from hannes.simulation.compiler.kernel_error import blamed
+from hannes.simulation.compiler.kernel_trial import ARRAY, fault
 
-_ARRAY = re.compile(r"\[\d+:\d+\]$")  # ends the text of an argument that is no single number
 _NUMBERS = ("float", "int", "uint", "bool")
 
 
@@ -35,14 +34,15 @@ def _refused(layouts: Layouts, effect: Effect, term: Term) -> str:
         return "is a plain function: mark it @kernel"
     axis = layouts.c.slot(term.writes[0]).axis
     given = [layouts.argument(name, effect, axis) for name in term.arguments]
-    types = ["float64[::1]" if _ARRAY.search(each) else "float64" for each in given]
+    types = ["float64[::1]" if ARRAY.search(each) else "float64" for each in given]
     compiled = jit.kernel(function)
     try:
         compiled.compile(f"({', '.join(types)},)")
     except Exception as error:  # numba's errors have no common class
         raise blamed(error) or error from None
     (made,) = compiled.overloads.values()
-    return _miscounted(made.signature.return_type, (*term.writes, *term.states))
+    wanted = (*term.writes, *term.states)
+    return _miscounted(made.signature.return_type, wanted) or fault(compiled, effect, term, given)
 
 
 def _miscounted(returned: Any, wanted: tuple[str, ...]) -> str:
