@@ -81,7 +81,7 @@ def group(bins=100, count=4):
 @pytest.mark.parametrize(
     ("groups", "simulated", "said"),
     [
-        ([group(), group(bins=20)], True, "of 1 of 2 commands hangs together was not tested"),
+        ([group(), group(bins=20)], True, "of 1 of 2 commands follow each other was not tested"),
         ([group(bins=20)], False, "repeats alone"),
         ([group(count=1)], False, "no command was repeated"),
         ([group(count=2)], True, "a change from run to run could not show"),

@@ -29,7 +29,7 @@ def untested(found: SearchResult, kind: str) -> list[str]:
 
 
 def _short(groups: Sequence[Group]) -> str:
-    """Of commands too short to see whether what is left follows from bin to bin; "" where none is."""
+    """Of commands too short to see whether bins of what is left follow each other; "" for none."""
     least = 2 * VERDICT.slow_components[-1] + 1
     short = [group for group in groups if group.bins < least]
     if not short:
@@ -37,8 +37,8 @@ def _short(groups: Sequence[Group]) -> str:
     bins = max(group.bins for group in short)
     which = "" if len(short) == len(groups) else f" of {len(short)} of {len(groups)} commands"
     return (
-        f"whether what is left{which} follows from bin to bin was not tested: that needs {least} bins of a "
-        f"channel, and there are {'at most ' * (len(short) > 1)}{bins}"
+        f"whether bins of what is left{which} follow each other was not tested: that needs {least} "
+        f"bins of a channel, and there are {'at most ' * (len(short) > 1)}{bins}"
     )
 
 
