@@ -34,7 +34,7 @@ class Term:
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if isinstance(self.writes, str) or isinstance(self.states, str):
+        if str in (type(self.writes), type(self.states)):
             raise BadInput(
                 f'a term of {plain(self.kernel).__name__}: expected names in a tuple, ("a",)'
             )
@@ -83,7 +83,8 @@ class Effect:
     states: tuple[Slot, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in (self.name, *(each.name for each in (*self.parameters, *self.states))):
+        parts = [each.name for each in self.parameters] + [each.name for each in self.states]
+        for name in (self.name, *parts):
             if not name.isidentifier() or iskeyword(name):
                 what = "expected a name of letters, digits and _, as Python has it"
                 raise BadInput(f"effect {self.name!r}: {name!r} is no name; {what}")

@@ -183,8 +183,9 @@ def _fault(plant: Plant) -> str:
         return f"name = {plant.name!r}: expected a text"
     if not getattr(plant, "simulates", True):
         return "it does not say how it moves: write its method simulate"
-    if not isinstance(plant.channels, Mapping):
-        return f"channels is {plant.channels!r:.80}: expected units by name"
+    channels: object = plant.channels
+    if not isinstance(channels, Mapping):
+        return f"channels is {channels!r:.80}: expected units by name"
     if plant.channels.get("time") != "s":
         return 'channels lacks "time": "s"'
     for what in ("required", "judged"):
