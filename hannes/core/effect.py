@@ -34,7 +34,8 @@ class Term:
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if str in (type(self.writes), type(self.states)):
+        declared: tuple[object, ...] = (self.writes, self.states)  # a user's own may be a text
+        if any(isinstance(each, str) for each in declared):
             raise BadInput(
                 f'a term of {plain(self.kernel).__name__}: expected names in a tuple, ("a",)'
             )
