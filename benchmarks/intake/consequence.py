@@ -33,6 +33,8 @@ FEW = 80  # samples by which they are tried
 SAME, ALIKE = 1e-3, 1e-2  # of a command's range, by which it is the same, or the same but later
 SHORT, LONG = 10.0, 3.0  # times shorter or longer than the run: no clock of it
 REFUSED = 10.0  # of a log that no fit can read as it is
+FEWEST = 10  # samples
+BEGINS = 0.2  # s, at the start of a log that is simulated, over which the unknown start matters
 PERIOD = 1e-3  # s, of the truth
 
 
@@ -82,7 +84,7 @@ def consequence(run: Base, log: Log) -> float:
     whole = np.all([np.isfinite(x) for x in log.columns.values()], axis=0)
     log = log if whole.all() else log.rows(whole)  # converting leaves out what lacks a value
     time = log.time
-    if time.size < 10 or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
+    if time.size < FEWEST or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
         return REFUSED
     ratio = float(time[-1] - time[0]) / float(run.channels["time"][-1])
     if not 1.0 / SHORT < ratio < LONG:
@@ -101,7 +103,11 @@ def _mirrored(log: Log) -> Log:
 
 def _consequence(run: Base, log: Log) -> float:
     answers = bool(run.values) and "reference" in log.columns
-    run = _answering(run, log) if answers else run
+    if answers:
+        run = _answering(run, log)
+        log = log.rows(log.time >= log.time[0] + BEGINS)
+        if log.time.size < FEWEST:
+            return 0.0
     shift = 0.0 if answers else _shift(run, log)
     names = [name for name in log.columns if name in run.noise_floors]
     return min(

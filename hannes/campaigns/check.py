@@ -55,9 +55,9 @@ def _found(subject: Subject) -> Iterator[Finding]:
     found = [*_single(subject)]
     yield from found
     calm = all(each.level == "note" or each.kind in CALM for each in found)
-    broken = [*breaks.inspect(subject)] if calm else []
+    broken = [*disabled.stood(subject), *breaks.inspect(subject)][:1] if calm else []
     yield from broken
-    if not broken and all(each.level != "fault" for each in found):
+    if not broken and all(each.level != "fault" and each.kind != "drift" for each in found):
         yield from command.retimed(subject)
 
 
@@ -72,7 +72,6 @@ def _single(subject: Subject) -> Iterator[Finding]:
     yield from sensors.inspect(subject)
     yield from magnitudes.inspect(subject)
     yield from motion.inspect(subject)
-    yield from command.paces(subject)
     if subject.plan is not None:
         yield from command.inspect(subject, subject.plan)
 

@@ -98,6 +98,16 @@ def disorder(time: FloatArray) -> tuple[str, str]:
     return "stamps are doubled", 'time.order = "drop"'
 
 
+def usual_rate(rate: float, doubt: float) -> float | None:
+    """The sampling rate within a relative doubt that loggers use [Hz], None where there is none."""
+    decade = 10.0 ** np.floor(np.log10(rate))
+    near = [lead * decade for lead in USUAL if abs(lead * decade / rate - 1.0) < doubt]
+    return float(near[0]) if near else None
+
+
+USUAL = (1.0, 1.25, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0)  # leading digits of sampling rates
+
+
 def roundest(rate: float, doubt: float) -> float:
     """The roundest rate [Hz], or that of the roundest interval, within a relative doubt."""
     for digits in (1, 2, 3):

@@ -67,7 +67,10 @@ def _goes_on(subject: Subject, place: int) -> bool:
             continue
         values = subject.recording[name]
         steps = np.diff(values[place - AROUND : place + AROUND + 2])
-        usual, step = float(np.median(np.delete(steps, AROUND))), float(steps[AROUND])
+        before, after = (float(np.median(each)) for each in (steps[:AROUND], steps[AROUND + 1 :]))
+        usual, step = 0.5 * (before + after), float(steps[AROUND])
+        if abs(before - after) > EVEN * abs(usual):
+            continue  # it starts or stops there
         least = max(2.0 * quantum(values), 4.0 * noise(values))
         missed = abs(usual) * _lost(subject, place)
         if missed > least and abs(step - usual) < EVEN * missed:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.foreign.raw_values import roundest
+from hannes.campaigns.foreign.raw_values import usual_rate
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
 from hannes.campaigns.quality.motion import UNLIKE, begins_moving, found_lag, pace, timed, unlike
@@ -66,7 +66,20 @@ def _paced(subject: Subject, name: str, plan: Plan) -> Iterator[Finding]:
         return  # of a part, a lag looks like a rate
     rate, rest = _clock(subject.time, subject.recording[name], plan)
     if abs(rate - 1.0) > GROSS_PACE and rest < FITS * size:
-        yield _drift(subject, "time", rate, fault)
+        yield _drift(subject, "time", rate, fault, _clock_or_speed(subject, rate))
+
+
+def _clock_or_speed(subject: Subject, rate: float) -> tuple[str, ...]:
+    """Lines for a wrong clock, where its rate is then a usual one; else it was the speed."""
+    now = (len(subject.recording) - 1) / float(subject.time[-1] - subject.time[0])
+    true = usual_rate(now / rate, ROUND)
+    if true is None or abs(true / now - 1.0) < ROUND / 4.0:
+        return mends.NO_FILE
+    return mends.rate(subject, true)
+
+
+def _advice(mend: tuple[str, ...]) -> str:
+    return "leave the file out" if mend == mends.NO_FILE else f"convert with {mend[0]}"
 
 
 def paces(subject: Subject) -> Iterator[Finding]:
@@ -103,16 +116,19 @@ def retimed(subject: Subject) -> Iterator[Finding]:
     """Another pace than that of the command, by the law of the controller."""
     pace = pace_of(subject)
     if pace is None:
+        yield from paces(subject)
         yield from _by_motion(subject)
         return
     for name, expected in subject.expected.items():
         if expected.follows and name in subject.recording:
             asked = subject.asked_at(name)
-            if asked is None or abs(_paced_as(subject, name, Plan(*asked))[0] - pace) > AGREE:
+            if begins_moving(subject, name) or asked is None:
+                continue
+            if abs(_paced_as(subject, name, Plan(*asked))[0] - pace) > AGREE:
                 continue
             recorded = expected.follows in subject.recording
             yield _pace(name, expected.follows, pace) if recorded else _drift(
-                subject, "time", pace, fault)  # fmt: skip
+                subject, "time", pace, fault, _clock_or_speed(subject, pace))  # fmt: skip
             return
 
 
@@ -156,16 +172,21 @@ def _drifting(subject: Subject, command: str, rate: float) -> Iterator[Finding]:
     yield _drift(subject, command, rate, fault if abs(rate - 1.0) > GROSS_DRIFT else warning)
 
 
-def _drift(subject: Subject, channel: str, rate: float, level: Callable[..., Finding]) -> Finding:
+def _drift(
+    subject: Subject,
+    channel: str,
+    rate: float,
+    level: Callable[..., Finding],
+    mend: tuple[str, ...] = (),
+) -> Finding:
     span = float(subject.time[-1] - subject.time[0])
-    hertz = (len(subject.recording) - 1) / (rate * span)
-    mend = mends.rate(subject, roundest(hertz, ROUND) if level is fault else hertz)
+    mend = mend or mends.rate(subject, (len(subject.recording) - 1) / (rate * span))
     return level(
         "drift",
         channel,
         f"the recording's clock runs {100 * (1.0 / rate - 1.0):+.3g} % against the experiment's, "
         f"{1e3 * abs(rate - 1.0) * span:.3g} ms over the recording (or its speed was overridden): "
-        f"take the times of the controller's clock, or convert with {mend[0]}",
+        f"take the times of the controller's clock, or {_advice(mend)}",
         size=1.0 / rate - 1.0,
         mend=mend,
     )

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault
 from hannes.campaigns.quality.held import held_frames
-from hannes.campaigns.quality.law import answer
+from hannes.campaigns.quality.law import answer, drives_of
 from hannes.campaigns.quality.motion import found_lag
 from hannes.campaigns.quality.subject import Subject, noise, quantum, true_runs
 
@@ -23,6 +23,9 @@ FURTHER = 2.0  # times the largest error before, at the end of a stretch in whic
 # Residuals of the controller's law, share of the largest drive, and steps, that are missing.
 CLEARLY, WANTED, COUNTS = 6.0, 0.1, 3.0
 UNUSUAL = 2.0  # times what the law leaves before over any stretch as long
+FEW = 3  # longest stretches of equal readings that are looked at
+LEAST_STOOD, MOST_STOOD = 14, 0.7  # equal readings of a motion, and of the recording at most
+STOOD, HOLDS = 0.2, 0.1  # of the drive that its law then misses, and that it leaves elsewhere
 MOSTLY = 0.7  # of the readings of a sensor that stands, that are equal
 STILL = 0.3  # of the command's move, that the machine makes meanwhile
 
@@ -58,6 +61,46 @@ def inspect(subject: Subject) -> Iterator[Finding]:
         drives[0],
         f"is zero for {lasting:.3g} s from {subject.time[first]:.4g} s on while {moved} is away "
         "from its command: the drive was switched off; leave out what follows (time.cut)",
+        time=float(subject.time[first]),
+        size=lasting,
+        mend=mends.rest(subject, first),
+    )
+
+
+def stood(subject: Subject) -> Iterator[Finding]:
+    """Equal readings of a motion while the controller's drive says that its error changes."""
+    pairs = list(drives_of(subject))
+    for moved in dict.fromkeys(moved for _, moved in pairs):
+        yield from _stood(subject, [name for name, each in pairs if each == moved], moved)
+
+
+def _stood(subject: Subject, drives: list[str], moved: str) -> Iterator[Finding]:
+    values = subject.recording[moved]
+    runs = sorted(true_runs(np.diff(values) == 0.0), key=lambda each: each[0] - each[1])
+    for first, last in runs[:FEW]:
+        if last - first + 2 < LEAST_STOOD or last - first > MOST_STOOD * values.size:
+            continue
+        on = np.ones(values.size, np.bool_)
+        on[first : last + 2] = False
+        for name in drives:
+            drive = subject.recording[name]
+            predicted, left = answer(subject, name, on)
+            apart = (drive - predicted)[first : last + 2]
+            size = float(np.abs(drive).max())
+            late = float(np.abs(apart[apart.size // 2 :].mean()))
+            if late > max(CLEARLY * left, STOOD * size) and left < HOLDS * float(np.std(drive)):
+                yield _is_frozen(subject, moved, name, first, last + 1)
+                return
+
+
+def _is_frozen(subject: Subject, moved: str, name: str, first: int, last: int) -> Finding:
+    value = subject.with_unit(float(subject.recording[moved][first]), moved)
+    lasting = float(subject.time[last] - subject.time[first])
+    return fault(
+        "frozen",
+        moved,
+        f"stays at {value} for {lasting:.3g} s while {name} says that it moves: the sensor dropped "
+        "out, or its encoder slips; leave out what follows (time.cut)",
         time=float(subject.time[first]),
         size=lasting,
         mend=mends.rest(subject, first),

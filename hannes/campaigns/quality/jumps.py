@@ -134,11 +134,18 @@ def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool
         steps = np.abs(np.diff(values))
         usual = float(np.quantile(steps[few], 0.97))
         far &= off > max(3.0 * usual, LEAST_JUMP * float(high - low))
-    long = [each for each in true_runs(far) if each[1] - each[0] + 1 <= NEIGHBOURS // 2]
-    single = none.copy()
-    for first, last in long:
-        single[first : last + 1] = True
+    single = _brief(far)
+    if single.any() and not subject.is_motion(name):  # smaller ones of the same kind
+        single |= _brief(off > FAR * typical)
     return single if np.count_nonzero(single) <= MOST * values.size else none
+
+
+def _brief(far: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The runs that are too short to be anything but outliers."""
+    found = np.zeros_like(far)
+    for first, last in true_runs(far):
+        found[first : last + 1] = last - first + 1 <= NEIGHBOURS // 2
+    return found
 
 
 def _outliers(subject: Subject, name: str, values: FloatArray, odd: NDArray[np.bool_]) -> Finding:

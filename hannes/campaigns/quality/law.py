@@ -25,6 +25,7 @@ EDGE = 0.06  # share of the run at either end, in which no break is seen
 HOLDS = 0.3  # of the drive, that a law leaves whose sign counts
 LEAST_FACTOR, LEAST_PART = 0.02, 0.03  # of a range, and of the drive's square to either side
 MOST = 5000  # samples by which a law is found
+BRIEF = 0.35  # of the whole travel, over which an encoder slips at most
 RAMPS = 40  # places at which a slip may begin or end
 
 
@@ -228,7 +229,11 @@ def _slip(law: Relation) -> Break:
     travel = np.cumsum(np.abs(np.diff(law.motion, prepend=law.motion[0])))
     marks = np.linspace(EDGE, 1.0 - EDGE, RAMPS) * travel[-1]
     ends = np.unique(np.searchsorted(travel, marks))
-    pairs = np.array([(a, b) for a in ends for b in ends if a < b])
+    pairs = np.array(
+        [(a, b) for a in ends for b in ends if a < b and travel[b] - travel[a] < BRIEF * travel[-1]]
+    )
+    if not pairs.size:
+        return NOTHING
     place = np.arange(count)[:, None]
     if law.slips:
         clamped = np.clip(place, pairs[:, 0], pairs[:, 1])

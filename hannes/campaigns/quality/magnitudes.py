@@ -19,6 +19,7 @@ FEWEST = 20  # samples of motion each way
 ZERO = 0.02  # of its rms, below zero
 LEAST = 0.2  # of its mean forth, that a magnitude has on the way back
 ENOUGH = 20_000  # samples by which that is judged
+BOTH_WAYS = 0.1  # of its largest, that a duty is below zero
 FEWEST_DRAWN = 60  # samples from which a supply's current is recognised
 CLEARLY, EXPLAINED = 0.4, 0.5  # residual over that of a winding's current, and over its RMS
 CLEAR = 20.0  # peak over noise, above which a small signal is a signal
@@ -89,6 +90,8 @@ def _drawn(subject: Subject) -> bool:
     if "position" not in recording or len(recording) < FEWEST_DRAWN:
         return False
     current, duty = recording["current"], recording["duty"]
+    if duty.min() > -BOTH_WAYS * duty.max():
+        return False  # of one direction both explain it
     speed = savgol_filter(recording["position"], 21, 2, deriv=1)
     few = slice(None, None, max(duty.size // ENOUGH, 1))
     current, duty, speed = current[few], duty[few], speed[few]

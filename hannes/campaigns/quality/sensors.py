@@ -153,9 +153,12 @@ def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding
     """A run of one value in a channel that is noisy otherwise."""
     same = np.diff(values) == 0.0
     still = true_runs(same)
-    if not still or noise(values) == 0.0:
+    if not still:
         return
     first, last = max(still, key=lambda each: each[1] - each[0])
+    rest = np.delete(values, np.arange(first, last + 1))  # it may be most of it
+    if noise(rest) == 0.0:
+        return
     elsewhere = np.delete(same, np.arange(first, last + 1))
     others = [end - start for start, end in still if start != first]
     natural = max(others, default=0) + 1  # noise on a coarse scale repeats itself, but briefly
