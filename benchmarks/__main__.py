@@ -17,7 +17,7 @@ from benchmarks.harness import Row, processor, table
 from hannes.core.io.atomic_files import write_text
 
 NAMES = ("accuracy_work", "parts", "calls", "processors", "peers", "batch", "start", "recognition")
-RECORDED = ("kills", "hostile")  # run for hours: their `--json` is kept in records
+RECORDED = ("kills", "hostile", "grip", "link")  # run for long: their `--json` is in records
 FOLDER = Path(__file__).parent
 HEAD = """# Benchmarks
 
@@ -54,7 +54,8 @@ def page(found: dict[str, Any]) -> str:
     kept = {name: FOLDER / "records" / f"{name}.json" for name in RECORDED}
     read = {name: json.loads(file.read_text()) for name, file in kept.items() if file.exists()}
     for name, tables in {**found, **read}.items():
-        file = FOLDER / f"{name}.py" if name in found else FOLDER / name / "__main__.py"
+        file = FOLDER / f"{name}.py"
+        file = file if file.exists() else FOLDER / name / "__main__.py"
         doc = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8")))
         parts += [f"## {name}\n\n{doc}\n", markdown(tables["must_show"])]
         parts.append(f"```text\n{table(tables['rows'])}\n```\n")

@@ -36,6 +36,7 @@ from hannes.simulation.hand.hand_file import hand_toml
 
 LOOK = 0.001  # s between two looks at the raw log
 BEHIND = 1.0  # s by which decisions may be behind the board
+AHEAD = 0.1  # s by which the command may be ahead of them: it waits for what limits it
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class _Following:
     def __init__(self, loop: GripLoop) -> None:
         self.loop, self.wanted = loop, 0.0
         self.moments: deque[Moment] = deque()
-        self.heard = time.monotonic()  # when the board last sent a row
+        self.heard, self.time = time.monotonic(), 0.0  # of the last row: host and board [s]
         self._decision: Decision | None = None
         self._force: Force | None = None
         self._names: tuple[str, ...] = ()
@@ -91,7 +92,7 @@ class _Following:
     def feed(self, event: Event) -> None:
         """Take one event."""
         if isinstance(event, Row):
-            self.heard = time.monotonic()
+            self.heard, self.time = time.monotonic(), event.time
         said = self.loop.feed(event, self.wanted)
         self._force = said.force or self._force
         self._decision = said.decisions[-1] if said.decisions else self._decision
@@ -133,9 +134,10 @@ def live(link: Link, model: Model, log: str | Path, order: LiveOrder) -> Iterato
 def _moments(talk: Session, following: _Following, order: LiveOrder) -> Iterator[Moment]:
     command, seconds = _command(order)
     began, sent, unread = time.monotonic(), -STREAM, talk.events()
+    since, first = 0.0, following.time
     try:
-        while not seconds or time.monotonic() - began < seconds:
-            since = time.monotonic() - began
+        while not seconds or since < seconds:
+            since = min(time.monotonic() - began, following.time - first + AHEAD)
             following.wanted = command(since) if command else 0.0
             unread = _read_some(talk, unread)
             talk.require_following()

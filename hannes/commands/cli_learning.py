@@ -91,10 +91,8 @@ def _add_models(command: Callable[..., argparse.ArgumentParser]) -> None:
     train.add_argument("dataset", help="a data set made by `hannes dataset`")
     train.add_argument("--out", metavar="MODEL.h5", help="the model (<dataset>-model.h5)")
     train.add_argument("--trees", type=int, help="number of bagged trees (default 320)")
-    train.add_argument(
-        "--leaf", type=int, default=0, metavar="N",
-        help="fewest windows in a leaf, for small tables on a board (2, of the class 20)",
-    )  # fmt: skip
+    train.add_argument("--leaf", type=int, default=0, metavar="N",
+                       help="fewest windows in a leaf (2, of the class 20)")  # fmt: skip
     train.add_argument("--seed", type=int, default=0, help="seed of all random draws (default 0)")
     train.add_argument("--window", default="50 ms", metavar="TIME", help="span of a window (50 ms)")
     train.add_argument("--hop", default="10 ms", metavar="TIME", help="between windows (10 ms)")

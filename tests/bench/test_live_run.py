@@ -86,7 +86,8 @@ def states(log):
 
 
 @pytest.mark.parametrize("observer", [None, ForceObserver], ids=["forests", "observer"])
-def test_live_equals_the_raw_log_read_again(tmp_path, boards, order, model, observer):
+def test_live_equals_the_raw_log_read_again(tmp_path, boards, order, model, observer, monkeypatch):
+    monkeypatch.setattr("hannes.bench.live_run.BEHIND", 60.0)  # on a machine that does much else
     path, asked = order
     asked = replace(asked, observer=observer, seconds=2.0)
     sent = []
