@@ -16,6 +16,7 @@ class Entry:
 
     `role` is fit, select (validation) or show (test split). `number` counts the recordings of the
     campaign from 0, in their order. `unit` names which of several machines of one kind it is of.
+    `left_out` are channels of its file that the plant does not have.
     """
 
     name: str
@@ -24,6 +25,7 @@ class Entry:
     role: str = ""
     number: int = 0
     unit: str = ""
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from pathlib import Path
 from hannes.campaigns import third_party
 from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.roles import with_roles
+from hannes.campaigns.undeclared import undeclared, without
 from hannes.core.effect import Effect, joined
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.file_patterns import is_pattern, matching
@@ -166,10 +167,13 @@ def _entries(row: Table, folder: Path, plant: Plant) -> list[tuple[Path, str, En
     for path, run, recording in _recordings(row, name, folder, plant):
         if planned is not None:
             recording = replace(recording, experiment=planned)
+        left_out = undeclared(recording, plant)
+        recording = without(recording, left_out)
         _check(recording, plant, path)
         place = _place(path, folder)
         name = place if run == path.name else run
-        made.append((path, run, Entry(name, recording, condition or place, role, unit=unit)))
+        entry = Entry(name, recording, condition or place, role, unit=unit, left_out=left_out)
+        made.append((path, run, entry))
     return made
 
 

@@ -17,9 +17,10 @@ from hannes.campaigns.quality import (
     motion,
     sensors,
 )
-from hannes.campaigns.quality.finding import LEVELS, Finding
+from hannes.campaigns.quality.finding import LEVELS, Finding, note
 from hannes.campaigns.quality.one_line import one_line_each
 from hannes.campaigns.quality.subject import Plan, Subject
+from hannes.campaigns.undeclared import undeclared, without
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import SUFFIXES, Recording
 from hannes.plants.protocol import (
@@ -45,10 +46,13 @@ def check(recording: Recording, plant: Plant | None = None) -> list[Finding]:
     expected = dict(expectations(plant)) if plant is not None else {}
     asked = commanded(plant) if plant is not None else frozenset()
     block = plant.block if plant is not None else 0.0
+    others = undeclared(recording, plant) if plant is not None else ()
+    recording = without(recording, others)
     needed = frozenset(plant.required) if plant is not None else frozenset()
     subject = Subject(recording, expected, block, asked, _plan(recording), needed)
     found = sorted(_found(subject), key=lambda each: LEVELS.index(each.level))
-    return one_line_each(found, subject)
+    unused = "is no channel of this plant, and is left out"
+    return [*one_line_each(found, subject), *(note("other", name, unused) for name in others)]
 
 
 def _found(subject: Subject) -> Iterator[Finding]:
@@ -149,7 +153,8 @@ def _named_by(recording: Recording, path: Path) -> Plant:
 
 def _expect(recording: Recording, plant: Plant, path: str | Path) -> None:
     try:
-        recording.expect(plant.channels, what=f"the plant {plant.name}")
+        known = without(recording, undeclared(recording, plant))
+        known.expect(plant.channels, what=f"the plant {plant.name}")
     except BadInput as error:
         raise BadInput(f"{path}: {error}; name another plant with --plant") from None
 

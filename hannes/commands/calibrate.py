@@ -12,6 +12,7 @@ import numpy as np
 
 from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.campaign_file import read_campaign
+from hannes.campaigns.undeclared import said
 from hannes.core.errors import BadInput
 from hannes.core.io import atomic_files
 from hannes.core.io.outputs import reserved
@@ -107,6 +108,8 @@ def _calibrated(
         def report(text: str, rms: float) -> None:
             say(text, f"RMS {rms:.4g}")
 
+        if others := said((n for e in campaign.entries for n in e.left_out), campaign.plant):
+            say(others, "")
         found = Search(Model(campaign.plant, views), plan, level, workers, report).run()
         return _result(campaign, found, issues, workers, how, seed, report)
 

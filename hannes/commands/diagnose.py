@@ -10,6 +10,7 @@ from pathlib import Path
 from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.campaigns.segments import split_campaign
+from hannes.campaigns.undeclared import said
 from hannes.campaigns.warnings import campaign_warnings
 from hannes.core import former_names
 from hannes.core.by_value import ByValue
@@ -106,6 +107,8 @@ def _diagnosed(campaign: Campaign, seed: int, progress: bool | None) -> Diagnosi
         def report(text: str) -> None:
             say(text, "")
 
+        if others := said((n for e in campaign.entries for n in e.left_out), campaign.plant):
+            report(others)
         if complete and declares_uncertainty(campaign.plant):
             result = _by_fits(campaign, settings, seed, report)
         else:

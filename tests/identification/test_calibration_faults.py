@@ -130,7 +130,7 @@ def test_honest_recordings_are_not_refused(tmp_path, monkeypatch):
     [
         ("position_rad", "position_mm", "comes in mm, expected rad"),
         ("current_A", "current_V", "comes in V, expected A"),
-        ("current_A", "drive_V", 'channel "drive" is unknown to the plant hand'),
+        ("current_A", "curent_A", 'channel "curent" is unknown to the plant hand'),
     ],
 )
 def test_units_that_contradict_the_plant_are_one_line(tmp_path, capsys, old, new, said):
