@@ -101,7 +101,7 @@ def _located(
         "t1": float(max(part[1][-1] for part in parts)),
         "rms": size,
         "times_floor": size / noise_floors[name],
-        "recordings": sorted({part[2] for part in parts}),
+        "recordings": list(dict.fromkeys(part[2] for part in parts)),
     }
 
 

@@ -159,7 +159,7 @@ def turned(content):
 def test_names_and_folder_of_a_hands_recordings_change_nothing(closures, usual_hand, tmp_path):
     rows = tomllib.loads(closures.read_text())["recording"]
     stems = [row["file"].removesuffix(".csv") for row in rows]
-    names = {f"trial_{k}": stem for k, stem in enumerate(stems)}
+    names = {f"trial_{9 - k}": stem for k, stem in enumerate(stems)}  # in another order, by name
     file = copied(closures, tmp_path / "else" / "where", names)
     assert of_hand(file, names=names) == usual_hand
 
