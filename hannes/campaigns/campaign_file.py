@@ -55,9 +55,14 @@ def read_campaign(
         return replace(made, inputs=frozenset(inputs))
 
 
+def shipped_campaigns() -> dict[str, Path]:
+    """Files of the shipped campaigns by name, in alphabetical order."""
+    return {path.stem: path for path in sorted((library.folder() / "campaigns").glob("*.toml"))}
+
+
 def campaign_file(name: str | Path) -> Path:
     """Return the file of a campaign: a shipped name such as `emps`, or the path of a .toml file."""
-    shipped = {path.stem: path for path in (library.folder() / "campaigns").glob("*.toml")}
+    shipped = shipped_campaigns()
     if Path(name).suffix == ".toml" or Path(name).exists():
         return Path(name)
     if str(name) not in shipped:

@@ -1,7 +1,7 @@
 """The commands that hand recordings on: to the eye, to other programs; and completion."""
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from hannes.commands.cli_output import add_force, add_json, print_json
 from hannes.commands.cli_trust import add_trust
@@ -99,26 +99,33 @@ def _fmu(chosen: argparse.Namespace) -> None:
 def _completion(chosen: argparse.Namespace) -> None:
     import shtab
 
+    from hannes.campaigns.campaign_file import shipped_campaigns
+    from hannes.simulation import catalogue
     from hannes.simulation.experiment import shipped
 
+    known = {
+        "experiment": shipped.names(),
+        "campaign": list(shipped_campaigns()),
+        "effect": sorted(catalogue.effects()),
+    }
     for commands in chosen.whole._actions:
         if isinstance(commands, argparse._SubParsersAction):
             for command in commands.choices.values():
                 for action in command._actions:
-                    _complete(action, shipped.names())
+                    _complete(action, known)
     print(shtab.complete(chosen.whole, chosen.shell))
 
 
-def _complete(action: argparse.Action, experiments: Sequence[str]) -> None:
-    """Declare to shtab what an argument is: a folder, an experiment, or a file."""
+def _complete(action: argparse.Action, known: Mapping[str, Sequence[str]]) -> None:
+    """Declare to shtab what an argument is: a folder, a name that ships or a file, or a file."""
     import shtab
 
-    if action.metavar == "FOLDER":
+    if action.dest in known:
+        action.choices = [*known[action.dest], shtab.Choice("file")]
+    elif action.metavar == "FOLDER":
         action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
-    elif action.dest in ("file", "campaign", "recording", "hand", "mapping", "out"):
+    elif action.dest in ("file", "recording", "hand", "mapping", "out"):
         action.complete = shtab.FILE  # type: ignore[attr-defined]
-    elif action.dest == "experiment" and not action.option_strings:
-        action.choices = list(experiments)
 
 
 def _view(chosen: argparse.Namespace) -> None:

@@ -29,6 +29,7 @@ from pythonfmu import Fmi2Slave
 class Hannes(HandSlave, Fmi2Slave):
     EXPERIMENT = {experiment!r}
     HAND = {hand!r}
+    DURATION, PERIOD = {duration!r}, {period!r}
 
     def __init__(self, **options):
         super().__init__(**options)
@@ -54,13 +55,15 @@ def fmu(
     hand_of(
         texts["hand"], "the hand of an FMU", "an FMU carries only effects that ship with hannes"
     )
+    period = float(hand.parameters["controller.period"])
     guid = str(uuid5(NAMESPACE_URL, texts["experiment"] + texts["hand"]))
     with reserved("fmu", [out], [experiment], force=force), tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / f"{MODULE}.py"
-        script.write_text(SCRIPT.format(**texts, guid=guid), encoding="utf-8")
+        times = {"duration": float(planned.duration), "period": period}
+        script.write_text(SCRIPT.format(**texts, **times, guid=guid), encoding="utf-8")
         with atomic_file(out) as target:
             shutil.copy(_built(builder, script, Path(folder) / "built.fmu"), target)
-    return {"out": str(out), "step": hand.parameters["controller.period"]}
+    return {"out": str(out), "step": period}
 
 
 def _built(builder: Any, script: Path, target: Path) -> Path:

@@ -19,6 +19,9 @@ METHODS = {
     ("hannes.commands.diagnose", "Diagnosis"): {
         "plot": "diagnosis_plot", "_repr_html_": "diagnosis_html",
     },
+    ("hannes.simulation.experiment.experiment", "Experiment"): {
+        "_repr_html_": "experiment_html",
+    },
     ("hannes.simulation.hand.hand", "Hand"): {"_repr_html_": "hand_html"},
 }  # fmt: skip
 

@@ -87,7 +87,8 @@ def _meaning(diagnosis: "Diagnosis", name: str) -> str:
     if offset := constant_part(diagnosis, name):
         unit, factor = readable_unit(gap["unit"])
         size = number(factor * offset) + (f" {unit}" if unit != "1" else "")
-        return f"nearly all of it a constant, {size}: check that sensor's zero"
+        part = "nearly all of it" if abs(offset) > 0.9 * gap["after"] else "most of it"
+        return f"{part} a constant, {size}: check that sensor's zero"
     return f"{number(times, 2)} times the noise floor"
 
 
@@ -152,7 +153,8 @@ def _tried(diagnosis: "Diagnosis") -> Table:
     note = (
         "Misfit: squared residuals over their variance, summed (chi-squared). "
         f"{level} {diagnosis.verdict.alpha:g}. Minimum detectable size: "
-        "at 80 % power, by a linear fit; “none” where it lies beyond the physical bounds."
+        "at 80 % power, by a linear fit; “none” where it lies beyond the physical bounds, "
+        "a number without a unit is a ratio."
     )
     if diagnosis.details is not None:
         note += " ≈: by a linear estimate; not fitted, as others promised more."
@@ -165,11 +167,17 @@ def _least(diagnosis: "Diagnosis", effect: str) -> str:
     """The minimum detectable size of each amplitude of an effect."""
     found = (diagnosis.verdict.smallest_detectable or {}).get(effect, {})
     shown = [
-        f"{name} none" if each["value"] is None else f"{name} {number(each['value'], 2)}"
-        + (f" {each['unit']}" if each["unit"] != "1" else "")
+        f"{name} none" if each["value"] is None else f"{name} {_sized(each)}"
         for name, each in found.items()
     ]  # fmt: skip
     return ", ".join(shown) or "–"
+
+
+def _sized(amplitude: dict[str, Any]) -> str:
+    """An amplitude in the unit in which the sentence has it."""
+    unit, factor = readable_unit(amplitude["unit"])
+    shown = number(factor * amplitude["value"], 2)
+    return shown if unit == "1" else f"{shown} {unit}"
 
 
 def _confusability(diagnosis: "Diagnosis") -> Table:

@@ -1,4 +1,4 @@
-"""What `plot()` and a notebook show of a recording, a trajectory, a hand or a diagnosis.
+"""What `plot()` and a notebook show of recordings, trajectories, experiments, hands, diagnoses.
 
 Plots are pyplot's, so that a script's `show()` and a notebook find them.
 """
@@ -17,6 +17,7 @@ from hannes.report.schematic import schematic
 if TYPE_CHECKING:
     from hannes.core.recording.recording import Recording
     from hannes.report.diagnosed import Diagnosis
+    from hannes.simulation.experiment.experiment import Experiment
     from hannes.simulation.hand.hand import Hand
     from hannes.simulation.trajectory import Trajectory
 
@@ -24,13 +25,13 @@ Axes = np.ndarray  # of matplotlib's axes, shape (panels,)
 OUTPUTS = ("position", "current", "duty", "force", "leader_tension")
 
 
-def recording_plot(recording: "Recording", channels: Sequence[str] = ()) -> Axes:
+def recording_plot(recording: "Recording", channels: str | Sequence[str] = ()) -> Axes:
     """Draw channels over time, one panel each; the reference in the panel of the position.
 
-    `channels`: names (default: all). Returns matplotlib's axes, shape (panels,). Raises BadInput
-    for a channel that the recording does not have.
+    `channels`: a name or names (default: all). Returns matplotlib's axes, shape (panels,). Raises
+    BadInput for a channel that the recording does not have.
     """
-    shown = list(channels) or [n for n in recording.names if n != "reference"]
+    shown = _named(channels) or [n for n in recording.names if n != "reference"]
     shown = shown or list(recording.names)
     columns = {name: recording[name] for name in shown}
     axes = _panels(recording.time, columns, recording.units)
@@ -41,30 +42,31 @@ def recording_plot(recording: "Recording", channels: Sequence[str] = ()) -> Axes
     return axes
 
 
-def trajectory_plot(trajectory: "Trajectory", channels: Sequence[str] = ()) -> Axes:
+def trajectory_plot(trajectory: "Trajectory", channels: str | Sequence[str] = ()) -> Axes:
     """Draw outputs or states over time, one panel each; of several numbers one line each.
 
-    `channels`: names (default: position, current, duty, force, leader tension). Returns
+    `channels`: a name or names (default: position, current, duty, force, leader tension). Returns
     matplotlib's axes, shape (panels,). Raises BadInput for an unknown name.
     """
     compiled = trajectory.compiled
     units = {slot.name: slot.unit for slot in (*compiled.states.slots, *compiled.outputs.slots)}
     columns = {}
-    for name in channels or OUTPUTS:
+    for name in _named(channels) or OUTPUTS:
         if name not in units:
             raise BadInput(f'a trajectory has no "{name}"{nearest(name, units)}')
         columns[name] = trajectory[name]
     return _panels(trajectory.time, columns, units)
 
 
-def diagnosis_plot(diagnosis: "Diagnosis", channels: Sequence[str] = ()) -> Axes:
+def diagnosis_plot(diagnosis: "Diagnosis", channels: str | Sequence[str] = ()) -> Axes:
     """Draw one recording as measured, before and after, one panel a channel.
 
-    It is the first that no fit has seen, where there is one. `channels`: names (default: all that
-    are judged). Returns matplotlib's axes, shape (panels,). Raises BadInput for an unknown name.
+    It is the first that no fit has seen, where there is one. `channels`: a name or names (default:
+    all that are judged). Returns matplotlib's axes, shape (panels,). Raises BadInput for an
+    unknown name.
     """
     traces = drawn_recording(diagnosis)
-    shown = list(channels) or list(traces.measured)
+    shown = _named(channels) or list(traces.measured)
     for name in shown:
         if name not in traces.measured:
             raise BadInput(f'no channel "{name}" was judged{nearest(name, traces.measured)}')
@@ -77,6 +79,11 @@ def diagnosis_plot(diagnosis: "Diagnosis", channels: Sequence[str] = ()) -> Axes
     axes[0].legend(loc="best")
     axes[0].set_title(f"{traces.entry.name}: {diagnosis.verdict.sentence}", wrap=True)
     return axes
+
+
+def _named(channels: str | Sequence[str]) -> list[str]:
+    """Names as a list; one name may stand alone."""
+    return [channels] if isinstance(channels, str) else list(channels)
 
 
 def recording_html(recording: "Recording") -> str:
@@ -127,6 +134,24 @@ def hand_html(hand: "Hand") -> str:
     names = [each.name for each in hand.present_effects()]
     words = f"effects: {', '.join(names)}" if names else "no effects beyond the base model"
     return f'<div style="max-width:56em">{schematic(hand, names)}<p>{escape(words)}</p></div>'
+
+
+def experiment_html(experiment: "Experiment") -> str:
+    """A table of what is done with the hand."""
+    times, angles = experiment.reference.knots
+    thing = experiment.object
+    rows = [
+        ("duration", f"{experiment.duration:g} s"),
+        ("reference", f"{angles.min():g} to {angles.max():g} rad, {times.size} points"),
+        ("object", "none" if thing is None else thing.shape),
+        ("force sensor", "yes" if thing is not None and thing.sensor else "no"),
+        ("controller", experiment.controller),
+        ("sampling", f"{experiment.sampling:g} Hz"),
+        *((f"noise of {name}", f"{spread:g}") for name, spread in experiment.noise.items()),
+    ]
+    values = {**(thing.values if thing else {}), **experiment.values}
+    rows += [(name, f"{value:g}") for name, value in values.items()]
+    return _table(f"Experiment: {experiment.title}", ("what", "value [SI]"), rows)
 
 
 def _panels(

@@ -78,7 +78,7 @@ def _cell(parts: Sequence[np.ndarray] | None, floor: float, named: bool) -> Cell
 
 
 def constant_part(diagnosis: "Diagnosis", name: str) -> float:
-    """Mean residual that is left of a channel where it is nearly all that is left, else 0.
+    """Mean residual that is left of a channel where it is more than half of that, else 0.
 
     In the channel's unit, simulated minus measured, over the recordings that are drawn.
     """
@@ -91,4 +91,4 @@ def constant_part(diagnosis: "Diagnosis", name: str) -> float:
         return 0.0
     every = np.concatenate(left)
     mean, size = float(every.mean()), float(np.sqrt(np.mean(every**2)))
-    return mean if abs(mean) > 0.9 * size > diagnosis.noise_floors[name] else 0.0
+    return mean if abs(mean) > max(0.5 * size, diagnosis.noise_floors[name]) else 0.0

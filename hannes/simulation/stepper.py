@@ -1,6 +1,7 @@
 """One tick of the firmware a call: what virtual boards, grip policies and observers stand on.
 
-The numbers are those of `simulate` with the sampled controller, to the bit.
+The numbers are those of `simulate` with the sampled controller, to the bit. Only the sample
+at the experiment's end is not: `simulate` ends before the tick there, and keeps the duty before.
 """
 
 from collections.abc import Mapping

@@ -1,6 +1,6 @@
 """What a simulation returns: states over time, outputs on demand, and how it ended."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import cached_property
@@ -55,8 +55,11 @@ def failed(title: str, outcome: Outcome, message: str, time: np.ndarray) -> Comp
 
 @former_names.attributes({"holds": "memories"})
 @dataclass(frozen=True, eq=False, repr=False)
-class Trajectory(ByValue):
+class Trajectory(ByValue, Mapping[str, np.ndarray]):
     """States at the sample times, shape (n, states); outputs are computed when asked for.
+
+    A mapping as a Recording is: `trajectory["current"]`, `in`, iteration, `keys`, `items`, `get`,
+    over time, all states and all outputs. Its length is the number of samples.
 
     Where the outcome is not COMPLETED the samples end before the failure and `message` keeps
     the solver's own words.
@@ -96,10 +99,29 @@ class Trajectory(ByValue):
         return observe(self.time, self.states, self.parameters, self.knots, self.memories)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Return an output or a state by name, shape (n,) or (n, size); BadInput when unknown."""
+        """Time, an output or a state, shape (n,) or (n, size); BadInput when unknown."""
+        if name == "time":
+            return self.time
         if name in self.compiled.states and name not in self.compiled.outputs:
             return self._column(self.states, self.compiled.states, name)
         return self._column(self.outputs, self.compiled.outputs, name)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return time, an output or a state, or `default` where there is none of that name."""
+        return self[name] if name in self else default
+
+    def __contains__(self, name: object) -> bool:
+        return name == "time" or name in self.compiled.states or name in self.compiled.outputs
+
+    def __iter__(self) -> Iterator[str]:
+        slots = (*self.compiled.states.slots, *self.compiled.outputs.slots)
+        return iter(dict.fromkeys(["time", *(each.name for each in slots)]))
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __bool__(self) -> bool:
+        return True
 
     @staticmethod
     def _column(table: np.ndarray, layout: Layout, name: str) -> np.ndarray:

@@ -11,6 +11,7 @@ from hannes.campaigns.campaign_file import read_campaign
 from hannes.campaigns.convert import convert
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
 
 TIME = np.round(0.005 * np.arange(200), 6)
 COMMAND = np.minimum(8.0 * TIME, 5.0)
@@ -341,3 +342,13 @@ def test_stamps_of_seconds_and_nanoseconds(tmp_path):
     assert begun.missing == []
     (made,) = convert([tmp_path / "a.jsonl"], tmp_path / "bench" / MAPPING)
     assert made.recording.time == pytest.approx(2.5 * TIME, abs=1e-6)
+
+
+def test_units_of_an_exported_matlab_file_are_taken_from_it(tmp_path):
+    channels = {"time": TIME, "reference": COMMAND, "position": POSITION, "current": CURRENT}
+    units = {"time": "s", "reference": "rad", "position": "rad", "current": "A"}
+    Recording(channels, units).to_mat(tmp_path / "r.mat")
+    begun = begin([tmp_path / "r.mat"], tmp_path / "bench")
+    assert begun.missing == []
+    made = Recording.read(begun.recordings[0])
+    assert np.array_equal(made["current"], CURRENT) and dict(made.units) == units

@@ -22,6 +22,9 @@ def test_bash_completes_commands_experiments_and_options(capsys):
     script = capsys.readouterr().out
     assert "reproduce" in completed(script, "hannes", "rep")
     assert completed(script, "hannes", "run", "dynamo") == ["dynamometer"]
+    assert completed(script, "hannes", "diagnose", "em") == ["emps"]
+    assert completed(script, "hannes", "effects", "leader") == ["leader_slack"]
+    assert completed(script, "hannes", "view", "--experiment", "dynamo") == ["dynamometer"]
     assert "--still" in completed(script, "hannes", "view", "--st")
 
 

@@ -60,10 +60,12 @@ def diagnosis(tmp_path_factory):
     ]
     where = [{"channel": "current", "phase": "closing", "t0": 0.0, "t1": 0.5, "rms": 0.06,
               "times_floor": 6.0, "recordings": ["run_0.csv"]}]  # fmt: skip
+    least = {"leader_slack": {"length": {"value": 1e-4, "unit": "m"}},
+             "gear_load": {"share": {"value": 0.0084, "unit": "1"}}}  # fmt: skip
     verdict = Verdict(
         "named", ["leader_slack"], {"leader_slack.length": size}, gap, where, rows,
         "it explains it", tried, 0.01, {"fit": ["a.csv"], "show": ["run_0.csv"]}, 1,
-        "the test recordings", "repeats",
+        "the test recordings", "repeats", smallest_detectable=least,
     )  # fmt: skip
     campaign = Campaign(
         plant, plant, tuple(t.entry for t in drawn), tmp_path_factory.mktemp("out"), {}, "Closures"
@@ -97,6 +99,23 @@ def test_what_is_left_is_said_in_words(diagnosis):
     text = page(diagnosis)
     assert "below the noise floor: no more than repeats differ by" in text
     assert "nearly all of it a constant, 0.0500 V: check that sensor" in text
+
+
+def test_a_constant_that_is_most_of_what_is_left_is_said(diagnosis):
+    """A supply that is off by a constant and sags besides."""
+    sag = {"current": 0.004 * WAVE, "supply": 0.05 + 0.04 * WAVE}
+    drawn = tuple(traces(f"run_{k}.csv", "void", sag, sag) for k in range(2))
+    gap = {**diagnosis.verdict.gap}
+    gap["supply"] = {**gap["supply"], "after": 0.064}
+    verdict = replace(diagnosis.verdict, gap=gap)
+    text = page(SimpleNamespace(**{**vars(diagnosis), "traces": drawn, "verdict": verdict}))
+    assert "most of it a constant, 0.0504 V: check that sensor" in text
+
+
+def test_what_was_tried_has_the_units_of_the_sentence(diagnosis):
+    text = page(diagnosis)
+    assert "length 0.10 mm" in text and "10⁻⁴" not in text
+    assert "share 0.0084" in text and "a number without a unit is a ratio" in text
 
 
 def test_map_shows_condition_and_phase_before_and_after(diagnosis):
@@ -134,9 +153,15 @@ def test_page_prints_without_cut_tables(diagnosis, tmp_path):
     with browser() as running:
         narrow, messages = opened(running, path, 600, 900)
         assert narrow.evaluate("document.documentElement.scrollWidth") <= 600
+        cells = "[...document.querySelectorAll('#tried td')]"
+        assert max(narrow.evaluate(f"{cells}.map((x) => x.getBoundingClientRect().right)")) <= 600
         sheet, more = opened(running, path, 688, 1000)  # A4 less its margins, at 96 dots an inch
         sheet.emulate_media(media="print")
         every = "[...document.querySelectorAll('table, svg')]"
         rights = f"{every}.map((each) => each.getBoundingClientRect().right)"
         assert max(sheet.evaluate(rights)) <= 690
+        broken = sheet.evaluate(
+            "getComputedStyle(document.querySelector('#tried th')).overflowWrap"
+        )
+        assert broken == "break-word"  # `anywhere` cuts words to make room for others
         assert messages + more == []

@@ -33,7 +33,7 @@ def test_recording_plots_its_channels_with_units(ran):
     assert len(axes) == len(recording.names) - 1  # the reference stands with the position
     assert [each.get_ylabel() for each in axes][:2] == ["position [rad]", "current [A]"]
     assert np.array_equal(axes[1].lines[0].get_ydata(), recording["current"])
-    assert len(recording.plot(["force"])) == 1
+    assert len(recording.plot(["force"])) == len(recording.plot("force")) == 1
     with pytest.raises(BadInput, match="force"):
         recording.plot(["forse"])
 
@@ -44,6 +44,7 @@ def test_trajectory_plots_outputs_and_states(ran):
     assert np.array_equal(axes[0].lines[0].get_ydata(), trajectory["leader_tension"])
     assert len(axes[1].lines) == 10
     assert len(trajectory.plot()) == 5
+    assert trajectory.plot("current")[0].get_ylabel() == "current [A]"
     with pytest.raises(BadInput, match="leader_tension"):
         trajectory.plot(["leader_tensoin"])
 
@@ -55,6 +56,25 @@ def test_notebooks_show_tables_and_the_schematic(ran):
     loose = hand.with_effects("leader_slack").with_values({"leader_slack.length": 2e-3})
     assert 'class="leader marked"' in loose._repr_html_()
     assert "marked" not in hand._repr_html_().replace(".marked", "")
+
+
+def test_a_trajectory_is_a_mapping_as_a_recording_is(ran):
+    _, trajectory = ran
+    assert "time" in trajectory and "current" in trajectory and "joint_angle" in trajectory
+    assert "curent" not in trajectory and 3 not in trajectory
+    names = list(trajectory)
+    assert names[0] == "time" and len(set(names)) == len(names)
+    assert len(trajectory) == len(trajectory.time)
+    assert np.array_equal(dict(trajectory)["current"], trajectory["current"])
+    assert trajectory.get("curent") is None
+    assert trajectory == trajectory
+
+
+def test_notebooks_show_experiments(ran):
+    _, trajectory = ran
+    shown = trajectory.experiment._repr_html_()
+    assert "Experiment: Dynamometer grasp" in shown
+    assert "<td>object</td><td>cylinder</td>" in shown
 
 
 def test_names_in_a_table_are_escaped(tmp_path):

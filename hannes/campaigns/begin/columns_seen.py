@@ -94,4 +94,4 @@ def array_columns(path: Path, source: object) -> SeenArrays:
 
 
 def _seen(source: Arrays, name: str, values: FloatArray) -> Seen:
-    return Seen(name, source.captions.get(name, name), "", values)
+    return Seen(name, source.captions.get(name, name), source.units.get(name, ""), values)

@@ -27,7 +27,8 @@ class Arrays:
     """Numeric arrays by path (`log/motor/current`); NaN stands for a value that is missing.
 
     texts: columns of names, such as those of signals in a long table;
-    captions: what the file says of an array apart from its path, such as a label with a unit.
+    captions: what the file says of an array apart from its path, such as a label with a unit;
+    units: of arrays by path, as the file spells them.
     """
 
     def __init__(
@@ -38,9 +39,11 @@ class Arrays:
         missing: tuple[str, ...],
         captions: Mapping[str, str] | None = None,
         texts: Mapping[str, Texts] | None = None,
+        units: Mapping[str, str] | None = None,
     ) -> None:
         self.path, self.names, self.read, self.missing = path, tuple(names), read, missing
         self.captions, self._texts = captions or {}, texts or {}
+        self.units = units or {}
         self.text_names = tuple(self._texts)
 
     def place(self, row: int) -> str:

@@ -26,7 +26,16 @@ def open_mat(path: Path, missing: tuple[str, ...]) -> Arrays:
     own = {name: each for name, each in content.items() if not name.startswith("__")}
     variables = dict(_variables("", own, 0))
     captions = dict(_captions("", own, 0))
-    return Arrays(path, variables, variables.__getitem__, missing, captions)
+    return Arrays(
+        path, variables, variables.__getitem__, missing, captions, units=_units(own.get("units"))
+    )
+
+
+def _units(value: Any) -> dict[str, str]:
+    """Texts of a structure `units`, by the variables of their names, as `hannes export` has it."""
+    if not isinstance(value, dict):
+        return {}
+    return {name: each for name, each in value.items() if isinstance(each, str)}
 
 
 def _inside(name: str, value: Any) -> Iterator[tuple[str, Any]]:

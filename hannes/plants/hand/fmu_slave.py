@@ -8,7 +8,24 @@ from typing import Any
 
 import numpy as np
 
-OUTPUTS = ("position", "current", "duty", "supply", "force", "sensor", "leader_tension")
+# Outputs with unit and meaning.
+OUTPUTS = {
+    "position": ("rad", "angle of the output shaft"),
+    "current": ("A", "motor current"),
+    "duty": ("1", "duty of the drive"),
+    "supply": ("V", "voltage of the supply"),
+    "force": ("N", "normal forces on the object, their sum"),
+    "sensor": ("N", "force that the object's sensor reads"),
+    "leader_tension": ("N", "tension of the leader wire"),
+}
+# Units by what they are in SI's base units.
+UNITS = {
+    "rad": {"rad": "1"},
+    "A": {"A": "1"},
+    "1": {},
+    "V": {"kg": "1", "m": "2", "s": "-3", "A": "-1"},
+    "N": {"kg": "1", "m": "1", "s": "-2"},
+}
 EARLY = 1e-9  # s that a communication point may be short of a tick by rounding
 
 
@@ -20,32 +37,38 @@ class HandSlave:
     """
 
     EXPERIMENT, HAND = "", ""  # TOML texts, of the class that the FMU carries
+    DURATION, PERIOD = 1.0, 1e-3  # s, of the experiment and of the firmware's ticks
 
     register_variable: Any  # Fmi2Slave's
 
     def __init__(self, **options: Any) -> None:
-        from pythonfmu import Boolean, Fmi2Causality, Fmi2Variability, Real
+        from pythonfmu import Boolean, DefaultExperiment, Fmi2Causality, Fmi2Variability, Real
 
         super().__init__(**options)
         self.description = "A Hannes hand with the firmware's sampled controller"
         self.reference, self.own_reference = 0.0, True
         held = Fmi2Causality.input
-        self.register_variable(Real("reference", causality=held, start=0.0))
+        wanted = "wanted angle of the output shaft, where own_reference is false"
+        self.register_variable(Real("reference", causality=held, start=0.0, description=wanted))
         self.register_variable(
             Boolean(
                 "own_reference",
                 causality=Fmi2Causality.parameter,
                 variability=Fmi2Variability.fixed,
+                description="whether the experiment's own command moves the hand",
             )
         )
-        for name in OUTPUTS:
+        for name, (_, meaning) in OUTPUTS.items():
             setattr(self, name, 0.0)
-            self.register_variable(Real(name, causality=Fmi2Causality.output))
+            output = Fmi2Causality.output
+            self.register_variable(Real(name, causality=output, description=meaning))
+        self.default_experiment = DefaultExperiment(0.0, self.DURATION, self.PERIOD)
         self.stepper: Any = None
 
     def to_xml(self, *options: Any) -> Any:
-        """The model description; outputs are also its initial unknowns, as FMI asks."""
+        """The model description with units; outputs are also initial unknowns, as FMI asks."""
         description = super().to_xml(*options)  # type: ignore[misc]
+        _with_units(description)
         structure = description.find("ModelStructure")
         unknowns = copy.deepcopy(structure.find("Outputs"))
         unknowns.tag = "InitialUnknowns"
@@ -72,3 +95,18 @@ class HandSlave:
         outputs = self.stepper.step(None if self.own_reference else self.reference)
         for name in OUTPUTS:
             setattr(self, name, float(np.asarray(outputs[name])))
+
+
+def _with_units(description: Any) -> None:
+    """Add units, which pythonfmu leaves out, where FMI has them: after the co-simulation's node."""
+    from xml.etree.ElementTree import Element, SubElement
+
+    defined = Element("UnitDefinitions")
+    for name, base in UNITS.items():
+        SubElement(SubElement(defined, "Unit", name=name), "BaseUnit", base)
+    places = [each.tag for each in description]
+    description.insert(places.index("CoSimulation") + 1, defined)
+    units = {"reference": "rad", **{name: unit for name, (unit, _) in OUTPUTS.items()}}
+    for variable in description.find("ModelVariables"):
+        if (unit := units.get(variable.get("name"))) is not None:
+            variable.find("Real").set("unit", unit)

@@ -7,7 +7,7 @@ import numpy as np
 
 from hannes.report import style
 from hannes.report.figure import Drawn, drawn
-from hannes.report.formats import number
+from hannes.report.formats import number, power
 from hannes.report.paper.runs import measured
 from hannes.simulation.grasp_metrics import smoothed
 from hannes.simulation.trajectory import Trajectory
@@ -49,6 +49,7 @@ def _draw_sweep(stiffnesses: np.ndarray, metrics: list) -> "Figure":
         axes.plot(stiffnesses, values, marker="o", markersize=4.5, **style.FIRST)
         axes.set(ylabel=label, xscale="log")
         axes.set_ylim(bottom=0.0)
+    panels[-1].xaxis.set_major_formatter(lambda value, _: power(value))
     panels[-1].set_xlabel("contact stiffness at each phalanx [N/m]")
     figure.align_ylabels(panels)
     return figure
