@@ -17,7 +17,8 @@ from benchmarks.harness import Row, processor, table
 from hannes.core.io.atomic_files import write_text
 
 NAMES = ("accuracy_work", "parts", "calls", "processors", "peers", "batch", "start", "recognition")
-RECORDED = ("kills", "hostile", "grip", "link")  # run for long: their `--json` is in records
+# These run for long: their `--json` is in records.
+RECORDED = ("kills", "hostile", "grip", "link", "guards", "few_runs")
 FOLDER = Path(__file__).parent
 HEAD = """# Benchmarks
 

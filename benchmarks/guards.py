@@ -10,7 +10,8 @@ there by more than runs differ by (one-sided 1 %, over all channels together), a
 without an answer within 120 s of processor time. Printed too: names, and how many sound hands are
 called missing something.
 
-The whole takes an hour, which --resume spreads over several calls; --quick has one case.
+The whole takes an hour, which --resume spreads over several calls; --quick has one case. The
+quoted set has seeds that nothing was developed on.
 """
 
 import argparse

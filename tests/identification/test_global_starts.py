@@ -114,7 +114,9 @@ def test_run_to_run_variability_is_differenced_both_ways(shifted):
 
 def test_noise_assumed_too_large_counts_less_and_run_to_run_variability_as_assumed(shifted):
     baseline, rng = shifted.baseline, np.random.default_rng(0)
-    nothing = replace(baseline, residual=np.zeros(baseline.residual.size))
+    groups = zip(baseline.model.groups, baseline.noise.discretisation, strict=True)
+    means = [group.mean - discretisation for group, discretisation in groups]
+    nothing = replace(baseline, vectors=means, residual=np.zeros(baseline.residual.size))
     reductions = {}
     own = baseline.noise.run_to_run[0]
     strongest = own[np.argmax(np.linalg.norm(own, axis=1))] / np.sqrt(
@@ -123,7 +125,8 @@ def test_noise_assumed_too_large_counts_less_and_run_to_run_variability_as_assum
     lengths = [group.part.size for group in baseline.model.groups]
     for name, row in {"runs": strongest, "noise": 0.001 * rng.standard_normal(lengths[0])}.items():
         rows = [row, *(np.zeros(n) for n in lengths[1:])]
-        there = replace(baseline, residual=baseline.noise.together(rows))
+        vectors = [mean - row for mean, row in zip(means, rows, strict=True)]
+        there = replace(baseline, vectors=vectors, residual=baseline.noise.together(rows))
         reductions[name] = chi2_reduction(there, nothing, 0.7) / chi2_reduction(there, nothing, 1.0)
     assert reductions["noise"] == pytest.approx(1.0 / 0.7, rel=0.05)
     assert reductions["runs"] < 1.1, reductions
