@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from toy_machine import Lag
 
-from hannes.bench.board_logic import Settings
+from hannes.bench.board_logic import BoardLogic, Settings
 from hannes.bench.finish import read_rows, recording
 from hannes.bench.messages import State
-from hannes.bench.misbehaviour import Misbehaviour
+from hannes.bench.misbehaviour import Cable, Misbehaviour
 from hannes.bench.reader import Link
 from hannes.bench.session import session
 from hannes.bench.virtual_board import Socket, Terminal, VirtualBoard
@@ -127,23 +127,24 @@ def test_a_deciding_process_that_hangs_has_the_board_stopped(tmp_path):
 
 
 def test_a_stop_that_was_not_seen_is_said_on_ctrl_c(tmp_path):
-    how = Misbehaviour(cut=1.0)
-    with Running(Terminal(), how) as board, pytest.raises(Interrupted) as ended:
+    with Running(Terminal()) as board, pytest.raises(Interrupted) as ended:
         with session(Link(board.far.address), tmp_path / "a") as talk:
             talk.hello()
             talk.reader.send(talk.speaker.set_point(1.0))
-            assert talk.wait(lambda: talk.moved, 2.0)
-            talk.wait(lambda: board.moment > 1.1, 5.0)
+            assert talk.wait(lambda: talk.moved, 5.0)
+            board.cable = Cable(Misbehaviour(cut=1e-9))  # it is out from now on
             raise KeyboardInterrupt
     assert "not seen in the telemetry" in str(ended.value) and ended.value.exit_status == 130
 
 
 def test_a_board_that_is_reset_is_named_and_its_samples_go_on(tmp_path):
-    log, how = tmp_path / "run.rawlog", Misbehaviour(reset=0.8)
-    with Running(Terminal(), how) as board, pytest.raises(ComputationFailed, match="began anew"):
+    log = tmp_path / "run.rawlog"
+    with Running(Terminal()) as board, pytest.raises(ComputationFailed, match="began anew"):
         with session(Link(board.far.address), log) as talk:
             talk.hello()
             talk.profile([(0.0, 0.0), (5.0, 1.0)])
+            talk.wait(lambda: False, 0.3)
+            board.logic = BoardLogic(Lag(), board.settings)  # as a reset does
             talk.run_to_end(5.0)
     rows = read_rows(log)
     assert "the board began anew" in [words for _, words in rows.events]
