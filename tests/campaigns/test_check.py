@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hannes.campaigns import third_party
-from hannes.campaigns.check import check
+from hannes.campaigns.check import check, subjects
 from hannes.campaigns.quality import sensors
 from hannes.campaigns.quality.finding import KINDS
 from hannes.commands.cli import main
@@ -114,6 +114,20 @@ def test_real_finger_trials_have_gaps_and_no_fault(finger_trials):
         # Its logger repeats whole readings for up to 90 ms while the finger moves on.
         known = {("warning", "gap"), ("warning", "held")}
         assert kinds <= known | {("note", "uneven"), ("note", "resolution")}
+
+
+def test_real_finger_trials_have_no_fault_for_their_plant():
+    """Its clock skips samples and shows it; a leap of its angle beside is no lost sample."""
+    import os
+    from pathlib import Path
+
+    folder = Path(os.environ.get("HANNES_MEASURED", "nowhere")) / "rh56_finger"
+    files = sorted(folder.glob("middlefinger_speed25_force1000_*.csv.gz"))
+    if not files:
+        pytest.skip("needs the RH56 recordings: HANNES_MEASURED names no folder with them")
+    for name, trial, plant in subjects(files[0], "finger"):
+        faults = [each.text for each in check(trial, plant) if each.level == "fault"]
+        assert faults == [], name
 
 
 @pytest.fixture(scope="module")

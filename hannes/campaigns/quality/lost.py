@@ -15,13 +15,18 @@ ROUNDED = 1.5  # counts, by which steps of a command in whole counts differ
 STEADY, CLEAR = 3.0, 6.0  # smallest counts, and noises, of a step of a measured motion
 MOVED_ON = 2.5  # steps before and after, of a motion: two samples at least
 FEW = 3  # times that both leap
+SKIPPED = 0.01  # share of intervals that are gaps, of a clock that shows itself what is lost
 LEAST = 1e-4  # of the command's range: smaller steps are no motion
 
 
 def inspect(subject: Subject) -> Iterator[Finding]:
-    """A leap in a command, else in a motion, that goes on evenly before and after it."""
-    commanded = list(_commanded(subject))
-    yield from commanded or _moved(subject)
+    """A leap in a command, else in a motion, that goes on evenly before and after it.
+
+    No samples are lost unseen where the clock has gaps of its own: it was read, not counted.
+    """
+    gaps = float(np.mean(np.diff(subject.time) > 1.5 * subject.interval))
+    every = list(_commanded(subject)) or list(_moved(subject))
+    yield from (each for each in every if each.kind != "lost" or gaps < SKIPPED)
 
 
 def _moved(subject: Subject) -> Iterator[Finding]:
