@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
+from benchmarks.intake.__main__ import main
+from benchmarks.intake.bases import Logger, base, logged
 from benchmarks.intake.case import case, strength_of
+from benchmarks.intake.consequence import consequence
 from benchmarks.intake.log import Log, all_kinds
 from benchmarks.intake.mapped import mended, toml
 from benchmarks.intake.summary import figures
@@ -36,6 +39,23 @@ def test_one_case_is_found_named_and_mended(name):
     assert row["strength"] == "gross" and row["found"] and row["named"] and row["mended"]
     rows, bounds = figures([{"kind": f"{name} / gross", "seed": 3, "fault": name, **row}])
     assert rows[0]["kind"] == name and all(each["holds"] for each in bounds)
+
+
+def test_the_small_form_of_the_study(tmp_path, capsys):
+    kinds = ["--kinds", "swapped rows", "degrees as radians"]
+    assert main(["--quick", "--cases", str(tmp_path / "cases.jsonl"), *kinds]) == 0
+    assert "gross faults found, of 2" in capsys.readouterr().out
+    assert main(["--so-far", "--quick", "--cases", str(tmp_path / "cases.jsonl")]) == 0
+
+
+def test_a_servo_under_its_own_command_has_no_consequence():
+    run = base("servo", 1)
+    log = logged(run, Logger(), True, np.random.default_rng(1))
+    assert consequence(run, log) < 0.2
+    late = log.rows(slice(600, None))  # command and motion together
+    assert consequence(run, late.changed(time=late.time - late.time[0])) < 0.3
+    apart = log.changed(position=log.columns["position"] + 0.2)
+    assert consequence(run, apart) > 1.0
 
 
 def test_strengths():

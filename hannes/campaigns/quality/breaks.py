@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault
-from hannes.campaigns.quality.law import Break, Relation, breaks_of, laws, pushes_away
+from hannes.campaigns.quality.law import Relation, laws, pushes_away
+from hannes.campaigns.quality.law_break import FAR_LEFT, Break, breaks_of
 from hannes.campaigns.quality.motion import other_way_round
 from hannes.campaigns.quality.subject import Subject, quantum
 
@@ -56,6 +57,8 @@ def _other_way_round(subject: Subject, law: Relation) -> Finding:
 def _is_one(law: Relation, found: Break) -> bool:
     """Whether a law holds to either side, and a break of it is clear."""
     kind = found.kind if found.kind == "range" else f"slip of {law.name}"
+    if found.before == 1.0 and found.left < FAR_LEFT and found.kind == "range":
+        return True  # far, by either part alone
     clear = found.kind != "range" or abs(np.log(max(found.size, 1e-6))) > CLEAR * found.left
     return found.share > SHARE[kind] and found.left < LEFT[kind] and clear
 

@@ -40,17 +40,16 @@ def inspect(subject: Subject) -> Iterator[Finding]:
         return
     off = np.all([_idle(recording[name]) for name in drives], axis=0) & ~held_frames(subject)
     used = np.any([_used(recording[name]) for name in drives], axis=0)
-    answers = {name: answer(subject, name, ~off) for name in drives if off.any()}
+    long = [each for each in true_runs(off) if used[each[0]] and each[1] - each[0] + 1 >= SHORTEST]
+    if not long:
+        return
+    follower = _Follower(recording[moved], asked)
+    answers = [_Answer(recording[name], *answer(subject, name, ~off)) for name in drives]
     runs = [
         each
-        for each in true_runs(off)
-        if used[each[0]]
-        and each[1] - each[0] + 1 >= SHORTEST
+        for each in long
+        if (follower.is_behind(*each) or any(one.is_wanted(*each) for one in answers))
         and not all(_stands(recording[name], *each) for name in drives)
-        and (
-            _behind(recording[moved], asked, *each)
-            or any(_wanted(recording[n], *answers[n], *each) for n in drives)
-        )
     ]
     if not runs or _another_run(subject, moved, asked, runs[-1][1]):
         return
@@ -77,18 +76,23 @@ def stood(subject: Subject) -> Iterator[Finding]:
 def _stood(subject: Subject, drives: list[str], moved: str) -> Iterator[Finding]:
     values = subject.recording[moved]
     runs = sorted(true_runs(np.diff(values) == 0.0), key=lambda each: each[0] - each[1])
-    for first, last in runs[:FEW]:
-        if last - first + 2 < LEAST_STOOD or last - first > MOST_STOOD * values.size:
-            continue
-        on = np.ones(values.size, np.bool_)
+    kept = [
+        each
+        for each in runs[:FEW]
+        if each[1] - each[0] + 2 >= LEAST_STOOD and each[1] - each[0] <= MOST_STOOD * values.size
+    ]
+    on = np.ones(values.size, np.bool_)
+    for first, last in kept:
         on[first : last + 2] = False
-        for name in drives:
-            drive = subject.recording[name]
-            predicted, left = answer(subject, name, on)
-            apart = (drive - predicted)[first : last + 2]
-            size = float(np.abs(drive).max())
-            late = float(np.abs(apart[apart.size // 2 :].mean()))
-            if late > max(CLEARLY * left, STOOD * size) and left < HOLDS * float(np.std(drive)):
+    for name in drives if kept else ():
+        drive = subject.recording[name]
+        predicted, left = answer(subject, name, on)
+        if not left < HOLDS * float(np.std(drive)):
+            continue
+        least = max(CLEARLY * left, STOOD * float(np.abs(drive).max()))
+        for first, last in kept:
+            late = slice((first + last) // 2, last + 2)
+            if abs(float(np.mean(drive[late] - predicted[late]))) > least:
                 yield _is_frozen(subject, moved, name, first, last + 1)
                 return
 
@@ -133,29 +137,41 @@ def _used(values: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(np.maximum.accumulate(np.abs(values)) > ACTIVE * np.abs(values).max())
 
 
-def _wanted(
-    drive: FloatArray, predicted: FloatArray, left: float, first: int, last: int
-) -> bool:  # fmt: skip
-    """Whether the controller would drive in a stretch, by what it does while it is on."""
-    from scipy.ndimage import uniform_filter1d
+class _Answer:
+    """A drive beside what its controller's law asks for, and what that leaves where it is on."""
 
-    missing = float(np.abs(np.mean(predicted[first + 1 : last + 1])))
-    before = (drive - predicted)[:first]
-    usual = np.abs(uniform_filter1d(before, last - first + 1)).max() if before.size else 0.0
-    if missing < UNUSUAL * usual:
-        return False
-    size = float(np.abs(drive).max())
-    return missing > max(CLEARLY * left, WANTED * size, COUNTS * quantum(drive))
+    def __init__(self, drive: FloatArray, predicted: FloatArray, left: float) -> None:
+        size = WANTED * float(np.abs(drive).max())
+        self._least = max(CLEARLY * left, size, COUNTS * quantum(drive))
+        self._predicted = predicted
+        self._sums = np.concatenate(([0.0], np.cumsum(drive - predicted)))
+
+    def is_wanted(self, first: int, last: int) -> bool:
+        """Whether the controller would drive in a stretch, by what it does while it is on."""
+        missing = float(np.abs(np.mean(self._predicted[first + 1 : last + 1])))
+        if not missing > self._least:
+            return False
+        count = last - first + 1
+        before = self._sums[: first + 1]
+        usual = np.abs(before[count:] - before[:-count]) / count if before.size > count else before
+        return missing > UNUSUAL * float(usual.max(initial=0.0))
 
 
-def _behind(motion: FloatArray, asked: FloatArray, first: int, last: int) -> bool:
-    """Whether the command moves on in a stretch and the machine does not."""
-    if last - first + 1 < BRIEF:
-        return False
-    part = slice(first, last + 1)
-    goes, made = float(np.ptp(asked[part])), float(np.ptp(motion[part]))
-    if made >= STILL * goes or goes < LEAST * float(np.ptp(asked)):
-        return False
-    error = np.abs(asked[: last + 1] - motion[: last + 1])
-    return goes > ASKED * float(np.ptp(asked)) or float(error[-1]) > FURTHER * float(
-        error[:first].max(initial=0.0))  # fmt: skip
+class _Follower:
+    """A motion and its command."""
+
+    def __init__(self, motion: FloatArray, asked: FloatArray) -> None:
+        self._motion, self._asked, self._size = motion, asked, float(np.ptp(asked))
+        self._error = np.abs(asked - motion)
+        self._largest = np.maximum.accumulate(self._error)
+
+    def is_behind(self, first: int, last: int) -> bool:
+        """Whether the command moves on in a stretch and the machine does not."""
+        part = slice(first, last + 1)
+        goes = float(np.ptp(self._asked[part]))
+        if last - first + 1 < BRIEF or goes < LEAST * self._size:
+            return False
+        if float(np.ptp(self._motion[part])) >= STILL * goes:
+            return False
+        before = float(self._largest[first - 1]) if first else 0.0
+        return goes > ASKED * self._size or float(self._error[last]) > FURTHER * before

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.held_rows import held_rows
 from hannes.campaigns.quality.finding import Finding, warning
 from hannes.campaigns.quality.subject import Subject, noise, quantum, true_runs
 
@@ -29,9 +28,7 @@ def held_frames(subject: Subject) -> NDArray[np.bool_]:
     A machine at rest, or at its turn, repeats itself rightly: a repeat counts where the channels
     around it go on by several of their steps.
     """
-    recording = subject.recording
-    names = [n for n in recording.names if n not in subject.commands]
-    return held_rows([recording[n] for n in names], [subject.is_motion(n) for n in names])
+    return subject.held
 
 
 def _frames(subject: Subject) -> Iterator[Finding]:

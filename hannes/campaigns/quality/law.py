@@ -21,12 +21,8 @@ FloatArray = NDArray[np.float64]
 PARTS, FEWEST = 200, 60  # parts of a run
 LEAST_SIZE = 3  # samples of each
 SMOOTHED = 0.012  # s, over which a speed is taken, at least five samples
-EDGE = 0.06  # share of the run at either end, in which no break is seen
 HOLDS = 0.3  # of the drive, that a law leaves whose sign counts
-LEAST_FACTOR, LEAST_PART = 0.02, 0.03  # of a range, and of the drive's square to either side
 MOST = 5000  # samples by which a law is found
-BRIEF = 0.35  # of the whole travel, over which an encoder slips at most
-RAMPS = 40  # places at which a slip may begin or end
 
 
 @dataclass(frozen=True)
@@ -122,43 +118,11 @@ def _relation(
     return Relation(name, of, drive, table, parts(motion), slips, subject.time[places], places)
 
 
-@dataclass(frozen=True)
-class Break:
-    """The change that explains most of what a law leaves.
-
-    kind: "range" or "slip"; place: the part at which it begins; size: factor of a range, else how
-    far the motion slipped; share: of the law's squared residual that it explains; left: residual
-    over the drive's RMS with it; before: the same without.
-    """
-
-    kind: str
-    place: int
-    end: int
-    size: float
-    share: float
-    left: float
-    before: float
-
-
-NOTHING = Break("range", 0, 0, 1.0, 0.0, 1.0, 1.0)
-
-
-def breaks_of(law: Relation) -> list[Break]:
-    """The best change of gain, and the best slip; none where there are too few parts."""
-    if law.drive.size < FEWEST:
-        return []
-    columns = _scaled(law.columns)
-    base, _ = np.linalg.qr(columns)
-    predicted = base @ (base.T @ law.drive)
-    rest = law.drive - predicted
-    return [_range(law, columns, base, predicted, rest), _slip(law)]
-
-
 def pushes_away(law: Relation) -> bool:
     """Whether a law of the controller holds, and drives the motion away from its command."""
     if law.drive.size < FEWEST:
         return False
-    columns = _scaled(np.delete(law.columns, 1, axis=1))  # without the integral
+    columns = scaled(np.delete(law.columns, 1, axis=1))  # without the integral
     found, *_ = np.linalg.lstsq(columns, law.drive, rcond=None)
     left = float(np.std(law.drive - columns @ found))
     base, _ = np.linalg.qr(columns[:, 1:])
@@ -185,83 +149,7 @@ def zero_of(subject: Subject, moved: str) -> float | None:
     return best[1] if best else None
 
 
-def _gains(base: FloatArray, rest: FloatArray, added: FloatArray) -> FloatArray:
-    """Share of the squared residual that each added column (k, m) explains, (m,)."""
-    free = added - base @ (base.T @ added)
-    squares = np.sum(free**2, axis=0)
-    least = 1e-9 * np.sum(added**2, axis=0) + 1e-300
-    products = np.where(squares > least, (free.T @ rest) ** 2 / np.maximum(squares, least), 0.0)
-    return np.asarray(products / max(float(rest @ rest), 1e-300))
-
-
-def _range(
-    law: Relation, columns: FloatArray, base: FloatArray, predicted: FloatArray, rest: FloatArray
-) -> Break:
-    """The gain of the drive's own probe changes."""
-    count = law.drive.size
-    edge = round(EDGE * count)
-    at = np.arange(edge, count - edge)
-    after = np.arange(count)[:, None] >= at
-    place = int(at[np.argmax(_gains(base, rest, after * predicted[:, None]))])
-    later, factor = np.arange(count) >= place, 1.0
-    for _ in range(4):
-        table = np.column_stack((columns, later * predicted))
-        found, *_ = np.linalg.lstsq(table, law.drive, rcond=None)
-        predicted = columns @ found[:-1]
-        factor = 1.0 + float(found[-1])
-        left = law.drive - table @ found
-    shares = [float(np.sum(predicted[each] ** 2)) for each in (~later, later)]
-    if factor < LEAST_FACTOR or min(shares) < LEAST_PART * sum(shares):
-        return NOTHING
-    return _break("range", place, count - 1, factor, law.drive, rest, left)
-
-
-def _slip(law: Relation) -> Break:
-    """The motion that is read falls behind that of the shaft for a while.
-
-    Its error, or its speed, then no longer follows from the drive and the rest as it did.
-    """
-    read = law.columns[:, 0]
-    columns = _scaled(np.column_stack((law.drive, law.columns[:, 1:])))
-    base, _ = np.linalg.qr(columns)
-    rest = read - base @ (base.T @ read)
-    count = law.drive.size
-    travel = np.cumsum(np.abs(np.diff(law.motion, prepend=law.motion[0])))
-    marks = np.linspace(EDGE, 1.0 - EDGE, RAMPS) * travel[-1]
-    ends = np.unique(np.searchsorted(travel, marks))
-    pairs = np.array(
-        [(a, b) for a in ends for b in ends if a < b and travel[b] - travel[a] < BRIEF * travel[-1]]
-    )
-    if not pairs.size:
-        return NOTHING
-    place = np.arange(count)[:, None]
-    if law.slips:
-        clamped = np.clip(place, pairs[:, 0], pairs[:, 1])
-        ways = (law.motion, law.motion + read)  # of what is read, or asked where it is lost whole
-        added = np.hstack([each[clamped] - each[pairs[:, 0]] for each in ways])
-        pairs = np.vstack((pairs, pairs))
-    else:
-        added = (read - rest)[:, None] * ((place >= pairs[:, 0]) & (place < pairs[:, 1]))
-    best = int(np.argmax(_gains(base, rest, added)))
-    table = np.column_stack((columns, added[:, best]))
-    found, *_ = np.linalg.lstsq(table, read, rcond=None)
-    if (found[-1] > 0.0) != law.slips:  # what slips is read to move less, so its error grows
-        return NOTHING
-    first, last = (int(each) for each in pairs[best])
-    return _break("slip", first, last, float(found[-1]), read, rest, read - table @ found)
-
-
-def _scaled(columns: FloatArray) -> FloatArray:
+def scaled(columns: FloatArray) -> FloatArray:
     """Columns of a size of one each."""
     scale = np.abs(columns).max(axis=0)
     return columns / np.where(scale > 0.0, scale, 1.0)
-
-
-def _break(
-    kind: str, place: int, end: int, size: float, values: FloatArray, rest: FloatArray,
-    left: FloatArray,
-) -> Break:  # fmt: skip
-    whole = float(np.std(values))
-    before, after = (float(np.sqrt(np.mean(each**2))) / max(whole, 1e-300) for each in (rest, left))
-    share = 1.0 - (after / max(before, 1e-300)) ** 2
-    return Break(kind, place, end, size, share, after, before)

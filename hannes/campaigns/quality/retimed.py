@@ -18,7 +18,8 @@ FloatArray = NDArray[np.float64]
 COARSE = np.arange(0.5, 1.2, 0.02)  # paces that are tried first
 FINER = (4e-3, 8e-4, 1.6e-4)  # steps about the best of them
 AROUND = 5  # steps each way
-ENOUGH = 2000  # samples
+# Samples of a recording from its start that are looked at, and of those that are taken.
+LONGEST, ENOUGH = 20_000, 2000
 FEWEST = 150  # samples
 AHEAD = 6e-3  # s, over which a command's speed is taken
 SHARE, LEFT = 0.45, 0.1  # squared residual that a pace explains; what it leaves of the drive
@@ -63,12 +64,13 @@ def pace_of(subject: Subject) -> float | None:
         asked = subject.asked_at(moved)
         if asked is None or np.ptp(asked[1]) == 0.0 or subject.time.size < FEWEST:
             continue
-        few = slice(None, None, max(subject.time.size // ENOUGH, 1))
-        motion = subject.recording[moved]
+        size = min(subject.time.size, LONGEST)
+        few = slice(0, size, max(size // ENOUGH, 1))
+        motion, time = subject.recording[moved][:size], subject.time[:size]
         answer = _Answer(
             subject.time[few],
             motion[few],
-            np.gradient(motion, subject.time)[few],
+            np.gradient(motion, time)[few],
             subject.recording[name][few],
             asked,
         )

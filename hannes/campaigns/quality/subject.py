@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.held_rows import MOTIONS
+from hannes.campaigns.held_rows import MOTIONS, held_rows
 from hannes.campaigns.quality.conversion import Conversion, conversion
 from hannes.core.recording.channel_limits import Expected
 from hannes.core.recording.recording import Recording
@@ -71,6 +71,13 @@ class Subject:
         """Commanded channels, not measured: they may jump and may stand still."""
         followed = {each.follows for each in self.expected.values() if each.follows}
         return frozenset(followed | self.asked | {"reference", "pulses"})
+
+    @cached_property
+    def held(self) -> NDArray[np.bool_]:
+        """Whether each sample repeats all measured channels though it should not, (n,)."""
+        names = [name for name in self.recording.names if name not in self.commands]
+        smooth = [self.is_motion(name) for name in names]
+        return held_rows([self.recording[name] for name in names], smooth)
 
     @cached_property
     def converted(self) -> Conversion:

@@ -1,0 +1,169 @@
+"""What only the law of a drive shows: ranges, slips, trips, leaks, another pace of a servo."""
+
+import tomllib
+from functools import cache
+
+import numpy as np
+import pytest
+
+from benchmarks.intake.servo_plant import Servo
+from benchmarks.truth import servo
+from hannes.campaigns.begin.mapping_text import _expression
+from hannes.campaigns.check import check
+from hannes.campaigns.convert import convert
+from hannes.campaigns.foreign.raw_values import disorder
+from hannes.core.recording.recording import Recording
+
+TIME = np.arange(3000) / 1000.0
+UNITS = {"time": "s", "reference": "rad", "position": "rad", "current": "A"}
+STEPS = {"position": 2.0 * np.pi / 16384, "current": 2e-3}
+
+
+@cache
+def moved():
+    marks = np.array([0.0, 0.3, 0.9, 1.2, 1.8, 2.1, 2.7, 3.0])
+    goals = np.array([0.0, 0.0, 0.8, 0.8, -0.5, -0.5, 0.3, 0.3])
+    place = np.clip(np.searchsorted(marks, TIME, side="right") - 1, 0, marks.size - 2)
+    share = (TIME - marks[place]) / np.diff(marks)[place]
+    asked = goals[place] + np.diff(goals)[place] * share**3 * (10 - 15 * share + 6 * share**2)
+    run = servo.simulate(servo.SERVO, asked)
+    return {"reference": asked, "position": run["position"], "current": run["drive"]}
+
+
+def columns(**changed):
+    """A log: noise on the current, both sensors with steps."""
+    found = {**moved(), **changed}
+    noise = 5e-3 * np.random.default_rng(1).standard_normal(TIME.size)
+    found["current"] = found["current"] + noise
+    for name, step in STEPS.items():
+        found[name] = step * np.round(found[name] / step)
+    return {"time": TIME[: found["position"].size], **found}
+
+
+def serious(channels):
+    found = check(Recording(channels, UNITS, "servo"), Servo())
+    return [each for each in found if each.level != "note"]
+
+
+def test_a_sound_log_has_nothing_serious():
+    assert serious(columns()) == []
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.25, 10.0])
+def test_a_range_that_was_switched(factor):
+    log = columns()
+    log["current"] = np.where(TIME > 1.4, factor, 1.0) * log["current"]
+    (found,) = serious(log)
+    assert (found.kind, found.channel) == ("range", "current")
+    assert found.time == pytest.approx(1.4, abs=0.2) and found.mend[0].startswith("time.cut")
+
+
+def test_an_encoder_that_slips():
+    q = moved()["position"]
+    missed = np.where((TIME > 0.4) & (TIME < 0.7), np.gradient(q), 0.0)
+    (found,) = serious(columns(position=q - 0.15 * np.cumsum(missed)))
+    assert (found.kind, found.channel) == ("slip", "position") and found.time < 0.5
+
+
+def test_a_stage_that_trips_near_the_end_of_a_stroke():
+    run, start = moved(), 850
+    position, current = run["position"].copy(), run["current"].copy()
+    position[start:], current[start:] = position[start], 0.0
+    found = serious(columns(position=position, current=current))
+    assert [each.kind for each in found] == ["disabled"]
+    assert found[0].time == pytest.approx(0.85, abs=0.02)
+
+
+@pytest.mark.parametrize("share", [0.05, -0.05])
+def test_a_drive_that_leaks_into_the_encoder(share):
+    log = columns()
+    log["position"] = log["position"] + share * log["current"]
+    (found,) = serious(log)
+    assert (found.kind, found.channel) == ("crosstalk", "position")
+    assert found.size == pytest.approx(share, rel=0.1)
+
+
+def test_a_speed_that_was_overridden():
+    slow = {n: np.interp(0.96 * TIME, TIME, x) for n, x in moved().items() if n != "reference"}
+    (found,) = serious(columns(**slow))
+    assert found.kind == "pace" and found.size == pytest.approx(1.0 / 0.96, rel=3e-3)
+
+
+def test_a_zero_smaller_than_a_motion_alone_shows():
+    (found,) = serious(columns(position=moved()["position"] + 0.01))
+    assert found.kind == "zero"
+    assert found.mend[0].startswith('channels.position.offset = "-0.0')
+
+
+def test_rows_lost_in_motion():
+    kept = np.delete(np.arange(TIME.size), np.arange(600, 612))
+    log = {name: x[kept] for name, x in columns().items()}
+    (found,) = serious({**log, "time": TIME[: kept.size]})
+    assert found.kind == "lost" and "some 12 samples" in found.text
+
+
+def test_a_slow_command_in_whole_counts_has_lost_nothing():
+    log = columns()
+    steps = np.resize([1.0, 1.0, 1.0, 2.0], TIME.size) * (np.abs(TIME - 1.5) < 0.4)
+    log["reference"] = 1e-3 * np.cumsum(steps)
+    assert "lost" not in [each.kind for each in serious(log)]
+
+
+MAPPING = """plant = "hand"
+missing = ["n/a"]
+[time]
+column = "t"
+unit = "s"
+cut = [["0.1 s", "0.12 s"]]
+[channels.reference]
+column = "ref"
+unit = "rad"
+[channels.position]
+column = "pos"
+unit = "rad"
+scale = 2.0
+offset = "0.5 rad"
+[channels.current]
+column = "cur"
+unit = "A"
+reversed = true
+"""
+
+
+def test_a_mend_goes_on_from_what_the_mapping_has(tmp_path):
+    run = moved()
+    pushed = np.tanh(np.gradient(run["position"], TIME))
+    np.savez(tmp_path / "log.npz", t=TIME, ref=10.0 * np.abs(run["reference"]), cur=pushed,
+             pos=5.0 * np.abs(run["position"]) - 0.25)  # fmt: skip
+    (tmp_path / "map.toml").write_text(MAPPING)
+    (made,) = convert([tmp_path / "log.npz"], tmp_path / "map.toml")
+    from hannes.campaigns.quality import mends
+    from hannes.campaigns.quality.subject import Subject
+
+    subject = Subject(made.recording)
+    lines = (
+        *mends.scaled(subject, "position", 4.0),
+        *mends.reversed_sign(subject, "current"),
+        *mends.cut(subject, [(0, 3)]),
+        *mends.missing(subject, ["-999"]),
+    )
+    said = tomllib.loads("\n".join(lines))
+    assert said["channels"]["position"] == {"scale": 0.5, "offset": "0.125 rad"}
+    assert said["channels"]["current"] == {"reversed": False}
+    assert said["time"]["cut"][0] == ["0.1 s", "0.12 s"] and len(said["time"]["cut"]) == 2
+    assert said["missing"] == ["n/a", "-999"]
+
+
+def test_lines_to_skip_do_not_begin_as_samples_do():
+    import re
+
+    samples = ["2026-03-03 18:43:13.2, 1.0", "2026-03-03 18:43:13.3, 1.1"]
+    pattern = re.compile(_expression(["2026-03-03 rebooted", "# note"], samples))
+    assert not any(map(pattern.search, samples))
+    assert pattern.search("2026-03-03 rebooted") and pattern.search("# note")
+
+
+def test_a_clock_that_was_set_back_is_not_out_of_order():
+    time = np.r_[TIME[:300], TIME[300:] - 0.1]
+    assert disorder(time)[1] == 'time.sampling = "1000 Hz"'
+    assert disorder(TIME[np.r_[:30, 31, 30, 32:600]])[1] == 'time.order = "sort"'
