@@ -97,7 +97,7 @@ def _far_range(law: Relation, columns: FloatArray) -> Break | None:
             np.std(parts[0] - before) / sizes[0], np.std(parts[1] - factor * after) / sizes[1]
         )
         if factor > 0.0 and (best is None or left < best[0]):
-            best = left, place, factor
+            best = float(left), place, factor
     if best is None or best[0] > FAR_LEFT or abs(np.log(best[2])) < FAR:
         return None
     return Break("range", best[1], count - 1, best[2], 1.0, best[0], 1.0)
