@@ -105,9 +105,10 @@ def settings(**asked):
     return read_settings(Table(asked, "campaign.toml", ()), HandPlant())
 
 
-def test_joints_are_off_by_a_hundredth_and_no_more_than_the_hand():
+def test_joints_are_off_by_a_hundredth_where_nothing_is_said_of_scatter():
     assert settings().scatter_apart == 0.01
-    assert settings(scatter="0.5 %").scatter_apart == pytest.approx(0.005)
+    assert settings(scatter="2 %").scatter_apart == 0.0
+    assert settings(scatter="2 %", scatter_apart="1 %").scatter_apart == 0.01
     assert settings(scatter_apart="0 %").scatter_apart == 0.0
     with pytest.raises(BadInput, match="scatter_apart"):
         settings(scatter_apart="60 %")
