@@ -5,7 +5,7 @@ import json
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any, NoReturn
 
 from hannes.commands import (
@@ -69,8 +69,9 @@ def _run(arguments: Sequence[str]) -> None:
         raise fault from None
 
 
+@cache
 def make_parser() -> _Parser:
-    """The parser of all commands."""
+    """The parser of all commands; made once a process, for tests and notebooks call many."""
     parser = _Parser(prog="hannes", description=DESCRIPTION, **_with_examples(""))
     parser.add_argument("--version", action="version", version=f"hannes {VERSION}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
