@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hannes.commands.cli_output import add_force, add_json, print_json
+from hannes.commands.cli_trust import add_trust
 from hannes.core.errors import BadInput, ComputationFailed
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
         "--tcp", type=int, metavar="PORT", help="serve on this TCP port, not on a terminal"
     )
     board.add_argument("--seconds", type=float, default=0.0, help="run time [s] (0: no end)")
+    add_trust(board)
 
     record = command("record", _record, "send an experiment's command to a board, and record")
     record.add_argument("experiment", nargs="?", help="a shipped experiment, or a .toml file")
@@ -70,6 +72,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     )  # fmt: skip
     add_force(record)
     add_json(record)
+    add_trust(record)
 
     port = command("port", _port, "list serial ports, or measure the link to a board")
     add_link(port, "port")

@@ -33,7 +33,7 @@ my.toml:
   "resolution.position" = "1.534 mrad"
   [[grasps]]
   name = "balls"
-  shape = "sphere"                         # cylinder, prism; none for an empty hand
+  shape = "sphere"                         # or cylinder, prism, none (an empty hand)
   draws = 100                              # grasps of each cell
   role = "train"                           # or "test"
   [grasps.values]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hannes.commands.cli_output import add_force, add_json, print_json
+from hannes.commands.cli_trust import add_trust
 from hannes.core.errors import BadInput
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
 
     live = command("live", _live, "recognise while the hand closes, and limit its grip")
     add_link(live, "port")
+    add_trust(live)
     live.add_argument("model", help="a model made by `hannes train`")
     live.add_argument("--close", metavar="EXPERIMENT", help="close the hand by its command")
     live.add_argument(

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hannes.commands.cli_trust import add_trust
+
 if TYPE_CHECKING:
     from hannes.bench.reader import Link
 
@@ -25,6 +27,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
 
     panel = command("panel", _panel, "drive a hand on a port from a page in the browser")
     add_link(panel, "port")
+    add_trust(panel)
     panel.add_argument("--model", metavar="MODEL.h5", help="recognise with it (`hannes train`)")
     panel.add_argument(
         "--no-policy",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from hannes.commands.cli_output import add_force, add_json, print_json
 from hannes.commands.cli_trust import add_trust
 from hannes.commands.next_step import after_check, after_convert
+from hannes.core.errors import printable
 
 if TYPE_CHECKING:
     from hannes.campaigns.quality.finding import Finding
@@ -162,7 +163,7 @@ def _convert(chosen: argparse.Namespace) -> None:
         return
     for row, findings in zip(rows, found, strict=True):
         print("\n".join([_summary_text(row), *_lines(findings, notes=False)]))
-    print(after_convert(chosen.mapping, [str(path) for path in paths], found))
+    print(printable(after_convert(chosen.mapping, [str(path) for path in paths], found)))
 
 
 def _begin(chosen: argparse.Namespace) -> None:
@@ -186,11 +187,11 @@ def _begin(chosen: argparse.Namespace) -> None:
         )
         return
     for line in begun.seen:
-        print(f"  saw      {line}")
+        print(f"  saw      {printable(line)}")
     for line in begun.missing:
-        print(f"  missing  {line}")
+        print(f"  missing  {printable(line)}")
     for each in begun.conditions:
-        print(f"  {counted(len(each.files), 'run')}   {each.name} (by {each.why})")
+        print(f"  {counted(len(each.files), 'run')}   {printable(each.name)} (by {each.why})")
     if begun.recordings:
         checked = argparse.Namespace(
             file=[str(begun.out / CAMPAIGN)], plant=None, experiment=None, notes=False, json=False
@@ -199,9 +200,10 @@ def _begin(chosen: argparse.Namespace) -> None:
             refuse_faults(_checked(checked))
         except BadInput as error:
             print(f"  missing  {error}")
-            print(f"next: edit {begun.out / CAMPAIGN}, then: hannes check {begun.out / CAMPAIGN}")
+            campaign = printable(begun.out / CAMPAIGN)
+            print(f"next: edit {campaign}, then: hannes check {campaign}")
             return
-    print(f"next: {begun.next}")
+    print(f"next: {printable(begun.next)}")
 
 
 def _check(chosen: argparse.Namespace) -> None:
@@ -210,7 +212,7 @@ def _check(chosen: argparse.Namespace) -> None:
     found = _checked(chosen)
     if not chosen.json:
         faulty = [name for name, some in found if any(each.level == "fault" for each in some)]
-        print(after_check(chosen.file, faulty))
+        print(printable(after_check(chosen.file, faulty)))
     sys.stdout.flush()  # before the line on standard error
     refuse_faults(found)
 
@@ -237,12 +239,13 @@ def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:
         print_json({"recordings": rows})
     else:
         for name, findings in found:
-            print("\n".join([f"{name}: {_counted(findings)}", *_lines(findings, chosen.notes)]))
+            head = f"{printable(name)}: {_counted(findings)}"
+            print("\n".join([head, *_lines(findings, chosen.notes)]))
     return found
 
 
 def _lines(findings: Sequence["Finding"], notes: bool) -> list[str]:
-    return [f"  {each}" for each in findings if notes or each.level != "note"]
+    return [f"  {printable(each)}" for each in findings if notes or each.level != "note"]
 
 
 def _counted(findings: Sequence["Finding"]) -> str:
@@ -256,7 +259,8 @@ def _summary_text(row: dict[str, Any]) -> str:
     """What was done to make one recording, as lines for a terminal."""
     span, interval = row["span"], row["interval"]
     lines = [
-        f"{row['out']}: {row['samples']} samples from {span['t0']:.6g} to {span['t1']:.6g} s, "
+        f"{printable(row['out'])}: {row['samples']} samples "
+        f"from {span['t0']:.6g} to {span['t1']:.6g} s, "
         f"every {1e3 * interval['median']:.4g} ms "
         f"({1e3 * interval['shortest']:.4g} to {1e3 * interval['longest']:.4g})"
     ]

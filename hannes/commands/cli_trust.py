@@ -28,9 +28,15 @@ def add_trust(parser: argparse.ArgumentParser) -> None:
 def _trust(chosen: argparse.Namespace) -> None:
     from pathlib import Path
 
+    from hannes.core.errors import BadInput
     from hannes.core.trust import consent
 
     file = Path(chosen.file)
+    if file.suffix != ".toml":
+        raise BadInput(
+            f"{file}: expected a TOML file, for data never runs Python, and Python that you name "
+            "yourself may run"
+        )
     if chosen.forget:
         known = consent.forget(file)
         print(f"{file}: {'forgotten' if known else 'nothing was remembered'}")

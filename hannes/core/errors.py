@@ -4,6 +4,11 @@ import difflib
 from collections.abc import Iterable
 
 
+def printable(text: object) -> str:
+    """Text on one line that no terminal takes for a command: a file's name may hold anything."""
+    return "".join(each if each.isprintable() else "?" for each in str(text))
+
+
 class HannesError(Exception):
     """Any failure that hannes itself reports; its text is one line for the user.
 
@@ -13,7 +18,7 @@ class HannesError(Exception):
     exit_status = 1
 
     def __init__(self, text: str = "") -> None:
-        super().__init__("".join(each if each.isprintable() else "?" for each in text))
+        super().__init__(printable(text))
 
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and vars(other) == vars(self) and str(other) == str(self)

@@ -110,6 +110,19 @@ def test_consent_is_remembered_until_a_byte_changes(name, capsys):
     assert not ran()
 
 
+def test_what_a_file_leads_to_is_forgotten_with_it():
+    Path("leads.toml").write_text('hand = "hand.toml"\n')
+    assert main(["trust", "leads.toml"]) == 0 and main(["trust", "leads.toml", "--forget"]) == 0
+    consent._GRANTED.clear()
+    with pytest.raises(BadInput, match="--trust"):
+        load_hand("hand.toml")
+
+
+def test_what_is_no_toml_is_refused(capsys):
+    assert main(["trust", "own.py"]) == 2
+    assert "expected a TOML file" in capsys.readouterr().err
+
+
 def test_another_folder_has_no_consent():
     assert main(["trust", "hand.toml"]) == 0
     shutil.copytree(".", "../moved", ignore=shutil.ignore_patterns("config"))

@@ -64,7 +64,7 @@ def _array(stream: IO[bytes]) -> np.ndarray | None:
         return None
     size = math.prod(shape) * kind.itemsize
     if not 0 <= size <= 8 * VALUES:
-        raise BadInput(f"an array of {shape} is too large; expected at most {VALUES} numbers")
+        raise ValueError(f"an array of {shape}, more than {VALUES} numbers: cut it into parts")
     array = np.frombuffer(_read(stream, size), kind)
     return array.reshape(shape[::-1]).T if fortran else array.reshape(shape)
 

@@ -16,11 +16,10 @@ from hannes.campaigns.foreign.binary_columns import Arrays, require_file
 from hannes.campaigns.foreign.nested import as_float
 from hannes.campaigns.foreign.spelled_units import are_units
 from hannes.core.errors import BadInput
-from hannes.core.io.limits import COLUMNS, MIB, table_fits
+from hannes.core.io.limits import COLUMNS, MIB, SHEET_BYTES, table_fits
 from hannes.core.io.optional import library
 
 MOST_ROWS = 1_048_576  # that a sheet can have
-MOST_BYTES = 256 * MIB  # of all its parts, unpacked
 FEWEST = 2  # rows of numbers below the names
 
 
@@ -54,8 +53,10 @@ def _unpacked(path: Path) -> int:
     """Bytes to which a workbook unpacks: its reader takes no more than each part states."""
     with zipfile.ZipFile(path) as archive:
         size = sum(each.file_size for each in archive.infolist())
-    if size > MOST_BYTES:
-        raise BadInput(f"unpacks to {size // MIB} MiB, more than {MOST_BYTES // MIB}; save as .csv")
+    if size > SHEET_BYTES:
+        raise BadInput(
+            f"unpacks to {size // MIB} MiB, more than {SHEET_BYTES // MIB}; save as .csv"
+        )
     return size
 
 

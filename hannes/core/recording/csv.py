@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hannes.core.errors import BadInput
 from hannes.core.io.bounded import lines
-from hannes.core.io.limits import CHANNELS, VALUES
+from hannes.core.io.limits import CHANNELS, MAGNITUDE, VALUES
 
 FloatArray = NDArray[np.float64]
 
@@ -32,6 +32,7 @@ def load(path: Path) -> tuple[dict[str, FloatArray], dict[str, str]]:
     columns = _header(path, next(_lines(path), ""))
     names = [name for name, _ in columns]
     table = _table(path, names)
+    _require_possible(path, table, names)
     _require_increasing(path, table, names)
     return {name: table[:, i] for i, name in enumerate(names)}, dict(columns)
 
@@ -132,6 +133,17 @@ def _check_row(place: str, cells: list[str], names: list[str]) -> None:
             raise BadInput(f"{place}: {name} is not finite; leave out rows without data")
         if not _NUMBER.fullmatch(cell):
             raise BadInput(f"{place}: {name} = {cell!r:.60} is not a number")
+
+
+def _require_possible(path: Path, table: FloatArray, names: list[str]) -> None:
+    beyond = np.argwhere(np.abs(table) > MAGNITUDE)
+    if beyond.size:
+        row, column = beyond[0]
+        raise BadInput(
+            f"{path}, line {row + 2}: {names[column]} is {table[row, column]:.6g}, beyond "
+            f"{MAGNITUDE:g}: no sensor reads that; is the file damaged, or the value a mark for "
+            "none?"
+        )
 
 
 def _require_increasing(path: Path, table: FloatArray, names: list[str]) -> None:

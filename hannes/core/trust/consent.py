@@ -78,27 +78,35 @@ def remember(toml: Path) -> dict[Path, list[Source]]:
 
     Raises BadInput where nothing can be read or kept.
     """
-    found = {}
+    found, first = {}, str(real_path(toml))
     for path in reached(toml):
         if sources := named(path):
             kept = _kept(digest(path, sources))
-            content = {"file": str(path.resolve()), "python": [each.origin for each in sources]}
+            python = [each.origin for each in sources]
+            content = {"file": str(path.resolve()), "for": first, "python": python}
             try:
                 kept.parent.mkdir(parents=True, exist_ok=True)
                 kept.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
             except OSError as error:
                 why = error.strerror or error
-                raise BadInput(f"cannot remember this in {kept.parent}: {why}") from None
+                raise BadInput(
+                    f"cannot remember this in {kept.parent}: {why}; set XDG_CONFIG_HOME to a "
+                    "folder that can be written, or add --trust to the command"
+                ) from None
             found[path] = sources
     return found
 
 
 def forget(toml: Path) -> int:
-    """Forget what was remembered of a TOML at this place, whatever its content; how many there."""
+    """Forget what was remembered of a TOML at this place, or for its sake; how many there were.
+
+    Whatever its content: what it leads to is what it led to when consent was given.
+    """
     place, gone = str(real_path(toml)), 0
     for kept in _kept("x").parent.glob("*"):
         with suppress(OSError, ValueError, AttributeError):
-            if json.loads(kept.read_text(encoding="utf-8")).get("file") == place:
+            known = json.loads(kept.read_text(encoding="utf-8"))
+            if place in (known.get("file"), known.get("for")):
                 kept.unlink()
                 gone += 1
     return gone
