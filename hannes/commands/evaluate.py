@@ -37,7 +37,7 @@ def simpler_ways(
 
     data = read(dataset)
     ways: dict[str, Estimate] = {
-        "look_up": look_up(grasps(data, data.role("train"), model.windowing)),
+        "look_up": look_up(grasps(data, data.role("train"), model.windowing), data.path),
         "analytic": analytic(Hand().parameters),
     }
     return {

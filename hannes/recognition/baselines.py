@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from hannes.core.errors import BadInput
 from hannes.recognition.evaluate import CLASSES, Subject, f1, grasp_scope
 from hannes.recognition.features import NAMES
 from hannes.recognition.model import RIGID, SOFT, held
@@ -40,11 +41,16 @@ class LookUp:
         return np.exp(np.interp(_most(features), self.current, np.log(self.stiffness)))
 
 
-def look_up(known: Grasps) -> LookUp:
-    """The rising table nearest to the scored windows of training grasps (isotonic regression)."""
+def look_up(known: Grasps, where_from: object) -> LookUp:
+    """The rising table nearest to the scored windows of training grasps (isotonic regression).
+
+    Raises BadInput, naming `where_from`, where no training grasp holds its object.
+    """
     from sklearn.isotonic import IsotonicRegression
 
     where = known.scored & held(known.features)
+    if not where.any():
+        raise BadInput(f"{where_from}: expected training grasps that hold their object; got none")
     stiffness = np.broadcast_to(known.stiffness[:, np.newaxis], where.shape)[where]
     fitted = IsotonicRegression().fit(_most(known.features[where]), np.log(stiffness))
     return LookUp(fitted.X_thresholds_, np.exp(fitted.y_thresholds_))

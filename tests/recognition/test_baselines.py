@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hannes import Hand
+from hannes import BadInput, Hand
 from hannes.recognition.baselines import FREE, MOST, PEAK, SECANT, analytic, look_up
 from hannes.recognition.features import NAMES
 from hannes.recognition.model import RISE, SINCE
@@ -42,6 +42,13 @@ def test_the_table_rises_and_gives_back_the_grasps_it_was_made_of():
     stiffness = 1e3 * current**2
     nothing = np.zeros(40)
     known = Grasps(features, nothing, nothing, nothing, stiffness, nothing, np.ones((40, 5), bool))
-    table = look_up(known)
+    table = look_up(known, "made.h5")
     assert (np.diff(table.stiffness) >= 0.0).all()
     assert table(features[:, 0]) == pytest.approx(stiffness)
+
+
+def test_a_data_set_without_a_held_grasp_is_refused():
+    none, empty = np.zeros((4, 5, len(NAMES))), np.zeros(4)
+    known = Grasps(none, empty, empty, empty, empty, empty, np.zeros((4, 5), bool))
+    with pytest.raises(BadInput, match="made.h5: expected training grasps that hold"):
+        look_up(known, "made.h5")
