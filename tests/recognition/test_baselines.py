@@ -50,5 +50,5 @@ def test_the_table_rises_and_gives_back_the_grasps_it_was_made_of():
 def test_a_data_set_without_a_held_grasp_is_refused():
     none, empty = np.zeros((4, 5, len(NAMES))), np.zeros(4)
     known = Grasps(none, empty, empty, empty, empty, empty, np.zeros((4, 5), bool))
-    with pytest.raises(BadInput, match="made.h5: expected training grasps that hold"):
+    with pytest.raises(BadInput, match=r"made\.h5: expected training grasps that hold"):
         look_up(known, "made.h5")
