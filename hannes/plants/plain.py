@@ -112,11 +112,6 @@ class PlainPlant(ByValue):
         name = self.name or type(self).__name__
         raise BadInput(f"the plant {name} does not say how it moves: write its method simulate")
 
-    @property
-    def simulates(self) -> bool:
-        """Whether a subclass has written `simulate`."""
-        return type(self).simulate is not PlainPlant.simulate
-
     def same_run(self, recording: Recording) -> bytes:
         """Equal where the times and the required channels are."""
         return b"".join(recording[name].tobytes() for name in ("time", *self.required))

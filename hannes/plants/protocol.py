@@ -181,8 +181,6 @@ def _fault(plant: Plant) -> str:
     """What contradicts itself in a plant's attributes, or an empty string."""
     if not (isinstance(plant.name, str) and plant.name):
         return f"name = {plant.name!r}: expected a text"
-    if not getattr(plant, "simulates", True):
-        return "it does not say how it moves: write its method simulate"
     channels: object = plant.channels
     if not isinstance(channels, Mapping):
         return f"channels is {channels!r:.80}: expected units by name"

@@ -124,7 +124,6 @@ def test_two_folders_may_name_their_modules_alike(tmp_path):
         ("block = 0.5", "block = 0.0", "block = 0.0"),
         ("class Cart(PlainPlant)", "class Cart", "it lacks parameters"),
         ('name = "cart"', 'name = ""', "name = '': expected a text"),
-        ("def simulate", "def simulated", "write its method simulate"),
         ("channels = {", "channels = 3, {", "expected units by name"),
         ("class Cart(PlainPlant)", "class Cort(PlainPlant)", "cannot be loaded"),
         ("import numpy as np", "import nompy as np", "cannot be loaded"),
