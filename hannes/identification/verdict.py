@@ -79,7 +79,7 @@ class Verdict:
         return (
             f"In the fitted recordings, without any new effect, it disagrees most in "
             f"{worst['channel']}, {worst['phase']}: "
-            f"{worst['times_floor']:.2g} times the noise floor."
+            f"{_rounded(worst['times_floor'])} times the noise floor."
         )
 
     @property
@@ -220,3 +220,8 @@ SENTENCES: Mapping[str, Callable[[Verdict], str]] = {
     "unknown": lambda result: "Something is missing, and no effect can be named for it.",
     "undecided": lambda result: "These recordings do not decide it.",
 }
+
+
+def _rounded(times: float) -> str:
+    """Two digits, as they are read: 0.42, 5.6, 1,200."""
+    return f"{times:.2g}" if times < 100.0 else f"{float(f'{times:.2g}'):,.0f}"

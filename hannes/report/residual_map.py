@@ -13,24 +13,36 @@ if TYPE_CHECKING:
     from hannes.report.diagnosed import Diagnosis
 
 LEVELS = (1.5, 3.0, 6.0)  # noise floors, at which a cell's shade deepens
+MOST_ROWS = 24  # that a page shows
 Key = tuple[str, str]  # condition, phase
 
 
 @dataclass(frozen=True)
 class Cell:
-    """`text` such as `5.2 → 1.1`, in noise floors; `shade` 0 to 3 by what the baseline leaves."""
+    """`text` such as `5.2 → 1.1`, in noise floors; `shade` 0 to 3 by what the baseline leaves.
+
+    `before`: what that is, in noise floors.
+    """
 
     text: str
     shade: int
+    before: float = 0.0
+
+
+Row = tuple[str, str, tuple[Cell, ...]]
 
 
 @dataclass(frozen=True)
 class ResidualMap:
-    """`rows`: condition, phase, one cell a channel."""
+    """`rows`: condition, phase, one cell a channel; the furthest off, where there are many.
+
+    `left_out`: how many more rows there would be.
+    """
 
     channels: tuple[str, ...]
-    rows: tuple[tuple[str, str, tuple[Cell, ...]], ...]
+    rows: tuple[Row, ...]
     recordings: int
+    left_out: int = 0
 
 
 def residual_map(diagnosis: "Diagnosis") -> ResidualMap:
@@ -53,7 +65,14 @@ def residual_map(diagnosis: "Diagnosis") -> ResidualMap:
         for (condition, phase), found in squares.items()
         if found
     )
-    return ResidualMap(channels, rows, len(diagnosis.traces))
+    kept = _furthest_off(rows)
+    return ResidualMap(channels, kept, len(diagnosis.traces), len(rows) - len(kept))
+
+
+def _furthest_off(rows: tuple[Row, ...]) -> tuple[Row, ...]:
+    """As many rows as a page shows, in their order."""
+    worst = sorted(rows, key=lambda row: -max(cell.before for cell in row[2]))[:MOST_ROWS]
+    return tuple(row for row in rows if row in worst)
 
 
 def _phases(diagnosis: "Diagnosis", traces: "Traces") -> list[tuple[str, np.ndarray]]:
@@ -74,7 +93,7 @@ def _cell(parts: Sequence[np.ndarray] | None, floor: float, named: bool) -> Cell
         return Cell("–", 0)
     before, after = np.sqrt(np.concatenate(parts, axis=1).mean(axis=1)) / floor
     text = f"{number(before, 2)} → {number(after, 2)}" if named else number(before, 2)
-    return Cell(text, sum(before > level for level in LEVELS))
+    return Cell(text, sum(before > level for level in LEVELS), float(before))
 
 
 def constant_part(diagnosis: "Diagnosis", name: str) -> float:

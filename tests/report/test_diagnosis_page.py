@@ -14,7 +14,7 @@ from hannes.identification.residuals import Traces
 from hannes.identification.verdict import SENTENCES, Verdict
 from hannes.plants.hand.plant import HandPlant
 from hannes.report.diagnosis import page
-from hannes.report.residual_map import residual_map
+from hannes.report.residual_map import MOST_ROWS, residual_map
 from hannes.report.schematic import STYLE
 
 FLOORS = {"current": 0.01, "supply": 0.02}
@@ -127,6 +127,20 @@ def test_map_shows_condition_and_phase_before_and_after(diagnosis):
         before, after = (float(x) for x in current.text.split(" → "))
         assert before > 3.0 > 1.0 > after and current.shade >= 2
         assert supply.text == "2.5 → 2.5" and supply.shade == 1
+
+
+def test_map_of_many_conditions_shows_those_furthest_off(diagnosis):
+    many = [
+        traces(
+            f"run_{k}.csv", f"load {k}", *[{"current": 0.1 * k * WAVE, "supply": 0.0 * WAVE}] * 2
+        )
+        for k in range(1, MOST_ROWS + 6)
+    ]
+    found = residual_map(SimpleNamespace(**{**vars(diagnosis), "traces": many}))
+    assert len(found.rows) == MOST_ROWS and found.left_out >= 5
+    assert found.rows[-1][0] == f"load {MOST_ROWS + 5}" and "load 1" not in {
+        r[0] for r in found.rows
+    }
 
 
 def test_without_an_effect_there_is_no_section_of_one(diagnosis):
