@@ -6,7 +6,7 @@ import numpy as np
 
 from hannes.report import style
 from hannes.report.figure import Drawn, drawn
-from hannes.report.formats import decimals
+from hannes.report.formats import decimals, number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -123,7 +123,7 @@ def _where(diagnosis: "Diagnosis") -> Drawn:
     worst = diagnosis.verdict.where[0]
     alt = (
         f"Worst in the fitted recordings: {worst['channel']} while {worst['phase']}, "
-        f"{worst['times_floor']:.2g} times the noise floor."
+        f"{number(worst['times_floor'], 2)} times the noise floor."
     )
     return drawn(
         "diagnosis-where", "In the fitted recordings", f"{alt} Dotted: the noise floor.", alt, draw
