@@ -32,6 +32,6 @@ PAGES = {
 }
 
 
-def pages() -> dict[str, str]:
-    """Name of every generated page -> its text as the code is now."""
-    return {name: f"{NOTICE}\n{page().rstrip()}\n" for name, page in PAGES.items()}
+def written(name: str) -> str:
+    """Text of a generated page as the code is now."""
+    return f"{NOTICE}\n{PAGES[name]().rstrip()}\n"

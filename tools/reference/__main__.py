@@ -3,7 +3,7 @@
 import argparse
 import sys
 
-from tools.reference import FOLDER, pages
+from tools.reference import FOLDER, PAGES, written
 
 
 def main() -> int:
@@ -12,8 +12,8 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="write nothing")
     asked = parser.parse_args()
     stale = []
-    for name, text in pages().items():
-        path = FOLDER / name
+    for name in PAGES:
+        path, text = FOLDER / name, written(name)
         if path.exists() and path.read_text(encoding="utf-8") == text:
             continue
         stale.append(name)
