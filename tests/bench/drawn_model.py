@@ -1,7 +1,6 @@
 """A small model, trained in a moment on drawn closures: real forests, no simulation."""
 
 import numpy as np
-from sklearn.tree import DecisionTreeRegressor
 
 from hannes.bench.c_vectors import drawn
 from hannes.recognition.features import NAMES
@@ -12,6 +11,8 @@ from hannes.recognition.windowing import Windowing
 
 def forest(rows: np.ndarray, target: np.ndarray, trees: int) -> Forest:
     """Trees that each see half of the rows."""
+    from sklearn.tree import DecisionTreeRegressor  # takes seconds, in every process that collects
+
     chance, grown = np.random.default_rng(1), []
     for k in range(trees):
         some = chance.permutation(len(rows))[: len(rows) // 2]

@@ -232,8 +232,9 @@ def _solution(plant: Equations, layouts: Layouts, text: str) -> tuple[Shape, str
 
 
 @functools.cache
+@functools.lru_cache(maxsize=64)
 def _functions(module: ModuleType) -> str:
-    """Text of a module from its first function on."""
+    """Text of a module from its first function on; read once, however often it is asked for."""
     text = inspect.getsource(module)
     first = next(node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef))
     return "\n".join(text.splitlines()[first.lineno - 1 :]) + "\n"
