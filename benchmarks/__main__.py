@@ -18,7 +18,7 @@ from hannes.core.io.atomic_files import write_text
 
 NAMES = ("accuracy_work", "parts", "calls", "processors", "peers", "batch", "start", "recognition")
 # These run for long: their `--json` is in records.
-RECORDED = ("kills", "hostile", "grip", "link", "guards", "few_runs")
+RECORDED = ("kills", "hostile", "grip", "link", "intake", "guards", "few_runs")
 FOLDER = Path(__file__).parent
 HEAD = """# Benchmarks
 
