@@ -20,7 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 LINE = re.compile(r"^((?:hannes|python -m benchmarks\.truth)[^\n#`]*)", re.MULTILINE)
-AT_A_PORT = ("board", "record", "port")
+AT_A_PORT = ("board", "record", "port", "live", "panel")
 RIG = """\
 plant = "hand"
 experiment = "void-closure"
