@@ -20,7 +20,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 LINE = re.compile(r"^((?:hannes|python -m benchmarks\.truth)[^\n#`]*)", re.MULTILINE)
-AT_A_PORT = ("board", "record", "port", "live", "panel")
+# Shown by their help alone: they need a port, or the library of an extra, which no lock has.
+BY_HELP = ("board", "record", "port", "live", "panel", "fmu")
 RIG = """\
 plant = "hand"
 experiment = "void-closure"
@@ -64,7 +65,7 @@ def commands(help_text: str) -> list[str]:
 
 def runnable(words: list[str]) -> list[str]:
     """The command itself, or its help where it would wait for a machine at a port."""
-    return [*words[:2], "--help"] if words[1] in AT_A_PORT else words
+    return [*words[:2], "--help"] if words[1] in BY_HELP else words
 
 
 def missing(lines: Iterable[str], names: Iterable[str]) -> list[str]:
