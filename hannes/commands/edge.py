@@ -13,7 +13,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from hannes.core.errors import HannesError
+from hannes.core.errors import HannesError, printable
 from hannes.core.io.cache import cache_home
 
 OUT_OF_MEMORY, UNFORESEEN = 3, 70
@@ -84,7 +84,7 @@ def _kept(text: str) -> str:
 
 
 def _say(text: str) -> None:
-    line = "".join(each if each.isprintable() else "?" for each in " ".join(text.split()))
+    line = printable(" ".join(text.split()))
     with suppress(OSError, ValueError):
         print(f"hannes: {line}", file=sys.stderr, flush=True)
 

@@ -5,6 +5,7 @@ import json
 import clean
 import numpy as np
 import pytest
+from real_finger import rh56_files
 
 from hannes.campaigns import third_party
 from hannes.campaigns.check import check, subjects
@@ -118,13 +119,7 @@ def test_real_finger_trials_have_gaps_and_no_fault(finger_trials):
 
 def test_real_finger_trials_have_no_fault_for_their_plant():
     """Its clock skips samples and shows it; a leap of its angle beside is no lost sample."""
-    import os
-    from pathlib import Path
-
-    folder = Path(os.environ.get("HANNES_MEASURED", "nowhere")) / "rh56_finger"
-    files = sorted(folder.glob("middlefinger_speed25_force1000_*.csv.gz"))
-    if not files:
-        pytest.skip("needs the RH56 recordings: HANNES_MEASURED names no folder with them")
+    files = rh56_files("middlefinger_speed25_force1000_*.csv.gz")
     for name, trial, plant in subjects(files[0], "finger"):
         faults = [each.text for each in check(trial, plant) if each.level == "fault"]
         assert faults == [], name
@@ -133,13 +128,7 @@ def test_real_finger_trials_have_no_fault_for_their_plant():
 @pytest.fixture(scope="module")
 def finger_trials():
     """Twenty trials of each of some files of the RH56 finger: angle and force in raw counts."""
-    import os
-    from pathlib import Path
-
-    folder = Path(os.environ.get("HANNES_MEASURED", "nowhere")) / "rh56_finger"
-    files = sorted(folder.glob("middlefinger_*20trials*.csv.gz"))
-    if not files:
-        pytest.skip("needs the RH56 recordings: HANNES_MEASURED names no folder with them")
+    files = rh56_files("middlefinger_*20trials*.csv.gz")
     return [trial for file in files[::8] for trial in _trials(file)]
 
 

@@ -1,14 +1,13 @@
 """Foreign files through a mapping: what comes out is what was measured, whatever it was called."""
 
 import json
-import os
 import textwrap
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import scipy.io
+from real_finger import rh56_files
 
 from hannes.campaigns import third_party
 from hannes.campaigns.convert import convert, write
@@ -191,10 +190,7 @@ class Finger(PlainPlant):
 
 def test_trials_of_a_real_finger_by_a_mapping(tmp_path):
     """RH56: gzip, twenty trials in a file, raw counts of force, a plant of one's own."""
-    folder = Path(os.environ.get("HANNES_MEASURED", "nowhere")) / "rh56_finger"
-    files = sorted(folder.glob("middlefinger_speed1000_force500_*.csv.gz"))
-    if not files:
-        pytest.skip("needs the RH56 recordings: HANNES_MEASURED names no folder with them")
+    files = rh56_files("middlefinger_speed1000_force500_*.csv.gz")
     (tmp_path / "finger.py").write_text(FINGER, encoding="utf-8")
     mapping = """
         plant = "finger:Finger"

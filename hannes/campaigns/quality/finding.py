@@ -20,7 +20,7 @@ KINDS = (
         "slip",
         "crosstalk",
     ),  # of sensors
-    *("unit", "sign", "unlike", "magnitude", "swapped", "signed", "pace"),  # of columns
+    *("unit", "sign", "unlike", "magnitude", "swapped", "signed", "pace", "other"),  # of columns
     *("disabled", "supply", "mixed"),  # of machines
 )
 

@@ -12,7 +12,7 @@ from decimal import Decimal
 from functools import lru_cache
 from typing import NoReturn
 
-from hannes.core.errors import BadInput
+from hannes.core.errors import BadInput, printable
 from hannes.core.io.unit_factors import worth
 
 LONGEST = 80  # characters; no real value with its unit is longer
@@ -183,5 +183,5 @@ def _shown(came: object) -> str:
 
 def _clean(text: str) -> str:
     """Return `text` short and on one line."""
-    printable = "".join(c if c.isprintable() else "?" for c in text[:LONGEST])
-    return printable if len(printable) <= 50 else printable[:47] + "..."
+    shown = printable(text[:LONGEST])
+    return shown if len(shown) <= 50 else shown[:47] + "..."

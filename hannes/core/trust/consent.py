@@ -16,7 +16,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from hannes.core.errors import BadInput, NotTrusted
+from hannes.core.errors import BadInput, NotTrusted, printable
 from hannes.core.io.atomic_files import real_path
 from hannes.core.io.toml_table import parsed, read_text
 from hannes.core.trust.loader import load
@@ -206,9 +206,7 @@ def _yes(toml: Path, sources: Iterable[Source]) -> bool:
         return False
     lines = [f"{toml} names Python of its own, which would run with your rights:"]
     lines += [f"  {each.name}, from {each.origin}" for each in sources]
-    print(
-        "\n".join("".join(c if c.isprintable() else "?" for c in x) for x in lines), file=sys.stderr
-    )
+    print("\n".join(map(printable, lines)), file=sys.stderr)
     print(
         "Run it now? (`hannes trust` remembers a yes) [y/N] ", end="", file=sys.stderr, flush=True
     )

@@ -7,8 +7,9 @@ what is left there. Noise is as the fit took it, which is more than there is. Ef
 catalogue are represented by the generic disturbances of `hannes diagnose`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -76,9 +77,11 @@ def missing_effect(found: State, effects: Sequence[Effect]) -> MissingEffect:
     present = {each.name for each in plant.effects}
     tried = [e for e in (*effects, *GENERIC) if e.name not in present and not plant.accepts(e)]
     directions = [each for effect in tried for each in _directions(effect)]
-    if not directions or getattr(plant, "alike", None) is None:
+    whole = plant.with_effects(*tried)
+    alike = getattr(whole, "alike", None)
+    if not directions or alike is None:
         return MissingEffect()
-    far = _deviations(found, _changes(found, plant.with_effects(*tried), directions))
+    far = _deviations(found, _changes(found, whole, alike, directions))
     chances = [_chance(size, each.both) for size, each in zip(far, directions, strict=True)]
     least = int(np.argmin(chances))
     name = directions[least].effect.name
@@ -111,7 +114,9 @@ def _both(amplitude: Parameter) -> bool:
     return low < (amplitude.off or 0.0) < high
 
 
-def _changes(found: State, whole: Plant, directions: Sequence[_Direction]) -> list[np.ndarray]:
+def _changes(
+    found: State, whole: Plant, alike: Callable[..., Any], directions: Sequence[_Direction]
+) -> list[np.ndarray]:
     """Change of every run's vector in each direction, (directions, n) each; 0 where one fails."""
     model, changes = found.model, [np.zeros(0)] * len(found.model.views)
     for group in model.groups:
@@ -120,7 +125,7 @@ def _changes(found: State, whole: Plant, directions: Sequence[_Direction]) -> li
         rows = [base, *({**base, **each.values} for each in directions)]
         names = {*found.all_values, *(name for each in directions for name in each.values)}
         columns = {name: np.array([row[name] for row in rows]) for name in names}
-        made = getattr(whole, "alike")(columns, recording, tuple(whole.judged))  # noqa: B009
+        made = alike(columns, recording, tuple(whole.judged))
         for place in group:
             changes[place] = _apart(found, place, made)
     return changes
