@@ -168,8 +168,6 @@ def _convert(chosen: argparse.Namespace) -> None:
 
 def _begin(chosen: argparse.Namespace) -> None:
     from hannes.campaigns.begin.begin import CAMPAIGN, begin, counted
-    from hannes.campaigns.check import refuse_faults
-    from hannes.core.errors import BadInput
 
     begun = begin(chosen.file, chosen.out, chosen.plant)
     if chosen.json:
@@ -196,10 +194,8 @@ def _begin(chosen: argparse.Namespace) -> None:
         checked = argparse.Namespace(
             file=[str(begun.out / CAMPAIGN)], plant=None, experiment=None, notes=False, json=False
         )
-        try:
-            refuse_faults(_checked(checked))
-        except BadInput as error:
-            print(f"  missing  {error}")
+        if faulty := _faulty(_checked(checked)):
+            print(f"  missing  {printable(_listed(faulty))}")
             campaign = printable(begun.out / CAMPAIGN)
             print(f"next: edit {campaign}, then: hannes check {campaign}")
             return
@@ -207,14 +203,27 @@ def _begin(chosen: argparse.Namespace) -> None:
 
 
 def _check(chosen: argparse.Namespace) -> None:
-    from hannes.campaigns.check import refuse_faults
+    from hannes.core.errors import BadInput
 
     found = _checked(chosen)
+    faulty = _faulty(found)
     if not chosen.json:
-        faulty = [name for name, some in found if any(each.level == "fault" for each in some)]
         print(printable(after_check(chosen.file, faulty)))
     sys.stdout.flush()  # before the line on standard error
-    refuse_faults(found)
+    if faulty:
+        raise BadInput(_listed(faulty, chosen.json))
+
+
+def _faulty(found: Sequence[tuple[str, Sequence["Finding"]]]) -> list[str]:
+    """Names of the files with a fault."""
+    return [name for name, some in found if any(each.level == "fault" for each in some)]
+
+
+def _listed(faulty: Sequence[str], json: bool = False) -> str:
+    """Where the faults are that were printed: each is said once."""
+    more = f" and {len(faulty) - 1} more" if len(faulty) > 1 else ""
+    where = "findings in the JSON" if json else "faults in the list above"
+    return f"{faulty[0]}{more}: not sound; see the {where}"
 
 
 def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:

@@ -68,6 +68,8 @@ def require_free(
 
 def _require_place(target: str | Path, real: Path) -> None:
     """Raise BadInput where no file or folder of that name can be made."""
+    if Path(target).parts[:1] == ("~",):  # a shell leaves it in --out=~/results
+        raise BadInput(f"cannot write {target}: ~ is no folder here; write {Path.home()} for it")
     if any(len(os.fsencode(part)) > LONGEST for part in real.parts):
         raise BadInput(f"cannot write {target!s:.60}...: the name is too long")
     above = next(each for each in real.parents if os.path.lexists(each))
