@@ -126,6 +126,9 @@ GEOMETRY = {
 # (chosen per simulation), the filter of an absent derivative.
 UNUSED = ("gravity.z", "controller.sampled", "current_pid.filter")
 UNUSED += tuple(f"{finger}.first_length" for finger in FINGERS)
+# What this hand has at no other value.
+ABSENT = {("current_pid.derivative", 0.0)}
+ABSENT |= {(f"{f}.{joint}_stop_stiffness", 1.0) for f in FINGERS for joint in ("mcp", "pip")}
 
 
 def nominal() -> dict[str, Any]:
@@ -147,7 +150,11 @@ def named(values: Mapping[str, Any]) -> dict[str, Any]:
             row = list(out[GEOMETRY[what]])
             row[FINGERS.index(part)] = float(value)
             out[GEOMETRY[what]] = tuple(row)
-        elif not (name.startswith(UNUSED) or (name == "current_pid.derivative" and value == 0)):
+        elif part in FINGERS and f"finger_share.{what}" in OWN:
+            row = list(out.get(f"finger_share.{what}", (1.0,) * len(FINGERS)))
+            row[FINGERS.index(part)] = float(value)
+            out[f"finger_share.{what}"] = tuple(row)
+        elif not (name.startswith(UNUSED) or (name, value) in ABSENT):
             raise ValueError(_stranger(name))
     return out
 

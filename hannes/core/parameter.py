@@ -18,6 +18,7 @@ class Parameter:
     `tried` are starting values of a search without prior knowledge; without them they are spread
     over the bounds. A count needs them: between whole numbers an effect may have no signature.
     `turns`, added to it, reverses the sign of its effect, as half a turn does for a phase.
+    `shared` names the value that like parts have in common, where this is one part's share of it.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Parameter:
     off: float | None = None
     tried: tuple[float, ...] = ()
     turns: float | None = None
+    shared: str = ""
 
     def __post_init__(self) -> None:
         _require_numbers(self)

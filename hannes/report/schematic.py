@@ -71,7 +71,8 @@ def described(hand: Hand, part: str) -> str:
     """Values of a part with their units, and the effects that join there."""
     lines = [part]
     for name, each in hand.parameters.declared.items():
-        if name.split(".")[0] in at.PARAMETERS[part]:
+        like_all = each.shared and hand.parameters[name] == each.value
+        if name.split(".")[0] in at.PARAMETERS[part] and not like_all:
             unit = "" if each.unit == "1" else f" {each.unit}"
             lines.append(f"{name} = {hand.parameters[name]:.4g}{unit} ({each.doc})")
     place = "joint" if part in ("mcp", "pip") else part

@@ -116,6 +116,13 @@ def test_same_run_same_trace(points, thing):
     assert max(found.values()) < 5e-5, found
 
 
+def test_same_run_same_trace_where_fingers_differ():
+    own = {"index.mcp_spring_stiffness": 0.3, "index.mcp_spring_preload": 0.3,
+           "little.pip_coulomb_friction": 3.0, "thumb.pip_moment_arm": 1.1}  # fmt: skip
+    found = worst(gaps(PAPER, DYNAMOMETER, values=own))
+    assert max(found.values()) < 5e-5, found
+
+
 @DYNAMIC
 def test_same_run_same_trace_under_the_same_firmware(points, thing):
     # An encoder too fine for the solutions' difference to make it count another way.

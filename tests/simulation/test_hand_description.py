@@ -77,7 +77,8 @@ def test_changed_values_stand_beside_the_shipped_ones():
 
 def test_every_value_has_its_unit_meaning_and_source():
     lines = value_table(Hand()).splitlines()
-    declared = Hand().parameters.declared
+    every = Hand().parameters.declared
+    declared = {name: each for name, each in every.items() if not each.shared}
     values = [line for line in lines if line.startswith("  ")]
     assert len(values) == len(declared)
     for line, (name, each) in zip(values, declared.items(), strict=True):
@@ -88,7 +89,7 @@ def test_every_value_has_its_unit_meaning_and_source():
 def test_values_without_a_published_source_are_called_a_choice():
     sources = section(str(Hand()), "Sources")
     declared = Hand().parameters.declared.values()
-    chosen = [each for each in declared if each.source.startswith("choice")]
+    chosen = [each for each in declared if each.source.startswith("choice") and not each.shared]
     assert sources[-1] == f"  choice, no published value: the other {len(chosen)}"
     assert any("gear.ratio" in line for line in sources)
 

@@ -152,3 +152,56 @@ def test_run_says_what_a_hand_file_is_for(tmp_path, capsys):
     assert main(["run", str(written(tmp_path, EXPERIMENT, "my.toml"))]) == 2
     line = capsys.readouterr().err
     assert "my.toml: hand = " in line and "values of another plant" in line
+
+
+FINGERS = """\
+[parameters]
+"mcp.moment_arm" = "9 mm"
+[[finger]]
+name = "index"
+mcp_moment_arm = "9.9 mm"
+pip_spring_stiffness = "70 %"
+pip_coulomb_friction = "1.5"
+[[finger]]
+name = "thumb"
+end_mcp = "1 rad"
+"""
+
+
+def test_a_finger_has_values_of_its_own(tmp_path):
+    hand = load_hand(written(tmp_path, FINGERS))
+    assert differences(hand) == pytest.approx(
+        {
+            "mcp.moment_arm": 9e-3,
+            "index.mcp_moment_arm": 1.1,
+            "index.pip_spring_stiffness": 0.7,
+            "index.pip_coulomb_friction": 1.5,
+            "thumb.end_mcp": 1.0,
+        }
+    )
+    back = load_hand(written(tmp_path, hand_toml(hand), "again.toml"))
+    assert dict(back.parameters) == dict(hand.parameters)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("[[finger]]\nname = 'indx'", 'expected one of index.*did you mean "index"'),
+        ("[[finger]]\nmcp_moment_arm = '1'", "name is missing"),
+        ("[[finger]]\nname = 'index'\nmcp_moment_am = '1'", 'did you mean "mcp_moment_arm"'),
+        ("[[finger]]\nname = 'index'\nmcp_moment_arm = '3 N'", "mcp_moment_arm.*length"),
+        ("[[finger]]\nname = 'index'\nmcp_moment_arm = '-20 %'", "below its lower bound"),
+        ("[[finger]]\nname = 'index'\npip_moment_arm = 1\n" * 2, "given twice"),
+        ("finger = 1", "list"),
+        ("finger = [1]", "must be tables"),
+    ],
+)
+def test_fingers_that_make_no_sense_are_refused(tmp_path, text, why):
+    with pytest.raises(BadInput, match=why):
+        load_hand(written(tmp_path, text))
+
+
+def test_a_plant_without_fingers_takes_none(tmp_path):
+    file = written(tmp_path, 'base = "axis"\n[[finger]]\nname = "index"\n')
+    with pytest.raises(BadInput, match="belongs to a hand"):
+        load_model(str(file))

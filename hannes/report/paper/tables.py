@@ -102,6 +102,7 @@ def parameters(hand: Hand) -> Table:
     rows = tuple(
         (name, number(each.value, 4), each.unit, each.doc, each.source)
         for name, each in hand.parameters.declared.items()
+        if not each.shared  # they are all 1
     )
     columns = ("Parameter", "Value", "Unit", "Meaning", "Source")
     return Table("parameters", "Every value of the shipped hand", columns, rows)

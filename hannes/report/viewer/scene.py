@@ -15,7 +15,9 @@ from hannes.report.viewer.geometry import (
     outlines,
 )
 from hannes.report.viewer.replay import Replay
+from hannes.simulation.hand.anatomy import JOINTS
 from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.joint_shares import joint_value
 
 MOST = 2400  # samples of a scene; a longer recording is thinned
 SHOWN = ("position", "current", "duty", "force", "sensor", "supply")
@@ -139,7 +141,7 @@ def _stretch(
     """Stretch of leader and both followers [m], shape (n, 3), negative while slack."""
     values, layout = hand.parameters, shown.trajectory.compiled.states
     angles = states[:, layout["joint_angle"]]
-    arms = np.array([values["mcp.moment_arm"], values["pip.moment_arm"]] * 5)
+    arms = np.array([joint_value(values, joint, "moment_arm") for joint in JOINTS])
     rest = hand.rest(shown.trajectory.compiled)[layout["joint_angle"]]
     taken = ((angles - rest) * arms).reshape(len(times), 5, 2).sum(axis=2)
     followers = 2.0 * carts - np.stack([taken[:, 0:2].sum(1), taken[:, 2:4].sum(1)], axis=1)

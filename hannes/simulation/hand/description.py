@@ -61,10 +61,12 @@ def value_table(hand: Model) -> str:
     """Every value with unit, meaning and source, grouped by part."""
     lines, part = [], ""
     for name, declared in hand.parameters.declared.items():
+        value = hand.parameters[name]
+        if declared.shared and value == declared.value:
+            continue  # a joint like all of its kind
         if name.split(".")[0] != part:
             part = name.split(".")[0]
             lines.append(part)
-        value = hand.parameters[name]
         left = f"  {name.partition('.')[2]:<21}{value:<11.5g} {declared.unit:<10}"
         source = declared.source if value == declared.value else f"here, not {declared.value:.5g}"
         lines.append(f"{left} {declared.doc} ({source})")
@@ -147,7 +149,7 @@ def _changed(hand: Model) -> list[str]:
 def _sources(declared: Iterable[Parameter]) -> list[str]:
     """Published sources with the values they gave; everything else is a choice, and says so."""
     by_source: dict[str, list[str]] = {}
-    for each in declared:
+    for each in (each for each in declared if not each.shared):
         by_source.setdefault(each.source, []).append(each.name)
     lines = []
     for source, names in by_source.items():

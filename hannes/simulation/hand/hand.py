@@ -14,6 +14,7 @@ from hannes.simulation.compiler.assemble import Compiled, assemble
 from hannes.simulation.hand import anatomy, variables
 from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.model import EQUATIONS
+from hannes.simulation.hand.packed_shares import SHARES
 from hannes.simulation.hand.variables import LANES
 
 # What the object's sections depend on.
@@ -87,6 +88,8 @@ class Hand:
         """
         values, effects = self.parameters, self.present_effects() if effects is None else effects
         packed = [values[name] for name in variables.PACKED]
+        for place, share in SHARES.items():
+            packed[place] *= values[share]
         turns = any("object_angle" in term.writes for each in effects for term in each.terms)
         derived = {} if shape is None else self._sections(shape, turns)
         derived["distal"] = [0.0, 1.0] * (LANES // 2)
@@ -115,8 +118,11 @@ class Hand:
         own = [effect.full_name(each.name) for effect in effects for each in effect.parameters]
         table = np.tile(base, (count, 1))
         for place, name in (*enumerate(variables.PACKED), *enumerate(own, base.size - len(own))):
-            if name in columns:
-                table[:, place] = columns[name]
+            share = SHARES.get(place, "")
+            if name in columns or share in columns:
+                table[:, place] = columns.get(name, self.parameters[name])
+                if share:
+                    table[:, place] *= columns.get(share, self.parameters[share])
         return table
 
     def _sections(self, shape: str, turns: bool) -> dict[str, list[float]]:

@@ -18,10 +18,11 @@ from hannes.core.model import Model, differences
 from hannes.core.parameter import Parameter
 from hannes.core.trust.consent import consenting
 from hannes.simulation import catalogue
+from hannes.simulation.hand import finger_tables
 from hannes.simulation.hand.hand import Hand
 
 SHIPPED: dict[str, Callable[[], Hand]] = {"hannes": Hand}
-KEYS = ("base", "effects", "parameters")
+KEYS = ("base", "effects", "parameters", finger_tables.KEY)
 DEEPEST = 8  # hand files that build on one another
 
 
@@ -85,14 +86,15 @@ def _expected(base: str, bases: Mapping[str, Any]) -> str:
 
 
 def changed(model: M, table: Table, folder: Path | None) -> M:
-    """Return `model` with the `effects` and `[parameters]` of a table."""
+    """Return `model` with the `effects`, `[parameters]` and `[[finger]]` of a table."""
     present = {each.name: each for each in model.effects}
     for name in table.texts("effects"):
         found = _effect(name, table, folder, own_catalogue(model))
         if present.setdefault(found.name, found) != found:
             table.refuse("effects", f'"{name}": another effect has the name "{found.name}"')
         model = model.with_effects(found)
-    return model.with_values(values(table.table("parameters"), model))
+    model = model.with_values(values(table.table("parameters"), model))
+    return model.with_values(finger_tables.finger_values(table, model))
 
 
 def own_catalogue(plant: object) -> Mapping[str, Effect]:
@@ -151,10 +153,15 @@ def hand_toml(
     """
     import tomli_w
 
+    numbers = differences(model, shipped)
+    fingers = finger_tables.finger_content(model, numbers)
+    given = finger_tables.NAMES if fingers else ()
+    rest = {name: x for name, x in numbers.items() if name not in given}
     content = {
         "base": base,
         "effects": effect_names(model, folder),
-        "parameters": texts(model, differences(model, shipped)),
+        "parameters": texts(model, rest),
+        **({finger_tables.KEY: fingers} if fingers else {}),
     }
     return tomli_w.dumps(content)
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from hannes.core.errors import BadInput
 from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.joint_shares import joint_value
 from hannes.simulation.hand.mjcf_bodies import JOINTS, LINKS, skeleton
 
 STEP = 1e-4  # s
@@ -97,10 +98,9 @@ def _joint(value: Mapping[str, float], name: str) -> str:
         level, width = value["motor.dry_friction"], value["motor.friction_speed"]
         viscous = value["motor.viscous_friction"]
     else:
-        part = name.split("_")[-1] if name in JOINTS else "cart"
-        level, speed = value[f"{part}.coulomb_friction"], value[f"{part}.breakaway_speed"]
-        peak = value[f"{part}.breakaway_friction"] - level
-        viscous = value[f"{part}.viscous_friction"] + math.sqrt(math.e) * peak / speed
+        level, speed = _of(value, name, "coulomb_friction"), _of(value, name, "breakaway_speed")
+        peak = _of(value, name, "breakaway_friction") - level
+        viscous = _of(value, name, "viscous_friction") + math.sqrt(math.e) * peak / speed
         width = 0.1 * speed
     text = (
         f'damping="{viscous:.6g}" frictionloss="{level:.6g}" {_constant("solimpfriction")} '
@@ -109,11 +109,16 @@ def _joint(value: Mapping[str, float], name: str) -> str:
     return f"{text} {_ends(value, name)}" if name in JOINTS else text
 
 
+def _of(value: Mapping[str, float], name: str, quantity: str) -> float:
+    """A quantity of a finger's joint, or of a cart."""
+    return joint_value(value, name, quantity) if name in JOINTS else value[f"cart.{quantity}"]
+
+
 def _ends(value: Mapping[str, float], name: str) -> str:
     """Spring with preload, and stops, of which the lower carries the preload at rest."""
     finger, kind = name.split("_")
-    spring, preload = (value[f"{kind}.spring_{x}"] for x in ("stiffness", "preload"))
-    stop, damping = (value[f"{kind}.stop_{x}"] for x in ("stiffness", "damping"))
+    spring, preload = (joint_value(value, name, f"spring_{x}") for x in ("stiffness", "preload"))
+    stop, damping = (joint_value(value, name, f"stop_{x}") for x in ("stiffness", "damping"))
     rest, end = value[f"{finger}.rest_{kind}"], value[f"{finger}.end_{kind}"]
     sagging = f'springref="{rest - preload / spring:.6g}"' if spring > 0.0 else ""
     return (
@@ -154,7 +159,8 @@ def _arms(value: Mapping[str, float], end: str) -> dict[str, float]:
         return {"motor": value["gear.pulley_radius"] / value["gear.ratio"]}
     if end.startswith("cart"):
         return {end: 1.0}
-    return {f"{end}_{joint}": value[f"{joint}.moment_arm"] for joint in LINKS}
+    joints = (f"{end}_{kind}" for kind in LINKS)
+    return {joint: joint_value(value, joint, "moment_arm") for joint in joints}
 
 
 def _constant(attribute: str) -> str:

@@ -5,7 +5,7 @@ from hannes.control import drive, encoder, pid
 from hannes.core.layout import Slot
 from hannes.core.parameter import Parameter
 from hannes.dynamics import carts, joints, motor, wires
-from hannes.simulation.hand import anatomy
+from hannes.simulation.hand import anatomy, joint_shares
 
 # Ten joints or phalanges are worked on as twelve, in whole vector registers of four; what the last
 # two hold is finite and counts for nothing.
@@ -233,11 +233,13 @@ PARAMETERS: tuple[Parameter, ...] = (
     *carts.PARAMETERS,
     *joints.PARAMETERS,
     *anatomy.PARAMETERS,
+    *joint_shares.PARAMETERS,
     *drive.PARAMETERS,
     *encoder.PARAMETERS,
     *pid.PARAMETERS,
     *penalty.PARAMETERS,
 )
+
 
 # One compiled array for each table; every other parameter is a number of its own. Tables of joints
 # and phalanges are filled up with their last entry.
@@ -246,7 +248,7 @@ TABLES = {
     for name, names in anatomy.TABLES.items()
 }
 _TABLED = {name for names in TABLES.values() for name in names}
-_SINGLES = tuple(each for each in PARAMETERS if each.name not in _TABLED)
+_SINGLES = tuple(each for each in PARAMETERS if each.name not in _TABLED and not each.shared)
 _AXES = {5: "finger", LANES: "joint"}
 
 # What an object and the hand's build come to, beside the values of parameters.
