@@ -20,6 +20,7 @@ from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.integrate import tolerances
 from hannes.simulation.rodas.step import WORK
+from hannes.simulation.rodas.whole_tick import TICK_KEPT
 from hannes.simulation.simulate import check_tolerance
 
 ROUNDING = 1e-9  # s between a tick and its sample
@@ -74,6 +75,7 @@ class Stepper(ByValue):
     def set_value(self, name: str, value: float) -> None:
         """Change a parameter from the next tick on, by its name in the compiled layout [SI]."""
         self._p[self._place(name)] = value
+        self._clock[TICK_KEPT] = 0.0
 
     def set_state(self, name: str, value: Any) -> None:
         """Put a state where a measurement has it, by its name in `state()` [SI units]."""
@@ -81,6 +83,7 @@ class Stepper(ByValue):
             known = [slot.name for slot in self._compiled.states.slots]
             raise BadInput(f'no state "{name}"{nearest(name, known)}')
         self._y[self._compiled.states[name]] = value
+        self._clock[TICK_KEPT] = 0.0
 
     def _place(self, name: str) -> slice:
         if name not in self._compiled.parameters:
@@ -153,13 +156,13 @@ class Stepper(ByValue):
         """From one tick to the next, the duty held; returns the state (1, n) when it is sampled."""
         row = self._y[np.newaxis].copy()
         clock, counts = self._clock, self._counts
-        clock[:] = start, end - start, end, LONGEST, 1.0
+        clock[:6] = start, end - start, end, LONGEST, 1.0, 1.0
         counts[:] = 0
         bounds = np.array([end])
         keep = self._memory[READING_AGE] > 0.0
         while clock[0] != end:
             taken = self._compiled.fast.steps_on(
-                (self._p, knots, self._memory), self._y, self.rtol, self._atol,
+                (self._room, self._p, knots, self._memory), self._y, self.rtol, self._atol,
                 clock, counts, bounds, self._ends, self._pieces, self._work,
             )  # fmt: skip
             if counts[4] != 0:
@@ -182,21 +185,23 @@ class Stepper(ByValue):
         size = compiled.states.size
         self._compiled, self._atol = compiled, tolerances(compiled, self.rtol)
         self._ends, self._pieces = np.zeros(RUN + 1), np.zeros((RUN + 1, 3, size))
-        self._work, self._clock = np.zeros((WORK, size)), np.ones(5)
-        self._counts = np.zeros(6, np.int64)
+        self._work, self._clock = np.zeros((WORK, size)), np.zeros(7)
+        self._counts, self._room = np.zeros(6, np.int64), compiled.workspace()
 
     def __getstate__(self) -> Mapping[str, Any]:
-        built = ("_compiled", "_atol", "_ends", "_pieces", "_work", "_clock", "_counts")
+        built = ("_compiled", "_atol", "_ends", "_pieces", "_work", "_counts")
         return {name: value for name, value in vars(self).items() if name not in built}
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
         vars(self).update(state)
         posed = self.hand.with_values(self.experiment.overrides())
         self._build(posed.compiled(self.effects))
+        self._clock, self._room = state["_clock"], state["_room"]
 
     def compared(self) -> tuple[Any, ...]:
         """What counts in ==: the machine, its command, and how far it has come."""
-        return (self.__getstate__(),)
+        kept = ("_clock", "_room")  # what the solver kept of the tick before
+        return ({name: value for name, value in self.__getstate__().items() if name not in kept},)
 
     def __repr__(self) -> str:
         return f"Stepper({self.hand!r}, at {self.time:g} s)"

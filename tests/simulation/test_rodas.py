@@ -16,6 +16,8 @@ from hannes.simulation.integrate import Initial
 from hannes.simulation.rodas.coefficients import LOOSE
 from hannes.simulation.rodas.problem import Plain, compiled
 from hannes.simulation.rodas.scipy_solver import Rodas
+from hannes.simulation.rodas.step import WORK
+from hannes.simulation.rodas.whole_tick import whole_tick
 from hannes.simulation.simulate import simulate
 from hannes.simulation.trajectory import Outcome
 
@@ -64,6 +66,52 @@ def test_backward_in_time():
     found = solve_ivp(lambda t, y: [y[1], -y[0]], (2.0, -1.0), [1.0, 0.0], Rodas, rtol=1e-8)
     assert found.y[:, -1] == pytest.approx([np.cos(3.0), np.sin(3.0)], abs=1e-5)
     assert np.all(np.diff(found.t) < 0.0)
+
+
+# --- a tick in one step -----------------------------------------------------------------------
+
+
+def swinging(t, y):
+    return np.array([y[1] - y[0] ** 2, -3.0 * np.sin(y[0]) + y[1] * y[0]])
+
+
+def swinging_slopes(y):
+    return np.array([[-2.0 * y[0], 1.0], [-3.0 * np.cos(y[0]) + y[1], y[0]]])
+
+
+def in_ticks(fun, jac, start, count, end=1.0, rtol=1e6):
+    """Whole ticks of one length, accepted by a wide tolerance: the last state, and Jacobians."""
+    y, size = np.array(start, float), len(start)
+    problem = Plain(fun, lambda t, ys: np.array([fun(t, y) for y in ys.T]).T, jac, y, (0.0, end))
+    clock, counts = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0]), np.zeros(5, np.int64)
+    for k in range(count):
+        clock[:3] = k * end / count, end / count, (k + 1) * end / count
+        piece, work = np.zeros((3, size)), np.zeros((WORK, size))
+        assert whole_tick(problem, (), y, rtol, np.ones(size), clock, counts, piece, work)
+    return y, counts[1]
+
+
+@pytest.mark.parametrize("kept", [False, True], ids=["its own Jacobian", "one that is kept"])
+def test_order_of_whole_ticks_whatever_the_jacobian(monkeypatch, kept):
+    stale = 1e12 if kept else -1.0  # an old one is never made anew, or always
+    monkeypatch.setattr("hannes.simulation.rodas.whole_tick.TICK_STALE", stale)
+    exact = solve_ivp(swinging, (0.0, 1.0), [0.5, 1.0], "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    off = []
+    for count in (16, 32, 64, 128):
+        found, jacobians = in_ticks(swinging, lambda t, y: swinging_slopes(y), [0.5, 1.0], count)
+        assert jacobians == (1 if kept else count)
+        off.append(np.abs(found - exact).max())
+    assert np.all(np.log2(np.array(off[:-1]) / off[1:]) > 1.9)
+
+
+@pytest.mark.parametrize("z", [-0.1, -5.0, -22.0, -1e4])
+def test_what_a_whole_tick_leaves_of_a_transient(z):
+    gamma = 0.5 - math.sqrt(1.0 / 12.0)
+    s = 1.0 / (1.0 - gamma * z)
+    left = (3.0 - 1.0 / gamma) * s**2 + (1.0 / gamma - 2.0) * s**3
+    found, _ = in_ticks(lambda t, y: z * y, lambda t, y: np.array([[z]]), [1.0], 1)
+    assert found[0] == pytest.approx(left, abs=1e-12)
+    assert left == pytest.approx(math.exp(z), abs=0.11) and abs(left) * z**2 < 40.0
 
 
 # --- stiff problems ---------------------------------------------------------------------------

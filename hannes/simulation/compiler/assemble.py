@@ -150,7 +150,12 @@ class Compiled:
 
     def problem(self, p: np.ndarray, reference: np.ndarray, memory: np.ndarray) -> Problem:
         """The rates with these parameters as a problem for `Rodas`."""
-        return Problem(self.fast.steps_on, self.fast.look_up, (p, reference, memory))
+        given = self.workspace(), p, reference, memory
+        return Problem(self.fast.steps_on, self.fast.look_up, given)
+
+    def workspace(self) -> np.ndarray:
+        """An empty workspace for `steps_on`."""
+        return np.zeros(1, self.fast.WORKSPACE)
 
     def is_warm(self, entry: str = "rates") -> bool:
         """Whether machine code of a former run can be used for an entry point."""

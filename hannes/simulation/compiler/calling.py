@@ -23,7 +23,7 @@ _OF_STAGES = {
 _OF_STEPS = {
     "y": _ROW,
     "atol": _ROW,
-    "clock": ("5",),
+    "clock": ("7",),
     "counts": ("5",),
     "work": ("WORK", "unknown(STATES)"),
     "bounds": ("bounds.size",),

@@ -84,9 +84,10 @@ def tick(t, y, p, reference, memory):
 
 
 def steps_on(given, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
-    """Take steps, see rodas/step.py. given: parameters, reference, memory."""
-    room = np.zeros(1, WORKSPACE)
-    return step_on(room, given, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+    """Take steps, see rodas/step.py. given: workspace, parameters, reference, memory."""
+    room, p, reference, memory = given
+    known = p, reference, memory
+    return step_on(room, known, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
 
 
 def step_on(room, given, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
@@ -171,6 +172,7 @@ def grasp(
     pieces = shaped(pointer(data.pieces), (RUN + 1, 3, unknown(STATES)))
     last, end, filled = bounds[bounds.size - 1], 0.0, 0
     clock[0], clock[1], clock[2], clock[3], clock[4] = 0.0, 0.0, bounds[0], LONGEST, 1.0
+    clock[5], clock[6] = 1.0 if period > 0.0 else 0.0, 0.0
     data.turn[:] = 1.0
     place, follow, goal = 0, path[0] > 0.0 and period == 0.0, bounds
     parts = 1 if period == 0.0 else int(np.ceil(last / period - 1e-9))

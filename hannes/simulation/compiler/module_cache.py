@@ -28,7 +28,7 @@ CLOSED = (
 )
 PROVIDING = "fill_outputs"  # what allocates
 # Functions with one caller: a level of calls less is optimised once less.
-FOLDED = "step|attempt|keep_piece|finite|keep"
+FOLDED = "settle|whole_tick|step|attempt|keep_piece|finite|keep"
 
 
 def fingerprint(names: Mapping[str, Any]) -> str:

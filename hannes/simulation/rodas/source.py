@@ -10,11 +10,13 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from hannes.core.kernels.jit import kernel
-from hannes.simulation.rodas import step
+from hannes.simulation.rodas import step, whole_tick
 
 PARTS: tuple[Callable[..., Any], ...] = (
     step.keep_piece,
     step.attempt,
+    whole_tick.settle,
+    whole_tick.whole_tick,
     step.step,
     step.first_step,
     step.bound_after,
@@ -25,7 +27,7 @@ PARTS: tuple[Callable[..., Any], ...] = (
 _WRITTEN = {part.__name__ for part in PARTS}
 NAMES = {
     name: value
-    for name, value in vars(step).items()
+    for name, value in (vars(whole_tick) | vars(step)).items()
     if not name.startswith("__") and name not in _WRITTEN
 }
 
