@@ -217,6 +217,18 @@ def test_the_sampled_controller_approaches_the_continuous_one():
             assert worst(found[name], run(rtol=1e-6)[name][: found.time.size]) < allowed
 
 
+def test_ticks_keep_their_jacobian_and_are_right():
+    """Beside LSODA from tick to tick; an encoder that counts finely sets off no other duty."""
+    values = {"encoder.bits": 30.0}
+    experiment = replace(grasp(duration=0.45, controller="sampled"), values=values)
+    found = simulate(Hand(), experiment, rtol=1e-3).require()
+    exact = simulate(Hand(), experiment, method="LSODA", rtol=1e-8).require()
+    assert found.cost.jacobians < 0.4 * found.cost.steps
+    for name in TRACES:
+        off = (found[name] - exact[name]) / np.abs(exact[name]).max()
+        assert np.sqrt(np.mean(off**2)) < 1e-3, name
+
+
 def test_the_duty_is_held_between_ticks():
     experiment = replace(grasp(duration=0.05, controller="sampled"), sampling=10_000.0)
     duty = simulate(Hand(), experiment).require()["duty"]

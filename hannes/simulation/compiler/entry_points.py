@@ -13,7 +13,7 @@ from hannes.core.kernels.pointers import address, pointer, shaped, unknown
 from hannes.simulation.compiler.dense_jacobian import gather, linearise, slope
 from hannes.simulation.compiler.workspace import RUN
 from hannes.simulation.rodas.linear_algebra import copy_to
-from hannes.simulation.rodas.step import NOT_FINITE, TOO_MANY, WORK
+from hannes.simulation.rodas.step import NOT_FINITE, TICK_HELD, TOO_MANY, WORK
 
 # Filled in by assemble.py; the functions are the plant's, the method's and those of `OBSERVED`.
 STATES, CHANNELS, OUTPUTS = 1, 1, 1
@@ -171,8 +171,7 @@ def grasp(
     work = shaped(pointer(data.work), (WORK, unknown(STATES)))
     pieces = shaped(pointer(data.pieces), (RUN + 1, 3, unknown(STATES)))
     last, end, filled = bounds[bounds.size - 1], 0.0, 0
-    clock[0], clock[1], clock[2], clock[3], clock[4] = 0.0, 0.0, bounds[0], LONGEST, 1.0
-    clock[5], clock[6] = 1.0 if period > 0.0 else 0.0, 0.0
+    clock[2], clock[3], clock[4], clock[TICK_HELD] = bounds[0], LONGEST, 1.0, np.sign(period)
     data.turn[:] = 1.0
     place, follow, goal = 0, path[0] > 0.0 and period == 0.0, bounds
     parts = 1 if period == 0.0 else int(np.ceil(last / period - 1e-9))

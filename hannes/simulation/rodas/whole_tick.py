@@ -24,7 +24,7 @@ from hannes.simulation.rodas.linear_algebra import copy_to, scaled_size
 TICK_GAMMA = 0.5 - math.sqrt(1.0 / 12.0)
 TICK_PLACE = 2.0 / 3.0  # c
 TICK_AHEAD = TICK_PLACE / TICK_GAMMA - 1.0
-TICK_BENT = 0.75 / TICK_GAMMA
+TICK_WEIGHT = 0.75 / TICK_GAMMA
 TICK_LAST = 1.0 / TICK_GAMMA - 2.0
 TICK_CURVED = 0.5 / TICK_GAMMA**2  # of the dense output
 TICK_ZETA = 0.3  # smaller, and at tolerances below 1e-3 errors grow more than time falls
@@ -57,7 +57,7 @@ def whole_tick(problem, data, y, rtol, atol, clock, counts, piece, work):
             bend[i] = value[i] - per * fused(TICK_AHEAD, second[i] - first[i], first[i])
         problem.resolve(bend, data)
         for i in range(y.size):
-            added = TICK_BENT * bend[i]
+            added = TICK_WEIGHT * bend[i]
             moved[i] = y[i] + (fused(TICK_LAST, third[i], first[i] + second[i]) + added)
             error[i] = fused(TICK_ZETA, third[i] - second[i], added)
         size = scaled_size(error, y, moved, rtol, atol, value)
