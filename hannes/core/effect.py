@@ -115,6 +115,11 @@ class Effect:
         """Name under which a parameter of this effect is known outside."""
         return f"{self.name}.{parameter}"
 
+    @property
+    def acts(self) -> str:
+        """What it changes, in a line."""
+        return f"adds to: {', '.join(name for term in self.terms for name in term.writes)}"
+
     def __repr__(self) -> str:
         sizes = ", ".join(f"{each.name} [{each.unit}]" for each in self.parameters)
         return f"Effect({self.name}: {sizes})"
@@ -122,7 +127,7 @@ class Effect:
     def __str__(self) -> str:
         """Equation, meaning, source and parameters, as `hannes effects NAME` shows them."""
         lines = [self.name, f"  {self.meaning}", f"  {self.equation}", f"  source: {self.source}"]
-        lines += [f"  adds to: {', '.join(w for term in self.terms for w in term.writes)}"]
+        lines += [f"  {self.acts}"]
         for each in self.parameters:
             low, high = each.bounds
             end = f"shipped as {each.value:g}" if each.off is None else f"vanishes at {each.off:g}"

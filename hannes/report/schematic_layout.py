@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from hannes.core.effect import Effect
+from hannes.plants.part_fault import PartFault
 from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.model import EQUATIONS
 
@@ -46,6 +47,9 @@ def parts_of(effect: Effect) -> tuple[str, ...]:
             part = CHANNELS.get(channel) or STAGES.get(EQUATIONS.stage_of(channel), "")
             if part:
                 found[part] = None
+    if isinstance(effect, PartFault):
+        moved = (name for each in effect.moves.values() for name in each)
+        found |= dict.fromkeys(name.partition(".")[0] for name in moved)
     return tuple(found)
 
 

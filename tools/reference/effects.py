@@ -1,8 +1,10 @@
 """The effects: meaning, equation, source, parameters, channels."""
 
 from hannes.core.effect import Effect
+from hannes.plants.part_fault import PartFault
 from hannes.plants.protocol import PLANTS, find_plant
 from hannes.simulation.catalogue import effects, laws
+from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.hand_file import own_catalogue
 from tools.reference.markdown import code, number, table
 
@@ -40,14 +42,30 @@ def page() -> str:
         own = [each for key, each in own_catalogue(find_plant(name)).items() if key not in shared]
         if own:
             parts.append(f'# Effects of the plant "{name}" alone\n')
-            parts += [_effect(each) for each in own]
+            parts += [_effect(each) for each in own if not isinstance(each, PartFault)]
+            parts += _faults([each for each in own if isinstance(each, PartFault)])
     parts.append("# Laws\n\nThese are never tried by a diagnosis.\n")
     parts += [_effect(each) for each in laws().values()]
     return "\n".join(parts)
 
 
+def _faults(faults: list[PartFault]) -> list[str]:
+    """Those of the first finger, and what the others are called."""
+    shown = [each for each in faults if each.name.startswith(FINGERS[0])]
+    others = ", ".join(code(each) for each in FINGERS[1:])
+    note = f"A fault of one part moves values of that part. The same are there for {others}.\n"
+    return [note, *map(_effect, shown)] if shown else []
+
+
+def _acts(each: Effect) -> str:
+    if isinstance(each, PartFault):
+        moved = {name: None for moves in each.moves.values() for name in moves}
+        return f"Moves {', '.join(map(code, moved))}."
+    writes = (code(name) for term in each.terms for name in term.writes)
+    return f"Adds to {', '.join(writes)}."
+
+
 def _effect(each: Effect) -> str:
-    writes = ", ".join(code(name) for term in each.terms for name in term.writes)
     rows = [
         (
             code(each.full_name(own.name)),
@@ -62,5 +80,5 @@ def _effect(each: Effect) -> str:
     columns = ("parameter", "unit", "meaning", "bounds", "default", "vanishes at")
     return (
         f"## {each.name}\n\n{each.meaning}\n\n{code(each.equation)}\n\n"
-        f"Source: {each.source}.\nAdds to {writes}.\n\n{table(columns, rows)}\n"
+        f"Source: {each.source}.\n{_acts(each)}\n\n{table(columns, rows)}\n"
     )

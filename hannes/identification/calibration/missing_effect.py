@@ -22,6 +22,7 @@ from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENE
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
 from hannes.identification.diagnosis.repeat_groups import Channels, nominal_values
 from hannes.identification.diagnosis.score_test import shapes
+from hannes.plants.part_fault import compiled_effects
 from hannes.plants.protocol import Plant
 
 
@@ -75,7 +76,8 @@ def missing_effect(found: State, effects: Sequence[Effect]) -> MissingEffect:
     """The effect that is left most; none where the plant cannot simulate runs alike."""
     plant = found.model.plant
     present = {each.name for each in plant.effects}
-    tried = [e for e in (*effects, *GENERIC) if e.name not in present and not plant.accepts(e)]
+    every = compiled_effects((*effects, *GENERIC))  # each joint is uncertain for itself already
+    tried = [each for each in every if each.name not in present and not plant.accepts(each)]
     directions = [each for effect in tried for each in _directions(effect)]
     whole = plant.with_effects(*tried)
     alike = getattr(whole, "alike", None)

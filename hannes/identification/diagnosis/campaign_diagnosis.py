@@ -28,6 +28,7 @@ from hannes.identification.diagnosis.untested import untested
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work, said
 from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
+from hannes.plants.part_fault import compiled_effects
 from hannes.plants.protocol import Plant
 
 Progress = Callable[[str], None]
@@ -225,7 +226,7 @@ class _Closing:
             if place not in self.spread:
                 continue  # only the first effect of a class is fitted
             name = space.parameters[place].name
-            declared = self.model.whole.parameters.declared[name]
+            declared = space.declared(name)
             found[name] = {
                 **interval(decision.point, place, self.spread[place], self.found.variance_factor),
                 "unit": declared.unit,
@@ -256,7 +257,7 @@ class _Closing:
             e for n, e in space.effects.items() if self.spread.keys() & set(space.of(n).tolist())
         ]
         values = space.values(decision.point.x, self.owner())
-        extended = plant.with_effects(*named)
+        extended = plant.with_effects(*compiled_effects(tuple(named)))
         return extended.with_values({n: v for n, v in values.items() if n in extended.parameters})
 
     def owner(self) -> str:

@@ -107,7 +107,7 @@ class EvidenceTables:
         return {"effects": names, "cosines": cosines}
 
     def _unit(self, name: str) -> str:
-        return self.found.baseline.model.whole.parameters.declared[name].unit
+        return self.found.baseline.space.declared(name).unit
 
 
 def _reason(row: dict[str, Any], named: bool) -> str:

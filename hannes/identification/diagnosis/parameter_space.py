@@ -1,7 +1,7 @@
 """The parameter space: all uncertain parameters, and the parameters of every candidate effect."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,7 @@ from hannes.core.parameter import Parameter
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.tuning import FIT
+from hannes.plants.part_fault import moved_by
 from hannes.plants.protocol import Plant
 
 
@@ -19,6 +20,7 @@ class FreeParameter:
     """One number x that a fit may move: value = centre + scale x, in SI, within bounds.
 
     owner: what the parameter belongs to where it is not the machine's;  effect: name of its effect
+    moves: the machine's parameters that it moves, where it is no parameter of a model itself
     weight: of x^2 in chi-squared; 1 where `scale` is the prior's standard deviation
     """
 
@@ -30,6 +32,7 @@ class FreeParameter:
     high: float
     weight: float = 1.0
     effect: str = ""
+    moves: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def value(self, x: np.ndarray | float) -> np.ndarray:
         """Parameter [SI] at x."""
@@ -47,6 +50,7 @@ class ParameterSpace:
         self, plant: Plant, groups: Sequence[Group], settings: Settings, effects: Sequence[Effect]
     ) -> None:
         self.effects = {each.name: each for each in effects}
+        self._nominal = plant.parameters
         known = _uncertain(plant, groups, settings)
         self.parameters = [*known, *_of_effects(effects)]
         self.uncertain = np.arange(len(known))
@@ -87,19 +91,37 @@ class ParameterSpace:
     def columns(self, group: Group, rows: np.ndarray, effects: bool) -> dict[str, np.ndarray]:
         """Parameters by full name [SI] for rows of x, shape (m, size)."""
         acting = self.acting(group)
-        return {
+        found = {
             each.name: each.value(rows[:, place])
             for place, each in enumerate(self.parameters)
-            if acting[place] and (effects or not each.effect)
+            if acting[place] and not each.moves and (effects or not each.effect)
         }
+        return self._moved(found, rows) if effects else found
+
+    def _moved(self, columns: dict[str, np.ndarray], rows: np.ndarray) -> dict[str, np.ndarray]:
+        """Columns with what faults of parts move; rows of x, shape (m, size)."""
+        for place, each in enumerate(self.parameters):
+            if not each.moves or not rows[:, place].any():
+                continue
+            for name, change in each.moves.items():
+                low, high = self._nominal.declared[name].bounds
+                here = columns.get(name, self._nominal[name])
+                columns[name] = np.clip(here + change * each.value(rows[:, place]), low, high)
+        return columns
 
     def values(self, x: np.ndarray, owner: str = "") -> dict[str, float]:
         """Parameters of the machine at x [SI], with those of one owner."""
-        return {
-            d.name: float(d.value(x[k]))
+        columns = {
+            d.name: d.value(x[k : k + 1])
             for k, d in enumerate(self.parameters)
-            if not d.owner or d.owner == owner
+            if not d.moves and (not d.owner or d.owner == owner)
         }
+        return {name: float(each[0]) for name, each in self._moved(columns, x[np.newaxis]).items()}
+
+    def declared(self, name: str) -> Parameter:
+        """Declaration of an effect's parameter, by full name."""
+        effect = self.effects[self.parameters[self.place(name)].effect]
+        return next(each for each in effect.parameters if effect.full_name(each.name) == name)
 
 
 def _uncertain(plant: Plant, groups: Sequence[Group], settings: Settings) -> list[FreeParameter]:
@@ -149,6 +171,7 @@ def _of_effect(effect: Effect, parameter: Parameter) -> FreeParameter:
         high,
         FIT.effect_prior_weight * (span / (high - low)) ** 2,
         effect.name,
+        moved_by(effect, parameter.name),
     )
 
 

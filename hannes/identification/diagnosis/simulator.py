@@ -13,6 +13,7 @@ from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.tuning import NOISE
 from hannes.identification.diagnosis.work_bound import Work
+from hannes.plants.part_fault import compiled_effects
 from hannes.plants.protocol import Plant
 
 NOWHERE = (
@@ -87,7 +88,7 @@ class Model:
         work: Work | None = None,
     ) -> None:
         self.groups, self.space = list(groups), space
-        self.small, self.whole = plant, plant.with_effects(*effects)
+        self.small, self.whole = plant, plant.with_effects(*compiled_effects(tuple(effects)))
         self._corrections: dict[int, dict[int, SamplingCorrection]] = {}  # group, place
         self.work = work or Work()  # of this model and all made of it
         self._held = False  # whether effects are a fixed part of the machine

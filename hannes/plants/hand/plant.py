@@ -10,7 +10,7 @@ from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.parameter import ParameterSet
 from hannes.core.recording.recording import Recording
-from hannes.plants.hand import batch_runs, candidate_runs, joint_deviations
+from hannes.plants.hand import batch_runs, candidate_runs, finger_faults, joint_deviations
 from hannes.plants.hand.channel_limits import EXPECTED
 from hannes.plants.hand.recorded_experiment import (
     effects_on_object,
@@ -93,6 +93,7 @@ class HandPlant(ByValue):
     block = 0.2
     expected = EXPECTED
     compiled_from = EQUATIONS
+    catalogue = finger_faults.FAULTS
     start_time = 0.01  # s, standard deviation of a run's start against its clock
 
     def __init__(self, hand: Hand | None = None) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from hannes.contact.shapes import frame, sections
 from hannes.core.effect import Effect, joined
+from hannes.core.errors import BadInput
 from hannes.core.parameter import ParameterSet
 from hannes.simulation.catalogue import effect as find_effect
 from hannes.simulation.compiler.assemble import Compiled, assemble
@@ -29,6 +30,8 @@ class Hand:
 
     def __init__(self, effects: Iterable[Effect | str] = ()) -> None:
         found = [find_effect(each) if isinstance(each, str) else each for each in effects]
+        if lost := [each.name for each in found if not each.terms]:
+            raise BadInput(f"{lost[0]} is a fault of a part: give that its own value in [[finger]]")
         self.effects = joined((), found)
         own = (
             replace(each, name=effect.full_name(each.name))
