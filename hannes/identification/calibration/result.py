@@ -13,6 +13,7 @@ from hannes.core import former_names
 from hannes.core.by_value import ByValue
 from hannes.core.io.provenance import versions
 from hannes.identification.calibration.data_check import DataIssues
+from hannes.identification.calibration.far_value import FarValue
 from hannes.identification.calibration.identifiability import (
     AT_BOUND,
     CONFOUNDED,
@@ -50,6 +51,7 @@ class Fit(ByValue):
     answers: tuple[Answer, ...]
     repeatable_residual: RepeatableResidual
     missing: MissingEffect
+    far: FarValue
     gap: dict[str, dict[str, float]]
     fitted_gap: dict[str, dict[str, float]]
     floor_from: str
@@ -94,6 +96,8 @@ class Fit(ByValue):
             parts = ["the model does not fit these recordings"]
         elif self.missing.likely:
             parts = [f"the model likely lacks {self.missing.name}, or something like it"]
+        elif self.far.likely:
+            parts = [f"{self.far.name} is farther from its given value than machines differ"]
         for label in (AT_BOUND, NOT_IDENTIFIED, CONFOUNDED):
             some = [each.name for each in self.answers if each.label == label]
             parts += [f"{label}: {', '.join(some)}"] if some else []
@@ -126,6 +130,7 @@ class Fit(ByValue):
                 "sentence": self.repeatable_residual.sentence,
             },
             "missing": {**asdict(self.missing), "likely": self.missing.likely},
+            "far": {**asdict(self.far), "likely": self.far.likely},
             "starts": self._starts(),
             "runs": self._runs(),
             "recordings": {
@@ -200,13 +205,13 @@ class Fit(ByValue):
 
     @property
     def misleads(self) -> bool:
-        """Whether the model is wrong in some way, so that no interval holds."""
-        return self.repeatable_residual.misleads or self.missing.likely
+        """Whether the model, or what was given of it, is wrong in some way."""
+        return self.repeatable_residual.misleads or self.missing.likely or self.far.likely
 
     @property
     def remaining(self) -> list[str]:
         """What remains and what was assumed, a sentence each."""
-        said = [self.repeatable_residual.sentence, self.missing.sentence]
+        said = [self.repeatable_residual.sentence, self.missing.sentence, self.far.sentence]
         return [*(f"{text}." for text in said if text), *self.assumed]
 
     @property

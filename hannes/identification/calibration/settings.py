@@ -41,6 +41,7 @@ class Plan:
     starts:      number of starting points;  scan: number of points scanned to find them
     model_error: share of a channel's RMS that is taken as model error
     limit:       relative half-width of an interval beyond which a parameter is not identified
+    usual:       parameter -> standard deviation of given values, as stated or as of the rest
     accept:      kinds of data issues that are accepted
     controller:  that another one was taken than the experiments say, or ""
     """
@@ -64,6 +65,7 @@ class Plan:
     seed: int = 0
     scale: Mapping[str, float] = field(default_factory=dict)
     accept: tuple[str, ...] = ()
+    usual: Mapping[str, float] = field(default_factory=dict)
     controller: str = ""
 
     @property
@@ -83,10 +85,11 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
     features = tuple(_known(table, "features", FEATURES))
     declared = {name: plant.parameters.declared[name] for name in names}
     spread = {name: _weak(plant.parameters[name], each) for name, each in declared.items()}
+    stated = _sizes(table.table("spread"), plant, names)
     return Plan(
         names,
         "parameters" in table,
-        {**spread, **_sizes(table.table("spread"), plant, names)},
+        {**spread, **stated},
         {**{n: e.bounds for n, e in declared.items()}, **_bounds(table.table("bounds"), declared)},
         _nuisances(table.table("nuisance"), plant),
         _start_time(table.table("nuisance"), plant),
@@ -103,6 +106,7 @@ def read_plan(table: Table, plant: Plant, channels: Iterable[str], seed: int = 0
         seed,
         {name: abs(plant.parameters[name]) or spread[name] for name in names},
         tuple(_known(table, "accept", KINDS)),
+        {**{n: x for n, x in rest.doubt(plant, ()).items() if n in names}, **stated},
     )
 
 

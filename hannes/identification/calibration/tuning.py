@@ -80,6 +80,9 @@ class CalibrationTuning:
     missing_p_value: float = constant(
         0.02, "1", "that chance gives as much to any effect: from it the model counts as wrong"
     )
+    far_p_value: float = constant(
+        0.001, "1", "that chance takes a value so far from the given one: from it one is wrong"
+    )
     effect_step: float = constant(
         1.0 / 60.0, "1", "of its range, by which an effect is differenced", NUMERICS
     )
