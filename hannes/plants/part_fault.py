@@ -5,7 +5,7 @@ it is carried by values alone: what a diagnosis finds is written as these.
 """
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from hannes.core.effect import Effect
@@ -13,9 +13,14 @@ from hannes.core.effect import Effect
 
 @dataclass(frozen=True, repr=False)
 class PartFault(Effect):
-    """moves: amplitude -> the plant's parameter by full name -> its change per unit, SI."""
+    """A fault of one of several like parts.
+
+    moves: amplitude -> the plant's parameter by full name -> its change per unit, SI
+    kind:  what other parts may have as well
+    """
 
     moves: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    kind: str = ""
 
     def __post_init__(self) -> None:
         """Nothing to compile, nothing to check: the plant's parameters have bounds."""
@@ -33,6 +38,24 @@ class PartFault(Effect):
 def moved_by(effect: Effect, parameter: str) -> Mapping[str, float]:
     """What one of an effect's parameters moves of the plant's; nothing of an effect that adds."""
     return effect.moves.get(parameter, {}) if isinstance(effect, PartFault) else {}
+
+
+def part_faults(effects: Mapping[str, Effect], names: Iterable[str]) -> list[str]:
+    """Those of the names that are faults of a part."""
+    return [name for name in names if isinstance(effects[name], PartFault)]
+
+
+def like_faults(effects: Mapping[str, Effect], name: str) -> list[str]:
+    """The same fault of the other parts; none of an effect that adds to the equations."""
+    one = effects[name]
+    return [
+        other
+        for other, each in effects.items()
+        if isinstance(one, PartFault)
+        and isinstance(each, PartFault)
+        and each.kind == one.kind
+        and other != name
+    ]
 
 
 def compiled_effects(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

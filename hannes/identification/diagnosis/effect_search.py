@@ -16,6 +16,7 @@ from hannes.identification.diagnosis.global_starts import (
     fits_from_nominal,
     global_fits,
 )
+from hannes.identification.diagnosis.like_faults import with_like_faults
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
     Fits,
@@ -40,6 +41,7 @@ from hannes.identification.diagnosis.trials import (
 )
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work
+from hannes.plants.part_fault import part_faults
 from hannes.plants.protocol import Plant
 
 
@@ -104,7 +106,7 @@ def _searched(
     every = screened(baseline, list(baseline.space.effects))
     guesses = [each for each in every if each.effect not in GENERIC]
     names = [each.effect for each in guesses]
-    likely = [guess for guess in guesses[: SEARCH.shortlist] if guess.delta_chi2 > SEARCH.faint]
+    likely = [guess for guess in _shortlist(baseline, guesses) if guess.delta_chi2 > SEARCH.faint]
     absorbed = [
         g.effect for g in likely if g.effect not in known and absorbed_by_baseline(baseline, g)
     ]
@@ -136,6 +138,14 @@ def _searched(
     return SearchResult(
         nominal, baseline, guesses, confusable, None, None, variance_factor, generic=generic
     )
+
+
+def _shortlist(baseline: Linearisation, guesses: Sequence[Guess]) -> list[Guess]:
+    """The best guesses, few of them faults of like parts: those are many and much alike."""
+    faults = part_faults(baseline.space.effects, (each.effect for each in guesses))
+    others = [each for each in guesses if each.effect not in faults][: SEARCH.shortlist]
+    few = [each for each in guesses if each.effect in faults][: SEARCH.likely_faults]
+    return [each for each in guesses if each in others or each in few]
 
 
 def _generic(
@@ -202,4 +212,5 @@ def _deepened(
     if best is None or fits[best].chi2 > baseline.chi2 - SEARCH.name_limit:
         return fits
     progress(f"{best.replace('_', ' ')}, from about there")
-    return {**fits, best: deepest_minimum(nominal, fits[best], best)}
+    fits = {**fits, best: deepest_minimum(nominal, fits[best], best)}
+    return with_like_faults(baseline, fits, best, progress)

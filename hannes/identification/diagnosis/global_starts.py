@@ -24,16 +24,21 @@ from hannes.identification.diagnosis.score_test import (
     stepped,
 )
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.plants.part_fault import part_faults
 
 
 def global_fits(
     nominal: Linearisation, baseline: Linearisation, effects: Sequence[str], progress: Progress
 ) -> Fits:
     """The best fit with each size-dependent or likely effect, of those below the baseline."""
-    names = size_dependent(nominal, effects)
+    faults = part_faults(nominal.space.effects, effects)
+    names = size_dependent(nominal, [name for name in effects if name not in faults])
+    names += _promising(nominal, baseline, faults)[: SEARCH.likely_faults]
     if baseline.chi2 > SEARCH.lost_baseline * baseline.residual.size:
         names += [
-            name for name in _likely(nominal, effects)[: SEARCH.likely_effects] if name not in names
+            name
+            for name in _likely(nominal, effects)[: SEARCH.likely_effects]
+            if name not in names and name not in faults
         ]
     return fits_from_nominal(nominal, baseline, names, progress)
 
@@ -68,7 +73,7 @@ def absorbed_by_baseline(baseline: Linearisation, guess: Guess) -> bool:
 
 def deepest_minimum(nominal: Linearisation, point: Linearisation, name: str) -> Linearisation:
     """The best fit around one with a size-dependent effect: there are many local minima."""
-    if not size_dependent(nominal, [name]):
+    if not size_dependent(nominal, [name]) or part_faults(nominal.space.effects, [name]):
         return point
     own = nominal.space.of(name)
     for _ in range(SEARCH.neighbour_rounds):
@@ -126,10 +131,24 @@ def _signatures(point: Linearisation, effects: Sequence[str], size: float) -> di
 
 def _likely(nominal: Linearisation, effects: Sequence[str]) -> list[str]:
     """Effects ordered by the chi-squared that their best size would leave, all else following."""
-    least = {
-        name: _left(nominal, name, _sizes(nominal, name)).min(initial=np.inf) for name in effects
-    }
+    least = _least(nominal, effects)
     return sorted(least, key=lambda name: least[name])
+
+
+def _promising(
+    nominal: Linearisation, baseline: Linearisation, effects: Sequence[str]
+) -> list[str]:
+    """Of these, ordered so, the ones that would leave less than the baseline does."""
+    least = _least(nominal, effects)
+    enough = [name for name in least if least[name] < baseline.chi2 - SEARCH.name_limit]
+    return sorted(enough, key=lambda name: least[name])
+
+
+def _least(nominal: Linearisation, effects: Sequence[str]) -> dict[str, float]:
+    return {
+        name: float(_left(nominal, name, _sizes(nominal, name)).min(initial=np.inf))
+        for name in effects
+    }
 
 
 def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:

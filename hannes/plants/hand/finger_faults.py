@@ -35,7 +35,8 @@ def _fault(
         for kind in KINDS
     )
     named = {f"{kind}_{amplitude}": moves[kind] for kind in KINDS}
-    return PartFault(name, meaning, equation, source, parameters, (), moves=named)
+    kind = name.partition("_")[2]
+    return PartFault(name, meaning, equation, source, parameters, (), moves=named, kind=kind)
 
 
 def _of(finger: str) -> tuple[PartFault, ...]:

@@ -31,6 +31,7 @@ class SearchTuning:
     biased_baseline: float = constant(
         1.3, "chi2 per bin", "of a baseline that may be biased by the missing effect", DEVELOPMENT
     )
+    likely_faults: int = constant(2, "1", "faults of like parts that are refitted, at most", COST)
     name_limit: float = constant(
         12.0,
         "chi2",
