@@ -21,6 +21,7 @@ import numpy as np
 
 from benchmarks.truth import bench
 from benchmarks.truth.effects import SIZES
+from benchmarks.truth.faults import Fault, broken
 from benchmarks.truth.fitness import fit
 from benchmarks.truth.parameters import flat, parse_hand, to_si
 from benchmarks.truth.protocol import PROTOCOLS, Condition, Protocol
@@ -128,12 +129,13 @@ def make(
     hand: str = SHIPPED,
     progress: bool = False,
     assumed: Spread | None = None,
+    fault: Fault | None = None,
 ) -> Made:
     """Make a campaign in memory: some 1.5 s for a rich one.
 
     hidden: sizes by full name (SI), such as {"leader_slack.length": 3e-3}; see `effects`.
     hand: TOML of the nominal hand; that, and how far it may be off (`assumed`; by default the real
-    spread), is all that the analyst gets.
+    spread), is all that the analyst gets. fault: of one finger, see `faults`.
     Raises BadInput for what cannot be made, ComputationFailed where a run does not end or no hand
     near the nominal one grasps.
     """
@@ -147,10 +149,13 @@ def make(
     except (KeyError, ValueError) as error:
         raise BadInput(str(error)) from None
     values, refused = real_hand(nominal, seed, spread)
+    values = broken(values, fault) if fault else values
     objects = {c.name: real_object(values, c, seed, spread) for c in plan.conditions}
     made = Made(
         {}, {}, hand, _answer(seed, spread, hidden or {}, values, refused), assumed or spread
     )
+    if fault:
+        made.answer["fault"] = vars(fault)
     crept = 0.0
     for k, condition in enumerate(tqdm(plan.runs, "runs", disable=not progress)):
         name = f"{k + 1:02d}_{condition.stem}"
