@@ -19,7 +19,7 @@ from hannes.core.io.outputs import reserved
 from hannes.core.io.progress import stages
 from hannes.identification.binned_run import BLOCKS_PER_PARAMETER, View
 from hannes.identification.calibration.data_check import DataIssues, data_issues
-from hannes.identification.calibration.far_value import doubted, far_value
+from hannes.identification.calibration.far_value import far_value, without_far
 from hannes.identification.calibration.heldout_prediction import prediction
 from hannes.identification.calibration.identifiability import answers
 from hannes.identification.calibration.intervals import spread
@@ -152,7 +152,7 @@ def _result(
         issues,
         found,
         width,
-        tuple(doubted(made, far)),
+        tuple(without_far(made, far)),
         repeated,
         missing,
         far,

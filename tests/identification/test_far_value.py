@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hannes.identification.calibration.far_value import FarValue, doubted, far_value
+from hannes.identification.calibration.far_value import FarValue, far_value, without_far
 from hannes.identification.calibration.identifiability import (
     CONFOUNDED,
     IDENTIFIED,
@@ -50,10 +50,10 @@ def test_chance_counts_all_that_were_asked_for():
     assert many == pytest.approx(2.0 * few)
 
 
-def test_the_far_value_alone_is_doubted():
+def test_the_far_value_alone_is_without_far():
     given = [answer("a", 1.3), answer("b", 1.0), answer("c", 1.0, CONFOUNDED)]
-    made = doubted(given, far_value(plan(a=0.03, b=0.03, c=0.03), given))
+    made = without_far(given, far_value(plan(a=0.03, b=0.03, c=0.03), given))
     assert [each.label for each in made] == [NOT_IDENTIFIED, IDENTIFIED, CONFOUNDED]
     assert "farther" in made[0].reason
     sound = [answer("a", 1.01)]
-    assert doubted(sound, far_value(plan(a=0.03), sound)) == sound
+    assert without_far(sound, far_value(plan(a=0.03), sound)) == sound

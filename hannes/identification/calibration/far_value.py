@@ -64,7 +64,7 @@ def _far(plan: Plan, answer: Answer) -> FarValue:
     return FarValue(answer.name, off / (abs(answer.nominal) or 1.0), off / width)
 
 
-def doubted(answers: Sequence[Answer], far: FarValue) -> list[Answer]:
+def without_far(answers: Sequence[Answer], far: FarValue) -> list[Answer]:
     """The answers, the far value's no longer identified."""
     reason = "it is farther from its given value than machines differ"
     return [

@@ -9,6 +9,7 @@ from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.noise_scale import chi2_reduction
 from hannes.identification.diagnosis.score_test import Guess, cosine_similarity
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.plants.part_fault import like_faults
 
 
 @dataclass(frozen=True)
@@ -80,10 +81,17 @@ def best_first(pairs: Sequence[Trial]) -> list[Trial]:
 
 
 def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
-    """The trials that these recordings do not separate from the best one."""
-    within = max(SEARCH.rival, SEARCH.rival_share * best.delta_chi2)
+    """The trials that these recordings do not separate from the best one.
+
+    Laws are inexact by a share of what they explain; the same fault of two parts is one law.
+    """
+    far = max(SEARCH.rival, SEARCH.rival_share * best.delta_chi2)
+    alike = like_faults(best.point.space.effects, best.effects[0])
     return [
-        t for t in trials if t.effects != best.effects and best.delta_chi2 - t.delta_chi2 < within
+        t
+        for t in trials
+        if t.effects != best.effects
+        and best.delta_chi2 - t.delta_chi2 < (SEARCH.rival if t.effects[0] in alike else far)
     ]
 
 

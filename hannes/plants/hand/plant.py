@@ -128,12 +128,11 @@ class HandPlant(ByValue):
     @property
     def uncertain(self) -> Mapping[str, float]:
         """Uncertain parameters, each with the size [SI] that its relative error refers to."""
+        own = (each.name for each in channels.PARAMETERS if not each.shared)
         names = [
-            each.name
-            for each in channels.PARAMETERS
-            if not each.shared  # joint_deviations.py has those
-            and not each.name.startswith(CERTAIN)
-            and not each.name.endswith(CERTAIN_ENDINGS)
+            name
+            for name in own
+            if not name.startswith(CERTAIN) and not name.endswith(CERTAIN_ENDINGS)
         ]
         return {name: abs(self.parameters[name]) for name in names} | PLACED
 
