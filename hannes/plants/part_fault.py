@@ -47,7 +47,7 @@ def part_faults(effects: Mapping[str, Effect], names: Iterable[str]) -> list[str
 
 def like_faults(effects: Mapping[str, Effect], name: str) -> list[str]:
     """The same fault of the other parts; none of an effect that adds to the equations."""
-    one = effects[name]
+    one = effects.get(name)
     return [
         other
         for other, each in effects.items()
