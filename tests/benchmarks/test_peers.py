@@ -48,6 +48,24 @@ def test_our_equations_in_mujoco_are_ours():
         assert worst(run[name], exact()[name]) < 1e-5
 
 
+def test_the_help_adds_what_it_treats_implicitly():
+    """The force by the dampings of the step before; contacts damp the joints of their finger."""
+    user, rng = np.zeros(same.USER), np.random.default_rng(5)
+    user[:] = rng.uniform(0.5, 1.5, user.size)
+    steep = same.part.py_func(user, same.STEEP)
+    user[same.BOUNDS[same.CHANNEL] + same.PUSH :][:10] = -1.0  # nothing touches
+    speeds, before, force = rng.normal(size=(3, same.NV))
+    damping, pushed = before.copy(), force.copy()
+    same.steepen.py_func(user, speeds, damping, pushed)
+    assert pushed == pytest.approx(force + before * speeds, rel=1e-14)
+    assert np.array_equal(damping, steep)
+    user[same.BOUNDS[same.CHANNEL] + same.PUSH + 2] = 1.0  # the second finger's first phalanx
+    same.steepen.py_func(user, speeds, damping, pushed)
+    assert np.flatnonzero(damping > steep).tolist() == [5, 6]
+    assert np.array_equal(np.delete(damping, [5, 6]), np.delete(steep, [5, 6]))
+
+
+@pytest.mark.slow
 def test_the_help_changes_no_equation():
     """What it treats implicitly it adds again: half the step, half the error."""
     coarse, fine = off(carried("Euler", 20, True)), off(carried("Euler", 40, True))
@@ -55,6 +73,7 @@ def test_the_help_changes_no_equation():
     assert 1.8 < coarse / fine < 2.2
 
 
+@pytest.mark.slow
 def test_the_help_is_one():
     """Without it, the same step of the same method is far off."""
     assert off(carried("Euler", 20)) > 10 * off(carried("Euler", 20, True))

@@ -1,9 +1,13 @@
 """Calls within whole grasps: few words each, no counting of references; and what counts them."""
 
+import math
+
+import numba
 import numpy as np
 import pytest
 
 from benchmarks.calls import MOST, calls, pushes
+from hannes.core.kernels.jit import routine
 from hannes.core.layout import Layout, Slot
 from hannes.simulation.compiler import module_cache
 from hannes.simulation.compiler.assemble import Equations, assemble
@@ -37,19 +41,55 @@ def ran(times):
     return model.fast.grasps, rows
 
 
-@pytest.mark.usefixtures("compiling")
-def test_no_call_within_a_grasp_hands_on_more_than_16_words(tmp_path, monkeypatch):
-    times = np.linspace(0.0, 1.0, 11)
-    monkeypatch.setenv("HANNES_CACHE", str(tmp_path / "by address"))
-    made, rows = ran(times)
+TIMES = np.linspace(0.0, 1.0, 11)
+
+
+@pytest.fixture(scope="module")
+def by_address(tmp_path_factory, compiling):
+    """The same as the package compiles it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("HANNES_CACHE", str(tmp_path_factory.mktemp("by address")))
+        return ran(TIMES)
+
+
+def test_no_call_within_a_grasp_hands_on_more_than_16_words(by_address):
+    made, _ = by_address
     found = calls(made)
     assert found
     assert max(call.words for call in found) <= MOST
     assert pushes(made) <= MOST
     assert not [call for call in found if call.counts_references]
-    # Arrays handed on as they are would be seen, and give the same numbers.
-    monkeypatch.setenv("HANNES_CACHE", str(tmp_path / "as they are"))
+
+
+@routine
+def weighted(a, b, c, k):
+    """Three arrays at once, and a number."""
+    total = 0.0
+    for j in range(a.size):
+        for _ in range(k):
+            total = math.sqrt(total + a[j] * b[j] + c[j])
+    return total
+
+
+def kept_a_call(a, b, c):
+    """Called twice: so it stays a function."""
+    return weighted(a, b, c, 3) + weighted(b, a, c, 4) + weighted(c, b, a, a.size)
+
+
+@pytest.mark.usefixtures("compiling")
+def test_arrays_handed_on_as_they_are_are_seen():
+    made = numba.njit(kept_a_call)
+    made(*np.ones((3, 4)))
+    widest = max(calls(made), key=lambda call: call.words)
+    assert (widest.caller, widest.callee) == ("kept_a_call", "weighted") and widest.words > MOST
+
+
+@pytest.mark.slow
+def test_a_grasp_with_arrays_handed_on_as_they_are_has_the_same_bits(
+    by_address, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("HANNES_CACHE", str(tmp_path))
     monkeypatch.setattr(module_cache, "by_address", lambda text: text)
-    bare, same = ran(times)
+    bare, same = ran(TIMES)
     assert max(call.words for call in calls(bare)) > MOST
-    assert rows.tobytes() == same.tobytes()
+    assert by_address[1].tobytes() == same.tobytes()

@@ -4,7 +4,6 @@ import functools
 
 import numpy as np
 import pytest
-import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 from touch import Touch, moving, poses
@@ -22,6 +21,8 @@ def lagrangian():
 
     Energies are integrals over the rods, point by point: no moment of inertia is assumed.
     """
+    import sympy  # here: each process of the suite collects all files
+
     q1, q2, w1, w2, torque_1, torque_2 = sympy.symbols("q1 q2 w1 w2 torque_1 torque_2")
     l1, l2, m1, m2, gx, gy, s = sympy.symbols("l1 l2 m1 m2 gx gy s")
     angles, speeds = sympy.Matrix([q1, q2]), sympy.Matrix([w1, w2])

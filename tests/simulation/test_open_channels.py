@@ -1,5 +1,6 @@
 """What the page of kernel variables says may be read is what a run accepts, and no more."""
 
+import functools
 from dataclasses import replace
 
 import pytest
@@ -15,7 +16,11 @@ from hannes.simulation.compiler.expansion import opened
 from hannes.simulation.compiler.open_channels import open_channels
 from hannes.simulation.hand.model import EQUATIONS
 
-HAND = {each.slot.name: each for each in open_channels(HandPlant.compiled_from)}
+
+@functools.cache
+def listed(plant):
+    """What the page lists of a plant, by name of the channel."""
+    return {each.slot.name: each for each in open_channels(find_plant(plant).compiled_from)}
 
 
 def reading(channel, names):
@@ -27,9 +32,8 @@ def reading(channel, names):
 @pytest.mark.parametrize("plant", PLANTS)
 def test_everything_listed_may_be_read_together(plant):
     found = find_plant(plant)
-    listed = list(open_channels(found.compiled_from))
-    assert listed
-    for each in listed:
+    assert listed(plant)
+    for each in listed(plant).values():
         names = (*each.arrays, *each.numbers)
         assert len(set(names)) == len(names)
         assert found.accepts(reading(each.slot.name, names)) == ""
@@ -45,11 +49,13 @@ def test_everything_listed_may_be_read_together(plant):
     ],
 )
 def test_what_is_assigned_later_is_not_listed(channel, known, unknown):
-    listed = {*HAND[channel].arrays, *HAND[channel].numbers}
-    assert known <= listed and not unknown & listed
+    hand = listed("hand")
+    names = {*hand[channel].arrays, *hand[channel].numbers}
+    assert known <= names and not unknown & names
 
 
 def test_what_effects_of_the_package_write_and_read_is_listed():
+    hand = listed("hand")
     everywhere = {"t"} | {
         slot.name
         for layout in (HandPlant.compiled_from.parameters, HandPlant.compiled_from.states)
@@ -58,9 +64,9 @@ def test_what_effects_of_the_package_write_and_read_is_listed():
     for effect in effects().values():
         own = {each.name for each in (*effect.parameters, *effect.states)}
         for term in effect.terms:
-            listed = {*HAND[term.writes[0]].arrays, *HAND[term.writes[0]].numbers}
-            assert set(term.writes) <= HAND.keys()
-            assert set(term.arguments) <= listed | everywhere | own, (effect.name, term)
+            names = {*hand[term.writes[0]].arrays, *hand[term.writes[0]].numbers}
+            assert set(term.writes) <= hand.keys()
+            assert set(term.arguments) <= names | everywhere | own, (effect.name, term)
 
 
 def test_a_variable_that_is_not_declared_is_no_interface():
