@@ -133,6 +133,10 @@ def _add_results(commands: Any) -> None:
     reproduce.add_argument(
         "--recognition", metavar="FOLDER", help="results of an evaluation of the ten objects"
     )
+    reproduce.add_argument(
+        "--coming", nargs="+", choices=("emps", "slack", "recognition"), default=(), metavar="PART",
+        help="of emps, slack, recognition: the page says that it is still being computed",
+    )  # fmt: skip
 
     calibrate = _command(commands, "calibrate", _calibrate, "fit parameters, with intervals")
     calibrate.add_argument("campaign", help="a campaign's .toml file")
@@ -251,7 +255,7 @@ def _reproduce(chosen: argparse.Namespace) -> None:
 
     out = chosen.out or "results/reproduce"
     given = {"slack": chosen.slack, "taut": chosen.taut, "recognition": chosen.recognition}
-    found = reproduce(out, force=chosen.force, **given)
+    found = reproduce(out, coming=chosen.coming, force=chosen.force, **given)
     if chosen.json:
         print_json(found)
         return

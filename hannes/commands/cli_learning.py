@@ -92,7 +92,7 @@ def _add_models(command: Callable[..., argparse.ArgumentParser]) -> None:
     train.add_argument("--out", metavar="MODEL.h5", help="the model (<dataset>-model.h5)")
     train.add_argument("--trees", type=int, help="number of bagged trees (default 320)")
     train.add_argument("--leaf", type=int, default=0, metavar="N",
-                       help="fewest windows in a leaf (2, of the class 20)")  # fmt: skip
+                       help="fewest windows in a leaf (2, of class and stiffness 8)")  # fmt: skip
     train.add_argument("--seed", type=int, default=0, help="seed of all random draws (default 0)")
     train.add_argument("--window", default="50 ms", metavar="TIME", help="span of a window (50 ms)")
     train.add_argument("--hop", default="10 ms", metavar="TIME", help="between windows (10 ms)")
@@ -196,19 +196,13 @@ def _train(chosen: argparse.Namespace) -> None:
 def _evaluate(chosen: argparse.Namespace) -> None:
     from pathlib import Path
 
-    from hannes.commands.evaluate import simpler_ways, write
+    from hannes.commands.evaluate import further, write
     from hannes.core.errors import BadInput
     from hannes.core.io.inputs import noted
     from hannes.core.io.outputs import require_free, reserved
     from hannes.core.recording.recording import Recording
     from hannes.recognition import model_file
-    from hannes.recognition.evaluate import (
-        evaluate,
-        learning_curve,
-        prediction_of,
-        read_subjects,
-    )
-    from hannes.recognition.train import curve
+    from hannes.recognition.evaluate import evaluate, prediction_of, read_subjects
 
     targets = [chosen.out] if chosen.out else []
     of_grasps = (chosen.learning_curve, chosen.baselines)
@@ -230,11 +224,7 @@ def _evaluate(chosen: argparse.Namespace) -> None:
     inputs |= set(map(Path, given))
     with reserved("evaluate", targets, inputs, folder=True, force=chosen.force):
         result = {"title": title, "trained": model.trained, **evaluate(model, subjects)}
-        if chosen.learning_curve:
-            models = curve(chosen.learning_curve, windowing=model.windowing)
-            result["learning_curve"] = learning_curve(models, subjects)
-        if chosen.baselines:
-            result["baselines"] = simpler_ways(chosen.baselines, model, subjects)
+        result |= further(model, subjects, *of_grasps)
         if chosen.out:
             write(chosen.out, result, chosen.force)
     if chosen.json:

@@ -1,6 +1,7 @@
 """`hannes reproduce`: the paper's experiments and a first diagnosis, on one page."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from hannes.report.paper.checks import Row, row
 from hannes.report.paper.page import write_page
 from hannes.report.table import Table
 from hannes.report.verdict_summary import Finding, finding
+from hannes.report.verdict_summary import coming as later
 
 # Relative force errors of the closed-loop simulation [%], identification and pulses file.
 PUBLISHED = (5.848, 8.94)  # Janot, Gautier & Brunot (2019), Coulomb + viscous + offset
@@ -32,20 +34,22 @@ def reproduce(
     slack: str | Path | None = None,
     taut: str | Path | None = None,
     recognition: str | Path | None = None,
+    coming: Sequence[str] = (),
     progress: bool | None = None,
     force: bool = False,
 ) -> dict[str, Any]:
     """Write the page to `out`, with the diagnosis of the real axis under `out`/emps.
 
     `slack` and `taut` are results folders of diagnoses of closures with hidden slack and of the
-    same closures without it, `recognition` one of `hannes evaluate`. `force`: results
-    of another command in `out` are replaced, too. Returns `rows`, `must_show`
+    same closures without it, `recognition` one of `hannes evaluate`. `coming`: parts ("emps",
+    "slack", "recognition") of which the page says that they are still being computed. `force`:
+    results of another command in `out` are replaced, too. Returns `rows`, `must_show`
     and `out`. Raises BadInput where a folder cannot be used, ComputationFailed where a simulation
     fails; a recording that is missing is named on the page instead.
     """
     given = [each for each in (slack, taut, recognition) if each is not None]
     with reserved("reproduce", [out], given, folder=True, force=force):
-        return _reproduced(out, slack, taut, recognition, progress)
+        return _reproduced(out, slack, taut, recognition, coming, progress)
 
 
 def _reproduced(
@@ -53,17 +57,20 @@ def _reproduced(
     slack: str | Path | None,
     taut: str | Path | None,
     recognition: str | Path | None,
+    coming: Sequence[str],
     progress: bool | None,
 ) -> dict[str, Any]:
     hidden, rows = _hidden(slack, taut, Path(out))
     evaluation = table_3.read(recognition) if recognition is not None else None
     with atomic_folder(out, "reproduce", force=True) as folder:
-        emps, more = _emps(folder / "emps", progress)
-        found: dict[str, Any] = {"emps": emps, "slack": hidden}
+        found: dict[str, Any] = {"slack": hidden, **{name: later(name) for name in coming}}
+        if "emps" not in coming:
+            found["emps"], more = _emps(folder / "emps", progress)
+            rows = [*more, *rows]
         if evaluation is not None:
             found["recognition"] = table_3.found(evaluation)
             rows += table_3.checks(evaluation)
-        page = write_page(folder, progress, diagnoses=found, more=[*more, *rows])
+        page = write_page(folder, progress, diagnoses=found, more=rows)
     return {**page, "out": str(out)}
 
 

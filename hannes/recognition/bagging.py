@@ -28,10 +28,14 @@ class Rows:
 
 @dataclass(frozen=True)
 class Bagged:
-    """Fitted regression trees of scikit-learn; `seen`: grasps in each bag, (trees, grasps)."""
+    """Fitted regression trees of scikit-learn; `seen`: grasps in each bag, (trees, grasps).
+
+    `jobs` as joblib's: how many of them predict at once.
+    """
 
     trees: list[Any]
     seen: np.ndarray
+    jobs: int | None = 1
 
     def forest(self) -> Forest:
         """All trees as plain arrays."""
@@ -47,26 +51,24 @@ class Bagged:
 
     def quantiles_unseen(self, rows: np.ndarray, owner: np.ndarray) -> np.ndarray:
         """The same, QUANTILES over trees, shape (m, 3)."""
-        from warnings import catch_warnings, simplefilter
-
         every = np.full((len(self.trees), len(rows)), np.nan)
         for tree, (apart, predicted) in zip(every, self._unseen(rows, owner), strict=True):
             tree[apart] = predicted
-        with catch_warnings():
-            simplefilter("ignore", RuntimeWarning)  # a grasp in every bag: NaN
-            return np.nanquantile(every, QUANTILES, axis=0).T
+        return _quantiles(every)
 
     def _unseen(
         self, rows: np.ndarray, owner: np.ndarray
     ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        from joblib import Parallel, delayed
+
         from hannes.core.io.progress import progress_bar
 
         rows = np.ascontiguousarray(rows, np.float32)
-        every, count = zip(self.trees, self.seen, strict=True), len(self.trees)
-        bar = progress_bar(every, "judging trees", count, delay=2.0, leave=False)
-        for tree, seen in bar:
-            apart = ~seen[owner]
-            yield apart, tree.predict(rows[apart]) if apart.any() else np.zeros(0)
+        judging = Parallel(n_jobs=self.jobs, prefer="threads", return_as="generator")(
+            delayed(_judged)(tree, ~seen[owner], rows)
+            for tree, seen in zip(self.trees, self.seen, strict=True)
+        )
+        yield from progress_bar(judging, "judging trees", len(self.trees), delay=2.0, leave=False)
 
 
 def bagged(
@@ -86,7 +88,24 @@ def bagged(
         delayed(_grown)(rows, grasps, thin, each, how) for each in seeds
     )
     found = list(progress_bar(growing, "growing trees", trees, delay=2.0, leave=False))
-    return Bagged([tree for tree, _ in found], np.array([seen for _, seen in found]))
+    return Bagged([tree for tree, _ in found], np.array([seen for _, seen in found]), jobs)
+
+
+def _quantiles(every: np.ndarray) -> np.ndarray:
+    """QUANTILES of what is no NaN in each column (trees, m), shape (m, 3); NaN where nothing is."""
+    count = np.isfinite(every).sum(axis=0)
+    every.sort(axis=0)  # NaN last
+    place = np.outer(QUANTILES, np.maximum(count - 1, 0))
+    low = place.astype(int)
+    high = np.minimum(low + 1, np.maximum(count - 1, 0))
+    below, above = (np.take_along_axis(every, which, axis=0) for which in (low, high))
+    return (below + (place - low) * (above - below)).T
+
+
+def _judged(tree: Any, apart: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which rows (float32) a tree predicts, and its predictions for these."""
+    found = tree.tree_.predict(rows[apart])[:, 0] if apart.any() else np.zeros(0)
+    return apart, found
 
 
 def _grown(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hannes.recognition.model import Band, Calibration, Model, grasp_peak, grasp_stiffness, held
-from hannes.recognition.training_set import Grasps, last_held
+from hannes.recognition.training_set import Grasps, decisive, last_held
 
 BINS = 6  # of an interval's width
 FOLDS = 5
@@ -18,9 +18,9 @@ GRID, WIDTH = np.round(np.arange(0.5, 0.71, 0.01), 2), 0.02  # of confidence
 class HeldOutPredictions:
     """Predictions for n grasps by models that were not trained on them.
 
-    rigid: of the forest, by window, NaN where there is none, shape (n, windows); stiffness [N/m]
-    and peak force [N], each with the spread of the trees in its logarithm, shape (n, 2), NaN where
-    nothing was held.
+    rigid: of the forest, by window, shape (n, windows), NaN but where windows are scored or lead to
+    the grasp's decision; stiffness [N/m] and peak force [N], each with the spread of the trees in
+    its logarithm, shape (n, 2), NaN where nothing was held.
     """
 
     rigid: np.ndarray
@@ -52,7 +52,8 @@ def predictions_by(
     Each predictor takes rows (m, features) and the grasp of each row (m,). log_peak takes rows of
     whole grasps; where it gives NaN, or a grasp is still held, log_force is used.
     """
-    there, some = ~np.isnan(known.features[..., 0]), held(known.features)
+    there, some = known.scored | decisive(known.features), held(known.features)
+    there &= ~np.isnan(known.features[..., 0])
     windows, logs = np.full(there.shape, np.nan), np.full((*some.shape, 3), np.nan)
     windows[there] = rigid(known.features[there], np.nonzero(there)[0])
     logs[some] = log_stiffness(known.features[some], np.nonzero(some)[0])

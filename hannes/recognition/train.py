@@ -8,19 +8,26 @@ from typing import Any
 import numpy as np
 
 from hannes.core.errors import BadInput
-from hannes.dataset.read import DataSet, read
-from hannes.recognition.bagging import Bagged, Rows, bagged
+from hannes.dataset.read import DataSet
+from hannes.recognition.bagging import SHARE, Bagged, Rows, bagged
 from hannes.recognition.calibration import (
     HeldOutPredictions,
     calibrated,
     held_out_predictions,
     predictions_by,
 )
+from hannes.recognition.feature_levels import rounded
 from hannes.recognition.forest import single
 from hannes.recognition.gaussian_process import FEWEST as FEWEST_LET_GO
 from hannes.recognition.gaussian_process import ProcessMean, train_process
 from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, held, running
-from hannes.recognition.training_set import Grasps, grasps, last_held
+from hannes.recognition.training_set import (
+    Grasps,
+    TrainingSet,
+    grasps,
+    last_held,
+    training_set,
+)
 from hannes.recognition.windowing import Windowing
 
 LEAST = 0.5  # N, lower limit of the force target
@@ -30,6 +37,8 @@ FEWEST = 30  # grasps of a learning curve
 TREES = 320  # of the class: of 80 alone, F1 per window differs by a point from seed to seed
 FEWEST_TREES = 10
 FEW = 5000  # windows: with fewer, each tree trains on all windows of its grasps
+LEAF = 8  # least windows of a leaf, of class and stiffness, where there are more
+MOST_WINDOWS = 30_000  # that a tree learns from: neighbours say nearly the same
 
 
 def train(
@@ -53,17 +62,24 @@ def train(
     """
     if seed < 0:
         raise BadInput(f"seed = {seed}: expected 0 or more")
-    data, windowing = read(path), windowing or Windowing()
-    known = grasps(data, data.role("train"), windowing)
+    given = training_set(path, windowing or Windowing())
+    data, windowing, known = given.data, given.windowing, given.grasps
+    of = _origin(data, seed)
     if most is not None:
         known = known.some(np.random.default_rng(seed).permutation(known.rigid.size)[:most])
-    model, unseen = _trained(known, data, windowing, trees, seed, jobs, leaf)
+        of += f"; {known.rigid.size} grasps of it"
+    model, unseen = _trained(known, given, of, trees, seed, jobs, leaf)
     predicted = {"title": data.title, "grasps": int(known.rigid.size)}
     predicted["unseen_scores"] = worth(model, known, unseen)
     if data.role("test").any():
         test = grasps(data, data.role("test"), windowing)
         predicted["test_scores"] = worth(model, test, held_out_predictions(model, test))
     return model, predicted
+
+
+def _origin(data: DataSet, seed: int) -> str:
+    """What a model says that it was trained on."""
+    return f"{data.title}; fingerprint {data.digest}; seed {seed}"
 
 
 def curve(
@@ -74,19 +90,40 @@ def curve(
     windowing: Windowing | None = None,
     jobs: int | None = -1,
 ) -> Iterator[tuple[int, Model]]:
+    """Learning curve of a data set, as `curve_of` has it."""
+    return curve_of(training_set(path, windowing or Windowing()), trees=trees, seed=seed, jobs=jobs)
+
+
+def curve_of(
+    given: TrainingSet,
+    *,
+    trees: int = TREES // 2,
+    seed: int = 0,
+    jobs: int | None = -1,
+    whole: Model | None = None,
+) -> Iterator[tuple[int, Model]]:
     """Learning curve: models trained on more and more grasps, each with their number.
 
     The numbers are all that `train` uses, a quarter, a quarter of that, and so on to some 30. A
-    part with too few of a class is skipped.
+    part with too few of a class is skipped. `whole` is the last one where it was trained on all
+    of these grasps: it is not trained again.
     """
-    data, windowing = read(path), windowing or Windowing()
-    known = grasps(data, data.role("train"), windowing)
+    known, of = given.grasps, _origin(given.data, seed)
     order = np.random.default_rng(seed).permutation(known.rigid.size)
     steps = 1 + max(0, int(np.log(order.size / FEWEST) / np.log(4.0)))
     for count in [round(order.size / 4.0**k) for k in range(steps)][::-1]:
         part = known.some(order[:count])
-        if count == order.size or _enough(part):
-            yield count, _trained(part, data, windowing, trees, seed, jobs)[0]
+        if count == order.size and whole is not None and _is_of(whole, given):
+            yield count, whole
+        elif count == order.size or _enough(part):
+            yield count, _trained(part, given, of, trees, seed, jobs)[0]
+
+
+def _is_of(model: Model, given: TrainingSet) -> bool:
+    """Whether a model was trained on all of these grasps."""
+    seed = model.trained.rpartition(" ")[2]
+    same = seed.isdecimal() and model.trained == _origin(given.data, int(seed))
+    return same and model.windowing == given.windowing
 
 
 def _enough(known: Grasps) -> bool:
@@ -106,23 +143,25 @@ class _Forests:
 
 def _trained(
     known: Grasps,
-    data: DataSet,
-    windowing: Windowing,
+    given: TrainingSet,
+    of: str,
     trees: int,
     seed: int,
     jobs: int | None,
     leaf: int = 0,
 ) -> tuple[Model, HeldOutPredictions]:
-    """A calibrated model, and predictions for each grasp by trees that have not seen it."""
+    """A calibrated model `of` some grasps; predictions by trees that have not seen them."""
     if not _enough(known):
-        raise BadInput(f"{data.path}: expected two grasps or more of soft and of rigid objects")
+        raise BadInput(
+            f"{given.data.path}: expected two grasps or more of soft and of rigid objects"
+        )
     made, (peak, of_peak) = _grown(known, trees, seed, jobs, leaf), _peak(known, seed)
     forests = [each.forest() for each in (made.rigid, made.stiffness, made.force)]
     rigid, stiffness, force = map(single, forests) if leaf else forests
     none = np.zeros(1)
     model = Model(
-        windowing,
-        data.border,
+        given.windowing,
+        given.data.border,
         0.5,
         rigid,
         stiffness,
@@ -131,7 +170,7 @@ def _trained(
         Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0])),
         Band(none, none, none),
         Band(none, none, none),
-        trained=f"{data.title}; fingerprint {data.digest}; seed {seed}",
+        trained=of,
     )
     unseen = predictions_by(
         known,
@@ -157,9 +196,10 @@ def _grown(known: Grasps, trees: int, seed: int, jobs: int | None, fewest: int) 
 
     used = known.scored | held(known.features)
     few = used.sum() < FEW
-    leaf, share = (max(2, fewest), 1.0) if few else (max(20, fewest), 0.5)
-    bag = BaggedTrees(trees, leaf, share, seed, jobs)
-    bag.fit(known.features, known.rigid.astype(int), used)
+    features = known.features if few else rounded(known.features, used)
+    leaf, share = max(2 if few else LEAF, fewest), 1.0 if few else 0.5
+    bag = BaggedTrees(trees, leaf, _thinned(share, used), seed, jobs)
+    bag.fit(features, known.rigid.astype(int), used)
     so_far = np.maximum.accumulate(known.force, axis=1)
     stiffness = np.broadcast_to(known.stiffness[:, np.newaxis], used.shape)
 
@@ -168,17 +208,23 @@ def _grown(known: Grasps, trees: int, seed: int, jobs: int | None, fewest: int) 
     ) -> Bagged:
         which = weight > 0.0
         owner, target = np.nonzero(which)[0], np.log(np.maximum(value[which], LEAST))
-        rows = Rows(known.features[which], target, weight[which], owner)
-        return bagged(rows, len(used), trees, share, seed, jobs, **how)
+        rows = Rows(features[which], target, weight[which], owner)
+        share = _thinned(share, which)
+        return bagged(rows, len(used), max(trees, FEWEST_TREES), share, seed, jobs, **how)
 
     weight = _weight_of_force(known, used & (so_far > LEAST), seed)
-    stiff, force = (max(each, FEWEST_TREES) for each in (trees // 8, 3 * trees // 4))
     how = {"min_samples_leaf": leaf, "max_features": 0.4}
     return _Forests(
         bag.bagged_,
-        regression(stiff, stiffness, used.astype(float), share / 2.0, **how),
-        regression(force, so_far, weight, 1.0, min_samples_leaf=max(2, fewest), max_features=0.6),
-    )
+        regression(trees // 8, stiffness, used.astype(float), share / 2.0, **how),
+        regression(3 * trees // 4, so_far, weight, 1.0, min_samples_leaf=max(2, fewest),
+                   max_features=0.3),
+    )  # fmt: skip
+
+
+def _thinned(share: float, used: np.ndarray) -> float:
+    """Share of its grasps' windows that a tree learns from: at most MOST_WINDOWS of them."""
+    return min(share, MOST_WINDOWS / (SHARE * max(1, int(used.sum()))))
 
 
 def _weight_of_force(known: Grasps, pressed: np.ndarray, seed: int) -> np.ndarray:

@@ -1,15 +1,16 @@
 """Training set: features by window of a data set's grasps, with their true values."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from hannes.core.errors import BadInput
 from hannes.core.io.progress import progress_bar
-from hannes.dataset.read import BLOCK, DataSet
+from hannes.dataset.read import BLOCK, DataSet, read
 from hannes.recognition.features import CHANNELS
 from hannes.recognition.hysteresis_features import grasp_features
-from hannes.recognition.model import held
+from hannes.recognition.model import SINCE, held
 from hannes.recognition.windowing import Windowing
 
 WEAKEST = 5.0  # N: an object that was held with less was hardly grasped
@@ -38,6 +39,21 @@ class Grasps:
     def some(self, which: np.ndarray) -> "Grasps":
         """Only the grasps `which`: their numbers, or a mask, shape (grasps,)."""
         return Grasps(*(each[which] for each in vars(self).values()))
+
+
+@dataclass(frozen=True)
+class TrainingSet:
+    """A data set, and its grasps of the role "train" by a windowing."""
+
+    data: DataSet
+    windowing: Windowing
+    grasps: Grasps
+
+
+def training_set(path: str | Path, windowing: Windowing) -> TrainingSet:
+    """Read a data set's training grasps; BadInput where there are none, or it is no data set."""
+    data = read(path)
+    return TrainingSet(data, windowing, grasps(data, data.role("train"), windowing))
 
 
 def scored(
@@ -95,3 +111,10 @@ def last_held(features: np.ndarray) -> np.ndarray:
     found = held(features)
     last = found.shape[1] - 1 - np.argmax(found[:, ::-1], axis=1)
     return np.where(found.any(axis=1), last, -1)
+
+
+def decisive(features: np.ndarray) -> np.ndarray:
+    """Windows whose class enters a grasp's decision: from the touch to the last one held."""
+    places = np.arange(features.shape[1])
+    touched = np.nan_to_num(features[..., SINCE]) > 0.0
+    return touched & (places <= last_held(features)[:, np.newaxis])

@@ -12,13 +12,17 @@ from hannes.report.table import Table
 
 @dataclass(frozen=True)
 class Finding:
-    """`verdict` is the content of verdict.json; without it `missing` says what to do."""
+    """`verdict` is the content of verdict.json; without it `missing` says what to do.
+
+    `coming`: who completes it, where it is still being computed.
+    """
 
     name: str
     title: str
     about: str
     verdict: Mapping[str, Any] | None = None
     missing: str = ""
+    coming: str = ""
     link: str = ""
     tables: tuple[Table, ...] = ()
 
@@ -68,6 +72,12 @@ ABOUT = {
     ),
 }
 RUN = {"recognition": "not scored in this run; `make run` records the objects and scores them"}
+
+
+def coming(name: str) -> Finding:
+    """A finding that is still being computed."""
+    title, about = ABOUT[name]
+    return Finding(name, title, about, coming="the command that wrote this page completes it")
 
 
 def findings(given: Mapping[str, Any] | None) -> list[Finding]:

@@ -310,6 +310,30 @@ def test_the_same_seed_trains_the_same_bytes(data, trained, tmp_path):
     assert np.array_equal(back.peak(whole), model.peak(whole))
 
 
+def test_many_windows_are_thinned_and_rounded_with_the_same_bytes(data, tmp_path, monkeypatch):
+    """As of a large set: each tree learns from some windows, on features of few levels."""
+    monkeypatch.setattr(learning, "FEW", 100)
+    monkeypatch.setattr(learning, "MOST_WINDOWS", 400)
+    for jobs in (1, 2):
+        model, scores = train(data, trees=12, seed=1, jobs=jobs)
+        model_file.write(tmp_path / f"{jobs}.h5", model)
+        assert scores["test_scores"]["grasps_right"] >= 0.95
+    assert (tmp_path / "1.h5").read_bytes() == (tmp_path / "2.h5").read_bytes()
+    leaves = np.diff(model.rigid.starts).mean() / 2.0
+    assert leaves < 400 / learning.LEAF
+
+
+def test_a_learning_curve_ends_with_the_model_that_was_trained_on_all(data, trained):
+    given, whole = learning.training_set(data, Windowing()), trained[0]
+    *_, (count, last) = learning.curve_of(given, trees=2, jobs=1, whole=whole)
+    assert count == 80 and last is whole
+    part, _ = train(data, trees=2, seed=1, jobs=1, most=40)
+    assert part.trained.endswith("40 grasps of it")
+    for other in (part, replace(whole, windowing=Windowing(hop=0.02))):
+        *_, (count, last) = learning.curve_of(given, trees=2, jobs=1, whole=other)
+        assert count == 80 and last is not other
+
+
 @pytest.fixture
 def file(trained, tmp_path):
     """A model's file."""

@@ -95,7 +95,7 @@ def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys)
     monkeypatch.setenv("HANNES_MEASURED", str(tmp_path / "nowhere"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     (tmp_path / "evaluation.json").write_text(json.dumps(evaluation(0.9)))
-    more = ["--recognition", str(tmp_path), "--json"]
+    more = ["--recognition", str(tmp_path), "--coming", "slack", "--json"]
     assert main(["reproduce", "--out", str(tmp_path / "out"), *more]) == 0
     content = json.loads(capsys.readouterr().out)
     assert all(row["holds"] for row in content["must_show"])
@@ -103,6 +103,7 @@ def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys)
     text = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
     assert "DATA_EMPS.mat" in text and "HANNES_MEASURED" in text
     assert "Table III: rigid or soft" in text and "Predictions by window" in text
+    assert text.count("Still coming:") == 1 and "not diagnosed in this run" not in text
 
 
 def test_table_3_stands_beside_the_papers(tmp_path):
