@@ -125,17 +125,16 @@ def use_raw_log(path: Path) -> None:
 
 def emps(path: Path) -> None:
     """Read a recording of the axis."""
-    from hannes.plants.axis.matlab_file import load
+    from hannes import convert
 
-    load(path)
+    convert([path], "emps")
 
 
 def finger(path: Path) -> None:
     """Read the log of a finger."""
-    from hannes.plants.finger.rh56_log import is_log, load
+    from hannes import convert
 
-    is_log(path)
-    load(path)
+    convert([path], "rh56")
 
 
 def begun(path: Path) -> None:

@@ -45,7 +45,7 @@ VERBS: dict[str, list[tuple[str, str]] | None] = {
         ("recording", "check {}"),
         ("HDF5 recording", "check {} --json"),
         ("campaign", "check {}"),
-        ("finger log", "check {} --plant finger"),
+        ("finger log", "check {} --mapping rh56"),
     ],
     "dataset": [
         ("data set's specification", "dataset {} --out OUT/s.h5 --workers 1"),

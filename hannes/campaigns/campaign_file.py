@@ -9,10 +9,13 @@ from pathlib import Path
 
 from hannes.campaigns import third_party
 from hannes.campaigns.campaign import Campaign, Entry
+from hannes.campaigns.foreign.mapping import ColumnMap
+from hannes.campaigns.foreign.mapping_file import read_mapping
+from hannes.campaigns.mapped_runs import mapped_runs
 from hannes.campaigns.roles import with_roles
 from hannes.campaigns.undeclared import undeclared, without
 from hannes.core.effect import Effect, joined
-from hannes.core.errors import BadInput, nearest
+from hannes.core.errors import BadInput, NotTrusted, nearest
 from hannes.core.io.file_patterns import is_pattern, matching
 from hannes.core.io.inputs import is_file, note, noted
 from hannes.core.io.toml_table import Table, read_text
@@ -25,7 +28,7 @@ from hannes.simulation.experiment import shipped as library
 from hannes.simulation.hand.hand_file import own_catalogue
 
 KEYS = ("title", "plant", "base", "out", "effects", "recording", "calibrate", "diagnose")
-RECORDING_KEYS = ("file", "runs", "experiment", "condition", "role", "unit")
+RECORDING_KEYS = ("file", "mapping", "runs", "experiment", "condition", "role", "unit")
 ROLES = ("fit", "select", "show")
 MEASURED = "measured:"  # file = "measured:emps/DATA_EMPS.mat": see hannes/campaigns/third_party.py
 SIMULATED = "simulated:"  # file = "simulated:mine.toml": see virtual_recordings.py
@@ -187,8 +190,8 @@ def _recordings(
 ) -> list[tuple[Path, str, Recording]]:
     """Files, names of runs, recordings: read, or simulated here."""
     if not name.startswith(SIMULATED):
-        wanted, paths = _wanted(row), _paths(row, name, folder)
-        found = [(path, list(read_runs(path, plant).items())[wanted]) for path in paths]
+        wanted, paths, mapping = _wanted(row), _paths(row, name, folder), _mapping(row, folder)
+        found = [(path, list(read_runs(path, plant, mapping).items())[wanted]) for path in paths]
         if not any(runs for _, runs in found):
             row.refuse("runs", f'= "{row.text("runs", ":"):.40}": selects no run of these files')
         return [(path, run, recording) for path, runs in found for run, recording in runs]
@@ -218,12 +221,28 @@ def _wanted(row: Table) -> slice:
     return slice(*(int(part) if part else None for part in found.groups()))
 
 
-def read_runs(path: Path, plant: Plant) -> dict[str, Recording]:
+def _mapping(row: Table, folder: Path) -> ColumnMap | None:
+    """What the recordings are read through: a mapping beside the campaign, or a shipped one."""
+    name = row.text("mapping", "")
+    if not name:
+        return None
+    try:
+        return read_mapping(folder / name if name.endswith(".toml") else name)
+    except NotTrusted:
+        raise
+    except BadInput as error:
+        row.refuse("mapping", f"cannot be used: {error}")
+
+
+def read_runs(path: Path, plant: Plant, mapping: ColumnMap | None = None) -> dict[str, Recording]:
     """Return the recordings of one file by name; BadInput where it cannot be read.
 
-    Most files hold one recording; a plant's own logger may write several runs into one.
+    Most files hold one recording; a raw log has as many as its `mapping` says, and a plant's own
+    logger may write several runs into one.
     """
     note(path)
+    if mapping is not None:
+        return mapped_runs(path, mapping)
     read = getattr(plant, "read", None)
     return read(path) if read is not None else {path.name: Recording.read(path)}
 

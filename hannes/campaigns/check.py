@@ -96,22 +96,28 @@ def subjects(
     plant: str | None = None,
     experiment: str | None = None,
     *,
+    mapping: str | Path | None = None,
     trust: bool = False,
 ) -> list[tuple[str, Recording, Plant]]:
     """Names, recordings and plants of a recording's file, or of a campaign (TOML, shipped name).
 
     `plant` and `experiment` are names, for a recording that does not carry them itself; a plant of
-    the user's own is looked for in the current folder. `trust`: Python that a campaign names may
-    run. Raises BadInput for what cannot be read.
+    the user's own is looked for in the current folder. `mapping`: through which the file, a raw
+    log, is read. `trust`: Python that a campaign or mapping names may run. Raises BadInput for what
+    cannot be read.
     """
     from hannes.campaigns.campaign_file import read_campaign, read_runs
 
     if Path(path).suffix in (".toml", ""):
-        if plant or experiment:
-            raise BadInput(f"{path}: a campaign names plant and experiments itself: leave them out")
+        if plant or experiment or mapping:
+            raise BadInput(
+                f"{path}: a campaign names plant, experiments and mappings itself: leave them out"
+            )
         campaign = read_campaign(path, trust=trust)
         return [(each.name, each.recording, campaign.plant) for each in campaign.entries]
-    if plant:
+    if mapping is not None:
+        found, runs = _mapped(Path(path), plant, mapping, trust)
+    elif plant:
         found = find_plant(plant)
         runs = read_runs(Path(path), found)
     else:
@@ -126,19 +132,29 @@ def subjects(
     return [(name if len(runs) > 1 else str(path), each, found) for name, each in runs.items()]
 
 
+def _mapped(
+    path: Path, plant: str | None, mapping: str | Path, trust: bool
+) -> tuple[Plant, dict[str, Recording]]:
+    """Plant and runs of a raw log by a mapping."""
+    from hannes.campaigns.foreign.mapping_file import read_mapping
+    from hannes.campaigns.mapped_runs import mapped_runs
+
+    if plant:
+        raise BadInput(f"{path}: the mapping names the plant: leave --plant out")
+    rules = read_mapping(mapping, trust=trust)
+    return rules.plant, mapped_runs(path, rules)
+
+
 def _without_plant(path: Path) -> tuple[Plant, dict[str, Recording]]:
-    """A recording and the plant that it names; other files by a shipped plant's own `read`."""
-    if path.name.lower().endswith(SUFFIXES):
-        recording = Recording.read(path)
-        return _named_by(recording, path), {"": recording}
-    errors = []
-    for plant in (shipped_plant(name) for name in PLANTS):
-        if (read := getattr(plant, "read", None)) is not None:
-            try:
-                return plant, read(path)
-            except BadInput as error:
-                errors.append(error)
-    raise errors[0]
+    """A recording and the plant that it names."""
+    if not path.name.lower().endswith(SUFFIXES):
+        expected = ", ".join(SUFFIXES)
+        raise BadInput(
+            f"{path}: expected a recording named {expected}; a raw log needs --mapping, which "
+            f"`hannes begin {path.name}` writes"
+        )
+    recording = Recording.read(path)
+    return _named_by(recording, path), {"": recording}
 
 
 def _named_by(recording: Recording, path: Path) -> Plant:

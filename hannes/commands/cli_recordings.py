@@ -89,7 +89,8 @@ rig.toml; all of it but time and channels may be left out:
 hannes check void_01.csv void_02.h5
 hannes check campaign.toml --notes
 hannes check axis.csv --plant axis --json
-hannes check log.csv --experiment void-closure""",
+hannes check log.csv --experiment void-closure
+hannes check trials.csv.gz --mapping rh56""",
 }
 
 
@@ -135,6 +136,9 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
         "--experiment",
         metavar="NAME",
         help="experiment that was recorded, where the file does not say",
+    )
+    check.add_argument(
+        "--mapping", metavar="MAP.toml", help="mapping through which the files, raw logs, are read"
     )
     check.add_argument("--notes", action="store_true", help="print notes too: noise, resolution")
     add_trust(check)
@@ -192,8 +196,9 @@ def _begin(chosen: argparse.Namespace) -> None:
         print(f"  {counted(len(each.files), 'run')}   {printable(each.name)} (by {each.why})")
     if begun.recordings:
         checked = argparse.Namespace(
-            file=[str(begun.out / CAMPAIGN)], plant=None, experiment=None, notes=False, json=False
-        )
+            file=[str(begun.out / CAMPAIGN)], plant=None, experiment=None, mapping=None,
+            notes=False, json=False,
+        )  # fmt: skip
         if faulty := _faulty(_checked(checked)):
             print(f"  missing  {printable(_listed(faulty))}")
             campaign = printable(begun.out / CAMPAIGN)
@@ -235,7 +240,9 @@ def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:
     found = [
         (name, check(recording, plant))
         for path in chosen.file
-        for name, recording, plant in subjects(path, chosen.plant, chosen.experiment)
+        for name, recording, plant in subjects(
+            path, chosen.plant, chosen.experiment, mapping=chosen.mapping
+        )
     ]
     for path in chosen.file:
         if Path(path).suffix in (".toml", "") and (more := across_runs(read_campaign(path))):

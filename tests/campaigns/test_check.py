@@ -14,7 +14,6 @@ from hannes.campaigns.quality.finding import KINDS
 from hannes.commands.cli import main
 from hannes.core.errors import MissingRecording
 from hannes.core.recording.recording import Recording
-from hannes.plants.axis.matlab_file import load as load_emps
 from hannes.plants.axis.plant import Axis
 from hannes.plants.hand.plant import HandPlant
 from hannes.simulation.experiment import shipped
@@ -77,7 +76,8 @@ def test_closures_of_the_truth_raise_no_alarm(seed, run):
 @pytest.mark.parametrize("file", ["DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"])
 def test_the_real_axis_raises_no_alarm(file):
     try:
-        recording = load_emps(third_party.folder("emps") / file)
+        mapping = "emps-pulses" if "PULSES" in file else "emps"
+        ((_, recording, _),) = subjects(third_party.folder("emps") / file, mapping=mapping)
     except MissingRecording as missing:
         pytest.skip(f"needs the EMPS recordings: {missing}")
     assert alarms(recording, Axis()) == []
@@ -120,7 +120,7 @@ def test_real_finger_trials_have_gaps_and_no_fault(finger_trials):
 def test_real_finger_trials_have_no_fault_for_their_plant():
     """Its clock skips samples and shows it; a leap of its angle beside is no lost sample."""
     files = rh56_files("middlefinger_speed25_force1000_*.csv.gz")
-    for name, trial, plant in subjects(files[0], "finger"):
+    for name, trial, plant in subjects(files[0], mapping="rh56"):
         faults = [each.text for each in check(trial, plant) if each.level == "fault"]
         assert faults == [], name
 

@@ -17,7 +17,6 @@ from hannes.commands.cli_recordings import EXAMPLES
 from hannes.core.errors import BadInput, MissingRecording
 from hannes.core.io.result_marks import CONVERTED
 from hannes.core.recording.recording import Recording
-from hannes.plants.axis.matlab_file import load as load_emps
 from hannes.simulation.experiment.reader import parse_experiment
 
 TIME = np.round(np.arange(0.0, 1.0, 0.001), 6)
@@ -159,22 +158,16 @@ def test_hdf5_matlab_and_csv_give_one_recording(tmp_path):
             assert np.array_equal(made[channel], text[channel])
 
 
-def test_emps_by_a_mapping_is_what_its_own_reader_says(tmp_path):
+def test_emps_by_the_shipped_mapping_is_what_scipy_reads():
     try:
         folder = third_party.folder("emps")
     except MissingRecording as missing:
         pytest.skip(f"needs the EMPS recordings: {missing}")
-    mapping = """
-        plant = "axis"
-        time = { column = "t", unit = "s" }
-        channels.reference = { column = "qg", unit = "m" }
-        channels.position = { column = "qm", unit = "m" }
-        channels.drive = { column = "vir", unit = "V" }
-        channels.pulses = { column = "pulses_N", unit = "V" }
-        """
     file = folder / "DATA_EMPS_PULSES.mat"
-    made, known = one(tmp_path, file, mapping).recording, load_emps(file)
-    assert all(np.array_equal(made[name], known[name]) for name in known.channels)
+    (made,), known = convert([file], "emps-pulses"), scipy.io.loadmat(file, squeeze_me=True)
+    names = {"time": "t", "reference": "qg", "position": "qm", "drive": "vir", "pulses": "pulses_N"}
+    assert set(made.recording.channels) == set(names)
+    assert all(np.array_equal(made.recording[name], known[names[name]]) for name in names)
 
 
 FINGER = """

@@ -118,6 +118,17 @@ def test_what_a_file_leads_to_is_forgotten_with_it():
         load_hand("hand.toml")
 
 
+def test_a_mapping_that_a_campaign_names_needs_consent_too():
+    Path("mapped.toml").write_text('[[recording]]\nfile = "r.h5"\nmapping = "mapping.toml"\n')
+    with pytest.raises(BadInput, match="--trust"):
+        read_campaign("mapped.toml")
+    assert not ran()
+    assert main(["trust", "mapped.toml"]) == 0
+    with pytest.raises(BadInput, match="is no plant"):
+        read_campaign("mapped.toml")
+    assert ran()
+
+
 def test_what_is_no_toml_is_refused(capsys):
     assert main(["trust", "own.py"]) == 2
     assert "expected a TOML file" in capsys.readouterr().err

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from hannes.campaigns import third_party
+from hannes.campaigns.convert import convert
 from hannes.core.effect import Effect, Term
 from hannes.core.errors import BadInput, MissingRecording
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
 from hannes.core.recording.recording import Recording
-from hannes.plants.axis.matlab_file import load
 from hannes.plants.axis.plant import EQUATIONS, Axis, start_state
 from hannes.simulation.catalogue import effect
 from hannes.simulation.compiler.assemble import assemble
@@ -24,9 +24,16 @@ def swing(duration: float = 2.0) -> Recording:
     return Recording(channels, units, plant="axis")
 
 
+def load(path, mapping="emps") -> Recording:
+    """A MATLAB file of EMPS through its mapping."""
+    (made,) = convert([path], mapping)
+    return made.recording
+
+
 def emps(name: str) -> Recording:
+    mapping = "emps-pulses" if "PULSES" in name else "emps"
     try:
-        return load(third_party.folder("emps") / name)
+        return load(third_party.folder("emps") / name, mapping)
     except MissingRecording as error:
         pytest.skip(f"needs the EMPS recordings: {error}")
 
@@ -149,7 +156,7 @@ def test_a_matlab_file_with_other_names(tmp_path):
     from scipy.io import savemat
 
     savemat(tmp_path / "other.mat", {"t": np.arange(3.0)})
-    with pytest.raises(BadInput, match="lacks qg, qm, vir"):
+    with pytest.raises(BadInput, match=r'holds no "qg".*it has t'):
         load(tmp_path / "other.mat")
 
 

@@ -10,6 +10,7 @@ import pytest
 from hannes.campaigns import third_party
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.campaigns.check import subjects
+from hannes.campaigns.convert import convert
 from hannes.commands.cli import main
 from hannes.commands.diagnose import diagnose
 from hannes.core.errors import BadInput, MissingRecording
@@ -19,6 +20,7 @@ from hannes.plants.plant_file import load_model
 from hannes.plants.protocol import Plant, find_plant
 
 TRUE = {"contact.stiffness": 5500.0, "contact.angle": 6.97, "contact.exponent": 1.9}
+LOGS = 'plant = "finger"\n[[recording]]\nmapping = "rh56"\n'
 HEAD = "Trial_Index,Trial_Elapsed_s,Commanded_Speed,Middle_Angle,Middle_Force_g,Middle_Force_N"
 
 
@@ -154,15 +156,16 @@ def log(
 
 
 def test_a_log_is_cut_into_its_trials(tmp_path):
-    runs = Finger().read(log(tmp_path))
-    assert list(runs) == [f"speed 250, limit 500, trial {k}" for k in range(1, 8)]
-    assert all(len(each) == 300 and each["angle"][0] == 1000.0 for each in runs.values())
+    runs = convert([log(tmp_path)], "rh56")
+    assert [each.number for each in runs] == list(range(1, 8))
+    assert all(len(each.recording) == 300 for each in runs)
+    assert all(each.recording["angle"][0] == 1000.0 for each in runs)
 
 
 @pytest.mark.parametrize(("runs", "kept"), [("1::5", [2, 7]), ("3::5", [4]), (":2", [1, 2])])
 def test_a_campaign_chooses_runs_of_a_file(tmp_path, runs, kept):
     log(tmp_path)
-    text = f'plant = "finger"\n[[recording]]\nfile = "*.csv.gz"\nruns = "{runs}"\nrole = "fit"\n'
+    text = f'{LOGS}file = "*.csv.gz"\nruns = "{runs}"\nrole = "fit"\n'
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
     names = [each.name for each in read_campaign(tmp_path / "mine.toml").entries]
     assert [int(name.rpartition(" ")[2]) for name in names] == kept
@@ -173,7 +176,7 @@ def test_a_campaign_chooses_runs_of_a_file(tmp_path, runs, kept):
 )
 def test_runs_that_cannot_be_chosen_are_one_line(tmp_path, runs, said):
     log(tmp_path)
-    text = f'plant = "finger"\n[[recording]]\nfile = "*.csv.gz"\nruns = "{runs}"\n'
+    text = f'{LOGS}file = "*.csv.gz"\nruns = "{runs}"\n'
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
     with pytest.raises(BadInput, match=re.escape(said)):
         read_campaign(tmp_path / "mine.toml")
@@ -182,8 +185,8 @@ def test_runs_that_cannot_be_chosen_are_one_line(tmp_path, runs, said):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("Middle_Angle", "Angle", "lacks Middle_Angle"),
-        (",1000,0,0.0000", ",x,0,0.0000", "no number"),
+        ("Middle_Angle", "Angle", 'no column "Middle_Angle"'),
+        (",1000,0,0.0000", ",x,0,0.0000", "line 2"),
         ("0.000000", "9.000000", "time"),
     ],
 )
@@ -193,7 +196,7 @@ def test_a_log_that_is_none_is_one_line(tmp_path, old, new, said):
     assert old in text
     file.write_bytes(gzip.compress(text.replace(old, new, 1).encode()))
     with pytest.raises(BadInput, match=said) as caught:
-        Finger().read(file)
+        convert([file], "rh56")
     assert "\n" not in str(caught.value) and file.name in str(caught.value)
 
 
@@ -201,7 +204,7 @@ def test_trials_of_one_log_are_repeats_and_two_logs_of_one_name_keep_apart(tmp_p
     for day in ("monday", "tuesday"):
         (tmp_path / day).mkdir()
         log(tmp_path / day, (1, 2))
-    text = 'plant = "finger"\n[[recording]]\nfile = "*/*.csv.gz"\nrole = "fit"\n'
+    text = f'{LOGS}file = "*/*.csv.gz"\nrole = "fit"\n'
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
     found = read_campaign(tmp_path / "mine.toml").entries
     days = [each.condition.partition("/")[0] for each in found]
@@ -214,13 +217,16 @@ def test_a_log_in_another_encoding_is_one_line(tmp_path):
     text = gzip.decompress(file.read_bytes())
     file.write_bytes(gzip.compress(text.replace(b",250,", b",\xb5250,", 1)))
     with pytest.raises(BadInput, match="not utf-8 text") as caught:
-        Finger().read(file)
+        convert([file], "rh56")
     assert file.name in str(caught.value)
 
 
-def test_the_check_reads_a_plants_own_log(tmp_path):
-    found = subjects(log(tmp_path, (1, 2)), "finger")
-    assert [name for name, *_ in found] == [f"speed 250, limit 500, trial {k}" for k in (1, 2)]
+def test_the_check_reads_a_log_through_its_mapping(tmp_path):
+    file = log(tmp_path, (1, 2))
+    found = subjects(file, mapping="rh56")
+    assert [name for name, *_ in found] == [f"{file.name}, run {k}" for k in (1, 2)]
+    with pytest.raises(BadInput, match="leave --plant out"):
+        subjects(file, "finger", mapping="rh56")
     (tmp_path / "c.toml").touch()
     with pytest.raises(BadInput, match="leave them out"):
         subjects(tmp_path / "c.toml", "finger")
@@ -236,7 +242,8 @@ def test_the_real_finger_lags_in_its_reading(tmp_path, capsys):
     (file,) = folder.glob("middlefinger_speed250_force500_20trials_*.csv*")
     parts = (("0::2", "fit"), ("1::4", "select"), ("3::4", "show"))
     rows = [
-        f'[[recording]]\nfile = "{file.as_posix()}"\nruns = "{runs}"\nrole = "{role}"\n'
+        f'[[recording]]\nmapping = "rh56"\nfile = "{file.as_posix()}"\nruns = "{runs}"\n'
+        f'role = "{role}"\n'
         for runs, role in parts
     ]
     (tmp_path / "c.toml").write_text('plant = "finger"\n' + "".join(rows), encoding="utf-8")

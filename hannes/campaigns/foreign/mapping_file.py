@@ -30,6 +30,7 @@ from hannes.core.io.toml_table import Table, read_text
 from hannes.core.io.units import quantity
 from hannes.core.trust.consent import consenting
 from hannes.plants.protocol import Plant, expectations, find_plant
+from hannes.simulation.experiment import shipped
 
 KEYS = (
     "plant", "experiment", "missing", "split", "split_at", "text", "time", "channels", "align",
@@ -46,12 +47,21 @@ RATIO = "gear.ratio"  # parameter of a plant that has a reducer
 
 
 def read_mapping(path: str | Path, *, trust: bool = False) -> ColumnMap:
-    """Read a mapping; BadInput with file, key and what to do for whatever cannot be used.
+    """Read a mapping, a TOML file or a shipped name such as `rh56`.
 
-    `trust`: Python that it names may run.
+    `trust`: Python that it names may run. BadInput with file, key and what to do for whatever
+    cannot be used.
     """
     with consenting(trust):
-        return _mapping(Path(path))
+        return _mapping(mapping_file(path))
+
+
+def mapping_file(name: str | Path) -> Path:
+    """Return the file of a mapping: a shipped name, or a path."""
+    folder = shipped.folder() / "mappings"
+    own = folder / f"{name}.toml"
+    names = sorted(each.stem for each in folder.glob("*.toml"))
+    return own if str(name) in names and not Path(name).exists() else Path(name)
 
 
 def _mapping(path: Path) -> ColumnMap:

@@ -24,6 +24,7 @@ from hannes.core.trust.python_source import Source, is_own, located
 
 MOST_FILES = 50  # TOML files to which one leads
 SIMULATED = "simulated:"
+LEADING = ("base", "hand", "experiment", "mapping")  # keys whose values may be such files
 
 
 class Consent(Enum):
@@ -132,7 +133,7 @@ def reached(toml: Path) -> list[Path]:
         found[path] = None
         rows = content.get("recording", [])
         tables = [content, *(row for row in (rows if _is_list(rows) else []) if _is_dict(row))]
-        texts = [table.get(key) for table in tables for key in ("base", "hand", "experiment")]
+        texts = [table.get(key) for table in tables for key in LEADING]
         texts += [str(table.get("file")).removeprefix(SIMULATED) for table in tables]
         names = [each for each in texts if isinstance(each, str) and each.endswith(".toml")]
         waiting += [path.parent / name for name in names if (path.parent / name).is_file()]

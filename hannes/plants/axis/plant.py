@@ -6,7 +6,6 @@ are added behind the controller's limit.
 
 from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from hannes.core.layout import Layout, Slot
 from hannes.core.parameter import Parameter, ParameterSet, group
 from hannes.core.recording.recording import Recording
 from hannes.plants.axis import equations as axis_equations
-from hannes.plants.axis import matlab_file, slow_friction
+from hannes.plants.axis import slow_friction
 from hannes.plants.axis.channel_limits import EXPECTED
 from hannes.plants.protocol import shown
 from hannes.simulation.compiler.assemble import Equations, assemble
@@ -167,11 +166,6 @@ class Axis(ByValue):
     def accepts(self, effect: Effect) -> str:
         """Return why the axis cannot carry `effect`, or an empty string."""
         return EQUATIONS.accepts(effect)
-
-    def read(self, path: Path) -> dict[str, Recording]:
-        """Return the recording of a file by name: a MATLAB file of EMPS, or any recording."""
-        mat = path.suffix.lower() == ".mat"
-        return {path.name: matlab_file.load(path) if mat else Recording.read(path)}
 
     def check(self, recording: Recording) -> None:
         """Raise BadInput unless the recording is long enough to start from."""

@@ -6,7 +6,6 @@ are its own: a hand's wires and motor are not in it.
 
 from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
@@ -24,7 +23,6 @@ from hannes.plants.finger import (
     force_offset,
     hunt_crossley,
     reading_delay,
-    rh56_log,
 )
 from hannes.plants.protocol import shown
 from hannes.simulation.compiler.assemble import Equations, assemble
@@ -151,10 +149,6 @@ class Finger(ByValue):
     def accepts(self, effect: Effect) -> str:
         """Return why the finger cannot carry `effect`, or an empty string."""
         return EQUATIONS.accepts(effect)
-
-    def read(self, path: Path) -> dict[str, Recording]:
-        """Return the runs of a file by name: the trials of a hand's log, or one recording."""
-        return rh56_log.load(path) if rh56_log.is_log(path) else {path.name: Recording.read(path)}
 
     def check(self, recording: Recording) -> None:
         """Raise BadInput unless there is something to compare after the first sample."""
