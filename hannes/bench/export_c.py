@@ -22,7 +22,7 @@ from hannes.recognition.model import EXTREME, FADE, HELD, LATER, NO_CONTACT, Ban
 
 PARTS = Path(__file__).parent / "firmware" / "parts"
 FLAGS = "-std=c99 -O2 -ffp-contract=off"
-GRIP = 8 * 11  # bytes of a struct HannesGrip: its flags fill the place of a double
+GRIP = 8 * 12  # bytes of a struct HannesGrip: its flags fill the place of a double
 FORESTS = ("rigid", "stiffness", "force")
 GRIP_NAMES = {"speed": "GRIP_SPEED"}  # of its settings, where they are not their own in capitals
 HEAD = """\

@@ -7,7 +7,8 @@ Until something is touched, the command passes. From the touch on the command's 
 counts for a share only: `soft_share` at first, and as long as the object is surely soft. While
 doubt remains the hand goes on squeezing, slowly, up to `probe_share`: pressed on, a rigid object
 shows itself more clearly. The share goes back where it proves soft. All of the travel counts once
-it was recognised as rigid for `dwell`, or once `patience` is over and `decide_from` is reached.
+it was recognised as rigid for `dwell`, or once `patience` is over and `decide_from` is reached, and
+a little more the later that is: what is pressed on from rest gets less of the force.
 A force set point closes or opens within that limit instead.
 """
 
@@ -21,15 +22,18 @@ class GripSettings:
     """What the policy goes by; times in s, angles in rad at the output shaft, force in N."""
 
     soft_share: float = 0.5  # of the commanded travel beyond the touch, for a soft object
-    probe_share: float = 0.65  # the same while doubt remains
+    probe_share: float = 0.75  # the same while doubt remains
     probe_speed: float = 2.0  # rad/s, by which the limit goes from one to the other
     settle: float = 0.15  # s from the touch until that may begin
     doubt_from: float = 0.065  # probability of rigid from which there is doubt
     rigid_from: float = 0.95  # probability of rigid from which it may be held firmly
-    soft_below: float = 0.4  # probability of rigid below which a firm hold ends
+    soft_below: float = 0.25  # probability of rigid below which a firm hold ends
     dwell: float = 0.03  # s for which that probability must last
-    patience: float = 0.55  # s from the touch until doubt is decided
-    decide_from: float = 0.75  # probability of rigid from which it is then held firmly
+    patience: float = 0.5  # s from the touch until doubt is decided
+    decide_from: float = 0.4  # probability of rigid from which it is then held firmly
+    averaging: float = 0.1  # s over which that probability is averaged
+    late: float = 0.1  # more of the travel for each second from `settle` to a firm hold
+    late_most: float = 0.06  # the most of that
     speed: float = 12.0  # rad/s, most by which the limit changes
     force_gain: float = 0.15  # rad/s for each newton that is missing to a force set point
     force_speed: float = 3.0  # rad/s, most of the same
@@ -59,6 +63,7 @@ class GripMemory(NamedTuple):
 
     since: float = 0.0  # s from the touch on, 0 before
     certain: float = 0.0  # s for which rigid has been probable enough
+    mean: float = 0.5  # fading mean of the probability of rigid
     share: float = 0.0  # of the travel beyond the touch that is given; 0 before the touch
     firm: bool = False  # held as a rigid object
     offset: float = 0.0  # rad from the touch to the set point, under force control
@@ -72,31 +77,44 @@ def grip(
     if not sample.touched:
         return GripMemory(set_point=sample.wanted), sample.wanted
     since = memory.since + sample.period
+    half = 0.5 * sample.period
     certain = memory.certain + sample.period if sample.rigid >= settings.rigid_from else 0.0
-    firm = _firm(settings, memory.firm, sample, certain, since)
+    mean = memory.mean + min(sample.period / settings.averaging, 1.0) * (sample.rigid - memory.mean)
+    firm = _firm(settings, memory.firm, mean, certain + half, since + half)
     beyond = sample.wanted - sample.touch_position
     if beyond <= 0.0:  # the command is to open
-        return GripMemory(since, certain, 0.0, firm, 0.0, sample.wanted), sample.wanted
-    share = 1.0 if firm else _soft_share(settings, memory.share, sample, since, beyond)
+        return GripMemory(since, certain, mean, 0.0, firm, 0.0, sample.wanted), sample.wanted
+    if firm:
+        share = _firm_share(settings, memory, since)
+    else:
+        share = _soft_share(settings, memory.share, sample, since, beyond)
     offset = share * beyond
     if sample.force_wanted > 0.0:
         offset = _force_offset(settings, memory, sample, offset, firm)
     most = settings.speed * sample.period
     target = sample.touch_position + offset
     set_point = min(max(target, memory.set_point - most), memory.set_point + most)
-    return GripMemory(since, certain, share, firm, offset, set_point), set_point
+    return GripMemory(since, certain, mean, share, firm, offset, set_point), set_point
 
 
-def _firm(
-    settings: GripSettings, firm: bool, sample: GripSample, certain: float, since: float
-) -> bool:
-    """Whether the object is to be held firmly. Times count to the nearest tick."""
+def _firm(settings: GripSettings, firm: bool, mean: float, certain: float, since: float) -> bool:
+    """Whether the object is to be held firmly, by the mean probability of rigid.
+
+    certain, since: of the memory, and half a tick, so that they count to the nearest one
+    """
     if firm:
-        return sample.rigid >= settings.soft_below
-    half = 0.5 * sample.period
-    if certain + half >= settings.dwell:
+        return mean >= settings.soft_below
+    if certain >= settings.dwell:
         return True
-    return since + half >= settings.patience and sample.rigid > settings.decide_from
+    return since >= settings.patience and mean > settings.decide_from
+
+
+def _firm_share(settings: GripSettings, memory: GripMemory, since: float) -> float:
+    """Share of the travel beyond the touch for a rigid object, as it was when it became one."""
+    if memory.firm:
+        return max(memory.share, 1.0)
+    late = max(since - settings.settle, 0.0)
+    return 1.0 + min(settings.late * late, settings.late_most)
 
 
 def _soft_share(

@@ -13,6 +13,7 @@ import numpy as np
 from hannes.core.recording.recording import Recording
 from hannes.dataset.sampling import SampledGrasp, rounded, sample_grasp
 from hannes.dataset.spec import ROLES, Spec, read_spec
+from hannes.dataset.touch_limit import is_limited, limited
 from hannes.simulation.batch.simulate_many import simulate_many
 from hannes.simulation.sensors import CHANNELS, logged, noisy
 from hannes.simulation.trajectory import Grasp, Outcome
@@ -124,6 +125,14 @@ def made(spec: Spec, number: int) -> Shard:
 
 def grasps(spec: Spec, sampled: list[SampledGrasp], channels: tuple[str, ...]) -> list[Grasp]:
     """Simulate sampled grasps on one core, keeping these channels."""
+    if some := [each for each in sampled if is_limited(each)]:
+        free = _simulated(spec, some, ("position", "force"))
+        known = {each.number: each for each in limited(some, free)}
+        sampled = [known.get(each.number, each) for each in sampled]
+    return _simulated(spec, sampled, channels)
+
+
+def _simulated(spec: Spec, sampled: list[SampledGrasp], channels: tuple[str, ...]) -> list[Grasp]:
     pairs = [(each.hand, each.experiment) for each in sampled]
     how: dict[str, Any] = {"rtol": spec.rtol, "effects": spec.hand.effects, "workers": 1}
     how["progress"] = False  # that of the whole data set is shown

@@ -43,6 +43,9 @@ OWN: dict[str, tuple[str, float, float, float]] = {
     "command.amplitude": ("1", 0.05, 2.0, 1.0),
     "command.knee": ("rad", -100.0, 100.0, 100.0),
     "command.share": ("1", 0.0, 1.0, 1.0),
+    "command.touch_share": ("1", 0.0, 1.0, 1.0),
+    "command.press_share": ("1", 0.0, 1.0, 0.0),
+    "command.touch_delay": ("s", 0.0, 1.0, 0.0),
     **{f"noise.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
     **{f"resolution.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
 }

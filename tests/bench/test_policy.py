@@ -52,8 +52,26 @@ def test_a_moment_of_certainty_is_not_enough():
 
 
 def test_in_lasting_doubt_the_likelier_class_decides():
-    assert closed(0.8, seconds=1.5)[-1] == pytest.approx(FULL)
-    assert closed(0.6, seconds=1.5)[-1] == pytest.approx(limit(SETTINGS.probe_share))
+    assert closed(0.6, seconds=1.5)[-1] > FULL
+    assert closed(0.3, seconds=1.5)[-1] == pytest.approx(limit(SETTINGS.probe_share))
+
+
+def test_a_moment_of_another_opinion_decides_nothing():
+    """The mean of a tenth of a second counts, before a firm hold and while it lasts."""
+    late = TOUCH / 15.0 + SETTINGS.patience + 0.2
+    blink = closed(lambda time: 0.9 if late < time < late + 0.02 else 0.2, seconds=1.5)
+    assert max(blink) == pytest.approx(limit(SETTINGS.probe_share))
+    kept = closed(lambda time: 0.1 if late < time < late + 0.05 else 0.9, seconds=1.5)
+    assert min(kept[round(1000 * late) :]) > FULL
+
+
+def test_the_later_a_firm_hold_comes_the_farther_it_presses():
+    shares = [
+        (closed(lambda time, at=at: 0.97 if time > at else 0.3, seconds=2.0)[-1] - TOUCH) / 4.0
+        for at in (0.35, 0.65, 0.75, 1.5)
+    ]
+    assert shares[0] == pytest.approx(1.0, abs=0.01)
+    assert shares[0] < shares[1] < shares[2] < shares[3] == pytest.approx(1.0 + SETTINGS.late_most)
 
 
 def test_in_doubt_it_squeezes_slowly_on_and_goes_back_where_the_object_proves_soft():
@@ -67,7 +85,7 @@ def test_in_doubt_it_squeezes_slowly_on_and_goes_back_where_the_object_proves_so
 
 
 def test_a_firm_hold_ends_where_the_object_proves_soft():
-    points = closed(lambda time: 0.97 if time < 0.9 else 0.01, seconds=1.5)
+    points = closed(lambda time: 0.97 if time < 0.9 else 0.01, seconds=2.0)
     assert max(points) == pytest.approx(FULL)
     assert points[-1] == pytest.approx(TOUCH + SETTINGS.soft_share * (FULL - TOUCH))
 

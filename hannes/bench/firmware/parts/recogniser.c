@@ -36,6 +36,7 @@ struct HannesGrip {
     bool firm, held, released; /* released: let go of, and not yet closing again */
     double lowest;            /* rad, since it was let go of */
     double since, certain;    /* s from the touch; s for which it was surely rigid */
+    double mean;              /* probability of rigid, averaged */
     double share, offset, set_point; /* of the travel beyond the touch; rad from the touch; rad */
     double touch, rigid;      /* of what is held: rad, probability */
     double force, force_high; /* N, the last estimate */
@@ -370,6 +371,7 @@ static double g_within(double value, double low, double high)
 void hannes_grip_reset(struct HannesGrip *g)
 {
     memset(g, 0, sizeof *g);
+    g->mean = 0.5;
 }
 
 bool hannes_again(struct HannesGrip *g, double position)
@@ -410,20 +412,28 @@ static double g_offset(const struct HannesGrip *g, double period, double positio
     return offset != offset ? 0.0 : g_within(offset, 0.0, most);
 }
 
-static double g_free(struct HannesGrip *g, double set_point, double since, double certain)
+static double g_free(struct HannesGrip *g, double set_point, double since, double certain,
+                     double mean)
 {
     g->since = since;
     g->certain = certain;
+    g->mean = mean;
     g->share = g->offset = 0.0;
     return g->set_point = set_point;
 }
 
-static bool g_firm(const struct HannesGrip *g, double certain, double since, double period)
+static bool g_firm(const struct HannesGrip *g, double mean, double certain, double since)
 {
-    double half = 0.5 * period;
-    if (g->firm) return g->rigid >= HANNES_SOFT_BELOW;
-    if (certain + half >= HANNES_DWELL) return true;
-    return since + half >= HANNES_PATIENCE && g->rigid > HANNES_DECIDE_FROM;
+    if (g->firm) return mean >= HANNES_SOFT_BELOW;
+    if (certain >= HANNES_DWELL) return true;
+    return since >= HANNES_PATIENCE && mean > HANNES_DECIDE_FROM;
+}
+
+static double g_firm_share(const struct HannesGrip *g, bool was_firm, double since)
+{
+    double more = HANNES_LATE * h_more(since - HANNES_SETTLE, 0.0);
+    if (was_firm) return g->share > 1.0 ? g->share : 1.0;
+    return 1.0 + (more < HANNES_LATE_MOST ? more : HANNES_LATE_MOST);
 }
 
 static double g_soft_share(const struct HannesGrip *g, double since, double beyond, double period)
@@ -441,18 +451,23 @@ double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, dou
     g_hold(g, fresh, position);
     if (!g->held) {
         g->firm = false;
-        return g_free(g, wanted, 0.0, 0.0);
+        return g_free(g, wanted, 0.0, 0.0, 0.5);
     }
     double since = g->since + period, most = HANNES_GRIP_SPEED * period;
     double certain = g->rigid >= HANNES_RIGID_FROM ? g->certain + period : 0.0;
-    double beyond = wanted - g->touch, share, offset;
-    g->firm = g_firm(g, certain, since, period);
-    if (beyond <= 0.0) return g_free(g, wanted, since, certain); /* the command is to open */
-    share = g->firm ? 1.0 : g_soft_share(g, since, beyond, period);
+    double beyond = wanted - g->touch, share, offset, half = 0.5 * period;
+    double rate = period / HANNES_AVERAGING;
+    double mean = g->mean + (rate < 1.0 ? rate : 1.0) * (g->rigid - g->mean);
+    bool was_firm = g->firm;
+    g->firm = g_firm(g, mean, certain + half, since + half);
+    if (beyond <= 0.0) return g_free(g, wanted, since, certain, mean); /* command to open */
+    if (g->firm) share = g_firm_share(g, was_firm, since);
+    else share = g_soft_share(g, since, beyond, period);
     offset = share * beyond;
     if (force_wanted > 0.0) offset = g_offset(g, period, position, offset, force_wanted);
     g->since = since;
     g->certain = certain;
+    g->mean = mean;
     g->share = share;
     g->offset = offset;
     g->set_point = g_within(g->touch + offset, g->set_point - most, g->set_point + most);

@@ -1,0 +1,62 @@
+"""Commands that are limited from the touch on: the whole command before, a share of it after."""
+
+import numpy as np
+import pytest
+
+from hannes.dataset.sampling import sample_grasp
+from hannes.dataset.shard import grasps, recorded
+from hannes.dataset.spec import read_spec
+
+SPEC = """
+title = "pressed"
+seed = 3
+duration = "1.3 s"
+[reference]
+kind = "ramp"
+points = [["0 s", "0 rad"], ["0.637 s", "9.84 rad"]]
+[values]
+"object.stiffness" = "3 kN/m"
+"object.radius" = "25 mm"
+[[grasps]]
+name = "closed"
+shape = "cylinder"
+[[grasps]]
+name = "pressed"
+shape = "cylinder"
+[grasps.values]
+"command.touch_share" = "0.5"
+"command.press_share" = "0.65"
+"command.touch_delay" = "40 ms"
+"""
+
+
+@pytest.fixture(scope="module")
+def pair():
+    """The same object closed on by the whole command, and by a limited one."""
+    spec = read_spec(SPEC)
+    sampled = [sample_grasp(spec, number) for number in (0, 1)]
+    return grasps(spec, sampled, ("reference", "position", "force"))
+
+
+def test_the_command_passes_until_the_touch_is_seen(pair):
+    closed, pressed = pair
+    seen = int(np.argmax(closed["force"] > 1.0)) + 40
+    before = slice(0, seen - 5)  # a command has a set point every 5 ms
+    assert np.allclose(closed["reference"][before], pressed["reference"][before], atol=1e-9)
+    assert np.array_equal(closed["force"][: seen - 45], pressed["force"][: seen - 45])
+
+
+def test_then_a_share_of_its_travel_counts_which_rises_slowly(pair):
+    closed, pressed = pair
+    touch = float(closed["position"][np.argmax(closed["force"] > 1.0)])
+    share = (pressed["reference"] - touch) / (9.84 - touch)
+    seen = int(np.argmax(closed["force"] > 1.0)) + 40
+    assert share[max(seen + 140, 645)] == pytest.approx(0.5, abs=0.12)
+    assert share[-1] == pytest.approx(0.65, abs=1e-3)
+    assert np.diff(pressed["reference"]).max() <= 1.01 * 9.84 / 637
+    assert 0.5 < pressed["force"][-1] / closed["force"][-1] < 0.75
+
+
+def test_one_grasp_alone_is_that_of_the_data_set(pair):
+    alone = recorded(read_spec(SPEC), 1)
+    assert np.array_equal(alone["reference"], pair[1]["reference"])
