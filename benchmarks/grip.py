@@ -14,6 +14,7 @@ which no object or hand is among these. Settings were chosen on other draws, whi
 """
 
 import hashlib
+import re
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -47,7 +48,7 @@ def trained(quick: bool) -> tuple[str, str]:
     if not model.exists():
         OUT.mkdir(parents=True, exist_ok=True)
         text = find("held").read_text(encoding="utf-8")
-        few = text.replace("draws = 3000", "draws = 150")
+        few = re.sub(r"draws = \d+", "draws = 60", text)
         make(read_spec(few) if quick else load_spec("held"), data)
         made, _ = train(data, trees=24 if quick else TREES)
         model_file.write(model, made)

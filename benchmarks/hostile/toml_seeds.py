@@ -68,6 +68,7 @@ FINGER = """
 plant = "finger"
 [[recording]]
 file = "finger.csv"
+mapping = "rh56"
 condition = "pressed"
 runs = "0:2"
 """

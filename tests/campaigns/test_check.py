@@ -381,9 +381,10 @@ def test_the_command_reports_and_refuses(tmp_path, capsys):
     assert main(["check", str(tmp_path / "good.h5"), str(tmp_path / "bad.h5"), "--json"]) == 2
     printed = capsys.readouterr()
     (line,) = printed.err.splitlines()
-    assert "bad.h5: fault: position" in line and "degrees" in line
+    assert "bad.h5: not sound" in line
     good, bad = json.loads(printed.out)["recordings"]
     assert good["file"].endswith("good.h5")
+    assert "degrees" in bad["findings"][0]["text"]
     assert {each["level"] for each in good["findings"]} == {"note"}
     assert set(bad["findings"][0]) == {
         "level", "kind", "channel", "text", "time", "size", "mend"
