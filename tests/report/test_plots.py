@@ -11,6 +11,7 @@ mpl.use("Agg")
 
 from hannes import Hand, Recording, load_experiment, observe, simulate
 from hannes.core.errors import BadInput
+from hannes.report.schematic import schematic
 
 
 @pytest.fixture(scope="module")
@@ -111,3 +112,9 @@ def test_schematic_names_every_part_and_every_effect():
     for name, effect in effects().items():
         assert parts_of(effect), name
         assert name in shown
+
+
+def test_a_finger_with_a_fault_is_marked_in_the_drawing():
+    drawing = schematic(None, ["thumb_weak_spring"])
+    assert 'class="thumb marked"' in drawing and "Marked: thumb" in drawing
+    assert 'class="index marked"' not in drawing
