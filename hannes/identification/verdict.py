@@ -24,6 +24,8 @@ class Verdict:
     cautions: warnings of the data check.
     confusability: `effects` and their `cosines`, row by row: cosine similarity of the signatures of
     two effects in these recordings, beyond what the machine's parameters can do; 1 is the same.
+    nearest: of an unknown, candidates that come nearest: `effects`, `explains` (share of what is
+    missing), `why_not`.
     baseline: `intervals_from`, and `parameters` refitted without any new effect, those moved most
     first: name, of (an object), unit, nominal, value, low, high (95 %), moved (prior deviations).
     """
@@ -47,6 +49,7 @@ class Verdict:
     smallest_detectable: dict[str, Any] | None = None
     confusability: dict[str, Any] | None = None
     baseline: dict[str, Any] | None = None
+    nearest: list[dict[str, Any]] = field(default_factory=list)
     versions: dict[str, str] = field(default_factory=versions)
 
     def __repr__(self) -> str:
@@ -83,6 +86,15 @@ class Verdict:
         )
 
     @property
+    def comes_nearest(self) -> list[str]:
+        """What comes nearest to an unknown, and why it is not believed; a sentence each."""
+        return [
+            f"Nearest: {' with '.join(map(effect_words, each['effects']))}, which would explain "
+            f"{100.0 * each['explains']:.0f} % of what is missing. Not believed: {each['why_not']}."
+            for each in self.nearest
+        ]
+
+    @property
     def next_step(self) -> str:
         """What to do now."""
         return f"Next: {NEXT[self.verdict]}"
@@ -92,6 +104,7 @@ class Verdict:
         lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
         lines += [_moved_most(self)] if self.verdict == "recalibrated" and self.baseline else []
         lines += [self.disagreement] if self.disagreement else []
+        lines += self.comes_nearest
         lines.append(self.next_step)
         lines += [self.advice] if self.next_run else []
         if self.gap:

@@ -41,6 +41,8 @@ FIELDS = {
     "baseline": "`parameters` refitted without any new effect, moved most first: `name`, `of` "
     "(the object, where it is not the machine's), `unit`, `nominal`, `value`, `low`, `high` "
     "(95 % interval), `moved` (in prior standard deviations); `intervals_from` says whence",
+    "nearest": "of an `unknown`: the candidates that come nearest, each with its `effects`, the "
+    "share that it `explains` of what is missing, and `why_not`",
     "versions": "of the libraries",
 }
 STATUSES = (

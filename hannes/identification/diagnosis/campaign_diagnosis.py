@@ -18,6 +18,7 @@ from hannes.identification.diagnosis.evidence_tables import EvidenceTables
 from hannes.identification.diagnosis.experiment_design import next_run
 from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENERIC
 from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
+from hannes.identification.diagnosis.nearest import nearest
 from hannes.identification.diagnosis.observed_controller import as_recorded
 from hannes.identification.diagnosis.repeat_groups import Channels
 from hannes.identification.diagnosis.run_to_run import disagreement
@@ -190,6 +191,7 @@ class _Closing:
             if stood.refitted
             else None,
             cautions=stood.cautions + untested(self.found, decision.kind),
+            nearest=nearest(self.found, decision, self.names),
         )
         traces = tuple(
             traced(segment, [each[k] for each in stages.runs], list(self.noise_floors))

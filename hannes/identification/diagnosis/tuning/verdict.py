@@ -21,6 +21,7 @@ class VerdictTuning:
     agrees: float = constant(
         1.15, "chi2 per bin", "that an agreeing nominal model leaves at most", DEVELOPMENT
     )
+    nearest: int = constant(3, "1", "candidates that are said to come nearest to an unknown")
     explained_share: float = constant(
         0.8, "1", "of what can be explained, for a name beside a remainder", DEVELOPMENT
     )
