@@ -21,8 +21,8 @@ def trial(name, delta_chi2):
 
 @pytest.fixture
 def found(monkeypatch):
-    doubts = {"slack": "at an end of its range", "ripple": ""}
-    monkeypatch.setattr(module, "doubt_about", lambda _, each: doubts[each.effects[0]])
+    reasons = {"slack": "at an end of its range", "ripple": ""}
+    monkeypatch.setattr(module, "doubt_about", lambda _, each: reasons[each.effects[0]])
     monkeypatch.setattr(module, "something_more", lambda _, each: "much is left")
     baseline = SimpleNamespace(chi2=1100.0, residual=SimpleNamespace(size=100))
     trials = [trial("slack", 500.0), trial("ripple", 450.0), trial("sag", 60.0), trial("lag", 9.0)]
