@@ -139,7 +139,7 @@ def _board(pipe: "multiprocessing.connection.Connection", how: Misbehaviour) -> 
     far = Terminal()
     pipe.send(far.address)
     raise_priority()
-    board = VirtualBoard(Shaft, far, Settings(), how)
+    board = VirtualBoard(Shaft, far, Settings(), how, on_time=True)
     board.run(pipe.poll)
     far.close()
 

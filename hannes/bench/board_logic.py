@@ -112,6 +112,10 @@ class BoardLogic:
         self._refused += done is not Reason.DONE
         return [self._frame(Kind.ANSWER, Answer(frame.sequence, frame.kind, done).pack())]
 
+    def missed(self, ticks: int) -> None:
+        """So many periods went by without a tick: the clock goes on, and frames are lost."""
+        self.time += ticks * (1_000_000 // self.settings.rate)
+
     def tick(self) -> list[Frame]:
         """Drive the machine for one period; return telemetry, and a pulse when one is due."""
         self._watch()

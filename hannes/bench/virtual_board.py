@@ -13,7 +13,7 @@ from hannes.bench.frames import Splitter, encode
 from hannes.bench.misbehaviour import Cable, Misbehaviour
 from hannes.core.errors import BadInput
 
-BEHIND = 0.1  # s that the board may be late before it lets the lost ticks go
+BEHIND = 0.1  # s that the board may be late before it misses the ticks that it is behind
 
 
 class Far(Protocol):
@@ -125,13 +125,16 @@ class Socket:
 class VirtualBoard:
     """A machine behind the rules of a board, at one end of a cable.
 
-    `make` builds the machine: a reset builds it anew.
+    `make` builds the machine: a reset builds it anew. A board that gets no processor for a while
+    stands still, machine and clock; with `on_time` its clock goes on, as that of hardware does, and
+    what it did not send is missing.
     """
 
     make: Callable[[], Machine]
     far: Far
     settings: Settings
     how: Misbehaviour
+    on_time: bool = False
 
     def __post_init__(self) -> None:
         self.cable = Cable(self.how)
@@ -152,7 +155,9 @@ class VirtualBoard:
             if ahead > 0.0:
                 time.sleep(ahead)
             elif ahead < -BEHIND:
-                following = time.monotonic()
+                ticks = int(-ahead / period)
+                self.logic.missed(ticks if self.on_time else 0)
+                following += ticks * period
 
     def once(self, moment: float) -> None:
         """Hear, tick and send once, `moment` [s] after the beginning."""
