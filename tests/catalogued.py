@@ -1,9 +1,13 @@
-"""One model with the whole catalogue, all amplitudes at off but those given, and its runs."""
+"""One model for all tests: the whole catalogue and an effect that breaks; and its runs.
+
+All amplitudes are at off but those given. To compile it takes most of a minute, and each other set
+of effects a third of that: tests that need any effect use this one.
+"""
 
 import functools
 from dataclasses import replace
 
-from runs import grasp, reference
+from runs import BREAK, grasp, reference
 
 from benchmarks.truth.effects import SIZES
 from hannes.simulation.catalogue import effects
@@ -12,7 +16,7 @@ from hannes.simulation.hand.hand import Hand
 from hannes.simulation.simulate import simulate
 
 CATALOGUE = effects()
-EVERYTHING = Hand(tuple(CATALOGUE))
+EVERYTHING = Hand((*CATALOGUE, BREAK))
 AMPLITUDES = {
     effect.full_name(each.name): each for effect in CATALOGUE.values() for each in effect.amplitudes
 }
@@ -47,3 +51,8 @@ def ledger(name=""):
     hand = EVERYTHING.with_values({name: 0.5 * RANGES[name].high} if name else {})
     run = simulate(hand, grasp(sampling=20_000.0), rtol=1e-6, effects=EVERYTHING.effects)
     return energy_ledger(run.require())
+
+
+def broken(how, since=0.05):
+    """A hand whose rates break."""
+    return EVERYTHING.with_values({"breaking.way": how, "breaking.since": since})

@@ -34,13 +34,15 @@ def compiling():
 
 
 # Each file goes to one worker, in this order: a model is compiled by one of them, once, and the
-# longest do not end alone. The first two need different models, or none.
+# longest do not end alone. The first ones need different models, or none; others find them made.
 FIRST = (
     "simulation/test_batch.py",
     "benchmarks/test_truth_effects.py",
     "simulation/test_catalogue.py",
+    "simulation/test_floating_object.py",
     "simulation/test_assemble.py",
-    "simulation/test_energy_balance.py",
+    "docs/test_blocks.py",
+    "bench/test_force_observer.py",
     "identification/test_diagnosis_parts.py",
     "identification/test_diagnosis.py",
     "identification/test_axis_diagnosis.py",

@@ -72,11 +72,6 @@ BREAK = Effect(
 )
 
 
-def broken(how, since=0.05):
-    """A hand whose rates break."""
-    return Hand().with_effects(BREAK).with_values({"breaking.way": how, "breaking.since": since})
-
-
 class Bench:
     """The hand's compiled rates outside of any experiment: free motion from any state."""
 

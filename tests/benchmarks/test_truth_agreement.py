@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from catalogued import EVERYTHING
 
 from benchmarks.truth import NOMINAL, trace
 from benchmarks.truth.bench import CURRENT
@@ -28,7 +29,6 @@ COLUMNS = {
     "cart_position": slice(20, 22),
     "joint_angle": slice(0, 10),
 }
-EVERYTHING = Hand(tuple(effects()))
 FINE_ENCODER = {"encoder.bits": 30.0}
 DYNAMIC = pytest.mark.parametrize(
     ("points", "thing"),

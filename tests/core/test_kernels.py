@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from runs import grasp
+from catalogued import EVERYTHING
+from runs import BREAK, grasp
 
 import hannes.contact
 import hannes.control
@@ -109,15 +110,12 @@ def test_compiled_equals_plain(name):
 PLAIN = """
 import sys
 import numpy as np
+from catalogued import EVERYTHING
 from hannes.core.kernels.jit import compiles
-from hannes.simulation.catalogue import effects
-from hannes.simulation.hand.model import EQUATIONS
 
 assert not compiles()
 given = np.load(sys.argv[1])
-chosen = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
-from hannes.simulation.hand.hand import Hand
-model = Hand(chosen).compiled(chosen)
+model = EVERYTHING.compiled(EVERYTHING.effects)
 p, knots, memory = given["p"], given["knots"], given["memory"]
 rates = [model.fast.rates(t, y, p, knots, memory) for t, y in zip(given["t"], given["y"])]
 outputs = model.observed.observe(given["t"], given["y"], p, knots, given["memories"])
@@ -135,13 +133,13 @@ np.savez(sys.argv[2], rates=rates, outputs=outputs, held=held, ticks=ticks)
 
 def everything_on():
     """The hand with all effects it can carry, each a twentieth of its range away from off."""
-    chosen = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
     sizes = {
         each.full_name(a.name): a.off + 0.05 * (a.bounds[1] - a.off)
-        for each in chosen
+        for each in EVERYTHING.effects
+        if each is not BREAK
         for a in each.amplitudes
     }
-    return Hand(chosen).with_values(sizes), chosen
+    return EVERYTHING.with_values(sizes), EVERYTHING.effects
 
 
 @pytest.fixture(scope="module")

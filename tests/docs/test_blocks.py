@@ -7,9 +7,10 @@ import pytest
 from pages import PAGES, ROOT, blocks, name, run
 
 CHECKOUT = "docs/how-to/add-an-effect.md"  # writes into a copy of the project
-# What a diagnosis of a hand takes, or training, or models of one's own: run by `make test-all`.
+# What takes the model with all effects, or training, or models of one's own: by `make test-all`.
 SLOW = {
     "README.md",
+    "docs/how-to/calibrate.md",
     "docs/how-to/hold-and-move-objects.md",
     "docs/tutorials/classifier.md",
     "docs/tutorials/your-effect.md",

@@ -20,7 +20,6 @@ from hannes.core.errors import BadInput, ComputationFailed
 from hannes.simulation.batch import chunks
 from hannes.simulation.batch.simulate_many import simulate_alike, simulate_many
 from hannes.simulation.compiled_call import ended
-from hannes.simulation.compiler import entry_points
 from hannes.simulation.compiler.entry_points import LONGEST, TOO_MANY
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.integrate import tolerances
@@ -140,21 +139,6 @@ def test_the_controller_is_the_continuous_one_whatever_the_experiment_says():
     assert np.array_equal(*([run["current"] for run in each] for each in found))
 
 
-@pytest.mark.parametrize("cores", [1, 3])
-def test_where_the_first_one_fails_each_takes_its_own_steps_on_any_cores(monkeypatch, cores):
-    hand = Hand().with_effects(BREAK)
-    since = np.array([0.05, *np.ones(COUNT - 1)])
-    table = {"breaking.way": 1.0, "breaking.since": since}
-    table["motor.resistance"] = np.linspace(3.0, 3.3, COUNT)
-    asked = {"channels": ("current",), "rtol": 1e-4}
-    alone = list(simulate_many(hand, grasp(duration=0.3), table, **asked, progress=False))
-    monkeypatch.setattr("hannes.simulation.batch.simulate_many._cores", lambda: cores)
-    found = simulate_alike(hand, grasp(duration=0.3), table, **asked)
-    assert found[0].outcome is not Outcome.COMPLETED
-    for mine, theirs in zip(found[1:], alone[1:], strict=True):
-        assert np.array_equal(mine["current"], theirs["current"])
-
-
 @pytest.mark.parametrize("cores", [1, 2, 5])
 def test_grasps_by_the_first_ones_steps_have_the_same_bits_on_any_cores(monkeypatch, cores):
     asked = {"channels": ("force",), "rtol": 1e-3}
@@ -238,17 +222,6 @@ def test_a_grasp_that_breaks_has_a_named_outcome_and_leaves_the_others_whole(con
 def test_a_grasp_of_too_many_steps_is_named():
     outcome, message = ended(np.array([0, 0, 0, 0, TOO_MANY, 0]))
     assert outcome is Outcome.SOLVER_GAVE_UP and "1000000 steps" in message
-
-
-def test_a_grasp_that_takes_many_times_the_steps_of_the_first_ends_there():
-    """One once took half an hour: its limit lies far under that of any grasp."""
-    hand, table = Hand().with_effects(BREAK), {"breaking.rattle": np.array([0.0, 1.0, 0.0])}
-    asked = {"channels": ("current",), "rtol": 1e-4}
-    found = simulate_alike(hand, grasp(duration=0.3), table, **asked)
-    assert [each.outcome for each in found[::2]] == [Outcome.COMPLETED] * 2
-    assert found[1].outcome is Outcome.SOLVER_GAVE_UP and "Not near" in found[1].message
-    most = entry_points.APART * found[0].cost.jacobians
-    assert found[1].cost.jacobians <= most + entry_points.RUN
 
 
 REFUSED = {

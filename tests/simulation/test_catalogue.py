@@ -74,16 +74,17 @@ def test_shipped_experiments_run_at_the_ends_of_the_range(name):
             assert np.isfinite(run["current"]).all() and np.isfinite(run["force"]).all()
 
 
-def whole_catalogue(share):
-    """Every effect at a share of the largest size it may physically have."""
-    return EVERYTHING.with_values({name: share * RANGES[name].high for name in AMPLITUDES})
+def with_all(share, experiment, **how):
+    """A run with every effect at a share of the largest size it may physically have."""
+    hand = EVERYTHING.with_values({name: share * RANGES[name].high for name in AMPLITUDES})
+    return simulate(hand, experiment, effects=EVERYTHING.effects, **how).require()
 
 
 @pytest.mark.parametrize("shipped", SHIPPED)
 def test_the_whole_catalogue_keeps_the_structure_and_the_steps(shipped):
     (variant,) = load(shipped)
     bare = simulate(Hand(), variant.experiment).require()
-    run = simulate(whole_catalogue(1e-3), variant.experiment).require()
+    run = with_all(1e-3, variant.experiment)
     assert run.compiled.jacobian_kind == "structured"
     assert run.cost.evaluations < 1.5 * bare.cost.evaluations
 
@@ -91,8 +92,7 @@ def test_the_whole_catalogue_keeps_the_structure_and_the_steps(shipped):
 def test_the_whole_catalogue_moves_the_same_by_another_method():
     experiment = Experiment("all", 0.5, grasp().reference, Target("cylinder"))
     mine, theirs = (
-        simulate(whole_catalogue(0.1), experiment, method=method, rtol=1e-6).require()
-        for method in ("Rodas", "Radau")
+        with_all(0.1, experiment, method=method, rtol=1e-6) for method in ("Rodas", "Radau")
     )
     for name in ("current", "force", "position"):
         assert np.abs(mine[name] - theirs[name]).max() < 1e-3 * np.ptp(theirs[name])

@@ -81,7 +81,8 @@ def test_stored_energies_are_functions_of_the_state(case):
         assert ledger["wire_elastic"] == pytest.approx(leader + follower, abs=20 * allowed)
 
 
-@pytest.mark.parametrize("name", names())
+# Those with a floating object are in test_floating_object.py: one process compiles their model.
+@pytest.mark.parametrize("name", [each for each in names() if "floating" not in each])
 def test_ledger_closes_over_shipped_experiments(name):
     found = load(name)
     if not isinstance(found, list):

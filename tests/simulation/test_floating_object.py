@@ -1,6 +1,7 @@
 """An object that floats: free flight, palm, balance of a grasp, energy, a second formulation."""
 
 import functools
+from dataclasses import replace
 
 import floating_twin
 import numpy as np
@@ -11,9 +12,10 @@ from benchmarks.truth.parameters import named
 from hannes.dataset.shard import made
 from hannes.dataset.spec import read_spec
 from hannes.simulation.catalogue import effects, laws
-from hannes.simulation.energy_balance import account
+from hannes.simulation.energy_balance import account, energy_ledger
 from hannes.simulation.experiment.experiment import Experiment, Reference, Target
-from hannes.simulation.experiment.load import read
+from hannes.simulation.experiment.load import load, read
+from hannes.simulation.experiment.shipped import names
 from hannes.simulation.experiment.writer import experiment_toml
 from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.hand import Hand
@@ -165,6 +167,14 @@ def test_a_second_formulation_in_the_frame_of_the_object_moves_the_same(shape):
     ):
         assert np.abs(mine - other).max() < apart * np.ptp(mine)
     assert np.abs(run["floating_object.turned"]).max() > 0.05
+
+
+@pytest.mark.parametrize("name", [each for each in names() if "floating" in each])
+def test_ledger_closes_over_shipped_experiments(name):
+    for variant in load(name):
+        experiment = replace(variant.experiment, sampling=20_000.0)
+        run = simulate(variant.hand, experiment, rtol=1e-6).require()
+        assert abs(energy_ledger(run)["residual"]) < 1e-3
 
 
 PRISM = {"half_x": 0.02, "half_y": 0.018, "radius": 0.008}
