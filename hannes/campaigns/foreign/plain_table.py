@@ -87,7 +87,9 @@ def plain_table(path: Path, rule: TextRule, missing: tuple[str, ...]) -> PlainTa
         return None
     if path.stat().st_size < SHORT:
         return None
-    data = b"".join(blocks(path, "a log of samples")).replace(b"\r\n", b"\n")
+    data = b"".join(blocks(path, "a log of samples"))
+    if b"\r" in data:  # quicker than to look for both
+        data = data.replace(b"\r\n", b"\n")
     start = 0
     heads = []
     for _ in range(rule.first - 1):

@@ -175,7 +175,8 @@ def _run(
     kept = rows[known]
     if kept.size < 2:
         raise BadInput(f"{source.place(int(rows[0]))}: fewer than two complete rows follow")
-    found = {name: values[known] for name, values in channels.items()}
+    all_known = bool(known.all())  # of a long log no second copy is made
+    found = {name: values if all_known else values[known] for name, values in channels.items()}
     ordered, found, kept = in_order(times[known], found, kept, rule.order)
     _require_increasing(source, ordered, kept)
     counts = {name: count for name, count in filled.items() if count}
@@ -191,7 +192,7 @@ def _values(
     how = mapping.channels[name]
     if how.column is None:
         return np.full(rows.size, how.constant)
-    values = raw[name][rows]
+    values = raw[name] if rows.size == raw[name].size else raw[name][rows]
     if how.renewed:
         values = readings(values, how.renewed)
     return motor_current(values, raw["duty"][rows]) if how.supply else values

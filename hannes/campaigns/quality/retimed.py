@@ -17,6 +17,7 @@ FloatArray = NDArray[np.float64]
 
 COARSE = np.arange(0.5, 1.2, 0.02)  # paces that are tried first
 FINER = (4e-3, 8e-4, 1.6e-4)  # steps about the best of them
+FASTEST = 1.25  # beyond any pace that they lead to
 AROUND = 5  # steps each way
 # Samples of a recording from its start that are looked at, and of those that are taken.
 LONGEST, ENOUGH = 20_000, 2000
@@ -72,7 +73,7 @@ def pace_of(subject: Subject) -> float | None:
             motion[few],
             np.gradient(motion, time)[few],
             subject.recording[name][few],
-            asked,
+            _within(asked, float(time[0]), float(time[-1])),
         )
         before = answer.left(1.0)
         if before < GOOD:
@@ -82,6 +83,17 @@ def pace_of(subject: Subject) -> float | None:
         if left < LEFT and left**2 < (1.0 - SHARE) * before**2 and abs(pace - 1.0) > LEAST:
             return pace
     return None
+
+
+def _within(
+    asked: tuple[FloatArray, FloatArray], first: float, last: float
+) -> tuple[FloatArray, FloatArray]:
+    """A command as far as any pace that is tried leads, from `first` to `last` [s] at its own."""
+    times, values = asked
+    end = first + FASTEST * (last - first) + AHEAD
+    low, high = np.searchsorted(times, first - AHEAD), np.searchsorted(times, end)
+    part = slice(max(int(low) - 1, 0), int(high) + 1)
+    return times[part], values[part]
 
 
 def _best(answer: _Answer) -> float:
