@@ -79,7 +79,7 @@ campaign.toml (docs/reference/campaign.md has all of it):
   role = "fit"                            # or select, show; drawn where absent
   [diagnose]                              # standard deviations; may be left out
   scatter = "2 %"                         # of nominal values ({SCATTER})
-  scatter_apart = "0.5 %"                 # each joint for itself (1 % if no scatter)
+  scatter_apart = "0.5 %"                 # each joint for itself (1 %)
   run_scatter = "0.5 %"                   # of friction from run to run ({RUN_SCATTER})
   start_time = "0.2 ms"                   # of when a run starts (10 ms for a hand)""",
     **cli_recordings.EXAMPLES,

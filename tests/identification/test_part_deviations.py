@@ -8,6 +8,8 @@ import pytest
 
 from hannes.core.errors import BadInput
 from hannes.core.io.toml_table import Table
+from hannes.identification.diagnosis import fitted_deviations
+from hannes.identification.diagnosis.fitted_deviations import deviations, with_deviations
 from hannes.identification.diagnosis.heldout import _only
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.noise_covariance import NoiseCovariance
@@ -105,9 +107,9 @@ def settings(**asked):
     return read_settings(Table(asked, "campaign.toml", ()), HandPlant())
 
 
-def test_joints_are_off_by_a_hundredth_where_nothing_is_said_of_scatter():
+def test_joints_are_off_by_a_hundredth_where_nothing_is_said_of_them():
     assert settings().scatter_apart == 0.01
-    assert settings(scatter="2 %").scatter_apart == 0.0
+    assert settings(scatter="2 %").scatter_apart == 0.01
     assert settings(scatter="2 %", scatter_apart="1 %").scatter_apart == 0.01
     assert settings(scatter_apart="0 %").scatter_apart == 0.0
     with pytest.raises(BadInput, match="scatter_apart"):
@@ -118,3 +120,37 @@ def test_before_a_touch_a_channel_is_as_uncertain_as_it_is_large_after_it():
     force = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 3.0, 9.0, 4.0, 0.0, 0.0])
     assert _mirrored(force, 3) == pytest.approx([0.0, 9.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.0, 4.0, 9.0])
     assert not _mirrored(force[:4], 3).any() and not _mirrored(force[4:8], 3).any()
+
+
+def point(**fields):
+    """A point whose simulations are zero."""
+    zeros = [np.zeros(n) for n in BINS]
+    return SimpleNamespace(noise=noise(**fields), vectors=zeros, x=np.zeros(1))
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.7])
+def test_parts_are_as_off_as_the_fitted_recordings_have_them(factor):
+    """Their mean given the recordings, by the covariance of all groups together."""
+    found, rows, left = deviations(point(), factor), np.hstack(ROWS), np.concatenate(LEFT)
+    assert list(found) == ["index", "middle", "ring"]
+    wanted = rows @ np.linalg.solve(whole(factor), left)
+    assert list(found.values()) == pytest.approx(wanted)
+
+
+def test_runs_simulated_whole_carry_what_parts_are_off_by(monkeypatch):
+    here = point()
+    here.model = here.noise.model
+    monkeypatch.setattr(fitted_deviations, "_command", lambda plant, group: id(group))
+    monkeypatch.setattr(fitted_deviations, "grouped", lambda plant, entries: here.model.groups)
+    here.model.small = None
+    entries = [object() for _ in BINS]
+    for group, entry in zip(here.model.groups, entries, strict=True):
+        group.entries = (entry,)
+    bare = [[{"position": np.zeros(n)}, {"position": np.zeros(n)}, None] for n in BINS]
+    made = with_deviations(bare, entries, [here, here], 1.0)
+    sizes = np.array(list(deviations(here, 1.0).values()))
+    for each, rows in zip(made, ROWS, strict=True):
+        assert not each[0]["position"].any() and each[2] is None  # as given; no run
+        assert each[1]["position"] == pytest.approx(sizes @ rows)
+    alone = point(parts=False)
+    assert with_deviations(bare, entries, [alone, alone], 1.0) == bare

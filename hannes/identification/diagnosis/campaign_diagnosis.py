@@ -16,6 +16,7 @@ from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.effect_sizes import interval, with_sizes
 from hannes.identification.diagnosis.evidence_tables import EvidenceTables
 from hannes.identification.diagnosis.experiment_design import next_run
+from hannes.identification.diagnosis.fitted_deviations import with_deviations
 from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENERIC
 from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
 from hannes.identification.diagnosis.nearest import nearest
@@ -207,7 +208,12 @@ class _Closing:
         points = (self.found.nominal, self.found.baseline, self.decision.point)
         places = np.array([each.x for each in points])
         with self.model.work.in_any_case():
-            made = simulated(self.model, _entries(self.segments), places)
+            made = with_deviations(
+                simulated(self.model, _entries(self.segments), places),
+                _entries(self.segments),
+                points[1:],
+                self.found.variance_factor,
+            )
         failed = {k for k in range(len(points)) if any(each[k] is None for each in made)}
         runs: list[list[Channels]] = []
         for k in range(len(points)):

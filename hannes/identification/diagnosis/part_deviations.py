@@ -23,9 +23,14 @@ class PartDeviations:
 
     changes: Sequence[dict[str, Channels]]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the rows, in their order."""
+        return tuple(dict.fromkeys(name for own in self.changes for name in own))
+
     def rows(self, groups: Sequence[Group]) -> list[np.ndarray]:
         """The same in the bins of these groups, in their order, shape (rows, n) each."""
-        names = list(dict.fromkeys(name for own in self.changes for name in own))
+        names = self.names
         return [
             np.array([_binned(group, own.get(name)) for name in names]).reshape(-1, group.part.size)
             for group, own in zip(groups, self.changes, strict=True)
@@ -42,11 +47,15 @@ def _binned(group: Group, change: Channels | None) -> np.ndarray:
 
 def part_deviations(model: Model, x: np.ndarray) -> PartDeviations | None:
     """Of all groups at x; None where the plant has no like parts, or these do not scatter."""
-    size = model.space.settings.scatter_apart
-    found = [model.apart(group, x, size) for group in model.groups] if size else []
-    if not any(found):
+    if not model.space.settings.scatter_apart:
         return None
-    return PartDeviations([dict(_rows(own)) for own in found])
+    found = [changes_of(model, group, x) for group in model.groups]
+    return PartDeviations(found) if any(found) else None
+
+
+def changes_of(model: Model, group: Group, x: np.ndarray) -> dict[str, Channels]:
+    """Changes of one group's channels at x by one standard deviation of each part, by row."""
+    return dict(_rows(model.apart(group, x, model.space.settings.scatter_apart)))
 
 
 def _rows(own: Mapping[str, tuple[Channels, Channels]]) -> Iterator[tuple[str, Channels]]:

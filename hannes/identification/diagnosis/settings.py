@@ -34,12 +34,11 @@ def read_settings(table: Table, plant: "Plant") -> Settings:
     if table.content and not getattr(plant, "uncertain", {}):
         why = f"cannot be used: the plant {plant.name} does not say what is uncertain in it"
         table.refuse(next(iter(table.content)), why)
-    apart = 0.0 if "scatter" in table else Settings.scatter_apart  # who knows one knows the other
     return Settings(
         _share(table, "scatter", Settings.scatter),
         _share(table, "run_scatter", Settings.run_scatter),
         _time(table, plant),
-        _share(table, "scatter_apart", apart, none=True),
+        _share(table, "scatter_apart", Settings.scatter_apart, none=True),
     )
 
 
