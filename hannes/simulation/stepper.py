@@ -156,12 +156,12 @@ class Stepper(ByValue):
         """From one tick to the next, the duty held; returns the state (1, n) when it is sampled."""
         row = self._y[np.newaxis].copy()
         clock, counts = self._clock, self._counts
-        clock[:6] = start, end - start, end, LONGEST, 1.0, 1.0
+        clock[:TICK_KEPT] = start, end - start, end, LONGEST, 1.0
         counts[:] = 0
         bounds = np.array([end])
         keep = self._memory[READING_AGE] > 0.0
         while clock[0] != end:
-            taken = self._compiled.fast.steps_on(
+            taken = self._compiled.fast.ticks_on(
                 (self._room, self._p, knots, self._memory), self._y, self.rtol, self._atol,
                 clock, counts, bounds, self._ends, self._pieces, self._work,
             )  # fmt: skip
@@ -185,7 +185,7 @@ class Stepper(ByValue):
         size = compiled.states.size
         self._compiled, self._atol = compiled, tolerances(compiled, self.rtol)
         self._ends, self._pieces = np.zeros(RUN + 1), np.zeros((RUN + 1, 3, size))
-        self._work, self._clock = np.zeros((WORK, size)), np.zeros(7)
+        self._work, self._clock = np.zeros((WORK, size)), np.zeros(6)
         self._counts, self._room = np.zeros(6, np.int64), compiled.workspace()
 
     def __getstate__(self) -> Mapping[str, Any]:

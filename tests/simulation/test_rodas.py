@@ -83,7 +83,7 @@ def in_ticks(fun, jac, start, count, end=1.0, rtol=1e6):
     """Whole ticks of one length, accepted by a wide tolerance: the last state, and Jacobians."""
     y, size = np.array(start, float), len(start)
     problem = Plain(fun, lambda t, ys: np.array([fun(t, y) for y in ys.T]).T, jac, y, (0.0, end))
-    clock, counts = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0]), np.zeros(5, np.int64)
+    clock, counts = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 0.0]), np.zeros(5, np.int64)
     for k in range(count):
         clock[:3] = k * end / count, end / count, (k + 1) * end / count
         piece, work = np.zeros((3, size)), np.zeros((WORK, size))

@@ -154,7 +154,7 @@ class Compiled:
         return Problem(self.fast.steps_on, self.fast.look_up, given)
 
     def workspace(self) -> np.ndarray:
-        """An empty workspace for `steps_on`."""
+        """An empty workspace for `steps_on` and `ticks_on`."""
         return np.zeros(1, self.fast.WORKSPACE)
 
     def is_warm(self, entry: str = "rates") -> bool:

@@ -23,7 +23,7 @@ _OF_STAGES = {
 _OF_STEPS = {
     "y": _ROW,
     "atol": _ROW,
-    "clock": ("7",),
+    "clock": ("6",),
     "counts": ("5",),
     "work": ("WORK", "unknown(STATES)"),
     "bounds": ("bounds.size",),
@@ -48,7 +48,7 @@ SHAPES: dict[str, dict[str, tuple[str, ...]]] = {
         "memories": ("times.size", "memories.shape[1]"),
         "rows": ("times.size", "OUTPUTS"),
     },
-    **dict.fromkeys(("first_step", "advance", "sample_pieces"), _OF_STEPS),
+    **dict.fromkeys(("first_step", "advance", "advance_tick", "sample_pieces"), _OF_STEPS),
 }
 
 

@@ -13,7 +13,7 @@ from hannes.core.kernels.pointers import address, pointer, shaped, unknown
 from hannes.simulation.compiler.dense_jacobian import gather, linearise, slope
 from hannes.simulation.compiler.workspace import RUN
 from hannes.simulation.rodas.linear_algebra import copy_to
-from hannes.simulation.rodas.step import NOT_FINITE, TICK_HELD, TOO_MANY, WORK
+from hannes.simulation.rodas.step import NOT_FINITE, TOO_MANY, WORK
 
 # Filled in by assemble.py; the functions are the plant's, the method's and those of `OBSERVED`.
 STATES, CHANNELS, OUTPUTS = 1, 1, 1
@@ -22,6 +22,7 @@ steps = np.full(31, 1e-3)
 equations: Any = None
 sample: Any = None
 advance: Any = None
+advance_tick: Any = None
 sample_pieces: Any = None
 fill_outputs: Any = None
 
@@ -95,6 +96,20 @@ def step_on(room, given, y, rtol, atol, clock, counts, bounds, ends, pieces, wor
     data = room[0]
     prepare(data, given[0], given[1], given[2])
     return advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+
+
+def ticks_on(given, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
+    """Take steps up to the next tick, see rodas/whole_tick.py."""
+    room, p, reference, memory = given
+    known = p, reference, memory
+    return tick_on(room, known, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+
+
+def tick_on(room, given, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
+    """The same in a workspace."""
+    data = room[0]
+    prepare(data, given[0], given[1], given[2])
+    return advance_tick(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
 
 
 def look_up(times, ends, pieces, rows):
@@ -171,7 +186,7 @@ def grasp(
     work = shaped(pointer(data.work), (WORK, unknown(STATES)))
     pieces = shaped(pointer(data.pieces), (RUN + 1, 3, unknown(STATES)))
     last, end, filled = bounds[bounds.size - 1], 0.0, 0
-    clock[2], clock[3], clock[4], clock[TICK_HELD] = bounds[0], LONGEST, 1.0, np.sign(period)
+    clock[2], clock[3], clock[4] = bounds[0], LONGEST, 1.0
     data.turn[:] = 1.0
     place, follow, goal = 0, path[0] > 0.0 and period == 0.0, bounds
     parts = 1 if period == 0.0 else int(np.ceil(last / period - 1e-9))
@@ -189,7 +204,7 @@ def grasp(
                     place += 1
                     ahead[0] = path[place]
                     clock[1], clock[2] = ahead[0] - clock[0], ahead[0]
-            taken = advance(data, y, rtol, atol, clock, counts, goal, ends, pieces, work)
+            taken = go_on(period, data, y, rtol, atol, clock, counts, goal, ends, pieces, work)
             if not follow:
                 place = noted(ends, taken, path, place)
             if memory[READING_AGE] > 0.0:
@@ -204,6 +219,13 @@ def grasp(
         copy_to(memories[row], memory)
     path[0] = place if place < path.size else 0.0
     return times.size
+
+
+def go_on(period, data, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
+    """Take steps, those of a sampled controller up to its next tick; returns how many."""
+    if period > 0.0:
+        return advance_tick(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
+    return advance(data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
 
 
 def take_samples(times, first, before, ends, taken, pieces, rows, memories, memory):

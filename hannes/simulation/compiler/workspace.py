@@ -21,7 +21,7 @@ _COMMON = {
     "dy": "(STATES,)",
     "moved": "(STATES,)",  # states of a difference
     "work": "(WORK, STATES)",  # of the method, as its clock, see rodas/step.py
-    "clock": "(7,)",
+    "clock": "(6,)",
     "ends": f"({RUN + 1},)",
     "pieces": f"({RUN + 1}, 3, STATES)",
     "ahead": "(1,)",  # end of the step that is followed, or of the tick

@@ -74,7 +74,7 @@ class Rodas(OdeSolver):
             raise ValueError("`first_step` must be positive and within the interval.")
         self._bounds = _bounds(kinks, float(t0), float(t_bound))
         first = 0.0 if first_step is None else self.direction * first_step
-        self.clock = np.array([t0, first, self._bounds[0], max_step, 1.0, 0.0, 0.0])
+        self.clock = np.array([t0, first, self._bounds[0], max_step, 1.0, 0.0])
         self.counts = np.zeros(5, np.int64)
         self.work = np.zeros((WORK, self.n))
 

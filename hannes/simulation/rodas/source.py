@@ -15,12 +15,13 @@ from hannes.simulation.rodas import step, whole_tick
 PARTS: tuple[Callable[..., Any], ...] = (
     step.keep_piece,
     step.attempt,
-    whole_tick.settle,
-    whole_tick.whole_tick,
     step.step,
     step.first_step,
     step.bound_after,
     step.advance,
+    whole_tick.settle,
+    whole_tick.whole_tick,
+    whole_tick.advance_tick,
     step.sample_pieces,
 )
 # What the text reaches by name.

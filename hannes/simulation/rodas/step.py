@@ -41,7 +41,6 @@ from hannes.simulation.rodas.linear_algebra import (
     scaled_size,
     weigh,
 )
-from hannes.simulation.rodas.whole_tick import whole_tick
 
 MOST_STAGES = 6
 WORK = MOST_STAGES + 5  # rows of workspace: all k, f(t, y), df/dt, argument, right-hand side, f
@@ -52,7 +51,6 @@ HOPELESS = np.array([8.0, 4.0])
 BEYOND, ADDED = 1.02, 0.005  # a step that fails at a kink is cut to end just beyond it,
 BEFORE = 0.97  # and the second time, where the kink is near its end, before it
 DOUBT = 3.0  # what an error estimate may be wrong by across a kink
-TICK_HELD = 5  # place in the clock
 LEAST = 2e-15  # of the time: the shortest step
 TOO_SMALL, NOT_FINITE, TOO_MANY = -1, -2, -3
 
@@ -61,11 +59,10 @@ def advance(problem, data, y, rtol, atol, clock, counts, bounds, ends, pieces, w
     """Take steps until the last of `bounds` is reached or `pieces` is full; return how many.
 
     `y` (n,) moves along. `clock`: time, next step (signed; 0: to be chosen), the bound ahead,
-    longest step, what `crossing` said, 1 where firmware holds its duty up to the bound ahead, the
-    step whose factors are kept (whole_tick.py). `counts` grows: evaluations, Jacobians, factorings,
-    rejected steps; then a failure's number. No step leads across one of `bounds` (b,), on the
-    way in this order. `ends` (m + 1,) and `pieces` (m + 1, 3, n) take each step's ends and its
-    dense output.
+    longest step, what `crossing` said; the rest is of whole_tick.py. `counts` grows: evaluations,
+    Jacobians, factorings, rejected steps; then a failure's number. No step leads across one of
+    `bounds` (b,), on the way in this order. `ends` (m + 1,) and `pieces` (m + 1, 3, n) take each
+    step's ends and its dense output.
     """
     taken = 0
     ends[0] = clock[0]
@@ -75,14 +72,10 @@ def advance(problem, data, y, rtol, atol, clock, counts, bounds, ends, pieces, w
             clock[1], clock[2] = 0.0, bound_after(clock[0], bounds)
         if clock[1] == 0.0:
             first_step(problem, data, y, rtol, atol, clock, counts, work)
-        piece, taken_whole = pieces[taken], False
-        if clock[TICK_HELD] > 0.0 and clock[1] == clock[2] - clock[0]:
-            taken_whole = whole_tick(problem, data, y, rtol, atol, clock, counts, piece, work)
-        if not taken_whole:
-            failure = step(problem, data, y, rtol, atol, clock, counts, piece, work)
-            if failure != 0:
-                counts[4] = failure
-                break
+        failure = step(problem, data, y, rtol, atol, clock, counts, pieces[taken], work)
+        if failure != 0:
+            counts[4] = failure
+            break
         taken += 1
         ends[taken] = clock[0]
         copy_to(pieces[taken, 0], y)

@@ -20,6 +20,7 @@ import math
 
 from hannes.core.kernels.jit import fused
 from hannes.simulation.rodas.linear_algebra import copy_to, scaled_size
+from hannes.simulation.rodas.step import advance
 
 TICK_GAMMA = 0.5 - math.sqrt(1.0 / 12.0)
 TICK_PLACE = 2.0 / 3.0  # c
@@ -31,7 +32,19 @@ TICK_ZETA = 0.3  # smaller, and at tolerances below 1e-3 errors grow more than t
 # An old J bends the way as curvature does. At an error of this in units of 1 it is made anew at the
 # next tick, at three times it at once: a tension that begins under an old J would overshoot.
 TICK_STALE, TICK_STALE_MOST = 1e-4, 0.3
-TICK_KEPT = 6  # place in the clock of the step whose factors are kept, 0 for none
+TICK_KEPT = 5  # place in the clock of the step whose factors are kept, 0 for none
+
+
+def advance_tick(problem, data, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
+    """`advance` to the one of `bounds`, the next tick, before which firmware's duty is held."""
+    if clock[1] == clock[2] - clock[0]:
+        ends[0] = clock[0]
+        copy_to(pieces[0, 0], y)
+        if whole_tick(problem, data, y, rtol, atol, clock, counts, pieces[0], work):
+            ends[1] = clock[0]
+            copy_to(pieces[1, 0], y)
+            return 1
+    return advance(problem, data, y, rtol, atol, clock, counts, bounds, ends, pieces, work)
 
 
 def whole_tick(problem, data, y, rtol, atol, clock, counts, piece, work):
