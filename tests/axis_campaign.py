@@ -13,8 +13,8 @@ UNITS = {"time": "s", "reference": "m", "position": "m", "drive": "V"}
 
 @functools.cache
 def run(viscous, seed):
-    """20 s of swings, the axis rubbing harder one way by the share `viscous`; noise of 10 mV."""
-    t = np.arange(20_001) / 1000.0
+    """10 s of swings, the axis rubbing harder one way by the share `viscous`; noise of 10 mV."""
+    t = np.arange(10_001) / 1000.0
     reference = 0.05 * (1.0 - np.cos(0.8 * np.pi * t)) * (1.0 + 0.3 * np.sin(0.37 * t + seed))
     bare = Recording({"time": t, "reference": reference, "position": reference}, {
         name: UNITS[name] for name in ("time", "reference", "position")

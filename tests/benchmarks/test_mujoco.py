@@ -24,7 +24,7 @@ from hannes.simulation.simulate import simulate
 
 mujoco = pytest.importorskip("mujoco")
 
-STEP, EVERY = 5e-6, 400
+STEP, EVERY = 8e-6, 250
 RAMP = ((0.0, 0.0), (1.0, 15.5))
 VALUES = {
     "gravity.x": 3.0,
