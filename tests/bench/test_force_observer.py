@@ -10,11 +10,8 @@ from hannes.bench.virtual_hand import VirtualHand
 from hannes.simulation.experiment.experiment import Experiment, Reference, Target
 
 FULL, SPEED = 9.84, 9.84 / 0.637
-HIDDEN = {
-    "floating_object.free": 1.0,
-    "leader_slack.length": 1e-3,
-    "gear_load.coefficient": 0.08,
-}
+HIDDEN = {"floating_object.free": 1.0, "gear_load.coefficient": 0.08}
+SLACK = {"leader_slack.length": 1e-3}  # a model of its own, which the observer's twins are not
 HELD = {"object.stiffness": 8e3, "object.radius": 0.025, "object.x": 0.015, "object.y": -0.046}
 
 
@@ -49,20 +46,35 @@ def sound():
     return observed()
 
 
+@pytest.mark.slow
+def test_a_loose_wire_is_an_earlier_or_later_touch():
+    loose = observed(**SLACK)
+    assert off(loose) < 0.15 and inside(loose) > 0.8
+
+
 def test_there_is_a_force_at_every_sample(sound):
     assert len(sound) == 1100
     assert np.isfinite(sound).all()
 
 
+def off(found):
+    """Median error of the force where an object is held, as a share."""
+    on = found[:, 0] > 2.0
+    return np.median(np.abs(found[on, 1] / found[on, 0] - 1.0))
+
+
+def inside(found):
+    """Share of the samples with an object held whose band holds the truth."""
+    on = found[:, 0] > 2.0
+    return ((found[on, 2] <= found[on, 0]) & (found[on, 0] <= found[on, 3])).mean()
+
+
 def test_the_force_of_an_unknown_object_is_near_the_truth(sound):
-    on = sound[:, 0] > 2.0
-    assert np.median(np.abs(sound[on, 1] / sound[on, 0] - 1.0)) < 0.15
+    assert off(sound) < 0.15
 
 
 def test_its_band_holds_the_truth(sound):
-    on = sound[:, 0] > 2.0
-    inside = (sound[on, 2] <= sound[on, 0]) & (sound[on, 0] <= sound[on, 3])
-    assert inside.mean() > 0.8
+    assert inside(sound) > 0.8
 
 
 def test_nothing_is_held_before_the_touch(sound):
