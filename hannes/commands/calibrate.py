@@ -19,7 +19,7 @@ from hannes.core.io.outputs import reserved
 from hannes.core.io.progress import stages
 from hannes.identification.binned_run import BLOCKS_PER_PARAMETER, View
 from hannes.identification.calibration.data_check import DataIssues, data_issues
-from hannes.identification.calibration.far_value import far_value, without_far
+from hannes.identification.calibration.far_value import far_values, without_far
 from hannes.identification.calibration.heldout_prediction import prediction
 from hannes.identification.calibration.identifiability import answers
 from hannes.identification.calibration.intervals import spread
@@ -146,7 +146,7 @@ def _result(
     wrong = repeated.misleads or missing.likely
     lack_of_fit = "the model does not fit: see what remains" if wrong else ""
     made = answers(found, width, halves, lack_of_fit)
-    far = far_value(found.plan, made)
+    far = far_values(found.plan, made)
     return Calibration(
         campaign,
         issues,

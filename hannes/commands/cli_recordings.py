@@ -199,8 +199,8 @@ def _begin(chosen: argparse.Namespace) -> None:
             file=[str(begun.out / CAMPAIGN)], plant=None, experiment=None, mapping=None,
             notes=False, json=False,
         )  # fmt: skip
-        if faulty := _faulty(_checked(checked)):
-            print(f"  missing  {printable(_listed(faulty))}")
+        if missing := _missing(checked):
+            print(f"  missing  {printable(missing)}")
             campaign = printable(begun.out / CAMPAIGN)
             print(f"next: edit {campaign}, then: hannes check {campaign}")
             return
@@ -217,6 +217,17 @@ def _check(chosen: argparse.Namespace) -> None:
     sys.stdout.flush()  # before the line on standard error
     if faulty:
         raise BadInput(_listed(faulty, chosen.json))
+
+
+def _missing(checked: argparse.Namespace) -> str:
+    """What keeps a new campaign from being used, or an empty string."""
+    from hannes.core.errors import BadInput
+
+    try:
+        faulty = _faulty(_checked(checked))
+    except BadInput as error:
+        return str(error)
+    return _listed(faulty) if faulty else ""
 
 
 def _faulty(found: Sequence[tuple[str, Sequence["Finding"]]]) -> list[str]:

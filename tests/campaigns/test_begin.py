@@ -352,3 +352,13 @@ def test_units_of_an_exported_matlab_file_are_taken_from_it(tmp_path):
     assert begun.missing == []
     made = Recording.read(begun.recordings[0])
     assert np.array_equal(made["current"], CURRENT) and dict(made.units) == units
+
+
+def test_a_log_without_a_command_ends_with_what_is_missing(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rows = "".join(f"{k},{5 * (k % 7)},{0.4 * k}\n" for k in range(600))
+    (tmp_path / "log.csv").write_text("t [ms],i [mA],angle [deg]\n" + rows, encoding="utf-8")
+    assert main(["begin", "log.csv"]) == 0
+    said = capsys.readouterr().out
+    assert "missing" in said and "neither a channel reference_rad nor an experiment" in said
+    assert said.rstrip().splitlines()[-1].startswith("next: edit ")

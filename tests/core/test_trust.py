@@ -275,3 +275,9 @@ def test_a_plant_that_raises_when_made_or_looked_at_is_one_line(body, capsys):
     assert main(["check", "r.h5", "--plant", "mine.py:Mine"]) == 2
     printed = capsys.readouterr().err
     assert printed.count("\n") == 1 and "plant mine.py:Mine raises" in printed
+
+
+def test_a_name_that_no_file_can_have_leads_nowhere(tmp_path):
+    toml = tmp_path / "campaign.toml"
+    toml.write_text(f'base = "{300 * "h"}.toml"\n')
+    assert consent.reached(toml) == [toml]

@@ -8,11 +8,20 @@ import pytest
 from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.faults import Fault
 from hannes.commands.diagnose import diagnose
+from hannes.identification.diagnosis import effect_search
+from hannes.identification.diagnosis import like_faults as module
+from hannes.identification.diagnosis.like_faults import varied, with_like_faults
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
+from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.trials import Trial, near
+from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.hand.finger_faults import FAULTS
 from hannes.plants.hand.plant import HandPlant
+from hannes.simulation.catalogue import effects
 from hannes.simulation.hand.hand_file import load_hand
+
+KNOWN = {**effects(), **FAULTS}
 
 CHOSEN = [FAULTS["index_weak_spring"], FAULTS["thumb_moved_stop"]]
 GROUP = SimpleNamespace(owner="", own=(), nominal={})
@@ -68,3 +77,74 @@ def test_a_lost_spring_is_named_with_its_finger_and_written_as_its_value(tmp_pat
     assert verdict.parameters["thumb_weak_spring.mcp_lost"]["value"] == pytest.approx(0.8, abs=0.05)
     hand = load_hand(tmp_path / "diagnosis" / "hand.toml")
     assert hand.parameters["thumb.mcp_spring_stiffness"] == pytest.approx(0.2, abs=0.05)
+
+
+def guess(name, delta_chi2=100.0):
+    """Of an effect, so much promised."""
+    return Guess(name, delta_chi2, *[np.zeros(0)] * 3)
+
+
+def trial(*effects, delta_chi2=1000.0):
+    """Effects fitted together."""
+    return Trial(effects, SimpleNamespace(space=SimpleNamespace(effects=KNOWN)), delta_chi2)
+
+
+def test_alike_faults_leave_the_laws_their_places():
+    faults = [guess(name, 500.0) for name in FAULTS]
+    laws = [guess(name, 100.0 - k) for k, name in enumerate(effects())]
+    baseline = SimpleNamespace(space=SimpleNamespace(effects=KNOWN))
+    short = [each.effect for each in effect_search._shortlist(baseline, [*faults, *laws])]
+    assert short[: SEARCH.likely_faults] == [each.effect for each in faults[: SEARCH.likely_faults]]
+    assert short[SEARCH.likely_faults :] == [each.effect for each in laws[: SEARCH.shortlist]]
+    further = effect_search._next_laws(baseline, [*faults, *laws])
+    assert further == laws[SEARCH.shortlist : 2 * SEARCH.shortlist]
+
+
+def test_of_the_same_fault_of_several_fingers_one_is_a_guess_at_what_is_left():
+    names = ("ring_weak_spring", "index_weak_spring", "capstan", "index_moved_stop")
+    found = varied(KNOWN, [guess(name) for name in names])
+    assert [each.effect for each in found] == ["ring_weak_spring", "capstan", "index_moved_stop"]
+
+
+def test_fingers_are_separated_by_chance_alone_and_laws_by_a_share():
+    best = trial("thumb_weak_spring")
+    others = [
+        trial("index_weak_spring", delta_chi2=1000.0 - 0.9 * SEARCH.rival),
+        trial("ring_weak_spring", delta_chi2=1000.0 - 2.0 * SEARCH.rival),
+        trial("capstan", delta_chi2=1000.0 - 2.0 * SEARCH.rival),
+    ]
+    assert near(best, others) == [others[0], others[2]]
+
+
+def test_of_pairs_the_finger_alone_makes_the_limit_narrow():
+    best = trial("capstan", "thumb_weak_spring")
+    others = [
+        trial("capstan", "ring_weak_spring", delta_chi2=1000.0 - 2.0 * SEARCH.rival),
+        trial("leader_slack", "ring_weak_spring", delta_chi2=1000.0 - 2.0 * SEARCH.rival),
+    ]
+    assert near(best, others) == others[1:]
+
+
+def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
+    left = {"index": 300.0, "middle": 120.0, "ring": 101.0, "little": 99.5}
+    begun, converged = [], []
+
+    def transferred(baseline, leader, best, name):
+        begun.append(name)
+        return SimpleNamespace(chi2=left[name.partition("_")[0]])
+
+    def settled(point):
+        converged.append(point.chi2)
+        return point
+
+    monkeypatch.setattr(module, "_transferred", transferred)
+    monkeypatch.setattr(module, "settled", settled)
+    baseline = SimpleNamespace(chi2=200.0, space=SimpleNamespace(effects=KNOWN))
+    fits = {"thumb_weak_spring": SimpleNamespace(chi2=100.0)}
+    found = with_like_faults(baseline, fits, "thumb_weak_spring", lambda text: None)
+    assert begun == [f"{finger}_weak_spring" for finger in left]
+    assert set(found) == {
+        f"{finger}_weak_spring" for finger in ("middle", "ring", "little", "thumb")
+    }
+    assert converged == [101.0, 99.5]  # the others are far from as good
+    assert with_like_faults(baseline, {"capstan": fits}, "capstan", print) == {"capstan": fits}

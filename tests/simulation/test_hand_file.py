@@ -161,7 +161,7 @@ FINGERS = """\
 name = "index"
 mcp_moment_arm = "9.9 mm"
 pip_spring_stiffness = "70 %"
-pip_coulomb_friction = "1.5"
+pip_coulomb_friction = "150 %"
 [[finger]]
 name = "thumb"
 end_mcp = "1 rad"
@@ -191,7 +191,9 @@ def test_a_finger_has_values_of_its_own(tmp_path):
         ("[[finger]]\nname = 'index'\nmcp_moment_am = '1'", 'did you mean "mcp_moment_arm"'),
         ("[[finger]]\nname = 'index'\nmcp_moment_arm = '3 N'", "mcp_moment_arm.*length"),
         ("[[finger]]\nname = 'index'\nmcp_moment_arm = '-20 %'", "below its lower bound"),
-        ("[[finger]]\nname = 'index'\npip_moment_arm = 1\n" * 2, "given twice"),
+        ("[[finger]]\nname = 'index'\npip_moment_arm = '90 %'\n" * 2, "given twice"),
+        ("[[finger]]\nname = 'index'\npip_moment_arm = 0.0104", "has no unit"),
+        ("[[finger]]\nname = 'index'\npip_moment_arm = '0.0104'", "has no unit"),
         ("finger = 1", "list"),
         ("finger = [1]", "must be tables"),
     ],

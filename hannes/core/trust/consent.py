@@ -136,7 +136,7 @@ def reached(toml: Path) -> list[Path]:
         texts = [table.get(key) for table in tables for key in LEADING]
         texts += [str(table.get("file")).removeprefix(SIMULATED) for table in tables]
         names = [each for each in texts if isinstance(each, str) and each.endswith(".toml")]
-        waiting += [path.parent / name for name in names if (path.parent / name).is_file()]
+        waiting += [path.parent / name for name in names if _is_file(path.parent / name)]
     return list(found)
 
 
@@ -146,6 +146,14 @@ def digest(toml: Path, sources: Iterable[Source]) -> str:
     for each in sources:
         found.update(f"\n{each.name} {each.folder} {each.digest}".encode())
     return found.hexdigest()
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is a file; none has a name that the system does not take."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _is_list(value: object) -> bool:

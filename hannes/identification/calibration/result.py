@@ -51,7 +51,7 @@ class Fit(ByValue):
     answers: tuple[Answer, ...]
     repeatable_residual: RepeatableResidual
     missing: MissingEffect
-    far: FarValue
+    far: tuple[FarValue, ...]
     gap: dict[str, dict[str, float]]
     fitted_gap: dict[str, dict[str, float]]
     floor_from: str
@@ -96,8 +96,9 @@ class Fit(ByValue):
             parts = ["the model does not fit these recordings"]
         elif self.missing.likely:
             parts = [f"the model likely lacks {self.missing.name}, or something like it"]
-        elif self.far.likely:
-            parts = [f"{self.far.name} is farther from its given value than machines differ"]
+        elif self.far:
+            names = " and ".join(each.name for each in self.far)
+            parts = [f"farther from the given value than machines differ: {names}"]
         for label in (AT_BOUND, NOT_IDENTIFIED, CONFOUNDED):
             some = [each.name for each in self.answers if each.label == label]
             parts += [f"{label}: {', '.join(some)}"] if some else []
@@ -130,7 +131,7 @@ class Fit(ByValue):
                 "sentence": self.repeatable_residual.sentence,
             },
             "missing": {**asdict(self.missing), "likely": self.missing.likely},
-            "far": {**asdict(self.far), "likely": self.far.likely},
+            "far": [asdict(each) for each in self.far],
             "starts": self._starts(),
             "runs": self._runs(),
             "recordings": {
@@ -206,12 +207,13 @@ class Fit(ByValue):
     @property
     def misleads(self) -> bool:
         """Whether the model, or what was given of it, is wrong in some way."""
-        return self.repeatable_residual.misleads or self.missing.likely or self.far.likely
+        return self.repeatable_residual.misleads or self.missing.likely or bool(self.far)
 
     @property
     def remaining(self) -> list[str]:
         """What remains and what was assumed, a sentence each."""
-        said = [self.repeatable_residual.sentence, self.missing.sentence, self.far.sentence]
+        said = [self.repeatable_residual.sentence, self.missing.sentence]
+        said += [each.sentence for each in self.far]
         return [*(f"{text}." for text in said if text), *self.assumed]
 
     @property

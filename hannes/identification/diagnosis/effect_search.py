@@ -113,8 +113,8 @@ def _searched(
     known = {**known, **fits_from_nominal(nominal, baseline, absorbed, progress)}
     starts = [(baseline, guess) for guess in likely]
     if baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size:
-        large = screened(nominal, names, SEARCH.screening_sizes)[: SEARCH.shortlist]
-        starts += [(baseline, guess) for guess in guesses[SEARCH.shortlist : 2 * SEARCH.shortlist]]
+        large = _shortlist(baseline, screened(nominal, names, SEARCH.screening_sizes))
+        starts += [(baseline, guess) for guess in _next_laws(baseline, guesses)]
         starts += [(nominal, guess) for guess in large]
     fits = _deepened(
         nominal,
@@ -146,6 +146,13 @@ def _shortlist(baseline: Linearisation, guesses: Sequence[Guess]) -> list[Guess]
     others = [each for each in guesses if each.effect not in faults][: SEARCH.shortlist]
     few = [each for each in guesses if each.effect in faults][: SEARCH.likely_faults]
     return [each for each in guesses if each in others or each in few]
+
+
+def _next_laws(baseline: Linearisation, guesses: Sequence[Guess]) -> list[Guess]:
+    """The laws that the shortlist has no room for, as many again."""
+    faults = part_faults(baseline.space.effects, (each.effect for each in guesses))
+    laws = [each for each in guesses if each.effect not in faults]
+    return laws[SEARCH.shortlist : 2 * SEARCH.shortlist]
 
 
 def _generic(

@@ -1,10 +1,15 @@
 """The best fault of a part, tried in every other like part: recordings may not separate these."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
+from hannes.core.effect import Effect
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import Fits, Progress, negligible
+from hannes.identification.diagnosis.score_test import Guess
+from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.part_fault import like_faults
 
 
@@ -13,11 +18,27 @@ def with_like_faults(baseline: Linearisation, fits: Fits, best: str, progress: P
     found, leader = dict(fits), fits[best]
     for name in like_faults(baseline.space.effects, best):
         progress(f"{name.replace('_', ' ')}, as {best.replace('_', ' ')}")
-        point = _transferred(baseline, leader, best, name)
-        if point is not None and point.chi2 < min(
-            baseline.chi2, found[name].chi2 if name in found else np.inf
-        ):
-            found[name] = point
+        points = [_transferred(baseline, leader, best, name), found.get(name)]
+        there = [each for each in points if each is not None and each.chi2 < baseline.chi2]
+        if there:
+            found[name] = _converged_if_near(baseline, leader, min(there, key=lambda e: e.chi2))
+    return found
+
+
+def _converged_if_near(
+    baseline: Linearisation, leader: Linearisation, point: Linearisation
+) -> Linearisation:
+    """A rival whose round ended early may be as good as the best one: then it goes on."""
+    near = SEARCH.rival_share * (baseline.chi2 - leader.chi2)
+    return settled(point) if point.chi2 - leader.chi2 < near else point
+
+
+def varied(effects: Mapping[str, Effect], guesses: Sequence[Guess]) -> list[Guess]:
+    """The guesses, of the same fault of several parts the first alone."""
+    found: list[Guess] = []
+    for each in guesses:
+        if not set(like_faults(effects, each.effect)) & {known.effect for known in found}:
+            found.append(each)
     return found
 
 

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from hannes.identification.diagnosis.decision import Decision
-from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
 from hannes.identification.diagnosis.reservations import doubt_about, something_more
 from hannes.identification.diagnosis.trials import SearchResult, Trial
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
@@ -30,7 +29,6 @@ def nearest(
             "why_not": _why_not(found, each, enough[0]),
         }
         for each in enough[: VERDICT.nearest]
-        if not set(each.effects) & GENERIC_NAMES.keys()
     ]
 
 

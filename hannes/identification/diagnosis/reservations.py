@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from hannes.core.effect import Effect
 from hannes.core.parameter import Parameter
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
 from hannes.identification.diagnosis.linearisation import Linearisation
@@ -15,6 +16,7 @@ from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.trend import Trend, strongest_trend
 from hannes.identification.diagnosis.trials import SearchResult, Trial, near
 from hannes.identification.diagnosis.tuning import FIT, SEARCH, VERDICT
+from hannes.plants.part_fault import moved_by
 
 
 def beyond_noise(point: Linearisation, bins: int) -> str:
@@ -32,7 +34,8 @@ def doubt_about(found: SearchResult, trial: Trial) -> str:
         return f"only with {name} at an end of its range and beyond: something like it is there"
     if found.generic and found.generic.delta_chi2 > SEARCH.faint and near(trial, [found.generic]):
         generic_name = GENERIC_NAMES[found.generic.effects[0]]
-        return f"{generic_name} does by {found.generic.delta_chi2:.0f}: something else may be there"
+        lowered = f"{found.generic.delta_chi2:.0f}"
+        return f"{generic_name} lowers it by {lowered} too: something else may be there"
     return ""
 
 
@@ -45,10 +48,17 @@ def _stretched(found: SearchResult, trial: Trial) -> str:
             value = float(space.parameters[place].value(trial.point.x[place]))
             if (
                 _at_end(each, value)
+                and not _gone(effect, each.name, value)
                 and _beyond(trial.point, place) > VERDICT.beyond_range * found.variance_factor
             ):
                 return f"{effect.name}'s {each.name}".replace("_", " ")
     return ""
+
+
+def _gone(effect: Effect, parameter: str, value: float) -> bool:
+    """Whether a fault has taken all of a share: no more can be lost."""
+    moves = moved_by(effect, parameter)
+    return bool(moves) and all(1.0 + change * value <= 1e-9 for change in moves.values())
 
 
 def _at_end(parameter: Parameter, value: float) -> bool:

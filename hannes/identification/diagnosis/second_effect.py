@@ -6,6 +6,7 @@ from dataclasses import replace
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.global_starts import global_fits
+from hannes.identification.diagnosis.like_faults import varied
 from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.multistart import (
     Progress,
@@ -33,9 +34,8 @@ def with_second_effect(found: SearchResult, progress: Progress) -> SearchResult:
     needed = max(SEARCH.name_limit, SEARCH.second_share * best.delta_chi2)
     progress("what is left")
     guesses = _others(best.point, best.effects, found.variance_factor)
-    starts = [
-        (best, guess) for guess in guesses[:2] if guess.delta_chi2 >= needed * found.variance_factor
-    ]
+    enough = [each for each in guesses if each.delta_chi2 >= needed * found.variance_factor]
+    starts = [(best, guess) for guess in varied(best.point.space.effects, enough)[:2]]
     pairs = best_first(
         _paired(found, starts, progress) + _paired_globally(found, guesses, progress)
     )

@@ -86,13 +86,21 @@ def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
     Laws are inexact by a share of what they explain; the same fault of two parts is one law.
     """
     far = max(SEARCH.rival, SEARCH.rival_share * best.delta_chi2)
-    alike = like_faults(best.point.space.effects, best.effects[0])
     return [
         t
         for t in trials
         if t.effects != best.effects
-        and best.delta_chi2 - t.delta_chi2 < (SEARCH.rival if t.effects[0] in alike else far)
+        and best.delta_chi2 - t.delta_chi2 < (SEARCH.rival if _same_laws(best, t) else far)
     ]
+
+
+def _same_laws(one: Trial, other: Trial) -> bool:
+    """Whether two trials differ in the part that has a fault alone."""
+    apart = set(one.effects) ^ set(other.effects)
+    if len(one.effects) != len(other.effects) or len(apart) != 2:
+        return False
+    first, second = apart
+    return second in like_faults(one.point.space.effects, first)
 
 
 def with_confusable(

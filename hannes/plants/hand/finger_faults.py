@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from hannes.core.effect import Effect
 from hannes.core.parameter import Parameter
 from hannes.plants.part_fault import PartFault
-from hannes.simulation.hand.anatomy import FINGERS
+from hannes.simulation.hand.anatomy import FINGERS, PARAMETERS
 from hannes.simulation.hand.joint_shares import KINDS
 
 # Quantities of a joint that an amplitude moves -> change of their shares per unit of it.
@@ -22,16 +22,32 @@ def _shares(finger: str, kind: str, changes: Mapping[str, float]) -> dict[str, f
     return {f"{finger}.{kind}_{name}": change for name, change in changes.items()}
 
 
+def _both(low: float, high: float) -> dict[str, tuple[float, float]]:
+    """The same bounds for either joint."""
+    return dict.fromkeys(KINDS, (low, high))
+
+
+def _travel(finger: str) -> dict[str, tuple[float, float]]:
+    """A stop may take nine tenths of a joint's travel: beyond, the open hand would rest on it."""
+    values = {each.name: each.value for each in PARAMETERS}
+    return {
+        kind: (-0.9 * (values[f"{finger}.end_{kind}"] - values[f"{finger}.rest_{kind}"]), 0.3)
+        for kind in KINDS
+    }
+
+
 def _fault(
     name: str,
     words: tuple[str, str, str],
-    size: tuple[str, str, tuple[float, float], str],
+    size: tuple[str, str, Mapping[str, tuple[float, float]], str],
     moves: Mapping[str, Mapping[str, float]],
 ) -> PartFault:
     meaning, equation, source = words
     amplitude, unit, bounds, doc = size
     parameters = tuple(
-        Parameter(f"{kind}_{amplitude}", 0.0, unit, bounds, f"{doc} of its {kind.upper()}", off=0.0)
+        Parameter(
+            f"{kind}_{amplitude}", 0.0, unit, bounds[kind], f"{doc} of its {kind.upper()}", off=0.0
+        )
         for kind in KINDS
     )
     named = {f"{kind}_{amplitude}": moves[kind] for kind in KINDS}
@@ -52,7 +68,7 @@ def _of(finger: str) -> tuple[PartFault, ...]:
                 "T_spring *= 1 - lost, at one joint",
                 "EN 13906-3 (2014), torsion springs: relaxation and fracture",
             ),
-            ("lost", "1", (-1.0, 1.0), "share of the spring"),
+            ("lost", "1", _both(-1.0, 1.0), "share of the spring"),
             shares["weak"],
         ),
         _fault(
@@ -62,7 +78,7 @@ def _of(finger: str) -> tuple[PartFault, ...]:
                 "a *= 1 - lost, at one joint",
                 "geometry; Kaneko, Yamashita & Tanie (1991), tendon routing",
             ),
-            ("lost", "1", (-0.5, 0.95), "share of the arm"),
+            ("lost", "1", _both(-0.5, 0.95), "share of the arm"),
             shares["slipped"],
         ),
         _fault(
@@ -72,7 +88,7 @@ def _of(finger: str) -> tuple[PartFault, ...]:
                 "F *= 1 + more, at one joint",
                 "Armstrong-Hélouvry (1991), friction by dirt and wear",
             ),
-            ("more", "1", (-0.9, 30.0), "further friction"),
+            ("more", "1", _both(-0.9, 30.0), "further friction"),
             shares["stiff"],
         ),
         _fault(
@@ -82,7 +98,7 @@ def _of(finger: str) -> tuple[PartFault, ...]:
                 "q_end += angle, at one joint",
                 "geometry of the stop; the paper's ranges of motion",
             ),
-            ("angle", "rad", (-1.2, 0.3), "change of the closing stop"),
+            ("angle", "rad", _travel(finger), "change of the closing stop"),
             {kind: {f"{finger}.end_{kind}": 1.0} for kind in KINDS},
         ),
     )

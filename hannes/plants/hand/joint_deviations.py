@@ -1,9 +1,9 @@
-"""Runs of a hand whose single parts differ for themselves, which its parameters leave out.
+"""Runs of a hand whose single parts differ for themselves.
 
 Fingers are made alike and are not alike: each joint's arm, spring, friction and stop is a little
-off. The hand's parameters hold for all five fingers. An object that an experiment gives is not
-quite as it is stated either, and no parameter of the hand says so. What each of these does to a run
-is simulated here, one at a time; a fit takes it as uncertain.
+off, and nobody has measured by how much. The values that are fitted hold for all five. An object
+that an experiment gives is not quite as it is stated either, and no parameter of the hand says so.
+What each of these does to a run is simulated here, one at a time; a fit takes it as uncertain.
 """
 
 from collections.abc import Mapping
@@ -18,18 +18,10 @@ from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand import variables
 from hannes.simulation.hand.anatomy import JOINTS
 from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.joint_shares import QUANTITIES
 from hannes.simulation.trajectory import Outcome
 
 STEP = 0.01  # relative, of the differences
-QUANTITIES = (
-    "moment_arm",
-    "spring_stiffness",
-    "spring_preload",
-    "breakaway_friction",
-    "coulomb_friction",
-    "viscous_friction",
-    "stop_stiffness",
-)
 OF_OBJECT = {"object.stiffness": 0.0, "object.damping": 0.0, "object.friction": 0.0,
              "object.x": 10e-3, "object.y": 10e-3}  # fmt: skip  # m, to which a place is relative
 NEARER = (0.25, 0.05, -0.05)  # shares of a difference at whose whole no run succeeds

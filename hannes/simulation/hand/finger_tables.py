@@ -10,6 +10,7 @@ A joint's value is given with its unit, or as a share of the one that all joints
 """
 
 from collections.abc import Iterator, Mapping
+from decimal import Decimal
 
 from hannes.core.errors import BadInput, nearest
 from hannes.core.io.toml_table import Table
@@ -68,7 +69,7 @@ def _value(
 
 def _number(table: Table, key: str, given: object, declared: Parameter, model: Model) -> float:
     """In the parameter's unit; of a joint's value with its unit the share of the shared one."""
-    if not declared.shared or not isinstance(given, str) or _is_share(given):
+    if not declared.shared or (isinstance(given, str) and given.strip().endswith("%")):
         return quantity(given, declared.unit, table.name(key))
     shared = model.parameters.require(declared.shared)
     common = model.parameters[declared.shared]
@@ -78,11 +79,6 @@ def _number(table: Table, key: str, given: object, declared: Parameter, model: M
     return number / common
 
 
-def _is_share(given: str) -> bool:
-    """Whether a text has no unit but %."""
-    return not any(each.isalpha() for each in given.replace("e", "").replace("E", ""))
-
-
 def finger_content(model: Model, numbers: Mapping[str, float]) -> list[dict[str, str]]:
     """Content of the `[[finger]]` tables that hold these values; empty for all but a hand."""
     if not has_fingers(model):
@@ -90,9 +86,16 @@ def finger_content(model: Model, numbers: Mapping[str, float]) -> list[dict[str,
     tables = []
     for finger in FINGERS:
         own = {
-            name.partition(".")[2]: text(x, model.parameters.require(name).unit)
+            name.partition(".")[2]: _text(model.parameters.require(name), x)
             for name, x in numbers.items()
             if name in NAMES and name.startswith(f"{finger}.")
         }
         tables += [{"name": finger, **own}] if own else []
     return tables
+
+
+def _text(declared: Parameter, value: float) -> str:
+    """A share in percent, to its last digit; all else with its unit."""
+    if not declared.shared:
+        return text(value, declared.unit)
+    return f"{Decimal(repr(float(value))) * 100} %"
