@@ -2,11 +2,12 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hannes.commands.cli_findings import faults_listed, faulty_files, finding_counts, finding_lines
 from hannes.commands.cli_output import add_force, add_json, print_json
 from hannes.commands.cli_trust import add_trust
 from hannes.commands.next_step import after_check, after_convert
@@ -166,7 +167,7 @@ def _convert(chosen: argparse.Namespace) -> None:
         print_json({"recordings": rows})
         return
     for row, findings in zip(rows, found, strict=True):
-        print("\n".join([_summary_text(row), *_lines(findings, notes=False)]))
+        print("\n".join([_summary_text(row), *finding_lines(findings, notes=False)]))
     print(printable(after_convert(chosen.mapping, [str(path) for path in paths], found)))
 
 
@@ -211,12 +212,12 @@ def _check(chosen: argparse.Namespace) -> None:
     from hannes.core.errors import BadInput
 
     found = _checked(chosen)
-    faulty = _faulty(found)
+    faulty = faulty_files(found)
     if not chosen.json:
         print(printable(after_check(chosen.file, faulty)))
     sys.stdout.flush()  # before the line on standard error
     if faulty:
-        raise BadInput(_listed(faulty, chosen.json))
+        raise BadInput(faults_listed(faulty, chosen.json))
 
 
 def _missing(checked: argparse.Namespace) -> str:
@@ -224,22 +225,10 @@ def _missing(checked: argparse.Namespace) -> str:
     from hannes.core.errors import BadInput
 
     try:
-        faulty = _faulty(_checked(checked))
+        faulty = faulty_files(_checked(checked))
     except BadInput as error:
         return str(error)
-    return _listed(faulty) if faulty else ""
-
-
-def _faulty(found: Sequence[tuple[str, Sequence["Finding"]]]) -> list[str]:
-    """Names of the files with a fault."""
-    return [name for name, some in found if any(each.level == "fault" for each in some)]
-
-
-def _listed(faulty: Sequence[str], json: bool = False) -> str:
-    """Where the faults are that were printed: each is said once."""
-    more = f" and {len(faulty) - 1} more" if len(faulty) > 1 else ""
-    where = "findings in the JSON" if json else "faults in the list above"
-    return f"{faulty[0]}{more}: not sound; see the {where}"
+    return faults_listed(faulty) if faulty else ""
 
 
 def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:
@@ -266,20 +255,9 @@ def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:
         print_json({"recordings": rows})
     else:
         for name, findings in found:
-            head = f"{printable(name)}: {_counted(findings)}"
-            print("\n".join([head, *_lines(findings, chosen.notes)]))
+            head = f"{printable(name)}: {finding_counts(findings)}"
+            print("\n".join([head, *finding_lines(findings, chosen.notes)]))
     return found
-
-
-def _lines(findings: Sequence["Finding"], notes: bool) -> list[str]:
-    return [f"  {printable(each)}" for each in findings if notes or each.level != "note"]
-
-
-def _counted(findings: Sequence["Finding"]) -> str:
-    """`1 fault, 2 warnings, 6 notes`."""
-    levels = [each.level for each in findings]
-    counts = {level: levels.count(level) for level in ("fault", "warning", "note")}
-    return ", ".join(f"{n} {level}{'' if n == 1 else 's'}" for level, n in counts.items())
 
 
 def _summary_text(row: dict[str, Any]) -> str:

@@ -90,7 +90,10 @@ def test_the_version(capsys):
         (["effects", "leader_slak"], 'did you mean "leader_slack"?'),
         (["diagnose", "nowhere.toml"], "nowhere.toml: expected a TOML file, there is no such file"),
         (["dataset", "large", "--grasp", "1", "--backend", "dask"], "--grasp makes one, here"),
-        (["check", "emps", "--plant", "axis"], "a campaign names plant and experiments itself"),
+        (
+            ["check", "emps", "--plant", "axis"],
+            "a campaign names plant, experiments and mappings itself",
+        ),
         (["reproduce", "--slack", "nowhere"], "is no verdict of a diagnosis"),
     ],
 )
