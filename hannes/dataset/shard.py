@@ -125,11 +125,15 @@ def made(spec: Spec, number: int) -> Shard:
 
 def grasps(spec: Spec, sampled: list[SampledGrasp], channels: tuple[str, ...]) -> list[Grasp]:
     """Simulate sampled grasps on one core, keeping these channels."""
-    if some := [each for each in sampled if is_limited(each)]:
-        free = _simulated(spec, some, ("position", "force"))
-        known = {each.number: each for each in limited(some, free)}
-        sampled = [known.get(each.number, each) for each in sampled]
-    return _simulated(spec, sampled, channels)
+    return _simulated(spec, as_closed(spec, sampled), channels)
+
+
+def as_closed(spec: Spec, sampled: list[SampledGrasp]) -> list[SampledGrasp]:
+    """The same, where a command is limited after the touch with the command that results."""
+    some = [each for each in sampled if is_limited(each)]
+    free = _simulated(spec, some, ("position", "force")) if some else []
+    known = {each.number: each for each in limited(some, free)}
+    return [known.get(each.number, each) for each in sampled]
 
 
 def _simulated(spec: Spec, sampled: list[SampledGrasp], channels: tuple[str, ...]) -> list[Grasp]:
@@ -172,8 +176,8 @@ def _deflated(values: np.ndarray) -> bytes:
 
 def recorded(spec: Spec, number: int) -> Recording:
     """Simulate one grasp alone and return its recording, as the data set has it."""
-    sampled = sample_grasp(spec, number)
-    (grasp,) = grasps(spec, [sampled], CHANNELS)
+    (sampled,) = as_closed(spec, [sample_grasp(spec, number)])
+    (grasp,) = _simulated(spec, [sampled], CHANNELS)
     values = logged(sampled.hand, sampled.experiment, grasp.require())
     steps = {name: sampled.values.get(f"resolution.{name}", 0.0) for name in values.names}
     return values.with_channels(

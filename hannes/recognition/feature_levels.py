@@ -1,8 +1,9 @@
 """Features rounded to few levels, on which trees grow in less than half the time.
 
 A tree sorts a feature in every node: the fewer values it has, the quicker. Each value goes to the
-nearest level. scikit-learn splits halfway between two levels, where rounding divides them too: so
-a tree grown on levels sends a feature that is not rounded the same way.
+nearest level. scikit-learn splits halfway between the levels that a node has. Where these are
+neighbours, rounding divides there too; where a level between is missing, a feature that was not
+rounded may go the other way than its level.
 """
 
 import numpy as np

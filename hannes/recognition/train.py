@@ -106,24 +106,25 @@ def curve_of(
 
     The numbers are all that `train` uses, a quarter, a quarter of that, and so on to some 30. A
     part with too few of a class is skipped. `whole` is the last one where it was trained on all
-    of these grasps: it is not trained again.
+    of these grasps and has no fewer trees: it is not trained again.
     """
     known, of = given.grasps, _origin(given.data, seed)
     order = np.random.default_rng(seed).permutation(known.rigid.size)
     steps = 1 + max(0, int(np.log(order.size / FEWEST) / np.log(4.0)))
     for count in [round(order.size / 4.0**k) for k in range(steps)][::-1]:
         part = known.some(order[:count])
-        if count == order.size and whole is not None and _is_of(whole, given):
+        if count == order.size and whole is not None and _is_of(whole, given, trees):
             yield count, whole
         elif count == order.size or _enough(part):
             yield count, _trained(part, given, of, trees, seed, jobs)[0]
 
 
-def _is_of(model: Model, given: TrainingSet) -> bool:
-    """Whether a model was trained on all of these grasps."""
+def _is_of(model: Model, given: TrainingSet, trees: int) -> bool:
+    """Whether a model was trained on all of these grasps, and has that many trees or more."""
     seed = model.trained.rpartition(" ")[2]
     same = seed.isdecimal() and model.trained == _origin(given.data, int(seed))
-    return same and model.windowing == given.windowing
+    enough = model.rigid.starts.size - 1 >= trees
+    return same and enough and model.windowing == given.windowing
 
 
 def _enough(known: Grasps) -> bool:

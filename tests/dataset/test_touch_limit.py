@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from hannes.core.io.toml_table import Table
 from hannes.dataset.sampling import sample_grasp
 from hannes.dataset.shard import grasps, recorded
 from hannes.dataset.spec import read_spec
+from hannes.simulation.experiment.reader import KEYS, read_experiment
 
 SPEC = """
 title = "pressed"
@@ -60,3 +62,5 @@ def test_then_a_share_of_its_travel_counts_which_rises_slowly(pair):
 def test_one_grasp_alone_is_that_of_the_data_set(pair):
     alone = recorded(read_spec(SPEC), 1)
     assert np.array_equal(alone["reference"], pair[1]["reference"])
+    said = read_experiment(Table.parse(alone.experiment, "here", KEYS), None).reference
+    assert np.interp(alone.time, *said.knots) == pytest.approx(alone["reference"], abs=1e-6)

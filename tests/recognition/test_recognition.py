@@ -332,6 +332,8 @@ def test_a_learning_curve_ends_with_the_model_that_was_trained_on_all(data, trai
     for other in (part, replace(whole, windowing=Windowing(hop=0.02))):
         *_, (count, last) = learning.curve_of(given, trees=2, jobs=1, whole=other)
         assert count == 80 and last is not other
+    more = whole.rigid.starts.size
+    assert not learning._is_of(whole, given, more) and learning._is_of(whole, given, more - 1)
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from hannes.simulation.rodas.coefficients import LOOSE
 from hannes.simulation.rodas.problem import Plain, compiled
 from hannes.simulation.rodas.scipy_solver import Rodas
 from hannes.simulation.rodas.step import WORK
-from hannes.simulation.rodas.whole_tick import whole_tick
+from hannes.simulation.rodas.whole_tick import advance_tick, whole_tick
 from hannes.simulation.simulate import simulate
 from hannes.simulation.trajectory import Outcome
 
@@ -102,6 +102,20 @@ def test_order_of_whole_ticks_whatever_the_jacobian(monkeypatch, kept):
         assert jacobians == (1 if kept else count)
         off.append(np.abs(found - exact).max())
     assert np.all(np.log2(np.array(off[:-1]) / off[1:]) > 1.9)
+
+
+def test_a_tick_longer_than_the_longest_step_is_divided():
+    y, longest, bounds = np.array([0.5, 1.0]), 0.2, np.array([0.5, 1.0])
+    problem = Plain(
+        swinging, lambda t, ys: np.array([swinging(t, y) for y in ys.T]).T,
+        lambda t, y: swinging_slopes(y), y, (0.0, 1.0),
+    )  # fmt: skip
+    clock, counts = np.array([0.0, 0.5, 0.5, longest, 1.0, 0.0]), np.zeros(5, np.int64)
+    ends, pieces, work = np.zeros(20), np.zeros((20, 3, 2)), np.zeros((WORK, 2))
+    taken = advance_tick(
+        problem, (), y, 1e6, np.ones(2), clock, counts, bounds[:1], ends, pieces, work
+    )
+    assert ends[taken] == 0.5 and np.diff(ends[: taken + 1]).max() <= 1.01 * longest
 
 
 @pytest.mark.parametrize("z", [-0.1, -5.0, -22.0, -1e4])

@@ -57,11 +57,10 @@ def read_mapping(path: str | Path, *, trust: bool = False) -> ColumnMap:
 
 
 def mapping_file(name: str | Path) -> Path:
-    """Return the file of a mapping: a shipped name, or a path."""
+    """Return the file of a mapping: a path, which ends in .toml, or a shipped name."""
     folder = shipped.folder() / "mappings"
-    own = folder / f"{name}.toml"
-    names = sorted(each.stem for each in folder.glob("*.toml"))
-    return own if str(name) in names and not Path(name).exists() else Path(name)
+    names = {each.stem for each in folder.glob("*.toml")}
+    return folder / f"{name}.toml" if str(name) in names else Path(name)
 
 
 def _mapping(path: Path) -> ColumnMap:

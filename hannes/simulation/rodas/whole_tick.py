@@ -37,7 +37,7 @@ TICK_KEPT = 5  # place in the clock of the step whose factors are kept, 0 for no
 
 def advance_tick(problem, data, y, rtol, atol, clock, counts, bounds, ends, pieces, work):
     """`advance` to the one of `bounds`, the next tick, before which firmware's duty is held."""
-    if clock[1] == clock[2] - clock[0]:
+    if clock[1] == clock[2] - clock[0] and clock[1] <= clock[3]:
         ends[0] = clock[0]
         copy_to(pieces[0, 0], y)
         if whole_tick(problem, data, y, rtol, atol, clock, counts, pieces[0], work):
