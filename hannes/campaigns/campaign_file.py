@@ -197,6 +197,8 @@ def _recordings(
         return [(path, run, recording) for path, runs in found for run, recording in runs]
     from hannes.simulation.virtual_recordings import virtual_recordings
 
+    if "mapping" in row:
+        row.refuse("mapping", "is for a raw log, and this recording is simulated: leave it out")
     experiment = name.removeprefix(SIMULATED)
     place = folder / experiment if experiment.endswith(".toml") else experiment
     try:
@@ -223,9 +225,9 @@ def _wanted(row: Table) -> slice:
 
 def _mapping(row: Table, folder: Path) -> ColumnMap | None:
     """What the recordings are read through: a mapping beside the campaign, or a shipped one."""
-    name = row.text("mapping", "")
-    if not name:
+    if "mapping" not in row:
         return None
+    name = row.text("mapping", "")
     try:
         return read_mapping(folder / name if name.endswith(".toml") else name)
     except NotTrusted:

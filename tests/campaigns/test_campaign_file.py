@@ -156,6 +156,11 @@ def test_a_shipped_campaign_is_found_by_name():
         (ROW + "roll = 'fit'", 'unknown key "recording 1.roll"; did you mean "role"'),
         (ROW + "role = 'fitt'", 'recording 1.role = "fitt": .*did you mean "fit"'),
         (ROW + "mapping = 'm.toml'", "recording 1.mapping cannot be used: .*m.toml"),
+        (ROW + "mapping = ''", "recording 1.mapping cannot be used: "),
+        (
+            "[[recording]]\nfile = 'simulated:x.toml'\nmapping = 'emps'",
+            "this recording is simulated",
+        ),
         (ROW + "experiment = 'void'", "recording 1.experiment cannot be used: no experiment"),
         (ROW + "[[recording]]\nfile = 'q.h5'", "recording 2.file = .*q.h5: there is no such file"),
         ("[[recording]]\nfile = 'v_*.h5'", 'recording 1.file = "v_\\*.h5" matches no file'),

@@ -230,7 +230,10 @@ def is_csv(path: str | Path) -> bool:
     """Return whether a name is that of a CSV file, not HDF5; BadInput where it is neither's."""
     name = str(path).lower()
     if not name.endswith(SUFFIXES):
-        raise BadInput(f"{path}: expected a recording named {', '.join(SUFFIXES)}")
+        raise BadInput(
+            f"{path}: expected a recording named {', '.join(SUFFIXES)}; a raw log is read through "
+            "a mapping: `hannes begin` writes one, and a campaign names it (mapping = ...)"
+        )
     return name.endswith((".csv", ".csv.gz"))
 
 
