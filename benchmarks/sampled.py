@@ -47,7 +47,7 @@ SMALLEST = 1e-6  # of a peak: a force that is nil has no error
 def as_continuous() -> Iterator[None]:
     """Models assembled within take ticks by the methods of the continuous controller."""
     text = source.source()
-    former = text.replace("clock[1] == clock[2] - clock[0]", "False")
+    former = text.replace("clock[1] == clock[2] - clock[0] and clock[1] <= clock[3]", "False")
     assert former != text
     with patch.object(source, "source", lambda: former):
         yield
