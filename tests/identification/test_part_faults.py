@@ -19,7 +19,7 @@ from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.hand.finger_faults import FAULTS
 from hannes.plants.hand.plant import HandPlant
 from hannes.simulation.catalogue import effects
-from hannes.simulation.hand.hand_file import load_hand
+from hannes.simulation.hand.hand_file import hand_toml, load_hand
 
 KNOWN = {**effects(), **FAULTS}
 
@@ -71,11 +71,13 @@ def test_a_lost_spring_is_named_with_its_finger_and_written_as_its_value(tmp_pat
     weak = Fault("weak_spring", "thumb", "mcp", 0.8)
     made = make("poor", 77, {}, Spread(finger=0.005), fault=weak)
     made.write(tmp_path)
-    verdict = diagnose(tmp_path / "campaign.toml", progress=False).verdict
+    found = diagnose(tmp_path / "campaign.toml", progress=False)
+    verdict = found.verdict
     assert verdict.verdict in ("named", "named_with_remainder")
     assert verdict.effects == ["thumb_weak_spring"]
     assert verdict.parameters["thumb_weak_spring.mcp_lost"]["value"] == pytest.approx(0.8, abs=0.05)
-    hand = load_hand(tmp_path / "diagnosis" / "hand.toml")
+    (tmp_path / "found.toml").write_text(hand_toml(found.plant), encoding="utf-8")
+    hand = load_hand(tmp_path / "found.toml")
     assert hand.parameters["thumb.mcp_spring_stiffness"] == pytest.approx(0.2, abs=0.05)
 
 
