@@ -25,6 +25,8 @@ def described(name: str, plant: str | None) -> str:
     """One effect: by name, or the user's own, refused where a run of the plant would refuse it."""
     if found := _known(plant).get(name):
         return str(found) if plant else f"{found}\n{confusability.text(name)}"
+    if own := _known(plant or HAND).get(name):  # a diagnosis of the hand names those of the hand
+        return str(own)
     found = catalogue.effect(name)
     if ".py:" in name:
         _check(found, find_plant(plant or HAND, Path.cwd()))

@@ -1,7 +1,7 @@
 """`hannes reproduce`: the paper's experiments and a first diagnosis, on one page."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ import numpy as np
 
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.commands.diagnose import Diagnosis, diagnose
-from hannes.core.errors import BadInput, HannesError, MissingRecording
+from hannes.core.errors import BadInput, HannesError, MissingRecording, nearest
 from hannes.core.io.atomic_files import atomic_folder
 from hannes.core.io.outputs import reserved
 from hannes.identification.residuals import Traces
@@ -19,7 +19,7 @@ from hannes.report.paper import table_3
 from hannes.report.paper.checks import Row, row
 from hannes.report.paper.page import write_page
 from hannes.report.table import Table
-from hannes.report.verdict_summary import Finding, finding
+from hannes.report.verdict_summary import ABOUT, Finding, finding
 from hannes.report.verdict_summary import coming as later
 
 # Relative force errors of the closed-loop simulation [%], identification and pulses file.
@@ -44,12 +44,22 @@ def reproduce(
     same closures without it, `recognition` one of `hannes evaluate`. `coming`: parts ("emps",
     "slack", "recognition") of which the page says that they are still being computed. `force`:
     results of another command in `out` are replaced, too. Returns `rows`, `must_show`
-    and `out`. Raises BadInput where a folder cannot be used, ComputationFailed where a simulation
-    fails; a recording that is missing is named on the page instead.
+    and `out`. Raises BadInput where a folder cannot be used, or a part that comes is unknown or
+    given; ComputationFailed where a simulation fails. A recording that is missing is named on the
+    page instead.
     """
+    _require_coming(coming, {"slack": slack, "recognition": recognition})
     given = [each for each in (slack, taut, recognition) if each is not None]
     with reserved("reproduce", [out], given, folder=True, force=force):
         return _reproduced(out, slack, taut, recognition, coming, progress)
+
+
+def _require_coming(coming: Sequence[str], given: Mapping[str, str | Path | None]) -> None:
+    for name in coming:
+        if name not in ABOUT:
+            raise BadInput(f'no part "{name}" can come{nearest(name, ABOUT)} ({", ".join(ABOUT)})')
+        if given.get(name) is not None:
+            raise BadInput(f"{name} is given, so it is not coming: leave one of both out")
 
 
 def _reproduced(

@@ -100,6 +100,12 @@ def test_effects_that_ship_are_described_with_what_they_are_confused_with(capsys
     assert shown.startswith(f"{name}\n") and "easily confused with" in shown
 
 
+def test_what_a_diagnosis_of_the_hand_names_is_described(capsys):
+    assert main(["effects", "index_weak_spring"]) == 0
+    assert "index.mcp_spring_stiffness" in capsys.readouterr().out
+    assert main(["effects", "index_weak_sprig"]) == 2
+
+
 def test_all_that_ship_are_listed(capsys):
     from hannes import effects
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from hannes.commands.cli import main
+from hannes.commands.reproduce import reproduce as with_diagnoses
+from hannes.core.errors import BadInput
 from hannes.report.paper.page import reproduce
 
 RIGID = ("Hand dynamometer", "Aluminium block", "Ultem block", "Crutch handle")
@@ -106,8 +108,19 @@ def test_missing_recordings_are_named_on_the_page(tmp_path, monkeypatch, capsys)
     assert text.count("Still coming:") == 1 and "not diagnosed in this run" not in text
 
 
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"coming": ["slak"]}, 'no part "slak" can come; did you mean "slack"'),
+        ({"coming": ["slack"], "slack": "results"}, "slack is given, so it is not coming"),
+    ],
+)
+def test_parts_that_cannot_come_are_refused(tmp_path, asked, said):
+    with pytest.raises(BadInput, match=said):
+        with_diagnoses(tmp_path / "out", **asked)
+
+
 def test_table_3_stands_beside_the_papers(tmp_path):
-    from hannes.core.errors import BadInput
     from hannes.report.paper import table_3
 
     made = evaluation(0.8)

@@ -15,7 +15,7 @@ def nearest(
     """`effects`, the share that each `explains` of what is missing, and `why_not`; best first.
 
     names: effect -> name by which it can be found again. Empty for every other verdict, and where
-    no candidate lowers the misfit as much as a name needs.
+    no candidate reduces chi-squared by the limit at which an effect is named.
     """
     if decision.kind != "unknown":
         return []
