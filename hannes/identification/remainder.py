@@ -60,7 +60,7 @@ def remainders(
     averaged; what their mean still holds of noise is subtracted.
     """
     found = []
-    for numbers in _repeated(plant, segments):
+    for numbers in repeated(plant, segments):
         first = segments[numbers[0]]
         for phase, mask in plant.phases(first.recording).items():
             inside = mask[first.mask]
@@ -73,7 +73,7 @@ def remainders(
     return sorted(found, key=lambda each: -each.after)
 
 
-def _repeated(plant: Plant, segments: Sequence[Segment]) -> list[list[int]]:
+def repeated(plant: Plant, segments: Sequence[Segment]) -> list[list[int]]:
     """Numbers of the segments that repeat each other."""
     found: dict[tuple[object, ...], list[int]] = {}
     for number, each in enumerate(segments):

@@ -26,6 +26,8 @@ class Verdict:
     two effects in these recordings, beyond what the machine's parameters can do; 1 is the same.
     nearest: of an unknown, candidates that come nearest: `effects`, `explains` (share of what is
     missing), `why_not`.
+    goes_with: what the refitted baseline leaves (`baseline`) and what the result leaves (`left`) go
+    with: `sentence` and its `statements`.
     baseline: `intervals_from`, and `parameters` refitted without any new effect, those moved most
     first: name, of (an object), unit, nominal, value, low, high (95 %), moved (prior deviations).
     """
@@ -50,6 +52,7 @@ class Verdict:
     confusability: dict[str, Any] | None = None
     baseline: dict[str, Any] | None = None
     nearest: list[dict[str, Any]] = field(default_factory=list)
+    goes_with: dict[str, Any] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=versions)
 
     def __repr__(self) -> str:
@@ -95,6 +98,17 @@ class Verdict:
         ]
 
     @property
+    def patterns(self) -> list[str]:
+        """What the residual goes with, in a sentence each, where it is beyond chance."""
+        beside = " or ".join(map(effect_words, self.effects))
+        of = {"baseline": "without any new effect", "left": f"beside {beside}"}
+        return [
+            f"What is left {of[key]}: {each['sentence'][:1].lower()}{each['sentence'][1:]}"
+            for key, each in self.goes_with.items()
+            if each["sentence"]
+        ]
+
+    @property
     def next_step(self) -> str:
         """What to do now."""
         return f"Next: {NEXT[self.verdict]}"
@@ -104,7 +118,7 @@ class Verdict:
         lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
         lines += [_moved_most(self)] if self.verdict == "recalibrated" and self.baseline else []
         lines += [self.disagreement] if self.disagreement else []
-        lines += self.comes_nearest
+        lines += [*self.patterns, *self.comes_nearest]
         lines.append(self.next_step)
         lines += [self.advice] if self.next_run else []
         if self.gap:

@@ -74,6 +74,8 @@ class Plant(Protocol):
     compiled_from: its written equations, into which effects are compiled; without it they run as
                 plain Python
     catalogue:  name -> effect of this plant alone, tried besides the common catalogue
+    quantities(recording):         what a residual may go with, name -> shape (n,): `angle`,
+                                   `speed`, `load`; `contact` is 1 while something is touched
     read(path):                    recordings of one file by name: of a logger of its own, or of
                                    one that writes several runs into a file
     check(recording):              raises BadInput for what `simulate` could not start from

@@ -4,8 +4,10 @@ import functools
 import importlib
 import pkgutil
 from pathlib import Path
+from typing import Any
 
 from hannes import contact, control, dynamics
+from hannes.core.description import Description
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, nearest
 from hannes.core.trust.consent import own_object
@@ -25,6 +27,12 @@ def laws() -> dict[str, Effect]:
     return _found("LAW")
 
 
+@functools.cache
+def descriptions() -> dict[str, Description]:
+    """Generic disturbances that ship: used by name, in the place of what no law is known for."""
+    return _found("GENERIC")
+
+
 def laws_of_objects() -> dict[str, Effect]:
     """Laws by which an object moves: what an experiment handles, not the hand."""
     return {
@@ -35,17 +43,19 @@ def laws_of_objects() -> dict[str, Effect]:
 
 
 def named() -> dict[str, Effect]:
-    """All that a file may name without a path: effects and laws."""
-    return effects() | laws()
+    """All that a file may name without a path: effects, laws and generic disturbances."""
+    generic = {name: each.effect for name, each in descriptions().items()}
+    return effects() | laws() | generic
 
 
-def _found(attribute: str) -> dict[str, Effect]:
+def _found(attribute: str) -> dict[str, Any]:
+    """By name, of every module that has one; a description goes by its effect's name."""
     found = {}
     for package in (dynamics, contact, control):
         for module in pkgutil.iter_modules(package.__path__):
             loaded = importlib.import_module(f"{package.__name__}.{module.name}")
-            if (effect := getattr(loaded, attribute, None)) is not None:
-                found[effect.name] = effect
+            if (each := getattr(loaded, attribute, None)) is not None:
+                found[getattr(each, "effect", each).name] = each
     return dict(sorted(found.items()))
 
 

@@ -95,6 +95,19 @@ def test_page_has_in_order_what_it_is_what_it_does_where_and_who_else(diagnosis)
     assert "3.1 mm (2.9 to 3.3)</td>" in text  # the table's unit is the sentence's
 
 
+def test_the_page_says_what_the_residual_goes_with(diagnosis):
+    said = {
+        "baseline": {"sentence": "In contact alone; grows with load.", "statements": []},
+        "left": {"sentence": "", "statements": []},
+    }
+    verdict = replace(diagnosis.verdict, goes_with=said)
+    text = page(SimpleNamespace(**{**vars(diagnosis), "verdict": verdict}))
+    assert "What is left without any new effect: in contact alone; grows with load." in text
+    assert "What is left beside" not in text and "What is left beside" not in verdict.summary()
+    said["left"]["sentence"] = "While opening alone."
+    assert "What is left beside leader slack: while opening alone." in verdict.summary()
+
+
 def test_what_is_left_is_said_in_words(diagnosis):
     text = page(diagnosis)
     assert "below the noise floor: no more than repeats differ by" in text

@@ -43,6 +43,9 @@ FIELDS = {
     "(95 % interval), `moved` (in prior standard deviations); `intervals_from` says whence",
     "nearest": "of an `unknown`: the candidates that come nearest, each with its `effects`, the "
     "share that it `explains` of what is missing, and `why_not`",
+    "goes_with": "`baseline`: what the refitted base leaves, `left`: what the result leaves; each "
+    "a `sentence` and its `statements` (`what`, the figure `value`, `low`, the least it is): where "
+    "it is, what it grows with, both ways alike; empty where nothing is beyond chance",
     "versions": "of the libraries",
 }
 STATUSES = (

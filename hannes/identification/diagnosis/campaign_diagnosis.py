@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import VERDICT
 from hannes.identification.diagnosis.untested import untested
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work, said
+from hannes.identification.pattern.goes_with import by_stage
 from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
 from hannes.plants.part_fault import compiled_effects
@@ -193,6 +195,7 @@ class _Closing:
             else None,
             cautions=stood.cautions + untested(self.found, decision.kind),
             nearest=nearest(self.found, decision, self.names),
+            goes_with=self.goes_with(stages),
         )
         traces = tuple(
             traced(segment, [each[k] for each in stages.runs], list(self.noise_floors))
@@ -223,6 +226,13 @@ class _Closing:
         return Stages(
             plant, self.segments, self.noise_floors, points, tuple(runs), frozenset(failed)
         )
+
+    def goes_with(self, stages: Stages) -> dict[str, Any]:
+        """What the refitted baseline, and the result, leave of the fitted recordings."""
+        some = {} if self.decision.kind == "no_gap" else {"baseline": 1}
+        some |= {"left": 2} if self.decision.effects else {}
+        raws = {key: partial(stages.raw, k, "fit", "select") for key, k in some.items()}
+        return by_stage(stages.plant, self.known, self.noise_floors, raws)
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Value and 95 % interval of each parameter of the named effects, within its bounds."""

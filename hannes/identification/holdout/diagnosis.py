@@ -7,6 +7,7 @@ recordings opened.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from hannes.identification.holdout.least_squares import Fitted, Progress, Weight
 from hannes.identification.holdout.starting_points import start
 from hannes.identification.holdout.tuning import HOLDOUT
 from hannes.identification.holdout.work_bound import most_simulations
+from hannes.identification.pattern.goes_with import by_stage
 from hannes.identification.remainder import Remainder, largest, remainders
 from hannes.identification.residuals import (
     Traces,
@@ -194,6 +196,7 @@ class _HoldoutDiagnosis:
             smallest_detectable=minimum_detectable_sizes(trials) or None,
             baseline=None if caution else _baseline(before),
             cautions=[caution] if caution else [],
+            goes_with=self.goes_with(fields["verdict"], before, *([after] if named else [])),
         )
         usable = verdict.verdict not in ("undecided", "no_gap")
         plant = found.plant.with_values(found.values) if usable else self.plant
@@ -228,6 +231,13 @@ class _HoldoutDiagnosis:
         residual = self.residual(test)
         old, new = (residual.raw(each.plant, each.values) for each in (before, after))
         return gap_changes(self.plant, self.segments, test, old, new, self.noise_floors)
+
+    def goes_with(self, verdict: str, *fits: Fitted) -> dict[str, Any]:
+        """What the refitted baseline, and the result, leave of the fitted recordings."""
+        raw, names = self.residual(self.known).raw, ("baseline", "left")[: len(fits)]
+        stages = {n: partial(raw, f.plant, f.values) for n, f in zip(names, fits, strict=True)}
+        some = {} if verdict == "no_gap" else stages
+        return by_stage(self.plant, self.known, self.noise_floors, some)
 
     def test(self) -> tuple[list[Segment], str]:
         """The segments on which the gaps are measured, and what they are."""

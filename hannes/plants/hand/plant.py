@@ -10,7 +10,7 @@ from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.parameter import ParameterSet
 from hannes.core.recording.recording import Recording
-from hannes.plants.hand import batch_runs, candidate_runs, finger_faults, joint_deviations
+from hannes.plants.hand import axes, batch_runs, candidate_runs, finger_faults, joint_deviations
 from hannes.plants.hand.channel_limits import EXPECTED
 from hannes.plants.hand.recorded_experiment import (
     effects_on_object,
@@ -188,9 +188,8 @@ class HandPlant(ByValue):
         an experiment places its own object, x and y of `parameters` shift it by their difference
         from the nominal ones. Raises ComputationFailed where the solver fails.
         """
-        return self._run(
-            parameters, recording, self._with_moved_object(experiment_of(recording), parameters)
-        )
+        asked = self._with_moved_object(experiment_of(recording), parameters)
+        return self._run(parameters, recording, asked)
 
     def smooth(self, parameters: Values, recording: Recording) -> dict[str, np.ndarray]:
         """As `simulate`, but always with the continuous controller: fast and differentiable."""
@@ -249,6 +248,7 @@ class HandPlant(ByValue):
 
     firmware = batch_runs.FIRMWARE
     tick = "controller.period"
+    quantities = staticmethod(axes.quantities)
 
     def sampled(self, recording: Recording) -> Recording | None:
         """The recording under firmware's ticks; None where its experiment has them, or none."""
