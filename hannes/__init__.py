@@ -20,15 +20,18 @@ if TYPE_CHECKING:
     from hannes.core.effect import Term as Term
     from hannes.core.errors import BadInput as BadInput
     from hannes.core.errors import ComputationFailed as ComputationFailed
+    from hannes.core.kernels.insertion import open_to_effects as open_to_effects
     from hannes.core.kernels.jit import kernel as kernel
     from hannes.core.layout import Slot as Slot
     from hannes.core.parameter import Parameter as Parameter
     from hannes.core.recording.channel_limits import Expected as Expected
     from hannes.core.recording.recording import Recording as Recording
+    from hannes.plants.compiled import CompiledPlant as CompiledPlant
     from hannes.plants.plain import PlainPlant as PlainPlant
     from hannes.plants.protocol import Plant as Plant
     from hannes.simulation.batch.simulate_many import simulate_many as simulate_many
     from hannes.simulation.catalogue import effects as effects
+    from hannes.simulation.compiler.assemble import Equations as Equations
     from hannes.simulation.experiment.experiment import Experiment as Experiment
     from hannes.simulation.experiment.experiment import Reference as Reference
     from hannes.simulation.experiment.experiment import Target as Target
@@ -42,8 +45,10 @@ if TYPE_CHECKING:
 # Loaded when first asked for, so that `import hannes` costs nothing.
 _HOMES = {
     "BadInput": "core.errors",
+    "CompiledPlant": "plants.compiled",
     "ComputationFailed": "core.errors",
     "Effect": "core.effect",
+    "Equations": "simulation.compiler.assemble",
     "Expected": "core.recording.channel_limits",
     "Experiment": "simulation.experiment.experiment",
     "Hand": "simulation.hand.hand",
@@ -65,6 +70,7 @@ _HOMES = {
     "kernel": "core.kernels.jit",
     "load_experiment": "simulation.experiment.load",
     "observe": "simulation.sensors",
+    "open_to_effects": "core.kernels.insertion",
     "simulate": "simulation.simulate",
     "simulate_many": "simulation.batch.simulate_many",
     "start": "simulation.stepper",

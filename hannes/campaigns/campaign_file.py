@@ -23,6 +23,7 @@ from hannes.core.recording.recording import Recording
 from hannes.core.trust.consent import consenting
 from hannes.plants.plant_file import base_name, with_plant_file
 from hannes.plants.protocol import Plant, find_plant, require_usable
+from hannes.plants.with_effects import ranged
 from hannes.simulation.catalogue import effect, effects
 from hannes.simulation.experiment import shipped as library
 from hannes.simulation.hand.hand_file import own_catalogue
@@ -152,6 +153,8 @@ def _effects(
         except BadInput as error:
             root.refuse("effects", f"cannot be used: {error}")
     found = {**effects(), **own_catalogue(plant), **own}
+    ranges = getattr(plant, "ranges", {})
+    found = {name: ranged(each, ranges) for name, each in found.items()}
     try:
         joined((), found.values())
     except BadInput as error:

@@ -2,64 +2,33 @@
 
 Subclass `PlainPlant`, fill the attributes, write `simulate`: the rest of the protocol
 (hannes/plants/protocol.py) is here, with answers that suit a small machine and can be overridden.
-docs/tutorials/your-machine.md walks through one. For compiled equations see plants/axis/plant.py.
+docs/tutorials/your-machine.md walks through one. For compiled equations see `CompiledPlant`.
 """
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
-from hannes.core.by_value import ByValue
-from hannes.core.effect import Effect, Term, joined
+from hannes.core.effect import Effect, Term
 from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import plain
-from hannes.core.parameter import Parameter, ParameterSet, group
+from hannes.core.parameter import ParameterSet
 from hannes.core.recording.recording import Recording
-from hannes.plants.protocol import shown
+from hannes.plants.with_effects import PlantWithEffects
 
 
-class PlainPlant(ByValue):
+class PlainPlant(PlantWithEffects):
     """Plant: base class of machines simulated in plain Python, with effects or without.
 
-    base:  parameters of the machine itself, full names ("spring.stiffness")
     open:  quantity that effects may add to -> what their kernels may read there, in the order in
            which `simulate` hands it over
 
-    The other attributes are those of the protocol, hannes/plants/protocol.py.
+    The other attributes are those of PlantWithEffects and of the protocol.
     """
 
-    name: str = ""
-    channels: Mapping[str, str] = {}
-    required: tuple[str, ...] = ()
-    judged: tuple[str, ...] = ()
-    base: ClassVar[tuple[Parameter, ...]] = ()
-    free: Mapping[str, float] = {}
-    block: float = 1.0
     open: ClassVar[Mapping[str, tuple[str, ...]]] = {}
-
-    def __init__(self, effects: tuple[Effect, ...] = ()) -> None:
-        self.effects = effects
-        own = (p for effect in effects for p in group(effect.name, *effect.parameters))
-        self.parameters = ParameterSet((*self.base, *own))
-
-    def __hash__(self) -> int:
-        return hash((type(self), self.effects))
-
-    def __repr__(self) -> str:
-        return shown(self)
-
-    def with_effects(self, *effects: Effect) -> Self:
-        """Return a plant whose model has `effects` too."""
-        grown = type(self)(joined(self.effects, effects))
-        return grown.with_values(dict(self.parameters))
-
-    def with_values(self, values: Mapping[str, float]) -> Self:
-        """Return a plant with other nominal values [SI]; BadInput on unknown name or bounds."""
-        changed = type(self)(self.effects)
-        changed.parameters = self.parameters.with_values(values)
-        return changed
 
     def accepts(self, effect: Effect) -> str:
         """Return why the plant cannot carry `effect`, or an empty string where it can."""
@@ -111,18 +80,6 @@ class PlainPlant(ByValue):
         """Channels at the recording's times, shape (n,); to be written by the subclass."""
         name = self.name or type(self).__name__
         raise BadInput(f"the plant {name} does not say how it moves: write its method simulate")
-
-    def same_run(self, recording: Recording) -> bytes:
-        """Equal where the times and the required channels are."""
-        return b"".join(recording[name].tobytes() for name in ("time", *self.required))
-
-    def judged_part(self, recording: Recording) -> np.ndarray:
-        """Every sample is compared."""
-        return np.ones(len(recording), bool)
-
-    def phases(self, recording: Recording) -> dict[str, np.ndarray]:
-        """One part: the whole run."""
-        return {"run": np.ones(len(recording), bool)}
 
 
 def _bound(

@@ -27,9 +27,10 @@ from hannes.simulation.trajectory import Trajectory
 
 PACKAGE = Path(hannes.__file__).parent
 SHOWN = """
-    BadInput ComputationFailed Effect Expected Experiment Hand Parameter PlainPlant Plant Recording
-    Reference Slot Stepper Target Term calibrate check compare convert diagnose effects kernel
-    load_experiment observe simulate simulate_many start view
+    BadInput CompiledPlant ComputationFailed Effect Equations Expected Experiment Hand Parameter
+    PlainPlant Plant Recording Reference Slot Stepper Target Term calibrate check compare convert
+    diagnose effects kernel load_experiment observe open_to_effects simulate simulate_many start
+    view
 """.split()
 
 # Files as users wrote them for the former layout, cart.py and rail.py as they shipped then.

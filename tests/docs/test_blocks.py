@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+import sys
 
 import pytest
 from pages import PAGES, ROOT, blocks, name, run
@@ -29,7 +30,13 @@ def test_every_code_block_runs(page, tmp_path, monkeypatch, capsys):
         copied(tmp_path)
         monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.chdir(tmp_path)
-    run(page, tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)  # as where `python` is typed
+    try:
+        run(page, tmp_path)
+    finally:
+        for each, module in list(sys.modules.items()):  # of another page there may be one like it
+            if str(getattr(module, "__file__", "")).startswith(str(tmp_path)):
+                del sys.modules[each]
 
 
 def copied(folder):

@@ -10,3 +10,6 @@ def effects(*channels: Any) -> Any:
     add to them stand there.
     """
     return channels[0] if len(channels) == 1 else channels
+
+
+open_to_effects = effects  # as a user's equations have it: `hannes.effects` is the catalogue

@@ -1,6 +1,7 @@
 """The tables of a verdict: effects by evidence, minimum detectable sizes, confusability."""
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -65,6 +66,8 @@ class EvidenceTables:
         for name, (_, why) in tried.items():
             row = reductions.get(name)
             reason = why or ("" if row is None else _reason(row, name in named))
+            if not why and row is not None and name not in named and self._missed(name):
+                reason += "; never in the race: even the end of its range would be missed"
             rows.append(
                 {"effect": name, "applicable": not why, "accepted": name in named, "why": reason}
             )
@@ -75,6 +78,10 @@ class EvidenceTables:
 
     def detectable(self) -> dict[str, dict[str, dict[str, Any]]]:
         """Size of each amplitude that would be named with 80 % power, all else refitted."""
+        return self._detectable
+
+    @cached_property
+    def _detectable(self) -> dict[str, dict[str, dict[str, Any]]]:
         baseline, found = self.found.baseline, {}
         space = baseline.space
         for guess in self.found.guesses:
@@ -93,6 +100,11 @@ class EvidenceTables:
                 sizes[name.rpartition(".")[2]] = _size(size, each.low, each.high, self._unit(name))
             found[self.names[guess.effect]] = sizes
         return found
+
+    def _missed(self, name: str) -> bool:
+        """Whether none of an effect's amplitudes would be named, however large in its range."""
+        sizes = self._detectable.get(name, {})
+        return bool(sizes) and all(each["value"] is None for each in sizes.values())
 
     def confusability(self) -> dict[str, Any]:
         """Cosine similarities of the signatures of the best effects and of those named."""

@@ -5,22 +5,20 @@ are added behind the controller's limit.
 """
 
 from collections.abc import Mapping
-from functools import cache
 
 import numpy as np
 
 from hannes.control import cascade
-from hannes.core.by_value import ByValue
-from hannes.core.effect import Effect, joined
-from hannes.core.errors import BadInput, ComputationFailed
-from hannes.core.layout import Layout, Slot
-from hannes.core.parameter import Parameter, ParameterSet, group
+from hannes.core.effect import Effect
+from hannes.core.errors import BadInput
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter, group
 from hannes.core.recording.recording import Recording
 from hannes.plants.axis import equations as axis_equations
 from hannes.plants.axis import slow_friction
 from hannes.plants.axis.channel_limits import EXPECTED
-from hannes.plants.protocol import shown
-from hannes.simulation.compiler.assemble import Equations, assemble
+from hannes.plants.compiled import CompiledPlant
+from hannes.simulation.compiler.assemble import Equations
 
 PUBLISHED = "Janot, Gautier & Brunot (2019), symmetric model"
 
@@ -66,39 +64,31 @@ def run(times, y, p, reference, added, memory, substeps, states, memories):
             t += h
 '''
 
-EQUATIONS = Equations(
+EQUATIONS = Equations.of(
     axis_equations,
-    Layout(tuple(Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in PARAMETERS)),
-    Layout(
-        (
-            Slot("axis_position", "m", "of the load", tolerance=1e-8),
-            Slot("motor_speed", "m/s", "of the load", tolerance=1e-6),
-        )
+    PARAMETERS,
+    states=(
+        Slot("axis_position", "m", "of the load", tolerance=1e-8),
+        Slot("motor_speed", "m/s", "of the load", tolerance=1e-6),
     ),
-    Layout(
-        (
-            Slot("reference_time", "s", "time at which the reference is read"),
-            Slot("measured_position", "m", "what the controller sees"),
-            Slot("voltage", "V", "of the drive"),
-            Slot("gear_friction", "N", "opposing the axis"),
-            Slot("motor_torque", "N", "further force on the axis"),
-        )
+    channels=(
+        Slot("reference_time", "s", "time at which the reference is read"),
+        Slot("measured_position", "m", "what the controller sees"),
+        Slot("voltage", "V", "of the drive"),
+        Slot("gear_friction", "N", "opposing the axis"),
+        Slot("motor_torque", "N", "further force on the axis"),
     ),
-    Layout(
-        (
-            Slot("reference", "m", "where the axis should be"),
-            Slot("position", "m", "encoder"),
-            Slot("drive", "V", "controller output, added volts included"),
-            Slot("friction", "N", "opposing the axis"),
-        )
+    outputs=(
+        Slot("reference", "m", "where the axis should be"),
+        Slot("position", "m", "encoder"),
+        Slot("drive", "V", "controller output, added volts included"),
+        Slot("friction", "N", "opposing the axis"),
+    ),
+    numbers=(
+        Slot("force", "N", "of the motor on the axis"),
+        Slot("load", "N", "that the screw carries"),
     ),
     entries=_RUN,
-    numbers=Layout(
-        (
-            Slot("force", "N", "of the motor on the axis"),
-            Slot("load", "N", "that the screw carries"),
-        )
-    ),
 )
 
 SUBSTEPS = 2  # per sample; tests/plants/test_axis.py shows that more change nothing
@@ -107,13 +97,7 @@ FEWEST = 4  # samples from which the start position and speed are read
 SHORTEST = 0.2  # s, of a recording that can be judged
 
 
-@cache
-def _parameters(effects: tuple[Effect, ...]) -> ParameterSet:
-    own = (p for effect in effects for p in group(effect.name, *effect.parameters))
-    return ParameterSet((*PARAMETERS, *own))
-
-
-class Axis(ByValue):
+class Axis(CompiledPlant):
     """Plant: the axis with `effects` in its model; see plants/protocol.py for the protocol."""
 
     name = "axis"
@@ -124,6 +108,7 @@ class Axis(ByValue):
         "drive": "V",
         "pulses": "V",
     }
+    base = PARAMETERS
     required: tuple[str, ...] = ("reference", "position")
     judged: tuple[str, ...] = ("drive",)
     expected = EXPECTED
@@ -138,35 +123,6 @@ class Axis(ByValue):
     catalogue: Mapping[str, Effect] = {slow_friction.EFFECT.name: slow_friction.EFFECT}
     block = 1.0  # s, over which residuals are taken as independent
 
-    def __init__(self, effects: tuple[Effect, ...] = ()) -> None:
-        self.effects = effects
-        self.parameters = _parameters(effects)
-
-    def __hash__(self) -> int:
-        return hash((type(self), self.effects))
-
-    def __repr__(self) -> str:
-        return shown(self)
-
-    def with_effects(self, *effects: Effect) -> "Axis":
-        """Return an axis whose model has `effects` too."""
-        grown = Axis(joined(self.effects, effects))
-        return grown.with_values(dict(self.parameters))
-
-    def with_values(self, values: Mapping[str, float]) -> "Axis":
-        """Return an axis with other nominal values [SI]; BadInput on unknown name or bounds."""
-        changed = Axis(self.effects)
-        changed.parameters = self.parameters.with_values(values)
-        return changed
-
-    def equations(self) -> str:
-        """Text of the assembled equations, effects included."""
-        return assemble(EQUATIONS, self.effects).text
-
-    def accepts(self, effect: Effect) -> str:
-        """Return why the axis cannot carry `effect`, or an empty string."""
-        return EQUATIONS.accepts(effect)
-
     def check(self, recording: Recording) -> None:
         """Raise BadInput unless the recording is long enough to start from."""
         start_state(recording)
@@ -179,8 +135,7 @@ class Axis(ByValue):
         Starts at the recorded position and speed. `substeps`: RK4 steps per sample. Raises
         ComputationFailed where it diverges.
         """
-        compiled = assemble(EQUATIONS, self.effects)
-        p = self.parameters.with_values(parameters).vector()
+        compiled, p = self.compiled, self.packed(parameters)
         times, reference = recording.time, np.array([recording.time, recording["reference"]])
         added = recording["pulses"] if "pulses" in recording else np.zeros(times.size)
         state = start_state(recording)
@@ -189,11 +144,7 @@ class Axis(ByValue):
         memory, states = np.array([0.0, *before, 0.0]), np.zeros((times.size, 2))
         memories = np.zeros((times.size, 4))
         compiled.fast.run(times, state, p, reference, added, memory, substeps, states, memories)
-        if not np.isfinite(states).all():
-            raise ComputationFailed("the simulated axis runs away; check its gains and its mass")
-        rows = compiled.observed.observe(times, states, p, reference, memories)
-        layout = compiled.outputs
-        return {slot.name: rows[:, layout[slot.name]][:, 0] for slot in layout.slots}
+        return self.observed(times, states, p, reference, memories)
 
     def same_run(self, recording: Recording) -> bytes:
         """Return a key, equal for recordings that one simulation serves."""

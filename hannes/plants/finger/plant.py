@@ -5,17 +5,16 @@ are its own: a hand's wires and motor are not in it.
 """
 
 from collections.abc import Mapping
-from functools import cache
 
 import numpy as np
 
-from hannes.core.by_value import ByValue
-from hannes.core.effect import Effect, joined
-from hannes.core.errors import BadInput, ComputationFailed
-from hannes.core.layout import Layout, Slot
-from hannes.core.parameter import Parameter, ParameterSet, group
+from hannes.core.effect import Effect
+from hannes.core.errors import BadInput
+from hannes.core.layout import Slot
+from hannes.core.parameter import Parameter, group
 from hannes.core.recording.channel_limits import Expected
 from hannes.core.recording.recording import Recording
+from hannes.plants.compiled import CompiledPlant
 from hannes.plants.finger import (
     creeping_contact,
     equations,
@@ -24,8 +23,7 @@ from hannes.plants.finger import (
     hunt_crossley,
     reading_delay,
 )
-from hannes.plants.protocol import shown
-from hannes.simulation.compiler.assemble import Equations, assemble
+from hannes.simulation.compiler.assemble import Equations
 
 PARAMETERS = group(
     "contact",
@@ -58,35 +56,28 @@ def run(times, y, p, reference, memories, states):
         states[k] = y
 '''
 
-EQUATIONS = Equations(
+EQUATIONS = Equations.of(
     equations,
-    Layout(tuple(Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in PARAMETERS)),
-    Layout(()),
-    Layout(
-        (
-            Slot("reading_time", "s", "time at which the angle is read"),
-            Slot("contact_force", "1", "of the object on the finger, counts"),
-            Slot("logged_force", "1", "as the hand logs it, counts"),
-        )
+    PARAMETERS,
+    channels=(
+        Slot("reading_time", "s", "time at which the angle is read"),
+        Slot("contact_force", "1", "of the object on the finger, counts"),
+        Slot("logged_force", "1", "as the hand logs it, counts"),
     ),
-    Layout(
-        (
-            Slot("angle", "1", "of the actuator, counts"),
-            Slot("contact_force", "1", "of the object on the finger, counts"),
-            Slot("force", "1", "as the hand logs it, counts"),
-        )
+    outputs=(
+        Slot("angle", "1", "of the actuator, counts"),
+        Slot("contact_force", "1", "of the object on the finger, counts"),
+        Slot("force", "1", "as the hand logs it, counts"),
+    ),
+    numbers=(
+        Slot("angle", "1", "of the actuator as it is read, counts"),
+        Slot("rested", "1", "force at which the recording starts, counts"),
+        Slot("closing_speed", "1/s", "of the actuator, counts a second"),
+        Slot("elastic", "1", "force of the static contact law, counts"),
+        Slot("force", "1", "of the object on the finger, counts"),
+        Slot("first_reading", "1", "of the force in the recording, counts"),
     ),
     entries=_RUN,
-    numbers=Layout(
-        (
-            Slot("angle", "1", "of the actuator as it is read, counts"),
-            Slot("rested", "1", "force at which the recording starts, counts"),
-            Slot("closing_speed", "1/s", "of the actuator, counts a second"),
-            Slot("elastic", "1", "force of the static contact law, counts"),
-            Slot("force", "1", "of the object on the finger, counts"),
-            Slot("first_reading", "1", "of the force in the recording, counts"),
-        )
-    ),
 )
 
 OWN = (
@@ -98,17 +89,12 @@ OWN = (
 )
 
 
-@cache
-def _parameters(effects: tuple[Effect, ...]) -> ParameterSet:
-    own = (p for effect in effects for p in group(effect.name, *effect.parameters))
-    return ParameterSet((*PARAMETERS, *own))
-
-
-class Finger(ByValue):
+class Finger(CompiledPlant):
     """Plant: the finger with `effects` in its model; see plants/protocol.py for the protocol."""
 
     name = "finger"
     channels: Mapping[str, str] = {"time": "s", "angle": "1", "force": "1"}
+    base = PARAMETERS
     required: tuple[str, ...] = ("angle", "force")  # the reading starts as recorded
     judged: tuple[str, ...] = ("force",)
     expected: Mapping[str, Expected] = {
@@ -125,31 +111,6 @@ class Finger(ByValue):
     compiled_from = EQUATIONS
     catalogue: Mapping[str, Effect] = {each.name: each for each in OWN}
 
-    def __init__(self, effects: tuple[Effect, ...] = ()) -> None:
-        self.effects = effects
-        self.parameters = _parameters(effects)
-
-    def __hash__(self) -> int:
-        return hash((type(self), self.effects))
-
-    def __repr__(self) -> str:
-        return shown(self)
-
-    def with_effects(self, *effects: Effect) -> "Finger":
-        """Return a finger whose model has `effects` too."""
-        grown = Finger(joined(self.effects, effects))
-        return grown.with_values(dict(self.parameters))
-
-    def with_values(self, values: Mapping[str, float]) -> "Finger":
-        """Return a finger with other nominal values; BadInput on unknown name or bounds."""
-        changed = Finger(self.effects)
-        changed.parameters = self.parameters.with_values(values)
-        return changed
-
-    def accepts(self, effect: Effect) -> str:
-        """Return why the finger cannot carry `effect`, or an empty string."""
-        return EQUATIONS.accepts(effect)
-
     def check(self, recording: Recording) -> None:
         """Raise BadInput unless there is something to compare after the first sample."""
         if len(recording) < 2:
@@ -162,17 +123,12 @@ class Finger(ByValue):
 
         Raises ComputationFailed where the force is not finite.
         """
-        compiled = assemble(EQUATIONS, self.effects)
-        p = self.parameters.with_values(parameters).vector()
+        compiled, p = self.compiled, self.packed(parameters)
         times, reference = recording.time, np.array([recording.time, recording["angle"]])
         memories, state = _memories(recording), np.zeros(compiled.states.size)
         states = np.zeros((times.size, state.size))
         compiled.fast.run(times, state, p, reference, memories, states)
-        rows = compiled.observed.observe(times, states, p, reference, memories)
-        if not np.isfinite(rows).all():
-            raise ComputationFailed("the simulated force is not finite; check the angle's scale")
-        layout = compiled.outputs
-        return {slot.name: rows[:, layout[slot.name]][:, 0] for slot in layout.slots}
+        return self.observed(times, states, p, reference, memories)
 
     def same_run(self, recording: Recording) -> bytes:
         """Return a key, equal for recordings that one simulation serves."""

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -21,8 +21,9 @@ from hannes.core import former_names
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.kernels.pointers import address
-from hannes.core.layout import Layout
-from hannes.simulation.compiler import dense_jacobian, module_cache, workspace
+from hannes.core.layout import Layout, Slot
+from hannes.core.parameter import Parameter
+from hannes.simulation.compiler import dense_jacobian, implicit_steps, module_cache, workspace
 from hannes.simulation.compiler import entry_points as entries
 from hannes.simulation.compiler import output_entry as observed
 from hannes.simulation.compiler.autodiff.rules import LANES
@@ -74,6 +75,28 @@ class Equations:
     memory: int = 10
     shape: Callable[..., Shape] | None = None
     numbers: Layout = field(default_factory=lambda: Layout(()))
+
+    @classmethod
+    def of(
+        cls,
+        module: ModuleType,
+        parameters: Iterable[Parameter],
+        *,
+        states: Iterable[Slot] = (),
+        channels: Iterable[Slot] = (),
+        outputs: Iterable[Slot] = (),
+        numbers: Iterable[Slot] = (),
+        entries: str = "",
+    ) -> Self:
+        """Equations from plain lists: parameters as declared, and slots by what they are.
+
+        Without `entries` of its own a plant runs by implicit_steps.py.
+        """
+        packed = (Slot(each.name.replace(".", "_"), each.unit, each.doc) for each in parameters)
+        p, y, c, out, read = (
+            Layout(tuple(each)) for each in (packed, states, channels, outputs, numbers)
+        )
+        return cls(module, p, y, c, out, entries or _functions(implicit_steps), numbers=read)
 
     def source(self) -> str:
         """Text of the module's functions, without its imports and head."""

@@ -14,7 +14,7 @@ from hannes.core.layout import Layout, Slot
 
 _SLOT = re.compile(r"\b(p|y|dy|c|out)\.([a-z]\w*)")
 _ELEMENT = re.compile(r"\b(p|y|dy|c|out)\[(\d+):\d+\]\[")
-_OPENING = re.compile(r"^(\s*)(\S.*?) = effects\((.+)\)$")
+_OPENING = re.compile(r"^(\s*)(\S.*?) = (?:open_to_)?effects\((.+)\)$")
 
 
 def opened(line: str) -> tuple[str, list[str]] | None:

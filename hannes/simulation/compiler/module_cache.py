@@ -20,7 +20,7 @@ from hannes.core.kernels.pointers import pointer, shaped, unknown
 from hannes.simulation.compiler.calling import by_address
 
 # Functions that Python calls, and long ones that compiled code calls from several places.
-OPEN = "rates|jacobian|differences|tick|steps_on|ticks_on|look_up|grasps|observe"
+OPEN = "rates|jacobian|differences|tick|steps_on|ticks_on|look_up|grasps|observe|held_steps"
 CLOSED = (
     "equations|linearise|decompose|resolve|sample|"
     "joints|contact|press|inertia|factor_border|advance|advance_tick|first_step|sample_pieces|"

@@ -1,0 +1,155 @@
+"""The geared servo of examples/servo: closed forms, its effects, its ranges, what is found."""
+
+import json
+import math
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hannes.campaigns.campaign_file import read_campaign
+from hannes.campaigns.check import check
+from hannes.commands.cli import main
+from hannes.core.errors import ComputationFailed
+from hannes.core.recording.recording import Recording
+from hannes.plants.plain import PlainPlant
+from hannes.plants.protocol import Plant, find_plant
+from hannes.simulation.catalogue import effects
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "servo"
+UNITS = {"time": "s", "reference": "rad", "position": "rad"}
+
+
+@pytest.fixture(scope="module")
+def servo():
+    return find_plant("servo:Servo", EXAMPLE)
+
+
+@pytest.fixture(scope="module")
+def whole(servo):
+    """With all effects that fit, in one compilation."""
+    known = {**effects(), **servo.catalogue}
+    return servo.with_effects(*(each for each in known.values() if not servo.accepts(each)))
+
+
+def recording(reference, start=0.0, step=0.01):
+    time = step * np.arange(len(reference))
+    channels = {"time": time, "reference": np.asarray(reference), "position": start + 0.0 * time}
+    return Recording(channels, UNITS)
+
+
+def steps(size=0.6):
+    return recording(np.repeat([0.0, size, -size, 0.0], 80))
+
+
+def test_it_takes_the_effects_of_a_geared_motor(servo, whole):
+    assert isinstance(servo, Plant)
+    assert {each.name for each in whole.effects} >= {
+        *("command_delay", "direction_friction", "gear_backlash", "gear_load", "pwm_dead_band"),
+        *("stribeck", "supply_sag", "winding_heating", "wrong_gravity"),
+    }
+    assert "leader" in servo.accepts(effects()["wire_compliance"])
+
+
+def test_off_effects_change_nothing(servo, whole):
+    run = steps()
+    alone, off = (each.simulate({}, run) for each in (servo, whole))
+    assert all(np.array_equal(alone[name], off[name]) for name in servo.judged)
+
+
+def test_a_held_shaft_stays_where_it_is(servo):
+    """Dry friction of 0.15 N m carries a load of 0.1 N m, however long."""
+    heavy = {"gravity.torque": 0.1, "gravity.angle": math.pi / 2.0, "control.gain": 0.1}
+    found = servo.simulate(heavy, recording(np.zeros(2000)))
+    assert np.abs(found["position"]).max() < 2e-3
+
+
+def test_without_friction_and_gravity_it_is_a_second_order_lag(servo):
+    """Within its limits: J w' = k (gain e V - k w) / R, whose step response is a textbook's."""
+    free = {"motor.dry_friction": 0.0, "motor.viscous_friction": 0.0, "gravity.torque": 0.0}
+    run = recording(np.r_[np.zeros(10), np.full(90, 0.05)])
+    found = servo.simulate(free, run)["position"]
+    p = servo.parameters
+    k, r, n = p["motor.torque_constant"], p["motor.resistance"], p["gear.ratio"]
+    decay = k * k / r / p["motor.inertia"] / 2.0
+    square = k * p["control.gain"] * p["supply.voltage"] / r / n / p["motor.inertia"]
+    swing = math.sqrt(square - decay**2)
+    t = np.maximum(run.time - 0.1, 0.0)
+    wave = np.cos(swing * t) + decay / swing * np.sin(swing * t)
+    assert np.abs(found - 0.05 * (1.0 - np.exp(-decay * t) * wave)).max() < 1e-4
+
+
+def test_a_delay_of_any_size_shows(whole):
+    """A tenth of a step of integration and ten steps: each shifts the run by itself."""
+    run, speed = steps(), None
+    here = whole.simulate({}, run)["position"]
+    speed = np.gradient(here, run.time)
+    for delay in (2e-4, 2e-3):
+        late = whole.simulate({"command_delay.time": delay}, run)["position"]
+        assert float(speed @ (here - late)) / float(speed @ speed) == pytest.approx(delay, rel=0.1)
+
+
+def test_play_shows_where_gravity_changes_sides(whole):
+    """Beside the load that hangs down at -0.3 rad the shaft lies on one face, then the other."""
+    run = recording(np.linspace(0.5, -1.1, 400), start=0.5)
+    place = {"gear_backlash.gap": 0.04, "control.gain": 200.0, "motor.dry_friction": 0.0}
+    tight = whole.simulate({**place, "gear_backlash.gap": 0.0}, run)
+    loose = whole.simulate(place, run)
+    more = loose["position"] - tight["position"]
+    drawn = loose["current"] - tight["current"]
+    assert np.abs(more).max() < 0.04 and np.abs(drawn).max() > 0.1
+
+
+def test_sag_and_gravity_do_as_written(whole):
+    """At standstill the motor carries the load: i = T / (N k), whatever the supply does."""
+    run = recording(np.full(150, 0.4), start=0.3)
+    for values in ({"supply_sag.resistance": 1.0}, {"wrong_gravity.sine": 0.2}):
+        found = whole.simulate({**values, "motor.dry_friction": 0.0}, run)
+        q = found["position"][-1]
+        load = 0.4 * math.sin(q + 0.3) + values.get("wrong_gravity.sine", 0.0) * math.sin(q)
+        assert found["current"][-1] == pytest.approx(load / 300.0 / 3e-3, rel=1e-3)
+
+
+def test_ranges_are_those_of_this_machine(servo, whole):
+    shipped = effects()["stribeck"].parameters[0].bounds
+    assert whole.parameters.declared["stribeck.torque"].bounds == (0.0, 2e-3) != shipped
+    assert whole.with_effects(effects()["stribeck"]).effects == whole.effects
+    assert PlainPlant().with_effects(effects()["stribeck"]).effects == (effects()["stribeck"],)
+
+
+def test_what_runs_away_is_said(servo):
+    run = steps()
+    knots = np.array([run.time, run["reference"]])
+    with pytest.raises(ComputationFailed, match="the simulated servo runs away"):
+        servo.run({}, run.time, knots, (math.inf, 0.0), 2e-3)
+
+
+@pytest.fixture(scope="module")
+def rubbing(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("servo")
+    for file in EXAMPLE.glob("*.*"):
+        shutil.copy(file, folder)
+    command = [sys.executable, "record.py", "--runs", "3"]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    return folder / "campaign.toml"
+
+
+def test_its_recordings_are_clean_and_its_ranges_reach_the_campaign(rubbing):
+    campaign = read_campaign(rubbing, trust=True)
+    for entry in campaign.entries:
+        assert "fault" not in {each.level for each in check(entry.recording, campaign.plant)}
+    bounds = [each.bounds for each in campaign.effects["stribeck"].parameters]
+    assert bounds == [(0.0, 2e-3), (2.0, 300.0)]
+
+
+@pytest.mark.slow
+def test_friction_under_load_is_named(rubbing, capsys):
+    out = rubbing.parent / "out"
+    assert main(["diagnose", str(rubbing), "--trust", "--out", str(out), "--json"]) == 0
+    verdict = json.loads(capsys.readouterr().out)
+    assert verdict["effects"] == ["gear_load"]
+    size = verdict["parameters"]["gear_load.coefficient"]
+    assert size["value"] == pytest.approx(0.3, rel=0.2)
