@@ -16,6 +16,9 @@ the others are and once with those channels.
 The whole study takes hours, which --resume spreads over several calls. Cases of all kinds take
 turns, so --show has cases of all kinds at any time. Results of the quoted set are in
 benchmarks/records. --quick takes some minutes. Times need an otherwise idle machine: --workers 1.
+
+--machine servo is the study of the geared servo of examples/servo: 80 cases, see
+benchmarks/naming_study/servo_study.py.
 """
 
 import argparse
@@ -25,7 +28,7 @@ from typing import Any
 
 from benchmarks import study
 from benchmarks.harness import given
-from benchmarks.naming_study import frozen, records, summary
+from benchmarks.naming_study import frozen, records, servo_study, summary
 from benchmarks.naming_study.draw import PLANS, Drawn, any_run, drawn, with_run
 from benchmarks.naming_study.plan import NAMED, SETS, cases
 from benchmarks.naming_study.score import scores, single
@@ -105,15 +108,34 @@ def _arguments() -> argparse.Namespace:
                         help="of seeds (development)")  # fmt: skip
     parser.add_argument("--only", choices=NAMED, metavar="KIND",
                         help=f"one kind alone: {'; '.join(NAMED)}")  # fmt: skip
+    parser.add_argument("--machine", choices=("hand", "servo"), default="hand", help="(hand)")
     parser.add_argument("--workers", type=int, default=1, help="processes (1)")
     parser.add_argument("--cases", type=Path, metavar="FILE", help="a line for each case")
     parser.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
     return parser.parse_args()
 
 
+def servo(asked: argparse.Namespace) -> None:
+    """The study of the servo: measure, print tables, write JSON where asked."""
+    ending = "-quick" if asked.quick else ""
+    folder = RECORDS if asked.chosen == "quoted" and not asked.quick else FOLDER
+    file = asked.cases or folder / f"naming-servo-{asked.chosen}{ending}.jsonl"
+    if asked.show:
+        done = list(records.read(file))
+    else:
+        resume = asked.resume or folder == RECORDS
+        wanted = servo_study.cases(asked.chosen, asked.quick)
+        done = records.run(file, wanted, servo_study.measured, resume, asked.workers)
+    rows, bounds = servo_study.figures(done)
+    given({"cases": file.name, "rows": rows, "must_show": bounds}, (rows, bounds), asked.json)
+
+
 def main() -> None:
     """Measure, print tables, write JSON where asked."""
     asked = _arguments()
+    if asked.machine == "servo":
+        servo(asked)
+        return
     file = asked.cases or kept(asked.chosen, asked.quick)
     if asked.show:
         # As they were measured, with --cases of any set.

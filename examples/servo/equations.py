@@ -14,19 +14,23 @@ from hannes import open_to_effects
 
 def equations(t, y, dy, p, c, reference, memory, out):
     """Fill dy with the rates of the motor's angle [rad] and speed [rad/s]."""
-    target, coming, share = command(t, y, dy, p, c, reference, memory, out)
+    target, coming, share = commanded(t, y, dy, p, c, reference, memory, out)
     shaft_position = shaft(t, y, dy, p, c, out)
     torque = drive(t, y, dy, p, c, target, coming, share, shaft_position, out)
     gear(t, y, dy, p, c, shaft_position, torque, out)
 
 
-def command(t, y, dy, p, c, reference, memory, out):
+def commanded(t, y, dy, p, c, reference, memory, out):
     """Where the shaft should be [rad], where next, and the share of that in this step."""
     reference_time = t
     reference_time = open_to_effects(reference_time)
     target, coming, share = sent(reference_time, reference, memory[0])
     out.reference = target
-    return target, coming, share
+    command = (1.0 - share) * target + share * coming
+    first_command = reference[1, 0]
+    aside = 0.0
+    aside = open_to_effects(aside)
+    return target + aside, coming + aside, share
 
 
 def shaft(t, y, dy, p, c, out):

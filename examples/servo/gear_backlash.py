@@ -1,38 +1,58 @@
-"""Backlash: play between gear and shaft, which a light load leaves where it is and a heavy moves.
+"""Backlash: play between gear and shaft, which is crossed when load or motion changes sides.
 
-The shaft is without inertia. Where gravity does not overcome its own friction it stays until a
-face of the gear pushes it. Where gravity does, it falls onto the other face.
+The shaft carries the load and the position sensor. Between the faces of the gear it flies, by its
+weight and its own friction; at a face it goes with the gear. A free shaft does not load the motor.
 """
 
 import math
 
 from hannes import Effect, Parameter, Slot, Term, kernel
 
-FALL = 20.0  # rad/s per N m beyond its friction, of a free shaft: quick beside any command
-FACE = 2e4  # 1/s, at which a face stops the shaft
-LEAST = 1e-4  # rad, half of the gap that a place is counted in
+FACE = 5e3  # 1/s, at which a face stops the shaft
+LEAST = 2e-4  # rad, of a gap in which a place is counted
+REST = 2e-3  # rad/s, within which the shaft's dry friction turns
 
 
 @kernel
-def lag(motor_angle, motor_speed, gear_ratio, gravity_torque, gravity_angle, place, gap, hold):
-    """How far the shaft is ahead of the gear [rad], and the rate of its place in the gap."""
-    turn = motor_angle / gear_ratio
-    torque = gravity_torque * math.sin(turn + gravity_angle)
-    falling = -FALL * max(abs(torque) - hold, 0.0) * math.tanh(torque / hold)
-    within = min(max(place, -1.0), 1.0)
-    rate = (falling - motor_speed / gear_ratio) / max(0.5 * gap, LEAST)
-    return 0.5 * gap * within, rate - FACE * (place - within)
+def ahead(
+    motor_angle, motor_speed, motor_inertia, gear_ratio, gravity_torque, gravity_angle,
+    place, flight, gap, hold, beyond,
+):  # fmt: skip
+    """How far the shaft is ahead of the gear [rad], rates of its place in the gap and its speed."""
+    within, turning = min(max(place, -1.0), 1.0), motor_speed / gear_ratio
+    weight = gravity_torque * math.sin(motor_angle / gear_ratio + gravity_angle)
+    rate = -(weight + hold * math.tanh(flight / REST)) / (
+        beyond * motor_inertia * gear_ratio * gear_ratio
+    )
+    slip = flight - turning
+    if abs(place) >= 1.0 and place * slip > 0.0:
+        rate -= FACE * slip
+    half = 0.5 * max(gap, LEAST)
+    return 0.5 * gap * within, slip / half - FACE * (place - within), rate
+
+
+@kernel
+def unloaded(load, place, gap):
+    """What the motor does not carry while the shaft flies [N m]."""
+    return -load * min(gap / LEAST, 1.0) if abs(place) < 1.0 else 0.0
 
 
 EFFECT = Effect(
     name="gear_backlash",
-    meaning="Gear and shaft have play: the shaft stays or falls before it is pushed on.",
-    equation="q = th / N + z, |z| <= gap / 2, free within",
-    source="Nordin & Gutman (2002), backlash with a load that is held or falls",
+    meaning="Gear and shaft have play: the shaft flies from face to face.",
+    equation="q = th / N + z, |z| <= gap / 2; free within, J q'' = -T_gravity - hold",
+    source="Nordin & Gutman (2002), two bodies with backlash, inelastic faces",
     parameters=(
         Parameter("gap", 0.0, "rad", (0.0, 0.1), "whole play, at the shaft", off=0.0),
-        Parameter("hold", 0.02, "N m", (2e-3, 0.5), "friction of the shaft alone"),
+        Parameter("hold", 0.02, "N m", (2e-3, 0.5), "of the shaft alone", tried=(0.02, 0.2)),
+        Parameter("beyond", 0.1, "1", (0.02, 0.9), "share of inertia there", tried=(0.1,)),
     ),
-    terms=(Term(lag, writes=("shaft_position",), states=("place",)),),
-    states=(Slot("place", "1", "of the shaft in the gap, from -1 to 1", tolerance=1e-3),),
+    terms=(
+        Term(ahead, writes=("shaft_position",), states=("place", "flight")),
+        Term(unloaded, writes=("load",), unit="N m"),
+    ),
+    states=(
+        Slot("place", "1", "of the shaft in the gap, from -1 to 1", tolerance=1e-3),
+        Slot("flight", "rad/s", "speed of the shaft", tolerance=1e-3),
+    ),
 )

@@ -7,16 +7,17 @@ from hannes import kernel
 
 @kernel
 def sent(time, reference, window):
-    """The command at a time [s], the one that comes next [rad], and its share.
+    """The command before a time [s], the one that comes next [rad], and its share.
 
     A step in which a command comes in has a part of both, so that a delay of any size shows.
-    reference: times [s] and commands, shape (2, n); window: about a command [s], 0 for none
+    reference: times [s] and commands, shape (2, n)
+    window: about a command [s]; 0 for none: sensors are read before a command is sent
     """
     begun = time - 0.5 * window
     low, high = -1, reference.shape[1]
     while high - low > 1:
         middle = (low + high) // 2
-        if reference[0, middle] <= begun:
+        if reference[0, middle] < begun:
             low = middle
         else:
             high = middle

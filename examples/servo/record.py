@@ -36,12 +36,13 @@ def run(asked, seconds, load_friction, rng):
     q = v = 0.0
     rows = []
     for k in range(round(seconds / STEP)):
-        target = asked(math.floor(k * STEP / LOGGED + 1e-9) * LOGGED)
+        sent = math.floor((k - 0.5) * STEP / LOGGED) * LOGGED  # after the sensors are read
+        target = asked(max(sent, 0.0))
         duty = min(max(DUTY * (target - q), -1.0), 1.0)
         current = (duty * VOLTS - TURN * v) / OHM
         pull = weight * math.sin(q + ANGLE)
         if k % round(LOGGED / STEP) == 0:
-            rows.append((k * STEP, target, q, current))
+            rows.append((k * STEP, asked(k * STEP), q, current))
         free = TURN * current - pull
         hold = dry + load_friction * abs(pull)
         if v == 0.0 and abs(free) <= hold:

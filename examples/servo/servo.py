@@ -3,6 +3,8 @@
 Its values are those of a servo of 2.5 N m on 7.4 V that swings a load of 0.4 N m.
 """
 
+import breakaway
+import command_lag
 import equations as servo_equations
 import gear_backlash
 import numpy as np
@@ -35,6 +37,7 @@ EQUATIONS = Equations.of(
     ),
     channels=(  # what effects may add to
         Slot("reference_time", "s", "time at which the command is read"),
+        Slot("aside", "rad", "beside the command, where the controller steers to"),
         Slot("shaft_position", "rad", "of the shaft, where its sensor sits"),
         Slot("duty", "1", "of the drive, as it reaches the motor"),
         Slot("resistance", "ohm", "of the winding"),
@@ -51,11 +54,15 @@ EQUATIONS = Equations.of(
         Slot("current", "A", "in the winding"),
     ),
     numbers=(  # what their kernels may read besides parameters, states and channels
-        Slot("target", "rad", "command"),
+        Slot("command", "rad", "that is in force"),
+        Slot("first_command", "rad", "at which the recording starts"),
         Slot("back_emf", "V", "of the motor"),
         Slot("motor_speed", "rad/s", "of the motor"),
     ),
 )
+
+
+EFFECTS = (breakaway, command_lag, gear_backlash, supply_sag, wrong_gravity)
 
 
 class Servo(CompiledPlant):
@@ -68,18 +75,15 @@ class Servo(CompiledPlant):
     expected = {
         "reference": Expected(peak=(1e-3, 20.0), mistakes={"deg taken for rad": 57.3}),
         "position": Expected(follows="reference", peak=(1e-3, 20.0), rate=60.0, lag=0.5),
-        "current": Expected(drives="position", peak=(1e-3, 50.0)),
+        "current": Expected(peak=(1e-3, 50.0)),
     }
     base = PARAMETERS
     compiled_from = EQUATIONS
-    catalogue = {
-        each.EFFECT.name: each.EFFECT for each in (gear_backlash, supply_sag, wrong_gravity)
-    }
+    catalogue = {each.EFFECT.name: each.EFFECT for each in EFFECTS}
     ranges = {  # of a motor that gives 9e-3 N m at most: the shipped ranges are the hand's
         "command_delay.time": (0.0, 0.3),
         "stribeck.torque": (0.0, 2e-3),
         "stribeck.speed": (2.0, 300.0),
-        "torque_ripple.amplitude": (0.0, 2e-3),
     }
     free = {
         "control.gain": 1.0,
@@ -99,6 +103,12 @@ class Servo(CompiledPlant):
     start_time = 1e-3  # s
     block = 0.5  # s
     step = 2e-3  # s, of integration at most
+
+    def accepts(self, effect):
+        """Return why the servo cannot carry an effect, or an empty string."""
+        if effect.name == "torque_ripple":
+            return "its waves, 20 mrad of the shaft and less, are finer than what the servo logs"
+        return super().accepts(effect)
 
     def check(self, recording):
         """Raise BadInput unless there is something to compare after the first sample."""

@@ -48,10 +48,18 @@ def steps(size=0.6):
 def test_it_takes_the_effects_of_a_geared_motor(servo, whole):
     assert isinstance(servo, Plant)
     assert {each.name for each in whole.effects} >= {
-        *("command_delay", "direction_friction", "gear_backlash", "gear_load", "pwm_dead_band"),
-        *("stribeck", "supply_sag", "winding_heating", "wrong_gravity"),
+        *("breakaway", "command_delay", "command_lag", "direction_friction", "gear_backlash"),
+        *(
+            "gear_load",
+            "pwm_dead_band",
+            "stribeck",
+            "supply_sag",
+            "winding_heating",
+            "wrong_gravity",
+        ),
     }
     assert "leader" in servo.accepts(effects()["wire_compliance"])
+    assert "finer" in servo.accepts(effects()["torque_ripple"])
 
 
 def test_off_effects_change_nothing(servo, whole):
@@ -93,14 +101,17 @@ def test_a_delay_of_any_size_shows(whole):
 
 
 def test_play_shows_where_gravity_changes_sides(whole):
-    """Beside the load that hangs down at -0.3 rad the shaft lies on one face, then the other."""
+    """Past the place where the load hangs down, -0.3 rad, the shaft has crossed the whole play."""
     run = recording(np.linspace(0.5, -1.1, 400), start=0.5)
-    place = {"gear_backlash.gap": 0.04, "control.gain": 200.0, "motor.dry_friction": 0.0}
-    tight = whole.simulate({**place, "gear_backlash.gap": 0.0}, run)
-    loose = whole.simulate(place, run)
+    place = {"gear_backlash.gap": 0.04, "gravity.torque": 1.5, "control.gain": 1.0}
+    states = {"motor.dry_friction": 0.0, **place}
+    loose = whole.simulate(states, run)
+    tight = whole.simulate({**states, "gear_backlash.gap": 0.0}, run)
     more = loose["position"] - tight["position"]
-    drawn = loose["current"] - tight["current"]
-    assert np.abs(more).max() < 0.04 and np.abs(drawn).max() > 0.1
+    assert np.abs(more).max() < 0.045
+    drawn = np.abs(loose["current"] - tight["current"])
+    crossing = np.abs(tight["position"] + 0.3) < 0.2
+    assert drawn[crossing].max() > 3.0 * drawn[200:][~crossing[200:]].max()
 
 
 def test_sag_and_gravity_do_as_written(whole):
@@ -111,6 +122,28 @@ def test_sag_and_gravity_do_as_written(whole):
         q = found["position"][-1]
         load = 0.4 * math.sin(q + 0.3) + values.get("wrong_gravity.sine", 0.0) * math.sin(q)
         assert found["current"][-1] == pytest.approx(load / 300.0 / 3e-3, rel=1e-3)
+
+
+def test_a_smoothed_command_is_a_first_order_lag(whole):
+    """Steering stiffly, the shaft follows what a filter makes of a slow step; it starts at rest."""
+    run = recording(0.3 + np.repeat([0.0, 0.2], [50, 150]), start=0.3)
+    stiff = {"control.gain": 80.0, "motor.dry_friction": 0.0, "gravity.torque": 0.0}
+    found = whole.simulate({**stiff, "command_lag.time": 0.3}, run)["position"]
+    exact = 0.3 + 0.2 * (1.0 - np.exp(-np.maximum(run.time - 0.5, 0.0) / 0.3))
+    assert np.abs(found[:50] - 0.3).max() < 1e-6
+    assert np.abs(found - exact)[60:].max() < 0.012
+
+
+def test_breakaway_holds_and_slow_motions_stick_and_slip(whole):
+    """Of 0.15 N m in motion and 0.35 N m at rest a load of 0.3 N m is carried; a ramp has steps."""
+    more = {"breakaway.torque": 7e-4, "breakaway.speed": 20.0}
+    heavy = {"gravity.torque": 0.3, "gravity.angle": math.pi / 2.0, "control.gain": 0.1}
+    held = whole.simulate({**more, **heavy}, recording(np.zeros(300)))["position"]
+    assert np.abs(held).max() < 1e-3
+    ramp = recording(0.01 * 0.01 * np.arange(1500))
+    speed = {name: np.diff(whole.simulate(each, ramp)["position"])[300:] / 0.01
+             for name, each in (("smooth", {}), ("jerky", more))}  # fmt: skip
+    assert speed["smooth"].max() < 0.02 and speed["jerky"].max() > 0.05
 
 
 def test_ranges_are_those_of_this_machine(servo, whole):
