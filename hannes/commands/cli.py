@@ -20,7 +20,7 @@ from hannes.commands import (
     cli_views,
 )
 from hannes.commands.cli_examples import EXAMPLES
-from hannes.commands.cli_output import add_force, add_json, print_json
+from hannes.commands.cli_output import add_describe, add_force, add_json, print_json
 from hannes.commands.cli_trust import add_trust
 from hannes.commands.edge import guarded
 from hannes.core.errors import BadInput, Interrupted, nearest
@@ -146,6 +146,7 @@ def _add_results(commands: Any) -> None:
     diagnose = _command(commands, "diagnose", _diagnose, "say what a model is missing")
     diagnose.add_argument("campaign", help="a campaign's .toml file")
     _add_output(diagnose, "as the campaign says")
+    add_describe(diagnose)
     add_trust(diagnose)
 
 
@@ -292,9 +293,8 @@ def _diagnose(chosen: argparse.Namespace) -> None:
 
     campaign = read_campaign(chosen.campaign)
     out = chosen.out or campaign.out
-    result = diagnose(campaign, out=out, force=chosen.force, progress=True)
+    asked = {"force": chosen.force, "describe": chosen.describe}
+    verdict = diagnose(campaign, out=out, progress=True, **asked).verdict
     if chosen.json:
-        print_json(json.loads(result.verdict.json()))
-        return
-    print(result.verdict.summary())
-    print(f"open {out}/report.html")
+        return print_json(json.loads(verdict.json()))
+    print(f"{verdict.summary()}\nopen {out}/report.html")

@@ -68,6 +68,7 @@ campaign.toml, after its [[recording]]s; all of it may be left out:
     "diagnose": f"""\
 hannes diagnose campaign.toml
 hannes diagnose campaign.toml --out results/verdict --json
+hannes diagnose campaign.toml --describe      # what cannot be named, as a law of free shape
 
 campaign.toml (docs/reference/campaign.md has all of it):
   plant = "hand"                          # or "axis", "finger", "module:Class" of your own

@@ -20,3 +20,13 @@ def add_force(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--force", action="store_true", help="replace results of another command, too"
     )
+
+
+def add_describe(parser: argparse.ArgumentParser) -> None:
+    """Add the option --describe."""
+    parser.add_argument(
+        "--describe",
+        action="store_true",
+        help="where nothing can be named, hand.toml takes the likeliest generic disturbance: a "
+        "description, not a cause",
+    )

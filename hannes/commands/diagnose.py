@@ -28,6 +28,7 @@ from hannes.identification.holdout.diagnosis import diagnose_by_holdout
 from hannes.identification.holdout.effect_test import Trial
 from hannes.identification.holdout.least_squares import Progress
 from hannes.identification.residuals import Traces
+from hannes.identification.shape_words import description_caution
 from hannes.identification.verdict import Verdict
 from hannes.plants.plant_file import plant_toml
 from hannes.plants.protocol import Plant
@@ -79,12 +80,14 @@ def diagnose(
     progress: bool | None = None,
     force: bool = False,
     trust: bool = False,
+    describe: bool = False,
 ) -> Diagnosis:
     """Diagnose a campaign, or the TOML file of one; writes to `out` where given.
 
     `force`: results of another command in `out` are replaced, too. `trust`: Python that the TOML
     file names may run. `progress`: True: a bar on standard error, or where that is no terminal one
-    line a stage; by default the bar alone.
+    line a stage; by default the bar alone. `describe`: where nothing can be named, the plant takes
+    the likeliest generic disturbance, and a caution says so.
     Raises BadInput for what cannot be used, which includes every fault of the data check;
     ComputationFailed where a simulation fails.
     """
@@ -93,6 +96,7 @@ def diagnose(
     targets = [out] if out is not None else []
     with reserved("diagnose", targets, campaign.inputs, folder=True, force=force):
         result = _diagnosed(campaign, seed, progress)
+        result = _described(result) if describe else result
         if out is not None:
             result.write(out, force)
     return result
@@ -115,6 +119,15 @@ def _diagnosed(campaign: Campaign, seed: int, progress: bool | None) -> Diagnosi
             result = _by_holdout(campaign, seed, report)
     warnings += result.verdict.cautions
     return replace(result, verdict=replace(result.verdict, cautions=warnings))
+
+
+def _described(result: Diagnosis) -> Diagnosis:
+    """The same with the generic disturbance in the plant, or why there is none."""
+    shape = result.details.shape if result.details else None
+    plant = shape.plant if shape and shape.plant else result.plant
+    verdict = result.verdict
+    cautions = [*verdict.cautions, description_caution(verdict.verdict, verdict.shape)]
+    return replace(result, plant=plant, verdict=replace(verdict, cautions=cautions))
 
 
 def _by_fits(campaign: Campaign, settings: Settings, seed: int, report: Progress) -> Diagnosis:

@@ -7,10 +7,12 @@ from typing import Any
 
 from hannes.core.io.provenance import versions
 from hannes.identification.next_step import NEXT
+from hannes.identification.shape_words import shape_sentence
 
 MOST_MOVED = 5  # parameters in the line of a terminal
 FAINT = 0.2  # squared noise floors, mean over channels: a gap that is less above one is not visible
 LITTLE = 1.2  # noise floors on unfitted recordings: what is little more than that
+REMAINING = ("one_of", "named_with_remainder")  # verdicts that say what is left
 _SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 
 
@@ -28,6 +30,8 @@ class Verdict:
     missing), `why_not`.
     goes_with: what the refitted baseline leaves (`baseline`) and what the result leaves (`left`) go
     with: `sentence` and its `statements`.
+    shape: of an unknown, the likeliest generic disturbance: `name`, `meaning`, `axis`, `value` with
+    its band, `parameters`, and `closes`, the share of the reducible gap; or `why_not`.
     baseline: `intervals_from`, and `parameters` refitted without any new effect, those moved most
     first: name, of (an object), unit, nominal, value, low, high (95 %), moved (prior deviations).
     """
@@ -53,6 +57,7 @@ class Verdict:
     baseline: dict[str, Any] | None = None
     nearest: list[dict[str, Any]] = field(default_factory=list)
     goes_with: dict[str, Any] = field(default_factory=dict)
+    shape: dict[str, Any] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=versions)
 
     def __repr__(self) -> str:
@@ -100,13 +105,27 @@ class Verdict:
     @property
     def patterns(self) -> list[str]:
         """What the residual goes with, in a sentence each, where it is beyond chance."""
-        beside = " or ".join(map(effect_words, self.effects))
-        of = {"baseline": "without any new effect", "left": f"beside {beside}"}
-        return [
-            f"What is left {of[key]}: {each['sentence'][:1].lower()}{each['sentence'][1:]}"
+        found = [
+            f"{self._of(key)}: {each['sentence'][:1].lower()}{each['sentence'][1:]}"
             for key, each in self.goes_with.items()
             if each["sentence"]
         ]
+        left = self.goes_with.get("left", {})
+        if self.verdict in REMAINING and left.get("tested") and not left["sentence"]:
+            found.append(f"{self._of('left')}: nothing that repeats share beyond chance.")
+        return found
+
+    def _of(self, key: str) -> str:
+        """Of what residual a sentence is."""
+        if key == "baseline":
+            return "What is left without any new effect"
+        joint = " or " if self.verdict == "one_of" else " and "
+        return f"What is left beside {joint.join(map(effect_words, self.effects))}"
+
+    @property
+    def described(self) -> str:
+        """The shape of what is missing, in two sentences; empty where it has none."""
+        return shape_sentence(self.shape)
 
     @property
     def next_step(self) -> str:
@@ -119,6 +138,7 @@ class Verdict:
         lines += [_moved_most(self)] if self.verdict == "recalibrated" and self.baseline else []
         lines += [self.disagreement] if self.disagreement else []
         lines += [*self.patterns, *self.comes_nearest]
+        lines += [self.described] if self.shape else []
         lines.append(self.next_step)
         lines += [self.advice] if self.next_run else []
         if self.gap:

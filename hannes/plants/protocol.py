@@ -74,6 +74,7 @@ class Plant(Protocol):
     compiled_from: its written equations, into which effects are compiled; without it they run as
                 plain Python
     catalogue:  name -> effect of this plant alone, tried besides the common catalogue
+    generic:    name -> Description of this plant alone, for what cannot be named
     quantities(recording):         what a residual may go with, name -> shape (n,): `angle`,
                                    `speed`, `load`; `contact` is 1 while something is touched
     read(path):                    recordings of one file by name: of a logger of its own, or of

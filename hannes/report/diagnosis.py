@@ -16,6 +16,7 @@ from hannes.identification.verdict import (
 )
 from hannes.report.effect_section import explained_effects, marked_schematic
 from hannes.report.figure_diagnosis import figures
+from hannes.report.figure_shape import shape_figures
 from hannes.report.formats import decimals, number, signed
 from hannes.report.page import render
 from hannes.report.residual_map import constant_part, residual_map
@@ -45,6 +46,7 @@ def page(diagnosis: "Diagnosis") -> str:
             "worst": [each for each in drawn if each.name == WHERE],
             "rivals": [each for each in drawn if each.name == RANKING],
             "map": residual_map(diagnosis),
+            "shape": shape_figures(verdict.shape),
             "gaps": _gaps(diagnosis),
             "sizes": _sizes(diagnosis),
             "baseline": _baseline(diagnosis),

@@ -51,6 +51,7 @@ def sentence(shape, seed=0, runs=RUNS):
 def test_noise_alone_has_no_sentence():
     said = [sentence(lambda condition, run: 0.0, seed) for seed in range(30)]
     assert [each for each in said if each["statements"]] == []
+    assert all(each["tested"] for each in said)
 
 
 def test_what_differs_from_run_to_run_alone_has_no_sentence():
@@ -87,7 +88,7 @@ KINDS = {
     ),
     "free": (
         lambda condition, run: 2.0 * (condition == "free"),
-        "In free alone; nearly all of it in the current; of one sign both ways",
+        'In "free" alone; nearly all of it in the current; of one sign both ways',
     ),
 }
 
@@ -102,4 +103,6 @@ def test_the_sentence_says_of_which_kind_a_residual_is(kind):
 
 
 def test_a_sentence_needs_three_runs_of_a_command():
-    assert sentence(KINDS["load"][0], runs=2) == {"sentence": "", "statements": []}
+    assert sentence(KINDS["load"][0], runs=2) == {
+        "sentence": "", "statements": [], "tested": False,
+    }  # fmt: skip

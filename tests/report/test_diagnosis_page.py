@@ -106,6 +106,9 @@ def test_the_page_says_what_the_residual_goes_with(diagnosis):
     assert "What is left beside" not in text and "What is left beside" not in verdict.summary()
     said["left"]["sentence"] = "While opening alone."
     assert "What is left beside leader slack: while opening alone." in verdict.summary()
+    said["left"] = {"sentence": "", "statements": [], "tested": True}
+    classed = replace(verdict, verdict="one_of", effects=["leader_slack", "gear_load"])
+    assert "beside leader slack or gear load: nothing that repeats share" in classed.summary()
 
 
 def test_what_is_left_is_said_in_words(diagnosis):

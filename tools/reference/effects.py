@@ -3,7 +3,7 @@
 from hannes.core.effect import Effect
 from hannes.plants.part_fault import PartFault
 from hannes.plants.protocol import PLANTS, find_plant
-from hannes.simulation.catalogue import effects, laws
+from hannes.simulation.catalogue import descriptions, effects, laws
 from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.hand_file import own_catalogue
 from tools.reference.markdown import code, number, table
@@ -17,6 +17,12 @@ With all its amplitudes there, an effect leaves the model unchanged to the bit.
 It is not compiled then.
 """
 
+GENERIC = """# Generic disturbances
+
+A diagnosis fits these where it can name nothing, and `hannes diagnose --describe` writes the
+likeliest into `hand.toml`.
+They follow recordings by a law of free shape, and claim no cause.
+"""
 
 SYMBOLS = {  # of the equations, as on the page of physics
     "th, w, i": "angle, speed and current of the motor",
@@ -46,6 +52,8 @@ def page() -> str:
             parts += _faults([each for each in own if isinstance(each, PartFault)])
     parts.append("# Laws\n\nThese are never tried by a diagnosis.\n")
     parts += [_effect(each) for each in laws().values()]
+    parts.append(GENERIC)
+    parts += [_effect(each.effect) for each in descriptions().values()]
     return "\n".join(parts)
 
 

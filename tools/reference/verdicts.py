@@ -45,7 +45,12 @@ FIELDS = {
     "share that it `explains` of what is missing, and `why_not`",
     "goes_with": "`baseline`: what the refitted base leaves, `left`: what the result leaves; each "
     "a `sentence` and its `statements` (`what`, the figure `value`, `low`, the least it is): where "
-    "it is, what it grows with, both ways alike; empty where nothing is beyond chance",
+    "it is, what it grows with, both ways alike; empty where nothing is beyond chance, and not "
+    "`tested` without three repeats of a command",
+    "shape": "of an `unknown`: the likeliest generic disturbance: `name`, `meaning`, its `axis` "
+    "(`name`, `unit`, `values`) and over it the `value` (`name`, `unit`, `values`, and the 95 % "
+    "band `low` to `high`), `parameters`, and `closes`, the share of the reducible gap on the "
+    "recordings in role show; where none helps, `name` is empty and `why_not` says it",
     "versions": "of the libraries",
 }
 STATUSES = (

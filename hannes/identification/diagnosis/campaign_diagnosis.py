@@ -25,6 +25,7 @@ from hannes.identification.diagnosis.observed_controller import as_recorded
 from hannes.identification.diagnosis.repeat_groups import Channels
 from hannes.identification.diagnosis.run_to_run import disagreement
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.shape.shape import Shape, shape_of
 from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import VERDICT
 from hannes.identification.diagnosis.untested import untested
@@ -43,7 +44,7 @@ class Result:
     """The verdict, the plant with what was found, and what the page draws.
 
     traces: of the held-out recordings;  noise_floors: channel -> its unit
-    found, decision, stages: what the verdict follows from
+    found, decision, stages: what the verdict follows from;  shape: of an unknown
     """
 
     verdict: Verdict
@@ -53,6 +54,7 @@ class Result:
     found: SearchResult
     decision: Decision
     stages: Stages
+    shape: Shape | None = None
 
 
 def declares_uncertainty(plant: Plant) -> bool:
@@ -97,7 +99,7 @@ def diagnose_campaign(
         decision, spread = _decided(found, seed, progress)
         progress("the test recordings")
         closing = _Closing(campaign, found, decision, spread, seed)
-        result = closing.result(tried)
+        result = closing.result(tried, progress)
     cautions = [observed] if observed else []
     cautions += disagreement(settings, closing.model.space.settings)
     cautions += result.verdict.cautions
@@ -163,13 +165,16 @@ class _Closing:
         self.model = found.baseline.model
         self.names = {each.name: name for name, each in campaign.effects.items()}
 
-    def result(self, tried: dict[str, tuple[Effect, str]]) -> Result:
+    def result(self, tried: dict[str, tuple[Effect, str]], progress: Progress) -> Result:
         plant, stood = self.campaign.plant, guarded(self.decision, self.stages())
         self.decision = decision = stood.decision
         self.spread = self.spread if decision.effects else {}
         stages = stood.stages
         raws = {key: stages.raw(k, "show") for k, key in enumerate(STAGES)}
         tables = EvidenceTables(self.found, self.names)
+        shape = None
+        if decision.kind == "unknown" and not self.found.ended:
+            shape = shape_of(self.found, stages, self.owner(), progress)
         verdict = Verdict(
             verdict=decision.kind,
             effects=[self.names[name] for name in decision.effects],
@@ -196,15 +201,15 @@ class _Closing:
             cautions=stood.cautions + untested(self.found, decision.kind),
             nearest=nearest(self.found, decision, self.names),
             goes_with=self.goes_with(stages),
+            shape=shape.table if shape else {},
         )
         traces = tuple(
             traced(segment, [each[k] for each in stages.runs], list(self.noise_floors))
             for k, segment in enumerate(self.segments)
             if segment.role == "show"
         )
-        return Result(
-            verdict, self.refitted(), traces, self.noise_floors, self.found, decision, stages
-        )
+        found = self.noise_floors, self.found, decision, stages, shape
+        return Result(verdict, self.refitted(), traces, *found)
 
     def stages(self) -> Stages:
         """The machine as given, refitted, and with what was found, simulated whole."""

@@ -47,11 +47,11 @@ def goes_with(
     """`sentence`, and its `statements`: each `what`, its figure `value`, `low` the least it is.
 
     raw: simulated minus recorded of each segment. The sentence is empty where nothing is beyond
-    chance.
+    chance; it is not `tested` where no command has repeats enough.
     """
     known, names = commands(plant, segments, raw, noise_floors, FEWEST)
     if not known or estimated(known, _repeatable, 1).low <= 0.0:
-        return {"sentence": "", "statements": []}
+        return {"sentence": "", "statements": [], "tested": bool(known)}
     place, phase = _place(known), _phase(known)
     found = [place, phase, _channel(known, names)]
     found += [_growth(_inside(_inside(known, place), phase)), _both_ways(known), _order(known)]
@@ -60,6 +60,7 @@ def goes_with(
         "statements": [
             {key: each[key] for key in ("what", "value", "low")} for each in found if each
         ],
+        "tested": True,
     }
 
 
@@ -93,6 +94,10 @@ def _share(weights: Sequence[np.ndarray], some: Sequence[Command]) -> float:
     return part / whole if whole > 0.0 else 0.0
 
 
+def _during(phase: str) -> str:
+    return f"while {phase}" if phase.endswith("ing") else f'in the phase "{phase}"'
+
+
 def _in_mask(name: str) -> Place:
     return lambda each: each.masks.get(name, np.zeros(len(each.square)))
 
@@ -123,12 +128,12 @@ def _place(known: Sequence[Command]) -> Statement | None:
     if touched := _located(known, {"in contact": _in_mask("contact")}):
         return touched
     conditions = dict.fromkeys(each.condition for each in known)
-    return _located(known, {f"in {name}": _in_condition(name) for name in conditions})
+    return _located(known, {f'in "{name}"': _in_condition(name) for name in conditions})
 
 
 def _phase(known: Sequence[Command]) -> Statement | None:
     names = [n for n in dict.fromkeys(n for c in known for n in c.masks) if n != "contact"]
-    return _located(known, {f"while {name}": _in_mask(name) for name in names})
+    return _located(known, {_during(name): _in_mask(name) for name in names})
 
 
 def _channel(known: Sequence[Command], names: Sequence[str]) -> Statement | None:

@@ -1,17 +1,20 @@
-"""Every tuning constant of the diagnosis, in one frozen dataclass for each of its four stages."""
+"""Every tuning constant of the diagnosis, in one frozen dataclass for each of its five stages."""
 
 from hannes.identification.diagnosis.tuning.fit import FIT, FitTuning
 from hannes.identification.diagnosis.tuning.noise import NOISE, NoiseTuning
 from hannes.identification.diagnosis.tuning.search import SEARCH, SearchTuning
+from hannes.identification.diagnosis.tuning.shape import SHAPE, ShapeTuning
 from hannes.identification.diagnosis.tuning.verdict import VERDICT, VerdictTuning
 
 __all__ = [
     "FIT",
     "NOISE",
     "SEARCH",
+    "SHAPE",
     "VERDICT",
     "FitTuning",
     "NoiseTuning",
     "SearchTuning",
+    "ShapeTuning",
     "VerdictTuning",
 ]

@@ -1,0 +1,1 @@
+"""The shape of what is missing where nothing can be named: a generic disturbance with its band."""

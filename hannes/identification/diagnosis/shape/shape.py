@@ -1,0 +1,142 @@
+"""The shape of what is missing, held against recordings that were not fitted, and its table."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hannes.campaigns.segments import in_roles
+from hannes.identification.diagnosis.before_after import simulated
+from hannes.identification.diagnosis.effect_sizes import NORMAL
+from hannes.identification.diagnosis.fitted_deviations import with_deviations
+from hannes.identification.diagnosis.hold_out_guard import Stages
+from hannes.identification.diagnosis.shape.likeliest import Described, Progress, likeliest
+from hannes.identification.diagnosis.trials import SearchResult
+from hannes.identification.diagnosis.tuning import FIT, SHAPE
+from hannes.identification.residuals import tabled
+from hannes.identification.verdict import explained
+from hannes.plants.protocol import Plant
+
+NONE_FITS = "no generic disturbance lowers the misfit by enough"
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What a verdict holds of the shape, and the machine that has it.
+
+    table: of verdict.json;  described: the fit, and plant: the machine with it; None where no
+    generic disturbance helps
+    """
+
+    table: dict[str, Any]
+    described: Described | None = None
+    plant: Plant | None = None
+
+
+def shape_of(found: SearchResult, stages: Stages, owner: str, progress: Progress) -> Shape:
+    """The likeliest generic disturbance, where unfitted recordings do not oppose it.
+
+    stages: of which the second is the refitted baseline, or what stands for it
+    owner: whose own parameters the machine takes, see ParameterSpace.values
+    """
+    best = likeliest(found, progress)
+    if best is None:
+        return Shape(_nothing(NONE_FITS))
+    held = _held(found, best, stages)
+    if why := held.refusal(1, 2):
+        return Shape(_nothing(f"{best.description.words}: {why}"))
+    table = _table(best, found.variance_factor) | {"closes": _closed(held)}
+    return Shape(table, best, _machine(best, owner))
+
+
+def _nothing(why: str) -> dict[str, Any]:
+    return {"name": "", "why_not": why}
+
+
+def _held(found: SearchResult, best: Described, stages: Stages) -> Stages:
+    """The stages with the described machine as the last."""
+    model = best.base.model
+    entries = [each.entry for each in stages.segments]
+    places = np.array([each.x for each in (best.nominal, best.base, best.point)])
+    with model.work.in_any_case():
+        made = with_deviations(
+            simulated(model, entries, places),
+            entries,
+            (best.base, best.point),
+            found.variance_factor,
+        )
+    if any(each[2] is None for each in made):
+        return replace(stages, failed=stages.failed | {2})
+    runs = [each[2] for each in made if each[2]]
+    points = (*stages.points[:2], best.point)
+    return replace(stages, points=points, runs=(*stages.runs[:2], runs), failed=stages.failed - {2})
+
+
+def _closed(held: Stages) -> float:
+    """Share of the reducible gap on the recordings in role show that is closed."""
+    raws = {key: held.raw(k, "show") for key, k in (("as_given", 0), ("before", 1), ("after", 2))}
+    unfitted = in_roles(held.segments, "show")
+    return explained(tabled(raws, unfitted, held.plant.channels, held.noise_floors))
+
+
+def _machine(best: Described, owner: str) -> Plant:
+    """The plant with the generic disturbance, and with what was refitted beside it."""
+    space = best.point.space
+    plant = best.base.model.small.with_effects(best.description.effect)
+    values = space.values(best.point.x, owner)
+    return plant.with_values({n: v for n, v in values.items() if n in plant.parameters})
+
+
+def _table(best: Described, variance_factor: float) -> dict[str, Any]:
+    """Of verdict.json: the value over its axis with its 95 % band, and the numbers behind it."""
+    description, point, effect = best.description, best.point, best.description.effect
+    spread = _covariance(best, variance_factor)
+    values = _values(best)
+    places = np.linspace(*description.ends, SHAPE.places)
+    line = description.at(places, list(values.values()))
+    slopes = description.slopes(places, list(values.values()))
+    reach = NORMAL * np.sqrt(np.einsum("kn,kl,ln->n", slopes, spread, slopes))
+    sizes = NORMAL * np.sqrt(np.diag(spread))
+    return {
+        "name": effect.name,
+        "meaning": description.words,
+        "axis": {"name": description.axis, "unit": description.unit, "values": places.tolist()},
+        "value": {
+            "name": description.value,
+            "unit": description.value_unit,
+            "values": line.tolist(),
+            "low": (line - reach).tolist(),
+            "high": (line + reach).tolist(),
+        },
+        "parameters": {
+            name: {
+                "value": value,
+                "unit": point.space.declared(name).unit,
+                "low": value - float(size),
+                "high": value + float(size),
+            }
+            for (name, value), size in zip(values.items(), sizes, strict=True)
+        },
+        "why_not": "",
+    }
+
+
+def _values(best: Described) -> Mapping[str, float]:
+    """Parameters of the generic disturbance by full name [SI]."""
+    space, x = best.point.space, best.point.x
+    places = space.of(best.description.effect.name)
+    parameters = [space.parameters[place] for place in places]
+    return {p.name: float(p.value(x[k])) for p, k in zip(parameters, places, strict=True)}
+
+
+def _covariance(best: Described, variance_factor: float) -> np.ndarray:
+    """Of these parameters [SI], all else refitted; wider by what the fit leaves, (k, k)."""
+    point = best.point
+    places = point.space.of(best.description.effect.name)
+    rows = np.searchsorted(point.active, places)
+    inverse = np.linalg.inv(point.hessian + FIT.jitter * np.eye(point.active.size))
+    left = max(1.0, variance_factor, point.chi2 / point.residual.size)
+    scales = np.array([point.space.parameters[k].scale for k in places])
+    own = inverse[np.ix_(rows, rows)] * np.outer(scales, scales)
+    return np.asarray(FIT.interval_widening**2 * left * own)

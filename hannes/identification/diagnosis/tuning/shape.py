@@ -1,0 +1,22 @@
+"""Constants of the shape: how generic disturbances are fitted where nothing can be named."""
+
+from dataclasses import dataclass
+
+from hannes.identification.tuning_table import COST, DEVELOPMENT, constant
+
+
+@dataclass(frozen=True)
+class ShapeTuning:
+    """How what cannot be named is described."""
+
+    most_simulated: float = constant(
+        12_000.0, "s", "of simulated runs for the shape, beside those of the search", COST
+    )
+    fitted: int = constant(4, "1", "generic disturbances that are fitted, the likeliest", COST)
+    least: float = constant(
+        11.0, "chi2", "reduction for which one is drawn, as it is for an unknown", DEVELOPMENT
+    )
+    places: int = constant(41, "1", "of its axis at which it is given", "room on the page")
+
+
+SHAPE = ShapeTuning()

@@ -1,0 +1,27 @@
+"""What a reader is given of the shape of what is missing: sentences, and a caution."""
+
+from collections.abc import Mapping
+from typing import Any
+
+NO_CAUSE = "this describes what is missing and is not its cause"
+
+
+def shape_sentence(shape: Mapping[str, Any]) -> str:
+    """What generic disturbance follows the recordings, or that none does; empty without a shape."""
+    if not shape:
+        return ""
+    if not shape["name"]:
+        return f"No generic disturbance describes it: {shape['why_not']}."
+    return (
+        f"Likeliest shape: {shape['meaning']}. On recordings that were not fitted it closes "
+        f"{100.0 * shape['closes']:.0f} % of the reducible gap; {NO_CAUSE}."
+    )
+
+
+def description_caution(verdict: str, shape: Mapping[str, Any]) -> str:
+    """What a hand.toml holds where a description was asked for, by the verdict and its shape."""
+    if name := shape.get("name"):
+        return f"hand.toml has {name}, a law of free shape, where nothing can be named: {NO_CAUSE}"
+    if verdict != "unknown":
+        return f"nothing is to be described: the verdict is {verdict}"
+    return "no generic disturbance describes what is missing: hand.toml is as without --describe"

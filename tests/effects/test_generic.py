@@ -1,0 +1,60 @@
+"""Generic disturbances: what they are drawn as is what they do, and a hand.toml names them."""
+
+import numpy as np
+import pytest
+
+from hannes.core.kernels.jit import plain
+from hannes.plants.hand.plant import HandPlant
+from hannes.plants.plant_file import load_model, plant_toml
+from hannes.simulation.catalogue import descriptions, effects
+
+ALL = descriptions()
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_description_is_of_the_hand_and_says_what_it_is(name):
+    each = ALL[name]
+    assert name.startswith("generic_") and name not in effects()
+    assert HandPlant().accepts(each.effect) == ""
+    assert "names no cause" in " ".join(each.effect.meaning.split()) and each.value in each.words
+    assert each.ends[0] < each.ends[1]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_its_law_vanishes_at_off_and_is_finite(name):
+    each = ALL[name]
+    places = np.linspace(*each.ends, 9)
+    off = [p.off for p in each.effect.parameters]
+    at_off = each.at(places, off)
+    assert np.ptp(at_off) == 0.0 and at_off[0] in (0.0, 1.0)
+    most = [p.bounds[1] for p in each.effect.parameters]
+    assert np.isfinite(each.at(places, most)).all()
+
+
+@pytest.mark.parametrize("name", [n for n in ALL if n != "generic_easing"])
+def test_its_slopes_are_those_of_a_linear_law(name):
+    each = ALL[name]
+    rng, places = np.random.default_rng(3), np.linspace(*each.ends, 7)
+    sizes = [0.5 * p.bounds[1] * rng.uniform() for p in each.effect.parameters]
+    line = np.array(sizes) @ each.slopes(places, sizes)
+    assert line == pytest.approx(each.at(places, sizes), rel=1e-6, abs=1e-9)
+
+
+def test_the_kernel_does_what_is_drawn():
+    """Of friction over speed: the law, with the sign of the motion."""
+    each = ALL["generic_speed_friction"]
+    (term,) = each.effect.terms
+    sizes, ratio = [1e-3, -4e-4, 3e-4, 0.0, 2e-4], 19.0
+    for speed in (-20.0, -3.0, 4.0, 25.0):
+        made = plain(term.kernel)(speed * ratio, 5.0, ratio, *sizes)
+        assert made == pytest.approx(np.sign(speed) * each.at(np.array([speed]), sizes)[0])
+
+
+def test_a_hand_file_names_a_generic_disturbance(tmp_path):
+    each = ALL["generic_joint_torque"]
+    plant = HandPlant().with_effects(each.effect)
+    plant = plant.with_values({each.effect.full_name("c_1"): 0.02})
+    (tmp_path / "hand.toml").write_text(plant_toml(plant, HandPlant(), "hannes", tmp_path))
+    read = load_model(str(tmp_path / "hand.toml"))
+    assert read.parameters[each.effect.full_name("c_1")] == 0.02
+    assert [e.name for e in read.effects] == ["generic_joint_torque"]
