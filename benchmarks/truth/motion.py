@@ -4,7 +4,7 @@ import numpy as np
 
 from benchmarks.truth._jit import compiled
 from benchmarks.truth.controller import continuous
-from benchmarks.truth.effects import wire_creep
+from benchmarks.truth.effects import guide_load, warming_grease, wire_creep
 from benchmarks.truth.finger import finger
 from benchmarks.truth.joints import mcp_torque, pip_torque
 from benchmarks.truth.laws import friction
@@ -36,6 +36,7 @@ def move(h, start, gain, y, dy):
     y[MOTOR] = start[MOTOR] + gain * y[MOTOR_SPEED]
     dy[MOTOR] = y[MOTOR_SPEED]
     follow_shaft(h, start, gain, y, dy)
+    warming_grease.spend(h, start, gain, y, dy)
     y[CREPT] = start[CREPT]  # micrometres a second: its own part-step may wait
 
 
@@ -90,6 +91,7 @@ def cart_rate(h, c, leader, follower, y, dy):
         h.cart_breakaway_speed,
         h.cart_viscous_friction,
     )
+    drag += guide_load.drag(h, leader, y[CART_SPEED + c])
     dy[CART_SPEED + c] = (leader - follower - drag) / h.cart_mass
 
 

@@ -5,6 +5,7 @@ from math import tanh
 from benchmarks.truth._jit import compiled
 from benchmarks.truth.added import bus_drop, current_error, duty_lost, rotor_torque
 from benchmarks.truth.effects import (
+    bridge_dead_time,
     current_gain,
     current_lag,
     current_offset,
@@ -16,6 +17,7 @@ from benchmarks.truth.effects import (
     stribeck,
     supply_sag,
     torque_ripple,
+    warming_grease,
     winding_heating,
 )
 from benchmarks.truth.state import (
@@ -27,6 +29,7 @@ from benchmarks.truth.state import (
     SENSED,
     SHAFT,
     SHAFT_SPEED,
+    WORK,
 )
 
 
@@ -61,6 +64,7 @@ def turn(h, pull, y, dy):
         load = torque / h.gear_ratio
     torque = winding_heating.torque_constant(h) * y[CURRENT]
     torque += torque_ripple.cogging(h, y[MOTOR]) - drive_friction(h, y[MOTOR_SPEED], load) - load
+    torque += warming_grease.missing(h, y[MOTOR_SPEED], y[WORK])
     torque -= rotor_torque(h, y[MOTOR], y[MOTOR_SPEED], load)
     dy[MOTOR_SPEED] = torque / h.motor_inertia
 
@@ -72,6 +76,7 @@ def wind(h, duty, y, dy):
     passed = pwm_dead_band.passed(h, duty) - duty_lost(h, duty)
     volts = passed * bus - winding_heating.resistance(h) * y[CURRENT]
     volts -= winding_heating.torque_constant(h) * y[MOTOR_SPEED]
+    volts -= bridge_dead_time.volts_lost(h, y[CURRENT])
     dy[CURRENT] = volts / h.motor_inductance
     return bus
 

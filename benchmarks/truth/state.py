@@ -15,7 +15,8 @@ SHAFT, SHAFT_SPEED = 30, 31  # output shaft
 SENSED, FORCE_READING, FACE = 32, 33, 34  # filtered current, force and face reading
 CREPT = 35  # length that the leader has gained
 HYSTERESIS, DENT = 36, 46  # springs of the joints; object under the phalanges (2 finger + link)
-SIZE = 56
+WORK = 56  # of friction of motor and gear, were they cold
+SIZE = 57
 
 # Each unknown and the position that it moves (-1: none); with backlash, also the shaft's.
 UNKNOWNS = np.array(

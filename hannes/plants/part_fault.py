@@ -1,4 +1,4 @@
-"""A fault of one part of a machine: values of that part that are off, found as an effect is.
+"""A fault of one part of a machine, or a setting: values that are off, found as an effect is.
 
 It adds nothing to the equations. Each of its amplitudes moves values that the plant has anyway, so
 it is carried by values alone: what a diagnosis finds is written as these.
@@ -13,10 +13,10 @@ from hannes.core.effect import Effect
 
 @dataclass(frozen=True, repr=False)
 class PartFault(Effect):
-    """A fault of one of several like parts.
+    """A fault of one of several like parts, or a setting that is other than stated.
 
     moves: amplitude -> the plant's parameter by full name -> its change per unit, SI
-    kind:  what other parts may have as well
+    kind:  what other parts may have as well; empty of a setting, which has none like it
     """
 
     moves: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -41,20 +41,19 @@ def moved_by(effect: Effect, parameter: str) -> Mapping[str, float]:
 
 
 def part_faults(effects: Mapping[str, Effect], names: Iterable[str]) -> list[str]:
-    """Those of the names that are faults of a part."""
-    return [name for name in names if isinstance(effects[name], PartFault)]
+    """Those of the names that are faults of one of several like parts."""
+    return [name for name in names if _kind(effects[name])]
+
+
+def _kind(effect: Effect | None) -> str:
+    return effect.kind if isinstance(effect, PartFault) else ""
 
 
 def like_faults(effects: Mapping[str, Effect], name: str) -> list[str]:
     """The same fault of the other parts; none of an effect that adds to the equations."""
-    one = effects.get(name)
+    kind = _kind(effects.get(name))
     return [
-        other
-        for other, each in effects.items()
-        if isinstance(one, PartFault)
-        and isinstance(each, PartFault)
-        and each.kind == one.kind
-        and other != name
+        other for other, each in effects.items() if kind and _kind(each) == kind and other != name
     ]
 
 

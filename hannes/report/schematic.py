@@ -10,7 +10,7 @@ from html import escape
 from itertools import pairwise
 from typing import Any
 
-from hannes.plants.hand.finger_faults import FAULTS
+from hannes.plants.hand.plant import HandPlant
 from hannes.report import schematic_layout as at
 from hannes.simulation.catalogue import effects
 from hannes.simulation.hand.anatomy import FINGERS
@@ -36,7 +36,7 @@ STYLE = (
 def schematic(hand: Hand | None = None, marked: Sequence[str] = ()) -> str:
     """The drawing as an SVG that stands alone; parts at which `marked` effects sit stand out."""
     hand = hand or Hand()
-    known = {**effects(), **FAULTS}
+    known = {**effects(), **HandPlant().catalogue}
     ringed = {part for each in marked if each in known for part in at.parts_of(known[each])}
     body = [*_controller(hand, ringed), *_guides()]
     body += [line for cart in at.CARTS for line in _cart(hand, cart, ringed)]

@@ -48,8 +48,8 @@ def parts_of(effect: Effect) -> tuple[str, ...]:
             if part:
                 found[part] = None
     if isinstance(effect, PartFault):
-        moved = (name for each in effect.moves.values() for name in each)
-        found |= dict.fromkeys(name.partition(".")[0] for name in moved)
+        moved = {name.partition(".")[0] for each in effect.moves.values() for name in each}
+        found |= dict.fromkeys(part for part, kinds in PARAMETERS.items() if moved & {*kinds})
     return tuple(found)
 
 

@@ -150,6 +150,9 @@ OWN_WAY = {
     "direction_friction.viscous": 2e-3,
     "gear_backlash.gap": 2e-3,  # rigid teeth here, a stiff spring there
 }
+# A delay is exact in firmware alone; a clipped reading drives the voltage to its limit, whose corner
+# is round in the continuous controller.
+IN_FIRMWARE = ("measurement_delay", "clipped_current")
 KNOWN = {f"{name}.{each.name}" for name, effect in effects().items() for each in effect.parameters}
 
 
@@ -166,7 +169,7 @@ def test_every_effect_of_the_catalogue_has_its_second_formulation():
 def test_the_same_effect_on_both_sides_is_the_same_run(name):
     size = SIZES[name]
     hidden = {name: size.high / 4 if size.low < 0 else math.sqrt(size.low * size.high)}
-    sampled = ("sampled", FINE_ENCODER) if name.startswith("measurement_delay") else ()
+    sampled = ("sampled", FINE_ENCODER) if name.startswith(IN_FIRMWARE) else ()
     found = worst(gaps(PAPER, DYNAMOMETER, *sampled, hidden=hidden))
     assert max(found.values()) < OWN_WAY.get(name, 1e-4), found
 

@@ -31,6 +31,10 @@ SYMBOLS = {  # of the equations, as on the page of physics
     "T_dry, w_s, f": "dry friction of motor and gear, the width of its tanh, viscous friction",
     "R, k_t": "winding resistance and torque constant",
     "V_0, V_bus": "bus voltage without and with load",
+    "T_L": "tension of the leader wire",
+    "v, v_b": "speed of a cart, and that of its breakaway friction",
+    "k_p, k_d, i_max": "gains of the position loop in the firmware, and its limit of the current",
+    "g": "gravity in the frame of the hand",
     "q": "angle of a joint",
     "s_L, x_A, x_B, l_thumb": "stretch of the leader wire; carts; wire that the thumb takes up",
     "k, x, F, beta": "stiffness, depth, force and damping of a contact",
@@ -60,9 +64,13 @@ def page() -> str:
 def _faults(faults: list[PartFault]) -> list[str]:
     """Those of the first finger, and what the others are called."""
     shown = [each for each in faults if each.name.startswith(FINGERS[0])]
+    settings = [each for each in faults if not each.kind]
     others = ", ".join(code(each) for each in FINGERS[1:])
     note = f"A fault of one part moves values of that part. The same are there for {others}.\n"
-    return [note, *map(_effect, shown)] if shown else []
+    parts = [note, *map(_effect, shown)] if shown else []
+    if settings:
+        parts += ["A setting that is other than stated moves values too.\n"]
+    return [*parts, *map(_effect, settings)]
 
 
 def _acts(each: Effect) -> str:

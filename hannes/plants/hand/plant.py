@@ -12,6 +12,7 @@ from hannes.core.parameter import ParameterSet
 from hannes.core.recording.recording import Recording
 from hannes.plants.hand import axes, batch_runs, candidate_runs, finger_faults, joint_deviations
 from hannes.plants.hand.channel_limits import EXPECTED
+from hannes.plants.hand.other_settings import other_settings
 from hannes.plants.hand.recorded_experiment import (
     effects_on_object,
     experiment_of,
@@ -27,23 +28,12 @@ from hannes.simulation.simulate import simulate
 # Relative standard deviation of the nominal values of a real hand.
 SPREAD = 0.03
 FREE = (
-    "motor.torque_constant",
-    "motor.resistance",
-    "motor.dry_friction",
-    "gear.pulley_radius",
-    "mcp.moment_arm",
-    "pip.moment_arm",
-    "mcp.spring_stiffness",
-    "pip.spring_stiffness",
-    "mcp.spring_preload",
-    "pip.spring_preload",
-    "mcp.coulomb_friction",
-    "mcp.breakaway_friction",
-    "mcp.viscous_friction",
-    "pip.breakaway_friction",
-    "pip.viscous_friction",
+    "motor.torque_constant", "motor.resistance", "motor.dry_friction", "gear.pulley_radius",
+    "mcp.moment_arm", "pip.moment_arm", "mcp.spring_stiffness", "pip.spring_stiffness",
+    "mcp.spring_preload", "pip.spring_preload", "mcp.coulomb_friction", "mcp.breakaway_friction",
+    "mcp.viscous_friction", "pip.breakaway_friction", "pip.viscous_friction",
     "cart.viscous_friction",
-)
+)  # fmt: skip
 # Run-to-run standard deviation: a choice, nobody published one.
 RUN_TO_RUN = dict.fromkeys(  # relative
     (
@@ -93,7 +83,6 @@ class HandPlant(ByValue):
     block = 0.2
     expected = EXPECTED
     compiled_from = EQUATIONS
-    catalogue = finger_faults.FAULTS
     start_time = 0.01  # s, standard deviation of a run's start against its clock
 
     def __init__(self, hand: Hand | None = None) -> None:
@@ -114,6 +103,11 @@ class HandPlant(ByValue):
     def effects(self) -> tuple[Effect, ...]:
         """Effects in the model."""
         return self.hand.effects
+
+    @property
+    def catalogue(self) -> Mapping[str, Effect]:
+        """Faults of one finger, and settings other than stated."""
+        return {**finger_faults.FAULTS, **other_settings(self.parameters)}
 
     @property
     def free(self) -> Mapping[str, float]:
