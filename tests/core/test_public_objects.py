@@ -73,7 +73,7 @@ def made(number):
         "Parameter": size,
         "ParameterSet": hand.parameters,
         "PlainPlant": sled.Sled().with_values({"sled.mass": 1.0 + number}),
-        "axis": Axis().with_values({"axis.mass": 90.0 + number}),
+        "CompiledPlant": Axis().with_values({"axis.mass": 90.0 + number}),
         "finger": Finger().with_values({"contact.angle": 4.0 + number}),
         "hand plant": HandPlant(hand),
         "Recording": recording(1.0 + number),
@@ -116,7 +116,7 @@ SIMPLE = (  # of `made`
     "BadInput", "ComputationFailed", "Effect", "Effect of another kernel",
     "Effect of the package", "Expected", "Experiment", "Hand", "Parameter", "ParameterSet",
     "PlainPlant", "Recording", "Reference", "Slot", "Stepper", "Target", "Term", "Variant",
-    "axis", "finding", "finger", "hand plant",
+    "CompiledPlant", "finding", "finger", "hand plant",
 )  # fmt: skip
 COMPUTED = (  # of `computed`
     "Calibration", "Diagnosis", "Diagnosis without doubts", "Grasp", "Trajectory", "Verdict",

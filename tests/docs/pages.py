@@ -127,6 +127,7 @@ def command(line, where):
 def called(run_it, what, arguments):
     """Run a module or a file as `python` would."""
     before, sys.argv = sys.argv, [what, *arguments]
+    sys.modules.pop(what, None)  # else runpy warns of a second one
     try:
         run_it(what, run_name="__main__")
     except SystemExit as end:

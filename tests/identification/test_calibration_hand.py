@@ -55,7 +55,7 @@ def test_contact_from_the_motor_current_finds_the_dynamometer(tmp_path, capsys):
     assert stiffness["low"] < 30000.0 < stiffness["high"]
     assert friction["value"] == pytest.approx(0.45, rel=0.05)
     assert damping["label"] == "not identified"
-    assert written["remains"]["repeats"] is False
+    assert written["remains"]["repeats"] is None  # as few runs may all be off alike by chance
     assert all(start["agrees"] for start in written["starts"])
     gap = written["gap"]["current"]
     assert gap["after"] < 1.3 * gap["floor"] < gap["as_given"]
@@ -136,16 +136,16 @@ def interrupting(monkeypatch, text):
     values = []
 
     @contextmanager
-    def bar(progress):
+    def bar(title, unit, progress):
         def report(part, rms):
             if part == text:
-                values.append(rms)
+                values.append(float(rms.removeprefix("RMS ")))
                 if len(values) == 5:
                     signal.raise_signal(signal.SIGINT)
 
         yield report
 
-    monkeypatch.setattr(sys.modules["hannes.commands.calibrate"], "_bar", bar)
+    monkeypatch.setattr(sys.modules["hannes.commands.calibrate"], "stages", bar)
     return values
 
 
@@ -183,7 +183,7 @@ def test_slopes_by_the_steps_of_a_fit_are_free_of_solver_errors(monkeypatch):
         CALIBRATION.nonlinearity * view.nonlinearities(exact.centre[0]),
     )
     for name in STEPS:
-        found = (model.slopes(each, {name: 1.0}, np.zeros(1)) for each in (used, exact))
+        found = (model.derivatives(each, {name: 1.0}, np.zeros(1)) for each in (used, exact))
         a, b = (slopes[0][0] / noise for slopes in found)
         assert np.linalg.norm(a - b) < 0.02 * np.linalg.norm(b), name
 

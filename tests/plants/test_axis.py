@@ -179,3 +179,12 @@ def test_slow_friction_is_gone_at_speed_and_there_at_a_crawl():
         drives = [axis.simulate(given, record)["drive"][-200:] for given in (values, {})]
         force = (drives[0] - drives[1]) * axis.parameters["axis.force_gain"]
         assert force == pytest.approx(-6.0 * share, abs=0.05)
+
+
+def test_an_effect_with_a_state_of_its_own_runs():
+    """Grease that warms leaves less friction, and so asks for fewer volts, the longer it runs."""
+    plant, record = Axis().with_effects(effect("warming_grease")), swing()
+    plain = plant.simulate({}, record)
+    warm = plant.simulate({"warming_grease.fall": 0.05}, record)
+    late = record.time > 0.5 * record.time[-1]
+    assert np.abs(warm["drive"][late]).mean() < 0.99 * np.abs(plain["drive"][late]).mean()

@@ -193,7 +193,7 @@ def test_effects_on_what_firmware_reads_are_mended_for_its_ticks(name, steps):
     by_ticks = with_effect - plain
     smooth, mended = (
         np.diff(each.vectors(groups[0], rows, True), axis=0)[0]
-        for each in (model, model.ticking(x + 0.8 * (rows[1] - x), [name]))
+        for each in (model, model.with_sampling_correction(x + 0.8 * (rows[1] - x), [name]))
     )
     size = np.linalg.norm(by_ticks)
     assert np.linalg.norm(smooth - by_ticks) > 0.4 * size

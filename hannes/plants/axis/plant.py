@@ -5,6 +5,7 @@ are added behind the controller's limit.
 """
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
@@ -43,7 +44,7 @@ _RUN = '''
 
 @entry
 def run(times, y, p, reference, added, memory, substeps, states, memories):
-    """Fill states (n, 2) and memories (n, 4) at `times` [s]; y is the state at times[0]."""
+    """Fill states (n, STATES) and memories (n, 4) at `times` [s]; y is the state at times[0]."""
     c, out, scratch = np.zeros(CHANNELS), np.zeros(OUTPUTS), np.zeros(STATES)
     k1, k2, k3, k4 = np.zeros(STATES), scratch.copy(), scratch.copy(), scratch.copy()
     for k in range(times.size):
@@ -122,6 +123,7 @@ class Axis(CompiledPlant):
     compiled_from = EQUATIONS
     catalogue: Mapping[str, Effect] = {slow_friction.EFFECT.name: slow_friction.EFFECT}
     block = 1.0  # s, over which residuals are taken as independent
+    ranges: ClassVar[Mapping[str, tuple[float, float]]] = {"warming_grease.fall": (0.0, 0.2)}  # 1/J
 
     def check(self, recording: Recording) -> None:
         """Raise BadInput unless the recording is long enough to start from."""
@@ -138,10 +140,11 @@ class Axis(CompiledPlant):
         compiled, p = self.compiled, self.packed(parameters)
         times, reference = recording.time, np.array([recording.time, recording["reference"]])
         added = recording["pulses"] if "pulses" in recording else np.zeros(times.size)
-        state = start_state(recording)
+        state = np.zeros(compiled.states.size)
+        state[:2] = start_state(recording)
         period = p[compiled.parameters["cascade_period"]][0]
         before = [state[0] - k * period * state[1] for k in (1, 2)]
-        memory, states = np.array([0.0, *before, 0.0]), np.zeros((times.size, 2))
+        memory, states = np.array([0.0, *before, 0.0]), np.zeros((times.size, state.size))
         memories = np.zeros((times.size, 4))
         compiled.fast.run(times, state, p, reference, added, memory, substeps, states, memories)
         return self.observed(times, states, p, reference, memories)
