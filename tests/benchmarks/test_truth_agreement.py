@@ -150,8 +150,8 @@ OWN_WAY = {
     "direction_friction.viscous": 2e-3,
     "gear_backlash.gap": 2e-3,  # rigid teeth here, a stiff spring there
 }
-# A delay is exact in firmware alone; a clipped reading drives the voltage to its limit, whose corner
-# is round in the continuous controller.
+# A delay is exact in firmware alone; a clipped reading drives the voltage to its limit, and there
+# the continuous controller has a round corner.
 IN_FIRMWARE = ("measurement_delay", "clipped_current")
 KNOWN = {f"{name}.{each.name}" for name, effect in effects().items() for each in effect.parameters}
 

@@ -22,7 +22,9 @@ from hannes import (
     Term,
 )
 from hannes.core.io.toml_table import Table
+from hannes.plants.axis.plant import EQUATIONS as axis_equations
 from hannes.plants.axis.plant import Axis
+from hannes.plants.finger.plant import EQUATIONS as finger_equations
 from hannes.plants.finger.plant import Finger
 from hannes.plants.hand.plant import HandPlant
 
@@ -67,6 +69,7 @@ def made(number):
         else sled.TURBULENCE,
         "Effect of the package": shipped,
         "Effect of another kernel": sled.TURBULENCE if number else sled.HARDENING,
+        "Equations": (axis_equations, finger_equations)[number],
         "Expected": Expected(peak=(0.0, 1.0 + number)),
         "Experiment": experiment(1.0 + number),
         "Hand": hand,
@@ -114,7 +117,7 @@ def stepped(number):
 
 SIMPLE = (  # of `made`
     "BadInput", "ComputationFailed", "Effect", "Effect of another kernel",
-    "Effect of the package", "Expected", "Experiment", "Hand", "Parameter", "ParameterSet",
+    "Effect of the package", "Equations", "Expected", "Experiment", "Hand", "Parameter", "ParameterSet",
     "PlainPlant", "Recording", "Reference", "Slot", "Stepper", "Target", "Term", "Variant",
     "CompiledPlant", "finding", "finger", "hand plant",
 )  # fmt: skip

@@ -7,10 +7,11 @@ version that the integrator runs.
 
 import ast
 import functools
+import importlib
 import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Self
@@ -56,7 +57,7 @@ class Shape:
     fields: Mapping[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Equations:
     """A plant's written equations: the module that holds them and what its slots mean.
 
@@ -75,6 +76,22 @@ class Equations:
     memory: int = 10
     shape: Callable[..., Shape] | None = None
     numbers: Layout = field(default_factory=lambda: Layout(()))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Equations):
+            return NotImplemented
+        return self is other or all(getattr(self, f.name) == getattr(other, f.name)
+                                    for f in fields(self))  # fmt: skip
+
+    def __hash__(self) -> int:
+        return hash((self.module.__name__, self.entries))
+
+    def __repr__(self) -> str:
+        return f"Equations({self.module.__name__}, {len(self.states.slots)} states)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        rest = tuple(getattr(self, each.name) for each in fields(self)[1:])
+        return _with_module, (self.module.__name__, rest)
 
     @classmethod
     def of(
@@ -155,6 +172,10 @@ class Equations:
             if assigned := re.match(r"^    ([\w, ]+?) (?:=|\+=) ", line):
                 bound |= set(assigned[1].split(", "))
         return bound | set(inspect.signature(function).parameters)
+
+
+def _with_module(name: str, rest: tuple[Any, ...]) -> Equations:
+    return Equations(importlib.import_module(name), *rest)
 
 
 @dataclass(frozen=True, eq=False)
