@@ -117,9 +117,9 @@ def stepped(number):
 
 SIMPLE = (  # of `made`
     "BadInput", "ComputationFailed", "Effect", "Effect of another kernel",
-    "Effect of the package", "Equations", "Expected", "Experiment", "Hand", "Parameter", "ParameterSet",
-    "PlainPlant", "Recording", "Reference", "Slot", "Stepper", "Target", "Term", "Variant",
-    "CompiledPlant", "finding", "finger", "hand plant",
+    "Effect of the package", "Equations", "Expected", "Experiment", "Hand", "Parameter",
+    "ParameterSet", "PlainPlant", "Recording", "Reference", "Slot", "Stepper", "Target", "Term",
+    "Variant", "CompiledPlant", "finding", "finger", "hand plant",
 )  # fmt: skip
 COMPUTED = (  # of `computed`
     "Calibration", "Diagnosis", "Diagnosis without doubts", "Grasp", "Trajectory", "Verdict",
