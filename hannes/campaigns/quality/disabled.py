@@ -11,6 +11,7 @@ from hannes.campaigns.quality.held import held_frames
 from hannes.campaigns.quality.law import answer, drives_of
 from hannes.campaigns.quality.motion import found_lag
 from hannes.campaigns.quality.subject import Subject, noise, quantum, true_runs
+from hannes.core.recording.median_of_few import median_of_three
 
 FloatArray = NDArray[np.float64]
 
@@ -120,10 +121,8 @@ def _another_run(subject: Subject, moved: str, asked: FloatArray, last: int) -> 
 
 def _idle(values: FloatArray) -> NDArray[np.bool_]:
     """Where a drive does nothing, but for its noise."""
-    from scipy.ndimage import median_filter
-
     band = max(NOTHING * float(np.abs(values).max()), 4.0 * noise(values), quantum(values))
-    return np.asarray(np.abs(median_filter(values, 3, mode="nearest")) <= band)
+    return np.asarray(np.abs(median_of_three(values)) <= band)
 
 
 def _stands(values: FloatArray, first: int, last: int) -> bool:

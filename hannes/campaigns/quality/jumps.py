@@ -19,6 +19,7 @@ from hannes.campaigns.quality.subject import (
     sustained,
     true_runs,
 )
+from hannes.core.recording.median_of_few import median_of_five
 
 FloatArray = NDArray[np.float64]
 
@@ -115,23 +116,25 @@ def _by_turn(subject: Subject, name: str, scale: float, high: bool) -> tuple[str
 
 def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool_]:
     """Readings far from the median of their neighbours, which agree; shape (n,)."""
-    from scipy.ndimage import median_filter
-
     none = np.zeros(values.size, np.bool_)
     if values.size < 4 * NEIGHBOURS:
         return none
-    off = np.abs(values - median_filter(values, NEIGHBOURS, mode="nearest"))
     few = slice(None, None, max(values.size // MANY, 1))  # of which quantiles are taken
     low, high = np.quantile(values[few], (0.02, 0.98))
     least = (LEAST_JUMP if subject.is_motion(name) else FAR_OF_RANGE) * float(high - low)
+    steps = np.abs(np.diff(values))
+    if NEIGHBOURS // 2 * float(steps.max()) <= least:  # nothing is so far from its neighbours
+        return none
+    off = np.abs(values - median_of_five(values))
     most = off[off > 0.0]
     if not most.size or (subject.is_motion(name) and most.size < OFTEN * off.size):
         most = off  # of a smooth motion only outliers are off
     usual = float(np.quantile(most[:: max(most.size // MANY, 1)], 0.8)) / 1.28
+    if float(off.max()) <= max(FAR * usual, least):
+        return none
     typical = max(usual, quantum(values), noise(values))
     far = off > max(FAR * typical, least)
     if subject.is_motion(name):
-        steps = np.abs(np.diff(values))
         usual = float(np.quantile(steps[few], 0.97))
         far &= off > max(3.0 * usual, LEAST_JUMP * float(high - low))
     single = _brief(far)

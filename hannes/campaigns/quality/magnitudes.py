@@ -9,9 +9,6 @@ from hannes.campaigns.quality.finding import Finding, fault, warning
 from hannes.campaigns.quality.subject import (
     Subject,
     noise,
-    running_median,
-    speeds,
-    sustained,
 )
 
 BACK = 0.1  # of the fastest sustained speed: surely moving
@@ -58,9 +55,9 @@ def _magnitude(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
         text = "goes with duty times winding current, as what is drawn from the supply does"
         yield fault("magnitude", name, f"{text}: convert with {mend[0]}", mend=mend)
         return
-    values, time = subject.recording[name], subject.time
-    speed = running_median(speeds(time, subject.recording[moved]))
-    fast = BACK * sustained(speed)
+    values = subject.recording[name]
+    speed = subject.speed(moved)
+    fast = BACK * float(np.abs(speed).max())
     back, forth = values[1:][speed < -fast], values[1:][speed > fast]
     if min(back.size, forth.size) < FEWEST:
         return

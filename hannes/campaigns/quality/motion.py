@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, warning
 from hannes.campaigns.quality.law import zero_of
-from hannes.campaigns.quality.subject import Subject, running_median, speeds, sustained
+from hannes.campaigns.quality.subject import Subject
 from hannes.core.errors import BadInput
 from hannes.core.recording.time_lag import Lag, best_lag, lag_behind, time_apart
 
@@ -55,7 +55,7 @@ def inspect(subject: Subject) -> Iterator[Finding]:
 def _started(subject: Subject, name: str) -> Iterator[Finding]:
     """A recording that begins after the command: the simulation would begin at rest."""
     if begins_moving(subject, name) and not _amid_the_plan(subject):
-        speed = running_median(speeds(subject.time, subject.recording[name]))
+        speed = subject.speed(name)
         yield warning(
             "late-start",
             name,
@@ -70,7 +70,7 @@ def _started(subject: Subject, name: str) -> Iterator[Finding]:
 
 def begins_moving(subject: Subject, name: str) -> bool:
     """Whether a motion is under way in the first sample."""
-    speed = running_median(speeds(subject.time, subject.recording[name]))
+    speed = subject.speed(name)
     fastest = float(np.abs(speed).max())
     return fastest > 0.0 and abs(float(speed[0])) > IN_MOTION * fastest
 
@@ -282,9 +282,9 @@ def timed(subject: Subject, name: str, command: str, across: float, lag: Lag) ->
 
 def _drives(subject: Subject, name: str, moved: str) -> Iterator[Finding]:
     """The sign of a drive: against both directions of motion it would only brake."""
-    speed = running_median(speeds(subject.time, subject.recording[moved]))
+    speed = subject.speed(moved)
     push = subject.recording[name][1:]
-    fast = FAST * sustained(speed)
+    fast = FAST * float(np.abs(speed).max())
     forth, back = push[speed > fast], push[speed < -fast]
     level = AGAINST * float(np.sqrt(np.mean(push**2)))
     against = forth.size > 0 and forth.mean() < -level

@@ -105,10 +105,13 @@ def _flat_tops(values: FloatArray, extreme: float) -> list[tuple[int, int]]:
     if extreme == 0.0:  # a rest, not a range
         return []
     span, step = float(np.ptp(values)), quantum(values)
+    inward = np.abs(values - extreme)
+    tops = true_runs(inward <= 1e-9 * span)
+    tops = [each for each in tops if each[1] - each[0] + 1 >= SHORTEST_TOP]
+    if not tops and np.count_nonzero(inward < 0.5 * step) < FEWEST_PILED:
+        return []
     others = values[values != extreme]  # most may be cut off
     rough = max(noise(values), noise(others)) if others.size > FEWEST_LEVELS else noise(values)
-    tops = true_runs(np.abs(values - extreme) <= 1e-9 * span)
-    tops = [each for each in tops if each[1] - each[0] + 1 >= SHORTEST_TOP]
     if rough > 3.0 * step:
         return tops
     if rough > 0.0 and (long := _long_tops(values, tops)):
@@ -156,16 +159,14 @@ def _frozen(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding
     if not still:
         return
     first, last = max(still, key=lambda each: each[1] - each[0])
-    rest = np.delete(values, np.arange(first, last + 1))  # it may be most of it
-    if noise(rest) == 0.0:
-        return
     elsewhere = np.delete(same, np.arange(first, last + 1))
     others = [end - start for start, end in still if start != first]
     natural = max(others, default=0) + 1  # noise on a coarse scale repeats itself, but briefly
     if last - first + 2 < max(LEAST_FROZEN, RARE * natural) or elsewhere.mean() > REPEATS:
         return
-    if values[first] in (values.min(), values.max()):
-        return  # reported as clipped
+    rest = np.delete(values, np.arange(first, last + 1))  # it may be most of it
+    if noise(rest) == 0.0 or values[first] in (values.min(), values.max()):
+        return  # no noise to stand out from, or reported as clipped
     lasting = float(subject.time[last + 1] - subject.time[first])
     yield warning(
         "frozen",

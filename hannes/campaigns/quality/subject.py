@@ -67,6 +67,16 @@ class Subject:
         return float(np.median(np.diff(self.time)))
 
     @cached_property
+    def _speeds(self) -> dict[str, FloatArray]:
+        return {}
+
+    def speed(self, name: str) -> FloatArray:
+        """Change of a channel per second, single outliers left out, shape (n - 1,)."""
+        if name not in self._speeds:
+            self._speeds[name] = running_median(speeds(self.time, self.recording[name]))
+        return self._speeds[name]
+
+    @cached_property
     def commands(self) -> frozenset[str]:
         """Commanded channels, not measured: they may jump and may stand still."""
         followed = {each.follows for each in self.expected.values() if each.follows}
