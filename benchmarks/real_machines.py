@@ -10,18 +10,22 @@ RH56, a robot hand's middle finger (Correll Lab, Boulder, 2026): 35 commands of 
 the hand's own counts. The rows of models are fitted on trials 1 modulo 5 alone; the diagnosis
 fits those that chose as well before it shows its result.
 
+SO-101, elbow and jaw of a hobby arm (sage, 2026): stretches of six motions are fitted and choose,
+four other motions are shown, run from the command alone; see benchmarks/real/so101.py.
+
 Intervals are of the figure over the blocks of the recordings shown (1 s of the axis, a trial of
 the finger), by resampling; that of the time constant is the verdict's. Pages are written to
-results/benchmarks/real_machines. --quick takes one of five commands of the finger.
+results/benchmarks/real_machines. --quick takes one of five commands of the finger, and 8 s of each
+stretch of the arm. --only chooses machines.
 """
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.harness import Row, aligned, main
-from benchmarks.real import axis, finger
+from benchmarks.real import axis, finger, so101
 from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.commands.diagnose import Diagnosis, diagnose
@@ -31,23 +35,30 @@ PAGES = Path("results/benchmarks/real_machines")
 QUICK = 5  # one of so many conditions
 Figures = Callable[[Diagnosis], tuple[list[Row], list[Row]]]
 MACHINES: dict[str, Figures] = {"emps": axis.figures, "rh56": finger.figures}
+ARM = "so101"
+PARTS = (*MACHINES, ARM)
 
 
-def measure(quick: bool) -> tuple[list[Row], list[Row]]:
+def measure(quick: bool, only: Sequence[str] = PARTS) -> tuple[list[Row], list[Row]]:
     """Rows and what must be shown of every machine whose recordings are to be had."""
     rows: list[Row] = []
     bounds: list[Row] = []
-    for name, figures in MACHINES.items():
+    for name in only:
         try:
-            campaign = read_campaign(name)
+            more = so101.figures(PAGES, quick) if name == ARM else _shipped(name, quick)
         except MissingRecording as missing:
             print(f"{name} left out: {missing}", file=sys.stderr)
             continue
-        found = diagnose(_fewer(campaign) if quick else campaign, out=PAGES / name)
-        print(f"{name}: {found.verdict.sentence}", file=sys.stderr)
-        more = figures(found)
         rows, bounds = [*rows, *more[0]], [*bounds, *more[1]]
     return aligned(rows), aligned(bounds)
+
+
+def _shipped(name: str, quick: bool) -> tuple[list[Row], list[Row]]:
+    """Of a machine whose campaign ships."""
+    campaign = read_campaign(name)
+    found = diagnose(_fewer(campaign) if quick else campaign, out=PAGES / name)
+    print(f"{name}: {found.verdict.sentence}", file=sys.stderr)
+    return MACHINES[name](found)
 
 
 def _fewer(campaign: Campaign) -> Campaign:
@@ -60,4 +71,4 @@ def _fewer(campaign: Campaign) -> Campaign:
 
 
 if __name__ == "__main__":
-    main(__doc__, "real_machines", measure)
+    main(__doc__, "real_machines", measure, PARTS)

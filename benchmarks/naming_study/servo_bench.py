@@ -2,8 +2,8 @@
 
 Two commands, four runs of each, logged at 100 Hz from a potentiometer, whose noise covers the
 counts of its converter, and a noisy current sensor.
-Every value of the machine scatters by 2 %, dry and viscous friction by 0.5 % from run to run, the
-start of a run by 0.2 ms. The analyst says so, with 3 % and 1 %.
+Every value of the machine scatters by 2 %, dry and viscous friction by 0.5 % from run to run. The
+analyst says 3 %, 1 %, and 0.2 ms of the start of a run.
 """
 
 import json
@@ -69,7 +69,7 @@ def make(folder: Path, seed: int, hidden: Mapping[str, float]) -> Path:
                 each: values[each] * (1.0 + RUN_SCATTER * rng.standard_normal())
                 for each in ("dry", "viscous")
             }
-            found = run({**values, **rubbed}, command, abs(START * rng.standard_normal()))
+            found = run({**values, **rubbed}, command)
             noisy = found["position"] + NOISE * rng.standard_normal(TIME.size)
             seen = COUNT * np.round(noisy / COUNT)
             drawn = found["current"] + AMPERES * rng.standard_normal(TIME.size)

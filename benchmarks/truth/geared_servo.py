@@ -35,7 +35,7 @@ NOTHING: Mapping[str, float] = MappingProxyType(
 )
 STEP = 5e-5  # s
 SHAFT = 0.1  # of the inertia, that is beyond the play
-FACE = 300.0  # N m/rad, of a face of the gear
+FACE = 3000.0  # N m/rad, of a face of the gear
 REST = 1e-9  # rad/s
 
 

@@ -119,7 +119,7 @@ class Servo(CompiledPlant):
         """From rest where the recording starts, under its command; channels of shape (n,)."""
         values = self.parameters.with_values(parameters)
         reference = np.array([recording.time, recording["reference"]])
-        start = (recording["position"][0] * values["gear.ratio"], 0.0)
+        start = (rest(recording) * values["gear.ratio"], 0.0)
         return self.run(parameters, recording.time, reference, start, self.step)
 
     def same_run(self, recording):
@@ -131,3 +131,10 @@ class Servo(CompiledPlant):
         moved = np.abs(np.diff(recording["reference"], prepend=recording["reference"][0])) > 1e-9
         near = np.convolve(moved, np.ones(15), "full")[: moved.size] > 0.0  # and shortly after
         return {"moving": near, "resting": ~near}
+
+
+def rest(recording):
+    """Position [rad] before the command first moves, in the mean: a sensor is noisy."""
+    asked = recording["reference"]
+    moved = np.flatnonzero(asked != asked[0])
+    return recording["position"][: max(1, moved[0] if moved.size else 1)].mean()
