@@ -31,7 +31,7 @@ def shape_figures(shape: Mapping[str, Any]) -> list[Drawn]:
         axes.plot(places, line, **style.FIRST, label=value["name"])
         axes.axhline(0.0, **style.MARK)
         axes.set_xlabel(_labelled(axis))
-        axes.set_ylabel(_labelled(value))
+        axes.set_ylabel(_labelled({**value, "name": "value"}))  # its name is in the legend
         style.legend(axes)
         return figure
 

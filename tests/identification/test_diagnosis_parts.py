@@ -1,6 +1,7 @@
 """The parts of a deep diagnosis: slopes, base, gains, drift, noise, shapes, settings."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
@@ -24,7 +25,13 @@ from hannes.core.io.toml_table import Table
 from hannes.core.kernels.jit import plain
 from hannes.identification.confusability import confusable, text
 from hannes.identification.diagnosis import decision as choices
-from hannes.identification.diagnosis import gauss_newton, multistart, reservations, second_effect
+from hannes.identification.diagnosis import (
+    gauss_newton,
+    multistart,
+    reservations,
+    second_effect,
+    shape_rival,
+)
 from hannes.identification.diagnosis.antedependence import covariance
 from hannes.identification.diagnosis.baseline import based
 from hannes.identification.diagnosis.campaign_diagnosis import _masks
@@ -212,6 +219,25 @@ def test_what_a_generic_disturbance_explains_as_well_has_no_name(investigated):
         kinds[lost] = decide(replace(investigated, generic=rival), *masks)
     assert [each.kind for each in kinds.values()] == ["unknown", "named"]
     assert "something else may be there" in kinds[5.0].reason
+
+
+def test_a_law_that_fits_better_stands_against_a_free_shape(investigated, monkeypatch):
+    best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
+    rows = {  # by how much the shape fits worse, its numbers paid or not; its gain beside the law
+        "better": (2.0, 2.0, 0.0),
+        "better but for its numbers": (2.0, 0.5, 0.0),
+        "hardly better": (0.5, 2.0, 0.0),
+        "more beside": (2.0, 2.0, 0.2 * best.delta_chi2),
+    }
+    kinds = {}
+    for name, (worse, priced, beside) in rows.items():
+        chi2 = best.point.chi2 + worse * SEARCH.rival * investigated.variance_factor
+        rival = Trial(
+            ("any_torque",), SimpleNamespace(chi2=chi2), best.delta_chi2 - priced * SEARCH.rival
+        )
+        monkeypatch.setattr(shape_rival, "left_beside", lambda found, trial, size=beside: size)
+        kinds[name] = decide(replace(investigated, generic=rival), *masks).kind
+    assert kinds.pop("better") == "named" and set(kinds.values()) == {"unknown"}
 
 
 def test_a_generic_disturbance_without_reduction_is_no_rival(investigated):

@@ -13,6 +13,7 @@ from hannes.identification.diagnosis.residual_tests import (
     channel_excess,
 )
 from hannes.identification.diagnosis.score_test import Guess
+from hannes.identification.diagnosis.shape_rival import stands_against
 from hannes.identification.diagnosis.trend import Trend, strongest_trend
 from hannes.identification.diagnosis.trials import SearchResult, Trial, near
 from hannes.identification.diagnosis.tuning import FIT, SEARCH, VERDICT
@@ -32,10 +33,12 @@ def doubt_about(found: SearchResult, trial: Trial) -> str:
     """Why effects that explain much are not what is there, or an empty string."""
     if name := _stretched(found, trial):
         return f"only with {name} at an end of its range and beyond: something like it is there"
-    if found.generic and found.generic.delta_chi2 > SEARCH.faint and near(trial, [found.generic]):
-        generic_name = GENERIC_NAMES[found.generic.effects[0]]
-        lowered = f"{found.generic.delta_chi2:.0f}"
-        return f"{generic_name} lowers it by {lowered} too: something else may be there"
+    generic = found.generic
+    if generic and generic.delta_chi2 > SEARCH.faint and near(trial, [generic]):
+        if not stands_against(found, trial, generic):
+            generic_name = GENERIC_NAMES[generic.effects[0]]
+            lowered = f"{generic.delta_chi2:.0f}"
+            return f"{generic_name} lowers it by {lowered} too: something else may be there"
     return ""
 
 

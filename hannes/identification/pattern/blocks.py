@@ -1,16 +1,17 @@
 """Residuals of repeated runs as means of short blocks, in noise floors."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hannes.campaigns.segments import Segment
-from hannes.identification.remainder import Raw, repeated
+from hannes.identification.remainder import LEAST_FLOOR, Raw, repeated
 from hannes.plants.protocol import Plant
 
 BLOCKS = 48  # of a run
 SHORTEST = 10e-3  # s, of a block
+NEIGHBOURS = 5  # blocks, over which the spread of runs is pooled
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,7 @@ class Command:
     """Runs under one command.
 
     residual: simulated minus recorded in noise floors, shape (runs, blocks, channels)
+    spread: how runs differ in each block, in noise floors, shape (blocks, channels)
     numbers: place of each run among all of the campaign
     quantities: what the residual may go with, name -> mean over each block, shape (blocks,)
     masks: conditions, phases and contact: name -> share of each block inside, shape (blocks,)
@@ -25,6 +27,7 @@ class Command:
 
     condition: str
     residual: np.ndarray
+    spread: np.ndarray
     numbers: np.ndarray
     quantities: Mapping[str, np.ndarray]
     masks: Mapping[str, np.ndarray]
@@ -43,11 +46,24 @@ class Command:
         whole = self.residual.sum(axis=0) ** 2 - (self.residual**2).sum(axis=0)
         return np.asarray(whole / (self.runs * (self.runs - 1)))
 
+    @property
+    def clear(self) -> np.ndarray:
+        """The same in the spread of runs there: what a moving edge differs by counts less."""
+        return np.asarray(self.square / self.spread**2)
+
     def without(self, run: int) -> "Command":
         """The same without one run."""
         kept = np.arange(self.runs) != run
-        return Command(
-            self.condition, self.residual[kept], self.numbers[kept], self.quantities, self.masks
+        return replace(self, residual=self.residual[kept], numbers=self.numbers[kept])
+
+    def only(self, kept: np.ndarray) -> "Command":
+        """The same in some of its blocks, a mask of shape (blocks,)."""
+        return replace(
+            self,
+            residual=self.residual[:, kept],
+            spread=self.spread[kept],
+            quantities={name: each[kept] for name, each in self.quantities.items()},
+            masks={name: each[kept] for name, each in self.masks.items()},
         )
 
 
@@ -94,7 +110,16 @@ def _command(
     if "contact" in quantities:
         masks["contact"] = quantities.pop("contact")
     order = np.array([segments[k].entry.number for k in numbers])
-    return Command(first.entry.condition, rows, order, quantities, masks)
+    return Command(first.entry.condition, rows, _spread(rows), order, quantities, masks)
+
+
+def _spread(rows: np.ndarray) -> np.ndarray:
+    """Standard deviation of runs in each block, over its neighbours too, (blocks, channels)."""
+    from scipy.ndimage import uniform_filter1d
+
+    here = np.sum((rows - rows.mean(axis=0)) ** 2, axis=0) / (len(rows) - 1)
+    there = uniform_filter1d(here, NEIGHBOURS, axis=0, mode="nearest")
+    return np.asarray(np.sqrt(np.maximum(there, LEAST_FLOOR**2)))
 
 
 def _blocks(segment: Segment) -> np.ndarray:

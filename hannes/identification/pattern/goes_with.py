@@ -75,21 +75,19 @@ def _said(what: str, estimate: Estimate, **more: Any) -> Statement:
 
 def _repeatable(some: Sequence[Command]) -> float:
     """Share of all squares that runs have in common."""
-    every = float(sum(np.sum(each.residual**2) / each.runs for each in some))
+    every = float(sum(np.sum((each.residual / each.spread) ** 2) / each.runs for each in some))
     return _whole(some) / every if every > 0.0 else 0.0
 
 
 def _whole(some: Sequence[Command]) -> float:
-    return float(sum(each.square.sum() for each in some))
+    return float(sum(each.clear.sum() for each in some))
 
 
 def _share(weights: Sequence[np.ndarray], some: Sequence[Command]) -> float:
     """Of all squares, those with weights of shape (blocks,) or (blocks, channels)."""
-    part = sum(
-        float(np.sum(np.broadcast_to(w if w.ndim == 2 else w[:, np.newaxis], c.square.shape)
-                     * c.square))
-        for c, w in zip(some, weights, strict=True)
-    )  # fmt: skip
+    part = 0.0
+    for each, weight in zip(some, weights, strict=True):
+        part += float(np.sum(each.clear * (weight if weight.ndim == 2 else weight[:, np.newaxis])))
     whole = _whole(some)
     return part / whole if whole > 0.0 else 0.0
 
@@ -159,15 +157,8 @@ def _inside(known: Sequence[Command], place: Statement | None) -> list[Command]:
     """The commands cut to a place; whole where it is none."""
     if place is None:
         return list(known)
-    found = []
-    for each in known:
-        kept = place["inside"](each) > 0.5
-        if np.count_nonzero(kept) > 2:
-            axes = {n: v[kept] for n, v in each.quantities.items()}
-            masks = {n: v[kept] for n, v in each.masks.items()}
-            cut = each.residual[:, kept]
-            found.append(Command(each.condition, cut, each.numbers, axes, masks))
-    return found
+    cut = [(each, place["inside"](each) > 0.5) for each in known]
+    return [each.only(kept) for each, kept in cut if np.count_nonzero(kept) > 2]
 
 
 def _growth(known: Sequence[Command]) -> Statement | None:

@@ -12,7 +12,7 @@ import numpy as np
 from hannes.core.description import Description
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
-from hannes.identification.diagnosis.multistart import negligible, started_at, started_at_guess
+from hannes.identification.diagnosis.multistart import negligible, started_at_guess
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.score_test import Guess, screened
 from hannes.identification.diagnosis.simulator import Model
@@ -49,18 +49,26 @@ def likeliest(found: SearchResult, progress: Progress) -> Described | None:
     progress("generic disturbances")
     model = _model(found, list(known.values()))
     nominal, base = (_carried(each, model) for each in (found.nominal, found.baseline))
-    best = None
+    made: list[Described] = []
     try:
         for guess in _promising(nominal, base, list(known)):
             progress(guess.effect.replace("_", " "))
             for point in _fits(nominal, base, guess):
-                made = Described(
-                    known[guess.effect], base, nominal, point, _reduction(base, point, guess)
-                )
-                best = made if best is None or made.reduction > best.reduction else best
+                reduction = _reduction(base, point, guess)
+                made.append(Described(known[guess.effect], base, nominal, point, reduction))
+        best = max(made, key=lambda each: each.reduction, default=None)
+        made += [_converged(best)] if best else []
     except SearchEnded:
         pass
+    best = max(made, key=lambda each: each.reduction, default=None)
     return best if best and best.reduction > SHAPE.least * found.variance_factor else None
+
+
+def _converged(best: Described) -> Described:
+    """The same with new derivatives, round after round."""
+    lowered = best.base.chi2 - best.point.chi2
+    point = settled(best.point, negligible(lowered))
+    return replace(best, point=point, reduction=best.reduction + best.point.chi2 - point.chi2)
 
 
 def _model(found: SearchResult, known: Sequence[Description]) -> Model:
@@ -103,19 +111,6 @@ def _reduction(base: Linearisation, point: Linearisation, guess: Guess) -> float
 
 
 def _fits(nominal: Linearisation, base: Linearisation, guess: Guess) -> list[Linearisation]:
-    """Converged fits from the baseline, and from the machine as given at what was found there."""
-    found = []
-    for start in (base, with_noise(nominal, base.noise)):
-        begun = started_at_guess(start, guess)
-        if begun is not None:
-            point = fitted(begun, FIRST)
-            found.append(settled(point, negligible(base.chi2 - point.chi2)))
-    if found and guess.places.size:
-        values = min(found, key=lambda each: each.chi2).x[guess.places]
-        again = started_at(base, guess.places, values)
-        if again is not None:
-            found.append(settled(fitted(again, FIRST), negligible(base.chi2 - again.chi2)))
-    return found
-
-
-FIRST = 5  # steps before derivatives are renewed
+    """Fits from the baseline, and from the machine as given, derivatives updated on the way."""
+    starts = (started_at_guess(at, guess) for at in (base, with_noise(nominal, base.noise)))
+    return [fitted(each, SHAPE.steps) for each in starts if each is not None]
