@@ -1,7 +1,7 @@
 """SO-101: what a diagnosis finds in two joints, on motions that nothing was fitted to.
 
 One joint is one machine: the geared servo of examples/servo, whose base (P control with a clipped
-duty, back EMF, Coulomb and viscous friction, gravity where the joint bears it, armature) is
+duty, back EMF, Coulomb and viscous friction, gravity where the joint carries it, armature) is
 refitted. Diagnoses by hold-out follow each other, each with what was found before in its model,
 until nothing more is named. All models are fitted to the same stretches of the motions in role fit,
 and in the end to those in role select as well. They are judged on whole motions in role show, run
@@ -36,7 +36,7 @@ from hannes.simulation.catalogue import effects
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "servo"
 # Motion -> role, and the stretch of it that is fitted [s].
-STRETCHES: Mapping[str, tuple[str, float, float]] = {
+PARTS_FITTED: Mapping[str, tuple[str, float, float]] = {
     "chirp_sweep": ("fit", 5.0, 25.0),
     "multisine": ("fit", 20.0, 40.0),
     "prbs_excitation": ("fit", 0.0, 20.0),
@@ -50,7 +50,7 @@ ROUNDS = 2  # diagnoses, at most
 LEAST_GAIN, TIMES_FLOOR = 0.3, 1.5
 JAW_RANGE = 2.324  # rad: a count of its 12-bit encoder is 0.00066 of its range
 
-# Of the servo, from its data sheet (STS3215, 7.4 V) where that tells, else a guess.
+# Of the servo, from its data sheet (STS3215, 7.4 V), else a guess.
 NOMINAL = {
     "control.limit": 0.97, "motor.torque_constant": 4.5e-3, "motor.inertia": 3e-7,
     "motor.dry_friction": 1.5e-3, "motor.viscous_friction": 2e-6, "gear.ratio": 345.0,
@@ -69,7 +69,7 @@ class Joint:
     name: str
     place: int
     turns: float
-    bears: bool  # gravity
+    weighted: bool  # gravity
 
 
 JOINTS = (Joint("Elbow", 3, 1.0, True), Joint("Jaw", 6, JAW_RANGE, False))
@@ -102,10 +102,10 @@ def joint_plant(joint: Joint) -> PlantWithEffects:
     It expects nothing of its channels: a joint that sticks does not follow its command in time.
     """
     servo = type(find_plant("servo:Servo", EXAMPLE))
-    own = {"free": FREE | (GRAVITY if joint.bears else {}), "uncertain": {}, "step": 4e-3,
+    own = {"free": FREE | (GRAVITY if joint.weighted else {}), "uncertain": {}, "step": 4e-3,
            "judged": ("position",), "expected": {}}  # fmt: skip
     made = type("JointServo", (servo,), own)()
-    weight = {"gravity.torque": -0.8, "gravity.angle": 1.7} if joint.bears else {}
+    weight = {"gravity.torque": -0.8, "gravity.angle": 1.7} if joint.weighted else {}
     return made.with_values({**NOMINAL, **(weight or {"gravity.torque": 0.0})})
 
 
@@ -117,9 +117,9 @@ def campaign(joint: Joint, folder: Path, quick: bool = False) -> Campaign:
     text = MAPPING.format(plant="hand", place=joint.place, turns=joint.turns)
     mapping.write_text(text, encoding="utf-8")
     entries = []
-    for motion in (*STRETCHES, *SHOWN):
+    for motion in (*PARTS_FITTED, *SHOWN):
         made = convert([measured() / f"{motion}_state_motor.csv.gz"], mapping)[0].recording
-        role, begin, end = STRETCHES.get(motion, ("show", 0.0, np.inf))
+        role, begin, end = PARTS_FITTED.get(motion, ("show", 0.0, np.inf))
         end = min(end, begin + 8.0) if quick else end
         recording = _stretch(made, begin, end)
         if np.ptp(recording["reference"]) > MOVES:
