@@ -18,7 +18,11 @@ from hannes.identification.residuals import tabled
 from hannes.identification.verdict import explained
 from hannes.plants.protocol import Plant
 
-NONE_FITS = "no generic disturbance lowers the misfit by enough"
+NONE_FITS = "none lowers the misfit by enough"
+TOO_LITTLE = (
+    f"on recordings that were not fitted it closes less than {100.0 * SHAPE.least_closed:.0f} % of "
+    "the reducible gap"
+)
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,10 @@ def shape_of(found: SearchResult, stages: Stages, owner: str, progress: Progress
     held = _held(found, best, stages)
     if why := held.refusal(1, 2):
         return Shape(_nothing(f"{best.description.words}: {why}"))
-    table = _table(best, found.variance_factor) | {"closes": _closed(held)}
+    closes = _closed(held)
+    if closes < SHAPE.least_closed:
+        return Shape(_nothing(f"{best.description.words}: {TOO_LITTLE}"))
+    table = _table(best, found.variance_factor) | {"closes": closes}
     return Shape(table, best, _machine(best, owner))
 
 

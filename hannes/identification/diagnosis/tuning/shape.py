@@ -17,6 +17,9 @@ class ShapeTuning:
     least: float = constant(
         11.0, "chi2", "reduction for which one is drawn, as it is for an unknown", DEVELOPMENT
     )
+    least_closed: float = constant(
+        0.1, "1", "of the reducible gap on recordings in role show, below which none is drawn"
+    )
     places: int = constant(41, "1", "of its axis at which it is given", "room on the page")
 
 
