@@ -186,8 +186,8 @@ def _models(made: Campaign, names: Sequence[str]) -> dict[str, Any]:
     size = len(made.plant.free) + 1
     lag, arx = DelayedLag.fitted(known), ARX.fitted(known, size)
     return {
-        "base refitted": base, " + ".join(names) or "nothing found": grown,
-        "delayed lag": lag.position, f"ARX of {size} numbers": arx.position,
+        "base refitted": base, "with what was found": grown,
+        "delayed lag": lag.position, "ARX": arx.position,
     }  # fmt: skip
 
 

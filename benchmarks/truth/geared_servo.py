@@ -86,7 +86,7 @@ def next_speed(v, push, dry, inertia, h):
 def moved(p, times, asked, parts, out):
     """Fill out (n, 3): sensor's position, duty, current; asked: command from each time on."""
     q, v = asked[1, 0], 0.0  # shaft
-    rotor, w = q, 0.0
+    rotor, w = q + 0.5 * p[14] * np.sign(weight(p, q)), 0.0  # the shaft lies on a face
     place = 0
     for k in range(times.size):
         for part in range(parts):

@@ -15,9 +15,9 @@ from hannes import open_to_effects
 def equations(t, y, dy, p, c, reference, memory, out):
     """Fill dy with the rates of the motor's angle [rad] and speed [rad/s]."""
     target, coming, share = commanded(t, y, dy, p, c, reference, memory, out)
-    shaft_position = shaft(t, y, dy, p, c, out)
+    shaft_position = shaft(t, y, dy, p, c, reference, out)
     torque = drive(t, y, dy, p, c, target, coming, share, shaft_position, out)
-    gear(t, y, dy, p, c, shaft_position, torque, out)
+    gear(t, y, dy, p, c, reference, shaft_position, torque, out)
 
 
 def commanded(t, y, dy, p, c, reference, memory, out):
@@ -33,8 +33,9 @@ def commanded(t, y, dy, p, c, reference, memory, out):
     return target + aside, coming + aside, share
 
 
-def shaft(t, y, dy, p, c, out):
+def shaft(t, y, dy, p, c, reference, out):
     """Where the shaft is [rad]; its sensor sits on it."""
+    first_command = reference[1, 0]
     shaft_position = y.motor_angle / p.gear_ratio
     shaft_position = open_to_effects(shaft_position)
     out.position = shaft_position
@@ -58,8 +59,9 @@ def drive(t, y, dy, p, c, target, coming, share, shaft_position, out):
     return torque_constant * current
 
 
-def gear(t, y, dy, p, c, shaft_position, torque, out):
+def gear(t, y, dy, p, c, reference, shaft_position, torque, out):
     """Gear, friction and gravity on the rotor: J w' = torque - load - friction."""
+    first_command = reference[1, 0]
     motor_speed = y.motor_speed
     load = weight(shaft_position, p.gravity_torque, p.gravity_angle) / p.gear_ratio
     load = open_to_effects(load)

@@ -10,31 +10,42 @@ from hannes import Effect, Parameter, Slot, Term, kernel
 
 FACE = 5e3  # 1/s, at which a face stops the shaft
 LEAST = 2e-4  # rad, of a gap in which a place is counted
+REST_LOAD = 1e-3  # N m, from which on a load presses on a face
 REST = 2e-3  # rad/s, within which the shaft's dry friction turns
+
+
+@kernel
+def lain(gravity_torque, gravity_angle, first_command):
+    """Where the shaft lies at first, from -1 to 1: on the face that gravity presses."""
+    return -math.tanh(gravity_torque * math.sin(first_command + gravity_angle) / REST_LOAD)
 
 
 @kernel
 def ahead(
     motor_angle, motor_speed, motor_inertia, gear_ratio, gravity_torque, gravity_angle,
-    place, flight, gap, hold, beyond,
+    first_command, travelled, flight, gap, hold, beyond,
 ):  # fmt: skip
-    """How far the shaft is ahead of the gear [rad], rates of its place in the gap and its speed."""
-    within, turning = min(max(place, -1.0), 1.0), motor_speed / gear_ratio
-    weight = gravity_torque * math.sin(motor_angle / gear_ratio + gravity_angle)
+    """How far the shaft went beside the gear [rad], rates of its place there and its speed."""
+    first = lain(gravity_torque, gravity_angle, first_command)
+    place, turning = first + travelled, motor_speed / gear_ratio
+    within = min(max(place, -1.0), 1.0)
+    went = 0.5 * gap * (within - first)
+    weight = gravity_torque * math.sin(motor_angle / gear_ratio + went + gravity_angle)
     rate = -(weight + hold * math.tanh(flight / REST)) / (
         beyond * motor_inertia * gear_ratio * gear_ratio
     )
     slip = flight - turning
-    if abs(place) >= 1.0 and place * slip > 0.0:
+    if abs(place) >= 0.999 and place * slip > 0.0:
         rate -= FACE * slip
     half = 0.5 * max(gap, LEAST)
-    return 0.5 * gap * within, slip / half - FACE * (place - within), rate
+    return went, slip / half - FACE * (place - within), rate
 
 
 @kernel
-def unloaded(load, place, gap):
+def unloaded(load, gravity_torque, gravity_angle, first_command, travelled, gap):
     """What the motor does not carry while the shaft flies [N m]."""
-    return -load * min(gap / LEAST, 1.0) if abs(place) < 1.0 else 0.0
+    place = lain(gravity_torque, gravity_angle, first_command) + travelled
+    return -load * min(gap / LEAST, 1.0) if abs(place) < 0.999 else 0.0
 
 
 EFFECT = Effect(
@@ -48,11 +59,11 @@ EFFECT = Effect(
         Parameter("beyond", 0.1, "1", (0.02, 0.9), "share of inertia there", tried=(0.1,)),
     ),
     terms=(
-        Term(ahead, writes=("shaft_position",), states=("place", "flight")),
+        Term(ahead, writes=("shaft_position",), states=("travelled", "flight")),
         Term(unloaded, writes=("load",), unit="N m"),
     ),
     states=(
-        Slot("place", "1", "of the shaft in the gap, from -1 to 1", tolerance=1e-3),
+        Slot("travelled", "1", "by the shaft in the gap, in halves of it", tolerance=1e-3),
         Slot("flight", "rad/s", "speed of the shaft", tolerance=1e-3),
     ),
 )
