@@ -1,8 +1,9 @@
 """`hannes export-c`: a trained model as one C file without allocation, for a board's firmware.
 
 What moves is the recognition that `hannes live` does: features, trees, calibration, decision,
-stiffness, the most force so far; and the grip policy that goes by them. The peak force after
-release, which a Gaussian process over thousands of grasps predicts, stays with the host.
+stiffness (by networks too, where the model has them), the most force so far; and the grip policy
+that goes by them. The peak force after release, which a Gaussian process over thousands of grasps
+predicts, stays with the host.
 """
 
 from collections.abc import Iterable, Sequence
@@ -11,9 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
+from hannes.bench.c_networks import network_sizes, networks
 from hannes.bench.c_tables import CForest, array, c_forest, is_single, number
 from hannes.bench.c_vectors import SAMPLES, vectors
-from hannes.bench.live import LONGEST
+from hannes.bench.live import LONGEST, NORMAL_95
 from hannes.bench.policy import GripSettings
 from hannes.bench.release import RETREAT, TURN
 from hannes.core.errors import BadInput
@@ -22,7 +24,7 @@ from hannes.recognition.model import EXTREME, FADE, HELD, LATER, NO_CONTACT, Ban
 
 PARTS = Path(__file__).parent / "firmware" / "parts"
 FLAGS = "-std=c99 -O2 -ffp-contract=off"
-GRIP = 8 * 12  # bytes of a struct HannesGrip: its flags fill the place of a double
+GRIP = 8 * 13  # bytes of a struct HannesGrip: its flags fill the place of a double
 FORESTS = ("rigid", "stiffness", "force")
 GRIP_NAMES = {"speed": "GRIP_SPEED"}  # of its settings, where they are not their own in capitals
 HEAD = """\
@@ -64,7 +66,8 @@ def export_c(model: Model) -> Exported:
     leaf = "float" if all(is_single(getattr(model, name)) for name in FORESTS) else "double"
     forests = {name: c_forest(name, getattr(model, name), leaf) for name in FORESTS}
     memory = _memory(sizes)
-    tables = sum(each.table_bytes for each in forests.values())
+    nets = networks(model.pressed, model.windowing.sampling)
+    tables = nets.table_bytes + sum(each.table_bytes for each in forests.values())
     trees, nodes = (sum(getattr(f, k) for f in forests.values()) for k in ("trees", "nodes"))
     head = HEAD.format(
         trained=_comment(model.trained), memory=memory, tables=tables, trees=trees, nodes=nodes,
@@ -74,6 +77,7 @@ def export_c(model: Model) -> Exported:
         head,
         _defined(sizes | {"MEMORY_BYTES": f"{memory}u"} | _constants(model)),
         _tables(model, forests.values(), leaf),
+        nets.text,
         (PARTS / "recogniser.c").read_text(encoding="utf-8"),
         vectors(model),
         (PARTS / "self_test.c").read_text(encoding="utf-8"),
@@ -107,6 +111,7 @@ def _sizes(model: Model) -> dict[str, str]:
         "LEVELS": f"{len(features.LEVELS)}",
         "CALIBRATION": f"{model.calibration.x.size}u",
         "VECTOR_SAMPLES": f"{SAMPLES}u",
+        **network_sizes(model.pressed, windowing.sampling),
     }
 
 
@@ -122,7 +127,11 @@ def _constants(model: Model) -> dict[str, str]:
         "EXTREME": EXTREME,
         "SHARE": min(1.0, model.windowing.hop / FADE),
         "SURE": model.sure,
+        "BORDER": model.border,
     }
+    if model.pressed:
+        values["REACH"] = float(model.pressed.reach[0])
+        values["ERROR"] = NORMAL_95 * float(model.pressed.error[0])
     values |= {GRIP_NAMES.get(key, key.upper()): x for key, x in asdict(GripSettings()).items()}
     values |= {"RETREAT": RETREAT, "TURN": TURN}
     return {name: f"({number(value)})" for name, value in values.items()}
@@ -130,12 +139,13 @@ def _constants(model: Model) -> dict[str, str]:
 
 def _memory(sizes: dict[str, str]) -> int:
     """Bytes of both structs where doubles stand at multiples of eight."""
-    kept, held, scratch, levels, count = (
-        int(sizes[name].rstrip("u")) for name in ("KEPT", "HELD", "SCRATCH", "LEVELS", "FEATURES")
+    kept, held, scratch, levels, count, bins = (
+        int(sizes[name].rstrip("u"))
+        for name in ("KEPT", "HELD", "SCRATCH", "LEVELS", "FEATURES", "BINS")
     )
-    doubles = 2 + 4 * kept + 8 + levels + 1 + 2 * held + scratch
+    doubles = 2 + 4 * kept + 8 + levels + 1 + 2 * held + scratch + 3 + 3 * bins
     rows = 4 * (count + count % 2)
-    return 16 + 8 * doubles + 8 + rows + GRIP
+    return 16 + 8 * doubles + 8 + 8 + rows + GRIP
 
 
 def _defined(values: dict[str, str]) -> str:

@@ -72,6 +72,7 @@ class GripLoop:
     ) -> None:
         self.plan = plan or GripPlan()
         self._recogniser, self._observer = LiveRecogniser(model), observer
+        self._border = model.border
         self._places: dict[str, int] = {}
         self._grip, self._haptic = GripMemory(), HapticMemory()
         self._last: float | None = None
@@ -136,6 +137,7 @@ class GripLoop:
         sample = GripSample(
             period, wanted, position, held is not None, held.touch_position if held else 0.0,
             rigid, self._force.value, self._force.high, self.plan.force_wanted,
+            held.pressed.value / self._border if held and held.pressed else 0.0,
         )  # fmt: skip
         self._grip, point = grip(self.plan.settings, self._grip, sample)
         self.set_point = point if math.isfinite(point) else self.set_point

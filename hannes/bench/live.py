@@ -13,6 +13,7 @@ import numpy as np
 from hannes.bench.events import About, Event, Restarted, Row
 from hannes.bench.onset import Onset
 from hannes.core.errors import BadInput
+from hannes.recognition import pressed
 from hannes.recognition.features import CHANNELS, NAMES
 from hannes.recognition.model import (
     LATER,
@@ -29,6 +30,7 @@ from hannes.recognition.model import (
 from hannes.recognition.windowing import GrowingFeatures
 
 TOUCH = NAMES.index("touch_position")
+NORMAL_95 = 1.96  # standard deviations to each end of a 95 % interval
 LONGEST = 30.0  # s of one grasp; then a new one is taken to begin
 
 
@@ -39,6 +41,8 @@ class Decision:
     board_time: of the newest sample that it rests on [s]; word: soft, rigid or don't know; rigid:
     probability; touched: whether a contact was detected, and the shaft's position there [rad];
     stiffness [N/m] and most force so far [N], with 95 % intervals, while something is held.
+    pressed: stiffness [N/m] by the traces of a grasp that pressed on in doubt, once these are long
+    enough; it holds only where the hand did press on, under the policy.
     """
 
     time: float
@@ -50,6 +54,7 @@ class Decision:
     held: bool
     stiffness: Estimate | None
     force: Estimate | None
+    pressed: Estimate | None = None
 
 
 def warm_up(model: Model) -> None:
@@ -98,6 +103,8 @@ class LiveRecogniser:
         self._odds = 0.0  # fading mean of the log odds
         self._held: deque[np.ndarray] = deque(maxlen=LATER)  # quantiles of stiffness, newest
         self._windows_held = 0
+        self._pressed: Estimate | None = None
+        self._asked = False  # whether the traces were long enough already
 
     def _sample(self, row: Row) -> list[Decision]:
         since = row.time - self._start
@@ -143,7 +150,24 @@ class LiveRecogniser:
             force = Estimate(value, *model.force_band(value, apart))
         word = WORDS[int(decided(np.array([probability]), model.sure)[0])]
         time = model.windowing.time_of(window)
+        self._ask(window)
         return Decision(
             time, board_time, word, probability, touched, float(row[0, TOUCH]), holds, stiffness,
-            force,
+            force, self._pressed,
         )  # fmt: skip
+
+    def _ask(self, window: int) -> None:
+        """Have the stiffness by the traces once these are long enough at the end of a window."""
+        known, windowing, touch = self.model.pressed, self.model.windowing, self._features.touch
+        if self._asked or known is None or touch is None:
+            return
+        needed = pressed.due(touch, pressed.bin_size(windowing.sampling))
+        if needed is None or windowing.seen(window) < needed:
+            return
+        self._asked = True
+        row = pressed.of_grasp(self._features.samples, touch, windowing.sampling)
+        value = float(known(row[np.newaxis])[0])
+        if math.isfinite(value):
+            ends = NORMAL_95 * known.error[0]
+            low, middle_, high = (float(np.exp(value + each)) for each in (-ends, 0.0, ends))
+            self._pressed = Estimate(middle_, low, high)

@@ -3,12 +3,15 @@
 A pure, causal function of one tick: settings, memory and a sample give new memory and a set point.
 Plain arithmetic on fixed numbers, so that it is the same in C (`hannes export-c`).
 
-Until something is touched, the command passes. From the touch on the command's further travel
-counts for a share only: `soft_share` at first, and as long as the object is surely soft. While
-doubt remains the hand goes on squeezing, slowly, up to `probe_share`: pressed on, a rigid object
-shows itself more clearly. The share goes back where it proves soft. All of the travel counts once
-it was recognised as rigid for `dwell`, or once `patience` is over and `decide_from` is reached, and
-a little more the later that is: what is pressed on from rest gets less of the force.
+Until something is touched, the command passes as far as `free_to`, and slowly beyond: a weak touch
+is seen late or never, and the whole command would squeeze most of all what shows least. From the
+touch on the command's further travel counts for a share only: `soft_share` at first, and as long as
+the object is surely soft. While doubt remains the hand goes on squeezing, slowly, up to
+`probe_share`: pressed on, an object shows its stiffness. Once it did, that decides, and a soft one
+gets its first share again. All of the travel counts once the object was recognised as rigid for
+`dwell`, or by its stiffness. Where none is known, the probability decides: from `decide_from` on,
+once `patience` is over. A late hold gets a little more: what is pressed on from rest gets less of
+the force.
 A force set point closes or opens within that limit instead.
 """
 
@@ -21,6 +24,8 @@ from typing import NamedTuple
 class GripSettings:
     """What the policy goes by; times in s, angles in rad at the output shaft, force in N."""
 
+    free_to: float = 8.6  # rad to which the command passes where nothing is touched
+    free_speed: float = 0.25  # rad/s, by which the set point goes on from there
     soft_share: float = 0.5  # of the commanded travel beyond the touch, for a soft object
     probe_share: float = 0.75  # the same while doubt remains
     probe_speed: float = 2.0  # rad/s, by which the limit goes from one to the other
@@ -29,7 +34,8 @@ class GripSettings:
     rigid_from: float = 0.95  # probability of rigid from which it may be held firmly
     soft_below: float = 0.25  # probability of rigid below which a firm hold ends
     dwell: float = 0.03  # s for which that probability must last
-    patience: float = 0.5  # s from the touch until doubt is decided
+    stiff_from: float = 1.0  # stiffness over the border from which an object is held firmly
+    patience: float = 0.55  # s from the touch until doubt is decided without a stiffness
     decide_from: float = 0.4  # probability of rigid from which it is then held firmly
     averaging: float = 0.1  # s over which that probability is averaged
     late: float = 0.1  # more of the travel for each second from `settle` to a firm hold
@@ -44,7 +50,8 @@ class GripSample(NamedTuple):
 
     rigid: probability, 0.5 where nothing is known; touched: whether something is held, and
     `touch_position` where it was touched; force: estimate with its upper end; force_wanted: set
-    point [N], 0 or less for none.
+    point [N], 0 or less for none; stiffness: of an object that was pressed on, over the border of
+    soft and rigid, 0 where it is not known.
     """
 
     period: float  # s since the last tick
@@ -56,6 +63,7 @@ class GripSample(NamedTuple):
     force: float
     force_high: float
     force_wanted: float
+    stiffness: float = 0.0
 
 
 class GripMemory(NamedTuple):
@@ -68,6 +76,7 @@ class GripMemory(NamedTuple):
     firm: bool = False  # held as a rigid object
     offset: float = 0.0  # rad from the touch to the set point, under force control
     set_point: float = 0.0  # rad, of the last tick
+    doubted: bool = False  # pressed on in doubt, so that the stiffness counts
 
 
 def grip(
@@ -75,26 +84,37 @@ def grip(
 ) -> tuple[GripMemory, float]:
     """Go on by one tick; returns the new memory, and the set point [rad] for the board."""
     if not sample.touched:
-        return GripMemory(set_point=sample.wanted), sample.wanted
+        free = max(settings.free_to, memory.set_point + settings.free_speed * sample.period)
+        set_point = min(sample.wanted, free)
+        return GripMemory(set_point=set_point), set_point
     since = memory.since + sample.period
     half = 0.5 * sample.period
     certain = memory.certain + sample.period if sample.rigid >= settings.rigid_from else 0.0
     mean = memory.mean + min(sample.period / settings.averaging, 1.0) * (sample.rigid - memory.mean)
-    firm = _firm(settings, memory.firm, mean, certain + half, since + half)
+    known = memory.doubted and sample.stiffness > 0.0
+    if known:
+        firm = sample.stiffness >= settings.stiff_from
+    else:
+        firm = _firm(settings, memory.firm, mean, certain + half, since + half)
+    doubt = since >= settings.settle and sample.rigid > settings.doubt_from
+    doubted = known or (not firm and (memory.doubted or doubt))
     beyond = sample.wanted - sample.touch_position
     if beyond <= 0.0:  # the command is to open
-        return GripMemory(since, certain, mean, 0.0, firm, 0.0, sample.wanted), sample.wanted
+        opened = GripMemory(since, certain, mean, 0.0, firm, 0.0, sample.wanted, doubted)
+        return opened, sample.wanted
     if firm:
         share = _firm_share(settings, memory, since)
     else:
-        share = _soft_share(settings, memory.share, sample, since, beyond)
+        presses = not known and (doubt or (doubted and since < settings.patience))
+        share = _soft_share(settings, memory.share, sample.period, presses, beyond)
     offset = share * beyond
     if sample.force_wanted > 0.0:
         offset = _force_offset(settings, memory, sample, offset, firm)
     most = settings.speed * sample.period
     target = sample.touch_position + offset
     set_point = min(max(target, memory.set_point - most), memory.set_point + most)
-    return GripMemory(since, certain, mean, share, firm, offset, set_point), set_point
+    memory = GripMemory(since, certain, mean, share, firm, offset, set_point, doubted)
+    return memory, set_point
 
 
 def _firm(settings: GripSettings, firm: bool, mean: float, certain: float, since: float) -> bool:
@@ -118,12 +138,11 @@ def _firm_share(settings: GripSettings, memory: GripMemory, since: float) -> flo
 
 
 def _soft_share(
-    settings: GripSettings, share: float, sample: GripSample, since: float, beyond: float
+    settings: GripSettings, share: float, period: float, presses: bool, beyond: float
 ) -> float:
     """Share of the travel beyond the touch that is given while the object is not surely rigid."""
-    doubt = since >= settings.settle and sample.rigid > settings.doubt_from
-    goal = settings.probe_share if doubt else settings.soft_share
-    step = settings.probe_speed * sample.period / max(beyond, 0.1)
+    goal = settings.probe_share if presses else settings.soft_share
+    step = settings.probe_speed * period / max(beyond, 0.1)
     start = min(max(share, settings.soft_share), settings.probe_share)
     return min(max(goal, start - step), start + step)
 

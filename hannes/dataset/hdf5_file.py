@@ -53,7 +53,7 @@ MEANINGS = {
     "number": "place in the data set, and key of the grasp's random numbers beside the seed",
     "noise_seed": "of the noise on the grasp's channels",
     "group": "place in the root's groups",
-    "role": "place in the root's roles: to train on, or to test with",
+    "role": "place in the root's roles: to train on, to test with, or to train the stiffness on",
     "contact": "first sample above 5 % of the peak of total force, and 1 N; no number without one",
     "release": "last such sample",
     "peak_force": "largest total normal force",

@@ -33,7 +33,7 @@ KEYS = (
     "rtol", "border", "channels", "reference", "values", "grasps",
 )  # fmt: skip
 GROUP = ("name", "shape", "role", "draws", "values")
-ROLES = ("train", "test")
+ROLES = ("train", "test", "pressed")
 CHANNELS = ("reference", "position", "current", "force")
 MOST_GRASPS = 10_000_000
 BORDER = "5.5 kN/m"  # about the geometric mean of the shipped dynamometer and of the soft ball

@@ -10,6 +10,7 @@ from hannes.recognition.features import NAMES
 from hannes.recognition.forest import Forest
 from hannes.recognition.gaussian_process import ProcessMean
 from hannes.recognition.hysteresis_features import grasp_features
+from hannes.recognition.pressed import PressedStiffness
 from hannes.recognition.windowing import Windowing
 
 SINCE, RISE = NAMES.index("since"), NAMES.index("rise")
@@ -104,7 +105,8 @@ class Model:
     that, or where too few grasps trained it (None), the forest does. Intervals follow the spread of
     the trees. That of a grasp still held is as wide as after release, which nothing calibrates.
     `border`: stiffness [N/m] from which an object is rigid. `sure`: probability from which a class
-    is named; below it the answer is "don't know".
+    is named; below it the answer is "don't know". `pressed`: stiffness of an object that is pressed
+    on in doubt, None where no such grasps trained it.
     """
 
     windowing: Windowing
@@ -118,6 +120,7 @@ class Model:
     stiffness_band: Band
     force_band: Band
     trained: str = ""
+    pressed: PressedStiffness | None = None
 
     def windows(self, rows: np.ndarray) -> np.ndarray:
         """Probability of rigid for rows of features (m, features), shape (m,)."""

@@ -1,9 +1,11 @@
 """A model as a file: plain HDF5 arrays. Nothing in it is ever executed; all of it is checked.
 
 attributes    schema, trained (text), window [s], hop [s], sampling [Hz], border [N/m], sure [1],
-              features (of a window, then of a grasp), peak ("let go", or "held": see Model)
+              features (of a window, then of a grasp), peak ("let go", or "held": see Model),
+              pressed ("traces", or "none")
 /rigid, /stiffness, /force    the arrays of a forest (forest.py)
 /peak         those of gaussian_process.py, if `peak` says so: enough grasps were let go to learn
+/pressed      those of pressed.py, if `pressed` says so
 /calibration (2, n), /stiffness_band (3, n), /force_band (3, n)
 """
 
@@ -19,7 +21,7 @@ from hannes.core.io import atomic_files
 from hannes.core.io.json_text import parsed
 from hannes.core.recording.hdf5 import set_attribute, text_attribute
 from hannes.core.recording.hdf5_storage import hdf5_file, member, require_plain
-from hannes.recognition import gaussian_process
+from hannes.recognition import gaussian_process, pressed
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import FIELDS, MOST_NODES, Forest
 from hannes.recognition.gaussian_process import MOST_POINTS as MOST_PROCESS_POINTS
@@ -28,8 +30,10 @@ from hannes.recognition.hysteresis_features import WHOLE
 from hannes.recognition.model import Band, Calibration, Model
 from hannes.recognition.windowing import Windowing
 
-SCHEMA = "hannes-recogniser-7"
+SCHEMA = "hannes-recogniser-8"
 LET_GO, STILL_HELD = "let go", "held"
+TRACES, NONE = "traces", "none"
+MOST_WEIGHTS = pressed.MOST_NETS * pressed.MOST_UNITS * (pressed.MOST_UNITS + 1)
 FORESTS = ("rigid", "stiffness", "force")
 LARGEST = 100.0  # of the logarithm of an estimate: any real one is far below
 CURVES = {"calibration": 2, "stiffness_band": 3, "force_band": 3}
@@ -49,6 +53,7 @@ def write(path: str | Path, model: Model) -> None:
     with h5py.File(memory, "w", libver=("v108", "v110")) as file:
         texts = {"schema": SCHEMA, "trained": model.trained, "features": json.dumps(WHOLE)}
         texts["peak"] = LET_GO if model.peak else STILL_HELD
+        texts["pressed"] = TRACES if model.pressed else NONE
         for key, text in texts.items():
             set_attribute(file, key, text)
         for key in NUMBERS:
@@ -57,6 +62,8 @@ def write(path: str | Path, model: Model) -> None:
             _put(file, name, getattr(model, name), FIELDS)
         if model.peak:
             _put(file, "peak", model.peak, gaussian_process.FIELDS)
+        if model.pressed:
+            _put(file, "pressed", model.pressed, pressed.FIELDS)
         for name in CURVES:
             points = np.stack(list(vars(getattr(model, name)).values()))
             file.create_dataset(name, data=points, dtype="<f8", track_times=False)
@@ -104,6 +111,7 @@ def _model(file: Any) -> Model:
         stiffness_band=Band(*curves["stiffness_band"]),
         force_band=Band(*curves["force_band"]),
         trained=text_attribute(file, "trained"),
+        pressed=_pressed(file),
     )
 
 
@@ -140,6 +148,21 @@ def _process(file: Any) -> ProcessMean:
             for field, kind in gaussian_process.FIELDS.items()
         }
     )
+
+
+def _pressed(file: Any) -> pressed.PressedStiffness | None:
+    if (how := text_attribute(file, "pressed")) not in (TRACES, NONE):
+        raise BadInput(f"attribute pressed = {how!r:.60}: expected {TRACES!r} or {NONE!r}")
+    if how == NONE:
+        return None
+    return pressed.PressedStiffness(
+        **{
+            field: _array(
+                file, f"pressed/{field}", kind, MOST_WEIGHTS, pressed.DIMENSIONS.get(field, 1)
+            )
+            for field, kind in pressed.FIELDS.items()
+        }
+    ).check()
 
 
 def _curve(file: Any, name: str, rows: int) -> np.ndarray:

@@ -1,7 +1,7 @@
 """`hannes train`: train a model on a data set's grasps, and score it on unseen ones."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from hannes.recognition.forest import single
 from hannes.recognition.gaussian_process import FEWEST as FEWEST_LET_GO
 from hannes.recognition.gaussian_process import ProcessMean, train_process
 from hannes.recognition.model import SINCE, Band, Calibration, Model, decided, held, running
+from hannes.recognition.train_pressed import train_pressed
 from hannes.recognition.training_set import (
     Grasps,
     TrainingSet,
@@ -57,7 +58,8 @@ def train(
     processes that were not trained on them. `trees` classify, an eighth of that number predict
     stiffness, three quarters force. `jobs` as joblib's. At most `most` grasps train where that is
     given. `leaf`: fewest windows in a leaf of any tree, for small tables on a board; values of
-    leaves have single precision then. Grasps of the role "test" are only scored. Raises BadInput
+    leaves have single precision then. Grasps of the role "test" are only scored, those of the role
+    "pressed" train the stiffness of pressed objects alone. Raises BadInput
     where the file is no data set, or has too few grasps of a class.
     """
     if seed < 0:
@@ -69,8 +71,11 @@ def train(
         known = known.some(np.random.default_rng(seed).permutation(known.rigid.size)[:most])
         of += f"; {known.rigid.size} grasps of it"
     model, unseen = _trained(known, given, of, trees, seed, jobs, leaf)
+    model = replace(model, pressed=train_pressed(data, windowing, seed))
     predicted = {"title": data.title, "grasps": int(known.rigid.size)}
     predicted["unseen_scores"] = worth(model, known, unseen)
+    if model.pressed:
+        predicted["pressed_error_percent"] = 100.0 * float(model.pressed.error[0])
     if data.role("test").any():
         test = grasps(data, data.role("test"), windowing)
         predicted["test_scores"] = worth(model, test, held_out_predictions(model, test))

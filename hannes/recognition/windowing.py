@@ -44,7 +44,11 @@ class Windowing:
 
     def time_of(self, window: int) -> float:
         """Time of the last sample of one window [s], as `times` has it."""
-        return float((2 * self.size + window * round(self.hop * self.sampling) - 1) / self.sampling)
+        return float((self.seen(window) - 1) / self.sampling)
+
+    def seen(self, window: int) -> int:
+        """Samples at the end of one window."""
+        return 2 * self.size + window * round(self.hop * self.sampling)
 
     def features(self, grasps: Samples) -> np.ndarray:
         """Features, shape (grasps, windows, features); NaN where a grasp has no window."""
@@ -87,6 +91,17 @@ class GrowingFeatures:
             np.zeros(8), np.full(len(LEVELS), -1.0), np.array([-1, -1, 0]), np.zeros(1)
         )  # fmt: skip
         self._windows = 0
+
+    @property
+    def touch(self) -> int | None:
+        """Sample of the touch, None before it was seen."""
+        place = int(self._memory[2][1])
+        return place if place >= 0 else None
+
+    @property
+    def samples(self) -> np.ndarray:
+        """Current, position and reference so far, shape (3, count)."""
+        return self._samples[:, : self.count]
 
     def take(self, samples: Sequence[np.ndarray]) -> list[tuple[int, np.ndarray]]:
         """Take samples of current, position, reference; give each new window and its (1, NAMES)."""

@@ -6,6 +6,7 @@ from hannes.bench.c_vectors import drawn
 from hannes.recognition.features import NAMES
 from hannes.recognition.forest import Forest, of_sklearn
 from hannes.recognition.model import Band, Calibration, Model, held
+from hannes.recognition.pressed import INPUTS, PressedStiffness
 from hannes.recognition.windowing import Windowing
 
 
@@ -19,6 +20,22 @@ def forest(rows: np.ndarray, target: np.ndarray, trees: int) -> Forest:
         tree = DecisionTreeRegressor(min_samples_leaf=5, max_features=0.5, random_state=k)
         grown.append(tree.fit(rows[some], target[some]))
     return of_sklearn(grown)
+
+
+def drawn_networks(error: float = 0.1) -> PressedStiffness:
+    """Two small networks of drawn weights, whose log stiffness is about that of the border."""
+    chance = np.random.default_rng(2)
+
+    def weights(*shape: int) -> np.ndarray:
+        return chance.normal(0.0, 0.5, shape).astype(np.float32)
+
+    last = weights(2, 1, 6)
+    last[..., -1] += 8.6
+    return PressedStiffness(
+        chance.normal(0.0, 1.0, INPUTS), 0.1 * weights(7, INPUTS), weights(2, 9, 8),
+        weights(2, 5, 10), 0.2 * last + np.float32(6.9) * (np.arange(6) == 5), np.array([1e3]),
+        np.array([error]),
+    ).check()  # fmt: skip
 
 
 def drawn_model(sampling: float = 1000.0, window: float = 0.05, hop: float = 0.01) -> Model:
@@ -41,4 +58,5 @@ def drawn_model(sampling: float = 1000.0, window: float = 0.05, hop: float = 0.0
         band,
         band,
         "drawn */ closures",
+        drawn_networks(),
     )

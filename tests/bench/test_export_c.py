@@ -206,17 +206,74 @@ def test_the_command(model, tmp_path, capsys):
     assert not (tmp_path / "y.c").exists()
 
 
+PRESSED = """
+#include <stdio.h>
+#include "model.c"
+int main(void)
+{
+    static struct Hannes hand;
+    struct HannesDecision said = {0};
+    double s[3];
+    hannes_reset(&hand);
+    while (fread(s, 8, 3, stdin) == 3) {
+        if (hannes_sample(&hand, s[0], s[1], s[2], &said)) fwrite(said.pressed, 8, 3, stdout);
+    }
+    return 0;
+}
+"""
+
+
+def ran(source, model, folder, samples):
+    """Doubles that a program around the exported model says of samples."""
+    (folder / "model.c").write_text(export_c(model).text)
+    (folder / "own.c").write_text(source)
+    flags = [*FLAGS.split(), "-Wno-unused-function", "-o", folder / "own"]
+    subprocess.run([COMPILER, *flags, folder / "own.c", "-lm"], check=True)
+    given = np.ascontiguousarray(samples).tobytes()
+    return np.frombuffer(subprocess.run([folder / "own"], input=given, capture_output=True).stdout)
+
+
+def live_pressed(model, samples):
+    """Stiffness by the traces with its ends [N/m] at each window, 0 before it is known."""
+    live, said = LiveRecogniser(model), []
+    live.feed(About("x", {"current": "A", "position": "rad", "reference": "rad"}, 1000.0, 0.2))
+    for k, row in enumerate(samples):
+        said += live.feed(Row(k, 1e-3 * k, tuple(row)))
+    return np.array([list(vars(d.pressed).values()) if d.pressed else [0.0] * 3 for d in said])
+
+
+def test_the_stiffness_by_traces_is_that_of_live_recognition(model, program, tmp_path):
+    values = []
+    for seed in range(20, 26):
+        samples = drawn(seed, 1150, 1e-3)
+        wanted = live_pressed(model, samples)
+        found = ran(PRESSED, model, tmp_path, samples).reshape(-1, 3)
+        assert found == pytest.approx(wanted, rel=1e-14)
+        assert np.array_equal(found > 0.0, wanted > 0.0)
+        values += set(wanted[wanted[:, 0] > 0.0, 0])
+    assert len(values) >= 4  # one a grasp, where the touch comes late enough
+    assert min(values) < model.border < max(values)
+
+
+def test_a_trace_that_is_out_of_reach_has_no_stiffness(model, program, tmp_path):
+    samples = drawn(21, 1150, 1e-3)
+    near = replace(model, pressed=replace(model.pressed, reach=np.array([1e-3])))
+    assert live_pressed(model, samples).any() and not live_pressed(near, samples).any()
+    assert not ran(PRESSED, near, tmp_path, samples).any()
+
+
 GRIP = """
 #include <stdio.h>
 #include "model.c"
 int main(void)
 {
     static struct HannesGrip grip;
-    double s[9], point;
+    double s[10], point;
     hannes_grip_reset(&grip);
-    while (fread(s, 8, 9, stdin) == 9) {
+    while (fread(s, 8, 10, stdin) == 10) {
         struct HannesDecision said = {.touched = s[1] > 0.0, .held = s[1] > 0.0, .touch = s[2],
-                                      .rigid = s[3], .force = {s[4], 0.0, s[5]}};
+                                      .rigid = s[3], .force = {s[4], 0.0, s[5]},
+                                      .pressed = {s[9] * HANNES_BORDER}};
         hannes_again(&grip, s[7]);
         point = hannes_grip(&grip, s[0] > 0.0 ? &said : NULL, 1e-3, s[6], s[7], s[8]);
         fwrite(&point, 8, 1, stdout);
@@ -227,9 +284,10 @@ int main(void)
 
 
 def drawn_policy_samples(count):
-    """Rows of fresh, touched, touch, rigid, force, its upper end, command, position, force set."""
+    """Rows of fresh, touched, touch, rigid, force, its upper end, command, position, force set,
+    stiffness over the border."""
     chance = np.random.default_rng(5)
-    rows = np.zeros((count, 9))
+    rows = np.zeros((count, 10))
     rigid, wanted, position = 0.5, 0.0, 0.0
     for k, row in enumerate(rows):
         rigid = min(max(rigid + chance.normal(0.0, 0.05), 0.0), 1.0)
@@ -239,6 +297,7 @@ def drawn_policy_samples(count):
         row[:] = (
             k % 10 == 0, chance.random() < 0.9, 1.0 + 0.001 * (k // 500), rigid, force, 1.2 * force,
             wanted, position, 15.0 if k // 1000 % 2 else 0.0,
+            0.5 * (1 + k // 2000 % 4) if k % 1000 > 600 else 0.0,
         )  # fmt: skip
     return rows
 
@@ -246,14 +305,15 @@ def drawn_policy_samples(count):
 def test_the_grip_policy_has_the_bits_of_python(model, program, tmp_path):
     rows, memory, settings = drawn_policy_samples(8000), GripMemory(), GripSettings()
     held, force, wanted, release, released = None, (0.0, 0.0), [], Release(), 0
-    for fresh, touched, touch, rigid, value, high, command, position, force_wanted in rows:
+    for fresh, touched, touch, rigid, value, high, command, position, force_wanted, stiff in rows:
         release.begins(position)
         if fresh and touched and not release.is_open:
-            held, force = (touch, rigid), (value, high)
+            held, force = (touch, rigid, stiff), (value, high)
         if held and release.lets_go(held[0], position):
             held, released = None, released + 1
-        known = (held is not None, *(held or (0.0, 0.5)))
-        sample = GripSample(1e-3, command, position, *known, *force, force_wanted)
+        touch_, rigid_, stiff_ = held or (0.0, 0.5, 0.0)
+        known = (held is not None, touch_, rigid_)
+        sample = GripSample(1e-3, command, position, *known, *force, force_wanted, stiff_)
         memory, point = grip(settings, memory, sample)
         wanted.append(point)
     (tmp_path / "model.c").write_text(export_c(model).text)

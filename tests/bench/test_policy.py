@@ -32,8 +32,14 @@ def limit(share):
     return TOUCH + share * (FULL - TOUCH)
 
 
-def test_an_empty_hand_follows_its_command():
-    assert closed(0.0, touched=False)[-1] == FULL
+def test_an_empty_hand_follows_its_command_and_ends_slowly():
+    points = closed(0.0, touched=False, seconds=4.0)
+    freely = round(1000 * SETTINGS.free_to / 15.0)
+    assert points[freely - 10] == pytest.approx(15.0 * (freely - 10) / 1000.0)
+    assert points[freely + 500] == pytest.approx(
+        SETTINGS.free_to + 0.5 * SETTINGS.free_speed, abs=0.01
+    )
+    assert points[-1] == FULL
 
 
 def test_a_soft_object_gets_its_share_of_the_travel():
@@ -54,6 +60,17 @@ def test_a_moment_of_certainty_is_not_enough():
 def test_in_lasting_doubt_the_likelier_class_decides():
     assert closed(0.6, seconds=1.5)[-1] > FULL
     assert closed(0.3, seconds=1.5)[-1] == pytest.approx(limit(SETTINGS.probe_share))
+
+
+def test_the_stiffness_of_an_object_pressed_on_in_doubt_decides():
+    asked = {"seconds": 1.5, "rigid": 0.3}
+    soft, rigid = (closed(stiffness=ratio, **asked) for ratio in (0.9, 1.1))
+    assert soft[-1] == pytest.approx(limit(SETTINGS.soft_share))
+    assert rigid[-1] > FULL - 0.01
+    sure = closed(0.01, seconds=1.5, stiffness=1.1)  # never pressed on, so the traces say nothing
+    assert sure[-1] == pytest.approx(limit(SETTINGS.soft_share))
+    firm = closed(0.97, seconds=1.5, stiffness=0.5)  # held by all of the command before
+    assert firm[-1] == pytest.approx(FULL)
 
 
 def test_a_moment_of_another_opinion_decides_nothing():

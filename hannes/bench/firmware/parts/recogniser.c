@@ -16,6 +16,7 @@ struct HannesDecision {
     double rigid;    /* of the grasp so far, by which the word is said */
     double stiffness[3]; /* N/m: value, and the ends of its 95 % interval */
     double force[3];     /* N, the most so far: likewise */
+    double pressed[3];   /* N/m: stiffness of an object that was pressed on in doubt, 0 before */
 };
 
 struct Hannes {
@@ -28,17 +29,21 @@ struct Hannes {
     uint32_t held;    /* windows in which an object was held */
     double log_stiffness[HANNES_HELD], apart[HANNES_HELD];
     double scratch[HANNES_SCRATCH];
+    bool asked;       /* the traces were long enough */
+    double pressed[3], bins[3][HANNES_BINS]; /* sums of current, position and reference */
     float row[HANNES_FEATURES];
 };
 
 /* What the grip policy keeps from tick to tick. */
 struct HannesGrip {
-    bool firm, held, released; /* released: let go of, and not yet closing again */
+    bool firm, held, doubted; /* doubted: pressed on in doubt, so that the stiffness counts */
+    bool released;            /* let go of, and not yet closing again */
     double lowest;            /* rad, since it was let go of */
     double since, certain;    /* s from the touch; s for which it was surely rigid */
     double mean;              /* probability of rigid, averaged */
     double share, offset, set_point; /* of the travel beyond the touch; rad from the touch; rad */
     double touch, rigid;      /* of what is held: rad, probability */
+    double stiffness;         /* of the same, over the border of soft and rigid; 0: not known */
     double force, force_high; /* N, the last estimate */
 };
 
@@ -190,6 +195,13 @@ static void h_take(struct Hannes *h, double current, double position, double ref
     h->reference[place] = reference;
     h->running += current - (n >= HANNES_SMOOTH ? h_at(h->current, n - HANNES_SMOOTH) : 0.0);
     h->level[place] = h->running / (n + 1 < HANNES_SMOOTH ? n + 1 : HANNES_SMOOTH);
+#if HANNES_NETS
+    if (n / HANNES_BIN < HANNES_BINS) {
+        h->bins[0][n / HANNES_BIN] += current;
+        h->bins[1][n / HANNES_BIN] += position;
+        h->bins[2][n / HANNES_BIN] += reference;
+    }
+#endif
 }
 
 /* ---- trees ------------------------------------------------------------------------------------- */
@@ -258,6 +270,82 @@ static void h_quantiles(const struct HannesForest *f, const float *row, double *
         out[k] = scratch[low] + (place - low) * (scratch[high] - scratch[low]);
     }
 }
+
+/* ---- stiffness by traces ----------------------------------------------------------------------- */
+
+#if HANNES_NETS
+static double h_group(const double *bins, int32_t first)
+{
+    double total = 0.0;
+    for (int32_t b = 0; b < HANNES_GROUP; b++) total += bins[first + b];
+    return total / (HANNES_GROUP * HANNES_BIN);
+}
+
+static void h_inputs(const struct Hannes *h, double *out)
+{
+    int32_t first = h->touch / HANNES_BIN - HANNES_GROUP * HANNES_BEFORE;
+    for (int32_t g = 0; g < HANNES_TRACE + HANNES_START; g++) {
+        bool starting = g >= HANNES_TRACE;
+        int32_t bin = HANNES_GROUP * (starting ? g - HANNES_TRACE : g) + (starting ? 0 : first);
+        double current = h_group(h->bins[0], bin), place = h_group(h->bins[1], bin);
+        double lag = h_group(h->bins[2], bin) - place;
+        if (starting) {
+            out[2 * HANNES_TRACE + g] = current;
+            out[2 * HANNES_TRACE + HANNES_START + g] = lag;
+        } else {
+            out[g] = current;
+            out[HANNES_TRACE + g] = place - h->known[H_START];
+            out[2 * HANNES_TRACE + g] = lag;
+        }
+    }
+    out[HANNES_INPUTS - 2] = h->known[H_START];
+    out[HANNES_INPUTS - 1] = h->touch * HANNES_PERIOD;
+}
+
+static void h_layer(const float *weights, const double *values, int32_t count, bool bounded,
+                    double *out, int32_t units)
+{
+    for (int32_t k = 0; k < units; k++, weights += count + 1) {
+        double total = weights[count];
+        for (int32_t j = 0; j < count; j++) total += (double)weights[j] * values[j];
+        out[k] = total > 0.0 || !bounded ? total : 0.0;
+    }
+}
+
+static void h_pressed(const struct Hannes *h, double *said)
+{
+    double in[HANNES_INPUTS], point[HANNES_POINTS], wide[HANNES_FIRST], narrow[HANNES_SECOND];
+    double total = 0.0, one;
+    h_inputs(h, in);
+    for (int32_t k = 0; k < HANNES_POINTS; k++) {
+        point[k] = 0.0;
+        for (int32_t j = 0; j < HANNES_INPUTS; j++)
+            point[k] += (double)hannes_mix[k * HANNES_INPUTS + j] * (in[j] - hannes_centre[j]);
+        if (!(fabs(point[k]) <= HANNES_REACH)) return;
+    }
+    for (int32_t net = 0; net < HANNES_NETS; net++) {
+        h_layer(hannes_first + net * HANNES_FIRST * (HANNES_POINTS + 1), point, HANNES_POINTS, true,
+                wide, HANNES_FIRST);
+        h_layer(hannes_second + net * HANNES_SECOND * (HANNES_FIRST + 1), wide, HANNES_FIRST, true,
+                narrow, HANNES_SECOND);
+        h_layer(hannes_last + net * (HANNES_SECOND + 1), narrow, HANNES_SECOND, false, &one, 1);
+        total += one;
+    }
+    said[0] = exp(total / HANNES_NETS);
+    said[1] = exp(total / HANNES_NETS - HANNES_ERROR);
+    said[2] = exp(total / HANNES_NETS + HANNES_ERROR);
+}
+
+/* Once, where the traces are long enough. */
+static void h_ask(struct Hannes *h)
+{
+    int32_t bin = h->touch / HANNES_BIN;
+    if (h->asked || h->touch < 0 || bin < HANNES_EARLIEST || bin >= HANNES_LATEST) return;
+    if ((int32_t)h->count < (bin + HANNES_GROUP * HANNES_AFTER) * HANNES_BIN) return;
+    h->asked = true;
+    h_pressed(h, h->pressed);
+}
+#endif
 
 /* ---- decision ---------------------------------------------------------------------------------- */
 
@@ -329,6 +417,10 @@ static void h_decide(struct Hannes *h, struct HannesDecision *said)
     if (h_more(said->rigid, 1.0 - said->rigid) < HANNES_SURE) said->word = HANNES_UNKNOWN;
     else said->word = said->rigid >= 0.5 ? HANNES_RIGID : HANNES_SOFT;
     if (said->stiff) h_stiffness(h, holds, said->stiffness);
+#if HANNES_NETS
+    h_ask(h);
+#endif
+    memcpy(said->pressed, h->pressed, sizeof h->pressed);
     if (!holds) return;
     h_quantiles(&hannes_force, h->row, h->scratch, q);
     h_estimate(q[1], q[2] - q[0], &hannes_force_band, said->force);
@@ -394,6 +486,7 @@ static void g_hold(struct HannesGrip *g, const struct HannesDecision *fresh, dou
         g->held = true;
         g->touch = fresh->touch;
         g->rigid = fresh->rigid;
+        g->stiffness = fresh->pressed[0] / HANNES_BORDER;
     }
     if (g->held && position < g->touch - HANNES_RETREAT) {
         g->held = false;
@@ -436,10 +529,9 @@ static double g_firm_share(const struct HannesGrip *g, bool was_firm, double sin
     return 1.0 + (more < HANNES_LATE_MOST ? more : HANNES_LATE_MOST);
 }
 
-static double g_soft_share(const struct HannesGrip *g, double since, double beyond, double period)
+static double g_soft_share(const struct HannesGrip *g, bool presses, double beyond, double period)
 {
-    bool doubt = since >= HANNES_SETTLE && g->rigid > HANNES_DOUBT_FROM;
-    double goal = doubt ? HANNES_PROBE_SHARE : HANNES_SOFT_SHARE;
+    double goal = presses ? HANNES_PROBE_SHARE : HANNES_SOFT_SHARE;
     double step = HANNES_PROBE_SPEED * period / h_more(beyond, 0.1);
     double start = g_within(g->share, HANNES_SOFT_SHARE, HANNES_PROBE_SHARE);
     return g_within(goal, start - step, start + step);
@@ -450,19 +542,23 @@ double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, dou
 {
     g_hold(g, fresh, position);
     if (!g->held) {
-        g->firm = false;
-        return g_free(g, wanted, 0.0, 0.0, 0.5);
+        double free = h_more(HANNES_FREE_TO, g->set_point + HANNES_FREE_SPEED * period);
+        g->firm = g->doubted = false;
+        return g_free(g, free < wanted ? free : wanted, 0.0, 0.0, 0.5);
     }
     double since = g->since + period, most = HANNES_GRIP_SPEED * period;
     double certain = g->rigid >= HANNES_RIGID_FROM ? g->certain + period : 0.0;
     double beyond = wanted - g->touch, share, offset, half = 0.5 * period;
     double rate = period / HANNES_AVERAGING;
     double mean = g->mean + (rate < 1.0 ? rate : 1.0) * (g->rigid - g->mean);
-    bool was_firm = g->firm;
-    g->firm = g_firm(g, mean, certain + half, since + half);
+    bool was_firm = g->firm, known = g->doubted && g->stiffness > 0.0;
+    bool doubt = since >= HANNES_SETTLE && g->rigid > HANNES_DOUBT_FROM;
+    if (known) g->firm = g->stiffness >= HANNES_STIFF_FROM;
+    else g->firm = g_firm(g, mean, certain + half, since + half);
+    g->doubted = known || (!g->firm && (g->doubted || doubt));
     if (beyond <= 0.0) return g_free(g, wanted, since, certain, mean); /* command to open */
     if (g->firm) share = g_firm_share(g, was_firm, since);
-    else share = g_soft_share(g, since, beyond, period);
+    else share = g_soft_share(g, !known && (doubt || (g->doubted && since < HANNES_PATIENCE)), beyond, period);
     offset = share * beyond;
     if (force_wanted > 0.0) offset = g_offset(g, period, position, offset, force_wanted);
     g->since = since;

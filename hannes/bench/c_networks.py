@@ -1,0 +1,54 @@
+"""Networks of the stiffness by traces as C constants, and the sizes that their code goes by."""
+
+from dataclasses import dataclass
+
+from hannes.bench.c_tables import array, number, short
+from hannes.recognition import pressed
+from hannes.recognition.pressed import PressedStiffness
+
+TABLES = ("mix", "first", "second", "last")
+
+
+@dataclass(frozen=True)
+class CNetworks:
+    """Constants as text, empty without networks, and their bytes."""
+
+    text: str
+    table_bytes: int
+
+
+def networks(known: PressedStiffness | None, sampling: float) -> CNetworks:
+    """The networks as C arrays, none where the traces cannot be had at `sampling` [Hz]."""
+    if known is None or not pressed.bin_size(sampling):
+        return CNetworks("", 0)
+    parts = [array("double", "hannes_centre", map(number, known.centre))]
+    parts += [
+        array("float", f"hannes_{name}", map(short, getattr(known, name).ravel()))
+        for name in TABLES
+    ]
+    size = 8 * known.centre.size + sum(4 * getattr(known, name).size for name in TABLES)
+    return CNetworks("\n".join(parts) + "\n", size)
+
+
+def network_sizes(known: PressedStiffness | None, sampling: float) -> dict[str, str]:
+    """Whole numbers of the C file about them."""
+    size = pressed.bin_size(sampling)
+    if known is None or not size:
+        return {"NETS": "0", "BINS": "1"}
+    values = {
+        "NETS": known.first.shape[0],
+        "POINTS": known.mix.shape[0],
+        "FIRST": known.first.shape[1],
+        "SECOND": known.second.shape[1],
+        "INPUTS": pressed.INPUTS,
+        "BIN": size,
+        "BINS": pressed.LATEST + pressed.GROUP * pressed.AFTER,
+        "GROUP": pressed.GROUP,
+        "BEFORE": pressed.BEFORE,
+        "AFTER": pressed.AFTER,
+        "TRACE": pressed.TRACE,
+        "START": pressed.START,
+        "EARLIEST": pressed.EARLIEST,
+        "LATEST": pressed.LATEST,
+    }
+    return {name: f"{value}" for name, value in values.items()}

@@ -1,0 +1,135 @@
+"""Training of the stiffness by traces, on grasps that press on in doubt."""
+
+from typing import Any
+
+import numpy as np
+
+from hannes.core.io.progress import progress_bar
+from hannes.dataset.read import DataSet
+from hannes.recognition.features import CHANNELS
+from hannes.recognition.model import SINCE
+from hannes.recognition.pressed import (
+    GROUP,
+    INPUTS,
+    START,
+    TRACE,
+    PressedStiffness,
+    bin_size,
+    due,
+    of_grasp,
+)
+from hannes.recognition.training_set import WEAKEST
+from hannes.recognition.windowing import Windowing
+
+FEWEST = 500  # grasps
+POINTS, POWER = 70, 0.25  # principal components; share of their variance that stays
+NETS, UNITS = 4, (128, 64)
+ROUNDS, BATCH, RATE, PENALTY = 80, 64, 3e-3, 1e-2
+APART = 8  # one in so many grasps is unseen by a network
+MIDDLE, SIZE = 8.6, 0.7  # of the log stiffness: targets are less the one, over the other
+NEAR = 1.5  # factor about the border within which the error is taken
+CURRENT, ANGLE, OTHER = 2.2e-3, 1e-4, 1e-3  # A, rad, rad or s: what noise leaves of a mean
+
+
+def train_pressed(data: DataSet, windowing: Windowing, seed: int) -> PressedStiffness | None:
+    """Train on the grasps of the role "pressed"; None where there are too few of them."""
+    rows, target = inputs_of(data, windowing)
+    if target.size < FEWEST:
+        return None
+    return fitted(rows, target, float(np.log(data.border)), seed)
+
+
+def inputs_of(data: DataSet, windowing: Windowing) -> tuple[np.ndarray, np.ndarray]:
+    """Inputs (n, INPUTS) and log stiffness (n,) of the grasps that show their touch in time."""
+    size = bin_size(windowing.sampling)
+    if "pressed" not in data.roles or not size:
+        return np.zeros((0, INPUTS)), np.zeros(0)
+    held = data.usable & (data.table["peak_force"] > WEAKEST)
+    which = np.flatnonzero(held & data.role("pressed"))
+    rows: list[np.ndarray] = []
+    used: list[int] = []
+    for block in data.blocks(which, CHANNELS):
+        for samples, touch in zip(block.astype(float), _touches(block, windowing), strict=True):
+            needed = due(touch, size)
+            if needed is not None and needed <= len(samples):
+                rows.append(of_grasp(samples.T, touch, windowing.sampling))
+            used.append(len(rows))
+    taken = np.diff(used, prepend=0) > 0
+    known = np.log(data.table["object.stiffness"][which[taken]])
+    return np.array(rows).reshape(-1, INPUTS), known
+
+
+def _touches(block: np.ndarray, windowing: Windowing) -> list[int]:
+    """Samples of the touches in grasps (m, samples, channels); 0 where there is none."""
+    since = np.nan_to_num(windowing.features(block)[..., SINCE])[:, -1]
+    last = windowing.ends(block.shape[1])[-1] - 1
+    found = last - np.round(since * windowing.sampling).astype(int)
+    return [int(each) for each in np.where(since > 0.0, found, 0)]
+
+
+def fitted(rows: np.ndarray, target: np.ndarray, border: float, seed: int) -> PressedStiffness:
+    """Networks for inputs (n, INPUTS) and log stiffness (n,); `border`: that of the classes."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):  # sums of many threads end on other bits
+        centre, mix = _mixed(rows)
+        points = ((rows - centre) @ mix.T).astype(np.float32)
+        wanted, fold = (target - MIDDLE) / SIZE, np.arange(target.size) % APART
+        made, unseen = [], np.full(target.size, np.nan)
+        for net in progress_bar(range(NETS), "training networks", NETS, delay=2.0, leave=False):
+            apart = fold == net
+            trained = _network(points[~apart], wanted[~apart], seed + net)
+            unseen[apart] = trained.predict(points[apart]) * SIZE + MIDDLE
+            made.append(_arrays(trained))
+    first, second, last = (np.stack(each) for each in zip(*made, strict=True))
+    near = np.isfinite(unseen) & (np.abs(target - border) < np.log(NEAR))
+    error = float(np.sqrt(np.mean(np.square(unseen - target)[near]))) if near.any() else 1.0
+    return PressedStiffness(
+        centre, mix, first, second, last,
+        np.array([float(np.abs(points).max())]), np.array([max(error, 1e-3)]),
+    ).check()  # fmt: skip
+
+
+def _mixed(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Centre of the inputs, and the principal components of what exceeds their noise.
+
+    Components differ in size by thousands, and the small ones tell the hand: only a share of the
+    difference stays.
+    """
+    noise = np.concatenate(
+        [np.full(n, x) for n, x in (
+            (TRACE, CURRENT), (2 * TRACE, ANGLE), (START, CURRENT), (START, ANGLE), (2, OTHER),
+        )]
+    )  # fmt: skip
+    noise = noise / np.sqrt(GROUP / 4.0)
+    centre = rows.mean(axis=0)
+    size, axes = np.linalg.eigh(np.cov(((rows - centre) / noise).T))
+    size, axes = size[::-1][:POINTS], axes[:, ::-1][:, :POINTS]
+    mix = (axes / np.sqrt(size) * (size / size[0]) ** POWER / noise[:, np.newaxis]).T
+    scale = np.sqrt(np.square((rows - centre) @ mix.T).sum(axis=1).mean() / 12.0)
+    return centre, (mix / scale).astype(np.float32)
+
+
+def _network(points: np.ndarray, wanted: np.ndarray, seed: int) -> Any:
+    """A network after ROUNDS over all points, by steps that shrink as a cosine."""
+    from sklearn.neural_network import MLPRegressor
+
+    net = MLPRegressor(
+        hidden_layer_sizes=UNITS, alpha=PENALTY, batch_size=BATCH, learning_rate_init=RATE,
+        random_state=seed,
+    )  # fmt: skip
+    for k in range(ROUNDS):
+        net.partial_fit(points, wanted.astype(np.float32))
+        net._optimizer.learning_rate_init = RATE * 0.5 * (1.0 + np.cos(np.pi * (k + 1) / ROUNDS))
+    return net
+
+
+def _arrays(net: Any) -> list[np.ndarray]:
+    """Weights of a network's layers with their constants, targets in log stiffness again."""
+    layers = [
+        np.concatenate([w.T, b[:, np.newaxis]], axis=1).astype(float)
+        for w, b in zip(net.coefs_, net.intercepts_, strict=True)
+    ]
+    layers[-1] *= SIZE
+    layers[-1][:, -1] += MIDDLE
+    return [each.astype(np.float32) for each in layers]

@@ -1,0 +1,128 @@
+"""Stiffness by traces: its inputs, its networks against plain numpy, its training and its file."""
+
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+from tests.bench.drawn_model import drawn_model, drawn_networks
+
+from hannes.bench.c_vectors import drawn
+from hannes.core.errors import BadInput
+from hannes.recognition import model_file
+from hannes.recognition.pressed import (
+    AFTER,
+    BEFORE,
+    EARLIEST,
+    GROUP,
+    INPUTS,
+    LATEST,
+    START,
+    TRACE,
+    bin_size,
+    due,
+    of_grasp,
+)
+from hannes.recognition.train_pressed import _touches, fitted
+from hannes.recognition.windowing import GrowingFeatures, Windowing
+
+MEAN = 0.02  # s, of one mean of the traces
+
+
+def test_inputs_of_straight_lines_are_their_means():
+    time = np.arange(1100) / 1000.0
+    samples = np.stack([0.3 + 2.0 * time, 4.0 * time, 5.0 * time])
+    found = of_grasp(samples, 400, 1000.0)
+    middle = 0.4 + MEAN * (np.arange(TRACE) - BEFORE + 0.5) - 0.5e-3
+    assert found[:TRACE] == pytest.approx(0.3 + 2.0 * middle)
+    assert found[TRACE : 2 * TRACE] == pytest.approx(4.0 * (middle - 0.4))
+    assert found[2 * TRACE : 3 * TRACE] == pytest.approx(middle)
+    begun = MEAN * (np.arange(START) + 0.5) - 0.5e-3
+    assert found[3 * TRACE : 3 * TRACE + START] == pytest.approx(0.3 + 2.0 * begun)
+    assert found[3 * TRACE + START : -2] == pytest.approx(begun)
+    assert found[-2:] == pytest.approx([1.6, 0.4])
+
+
+def test_networks_are_those_of_plain_numpy():
+    known = drawn_networks()
+    rows = np.random.default_rng(1).normal(0.0, 2.0, (5, INPUTS))
+    points = (rows - known.centre) @ known.mix.astype(float).T
+    wanted = []
+    for layers in zip(known.first, known.second, known.last, strict=True):
+        values = points
+        for k, each in enumerate(layers):
+            values = values @ each[:, :-1].T.astype(float) + each[:, -1]
+            values = np.maximum(values, 0.0) if k < 2 else values
+        wanted.append(values[:, 0])
+    assert known(rows) == pytest.approx(np.mean(wanted, axis=0), rel=1e-12)
+
+
+def test_beyond_what_was_learned_from_there_is_no_estimate():
+    known = drawn_networks()
+    row = np.full((1, INPUTS), 1.0)
+    near = float(np.abs((row - known.centre) @ known.mix.T).max())
+    assert np.isfinite(replace(known, reach=np.array([1.01 * near]))(row)[0])
+    assert np.isnan(replace(known, reach=np.array([0.99 * near]))(row)[0])
+
+
+def test_the_estimate_is_due_once_the_traces_are_there():
+    assert bin_size(1000.0) == 5 and bin_size(500.0) == 0 and bin_size(200.0) == 1
+    assert due(403, 5) == (403 // 5 + GROUP * AFTER) * 5
+    assert due(5 * EARLIEST - 1, 5) is None and due(5 * LATEST, 5) is None
+    assert due(403, 0) is None
+
+
+def test_training_reads_the_touch_that_is_seen_live():
+    windowing = Windowing()
+    grasps = np.stack([drawn(seed, 1100, 1e-3) for seed in range(40, 46)])
+    for touch, samples in zip(_touches(grasps, windowing), grasps, strict=True):
+        growing = GrowingFeatures(windowing)
+        growing.take(list(samples))
+        assert touch == growing.touch
+
+
+@pytest.fixture(scope="module")
+def learned():
+    """Networks that learned a curved function of some of their inputs, and unseen rows of it."""
+    chance = np.random.default_rng(3)
+    hidden = chance.normal(0.0, 1.0, (1500, 4))
+    rows = 0.01 * hidden @ chance.normal(0.0, 1.0, (4, INPUTS))
+    rows += chance.normal(0.0, 1e-5, rows.shape)
+    target = 8.6 + 0.5 * hidden[:, 0] + 0.1 * hidden[:, 1] ** 2
+    return fitted(rows[:1200], target[:1200], 8.6, 0), rows[1200:], target[1200:]
+
+
+def test_networks_learn_a_curve_and_say_how_well(learned):
+    known, rows, target = learned
+    found = known(rows)
+    seen = np.isfinite(found)
+    off = float(np.sqrt(np.mean((found - target)[seen] ** 2)))
+    assert seen.mean() > 0.95
+    assert off < 0.3 * target.std()
+    assert known.error[0] == pytest.approx(off, rel=0.7)
+
+
+def test_the_same_rows_give_the_same_networks(learned):
+    known, rows, _ = learned
+    again = fitted(rows, rows[:, 0] + 8.6, 8.6, 1)
+    assert np.array_equal(again(rows), fitted(rows, rows[:, 0] + 8.6, 8.6, 1)(rows), equal_nan=True)
+    assert not np.array_equal(again.first, known.first)
+
+
+def test_a_model_file_keeps_them_to_the_bit(tmp_path):
+    model = drawn_model()
+    model_file.write(tmp_path / "m.h5", model)
+    found = model_file.read(tmp_path / "m.h5").pressed
+    for name, each in vars(model.pressed).items():
+        assert np.array_equal(getattr(found, name), each)
+    model_file.write(tmp_path / "n.h5", replace(model, pressed=None))
+    assert model_file.read(tmp_path / "n.h5").pressed is None
+
+
+@pytest.mark.parametrize("name, value", [("last", np.nan), ("reach", -1.0), ("error", 9.0)])
+def test_a_damaged_network_is_refused(name, value, tmp_path):
+    model_file.write(tmp_path / "m.h5", drawn_model())
+    with h5py.File(tmp_path / "m.h5", "r+") as file:
+        file[f"pressed/{name}"][...] = value
+    with pytest.raises(BadInput, match="pressed"):
+        model_file.read(tmp_path / "m.h5")
