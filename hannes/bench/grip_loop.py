@@ -114,6 +114,11 @@ class GripLoop:
         """Whether the policy holds the object firmly."""
         return self._grip.firm
 
+    @property
+    def uncertain(self) -> bool:
+        """Whether the policy pressed on in doubt, so that the stiffness by the traces counts."""
+        return self._grip.uncertain
+
     def _begin_again(self, row: Row) -> None:
         """Forget what was held before, where the hand turns to close once more."""
         if self._release.begins(row.values[self._places["position"]]):

@@ -165,7 +165,7 @@ class LiveRecogniser:
         if needed is None or windowing.seen(window) < needed:
             return
         self._asked = True
-        row = pressed.of_grasp(self._features.samples, touch, windowing.sampling)
+        row = pressed.trace_inputs(self._features.samples, touch, windowing.sampling)
         value = float(known(row[np.newaxis])[0])
         if math.isfinite(value):
             ends = NORMAL_95 * known.error[0]

@@ -76,7 +76,7 @@ class GripMemory(NamedTuple):
     firm: bool = False  # held as a rigid object
     offset: float = 0.0  # rad from the touch to the set point, under force control
     set_point: float = 0.0  # rad, of the last tick
-    doubted: bool = False  # pressed on in doubt, so that the stiffness counts
+    uncertain: bool = False  # pressed on in doubt, so that the stiffness counts
 
 
 def grip(
@@ -91,21 +91,21 @@ def grip(
     half = 0.5 * sample.period
     certain = memory.certain + sample.period if sample.rigid >= settings.rigid_from else 0.0
     mean = memory.mean + min(sample.period / settings.averaging, 1.0) * (sample.rigid - memory.mean)
-    known = memory.doubted and sample.stiffness > 0.0
+    known = memory.uncertain and sample.stiffness > 0.0
     if known:
         firm = sample.stiffness >= settings.stiff_from
     else:
         firm = _firm(settings, memory.firm, mean, certain + half, since + half)
     doubt = since >= settings.settle and sample.rigid > settings.doubt_from
-    doubted = known or (not firm and (memory.doubted or doubt))
+    uncertain = known or (not firm and (memory.uncertain or doubt))
     beyond = sample.wanted - sample.touch_position
     if beyond <= 0.0:  # the command is to open
-        opened = GripMemory(since, certain, mean, 0.0, firm, 0.0, sample.wanted, doubted)
+        opened = GripMemory(since, certain, mean, 0.0, firm, 0.0, sample.wanted, uncertain)
         return opened, sample.wanted
     if firm:
         share = _firm_share(settings, memory, since)
     else:
-        presses = not known and (doubt or (doubted and since < settings.patience))
+        presses = not known and (doubt or (uncertain and since < settings.patience))
         share = _soft_share(settings, memory.share, sample.period, presses, beyond)
     offset = share * beyond
     if sample.force_wanted > 0.0:
@@ -113,7 +113,7 @@ def grip(
     most = settings.speed * sample.period
     target = sample.touch_position + offset
     set_point = min(max(target, memory.set_point - most), memory.set_point + most)
-    memory = GripMemory(since, certain, mean, share, firm, offset, set_point, doubted)
+    memory = GripMemory(since, certain, mean, share, firm, offset, set_point, uncertain)
     return memory, set_point
 
 

@@ -190,6 +190,9 @@ def _train(chosen: argparse.Namespace) -> None:
                 f"  {found['grasps']} {words}: {100 * found['windows_right']:.1f} % of windows and "
                 f"{100 * found['grasps_right']:.1f} % of grasps right"
             )
+    if "pressed_error_percent" in result:
+        error = result["pressed_error_percent"]
+        print(f"  stiffness of pressed objects near the border: {error:.1f} % off, of unseen ones")
     print(f"wrote {out}")
 
 

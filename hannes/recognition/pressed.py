@@ -1,8 +1,8 @@
 """Stiffness of an object from the traces of a grasp that presses on it, once `AFTER` is over.
 
-Trees see some features of a window. Near the border of soft and rigid these do not tell hand from
-object. Small networks see what current and position did from the start of the motion until half a
-second after the touch: the free closing shows the hand, the squeeze the object in it. Sums are
+Trees see some features of a window. Near the border of soft and rigid these do not separate hand
+and object. Small networks see what current and position did from the start of the motion until half
+a second after the touch: the free closing shows the hand, the squeeze the object in it. Sums are
 taken in the same order in C (`hannes export-c`).
 """
 
@@ -148,7 +148,7 @@ def due(touch: int, size: int) -> int | None:
     return (bin_ + GROUP * AFTER) * size if EARLIEST <= bin_ < LATEST else None
 
 
-def of_grasp(samples: np.ndarray, touch: int, sampling: float) -> np.ndarray:
+def trace_inputs(samples: np.ndarray, touch: int, sampling: float) -> np.ndarray:
     """Inputs (INPUTS,) of current, position and reference (3, n) with a touch at sample `touch`."""
     out, size = np.zeros(INPUTS), bin_size(sampling)
     inputs(samples[0], samples[1], samples[2], touch, 1.0 / sampling, size, out)

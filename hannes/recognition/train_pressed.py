@@ -16,14 +16,14 @@ from hannes.recognition.pressed import (
     PressedStiffness,
     bin_size,
     due,
-    of_grasp,
+    trace_inputs,
 )
 from hannes.recognition.training_set import WEAKEST
 from hannes.recognition.windowing import Windowing
 
 FEWEST = 500  # grasps
 POINTS, POWER = 70, 0.25  # principal components; share of their variance that stays
-NETS, UNITS = 4, (128, 64)
+NETS, UNITS = 4, (64, 32)
 ROUNDS, BATCH, RATE, PENALTY = 80, 64, 3e-3, 1e-2
 APART = 8  # one in so many grasps is unseen by a network
 MIDDLE, SIZE = 8.6, 0.7  # of the log stiffness: targets are less the one, over the other
@@ -52,7 +52,7 @@ def inputs_of(data: DataSet, windowing: Windowing) -> tuple[np.ndarray, np.ndarr
         for samples, touch in zip(block.astype(float), _touches(block, windowing), strict=True):
             needed = due(touch, size)
             if needed is not None and needed <= len(samples):
-                rows.append(of_grasp(samples.T, touch, windowing.sampling))
+                rows.append(trace_inputs(samples.T, touch, windowing.sampling))
             used.append(len(rows))
     taken = np.diff(used, prepend=0) > 0
     known = np.log(data.table["object.stiffness"][which[taken]])
@@ -93,7 +93,7 @@ def fitted(rows: np.ndarray, target: np.ndarray, border: float, seed: int) -> Pr
 def _mixed(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Centre of the inputs, and the principal components of what exceeds their noise.
 
-    Components differ in size by thousands, and the small ones tell the hand: only a share of the
+    Components differ in size by thousands, and the small ones show the hand: only a share of the
     difference stays.
     """
     noise = np.concatenate(

@@ -5,7 +5,6 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
-from tests.bench.drawn_model import drawn_model, drawn_networks
 
 from hannes.bench.c_vectors import drawn
 from hannes.core.errors import BadInput
@@ -21,10 +20,11 @@ from hannes.recognition.pressed import (
     TRACE,
     bin_size,
     due,
-    of_grasp,
+    trace_inputs,
 )
 from hannes.recognition.train_pressed import _touches, fitted
 from hannes.recognition.windowing import GrowingFeatures, Windowing
+from tests.bench.drawn_model import drawn_model, drawn_networks
 
 MEAN = 0.02  # s, of one mean of the traces
 
@@ -32,7 +32,7 @@ MEAN = 0.02  # s, of one mean of the traces
 def test_inputs_of_straight_lines_are_their_means():
     time = np.arange(1100) / 1000.0
     samples = np.stack([0.3 + 2.0 * time, 4.0 * time, 5.0 * time])
-    found = of_grasp(samples, 400, 1000.0)
+    found = trace_inputs(samples, 400, 1000.0)
     middle = 0.4 + MEAN * (np.arange(TRACE) - BEFORE + 0.5) - 0.5e-3
     assert found[:TRACE] == pytest.approx(0.3 + 2.0 * middle)
     assert found[TRACE : 2 * TRACE] == pytest.approx(4.0 * (middle - 0.4))

@@ -36,7 +36,7 @@ struct Hannes {
 
 /* What the grip policy keeps from tick to tick. */
 struct HannesGrip {
-    bool firm, held, doubted; /* doubted: pressed on in doubt, so that the stiffness counts */
+    bool firm, held, uncertain; /* uncertain: pressed on in doubt, so that the stiffness counts */
     bool released;            /* let go of, and not yet closing again */
     double lowest;            /* rad, since it was let go of */
     double since, certain;    /* s from the touch; s for which it was surely rigid */
@@ -543,7 +543,7 @@ double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, dou
     g_hold(g, fresh, position);
     if (!g->held) {
         double free = h_more(HANNES_FREE_TO, g->set_point + HANNES_FREE_SPEED * period);
-        g->firm = g->doubted = false;
+        g->firm = g->uncertain = false;
         return g_free(g, free < wanted ? free : wanted, 0.0, 0.0, 0.5);
     }
     double since = g->since + period, most = HANNES_GRIP_SPEED * period;
@@ -551,14 +551,14 @@ double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, dou
     double beyond = wanted - g->touch, share, offset, half = 0.5 * period;
     double rate = period / HANNES_AVERAGING;
     double mean = g->mean + (rate < 1.0 ? rate : 1.0) * (g->rigid - g->mean);
-    bool was_firm = g->firm, known = g->doubted && g->stiffness > 0.0;
+    bool was_firm = g->firm, known = g->uncertain && g->stiffness > 0.0;
     bool doubt = since >= HANNES_SETTLE && g->rigid > HANNES_DOUBT_FROM;
     if (known) g->firm = g->stiffness >= HANNES_STIFF_FROM;
     else g->firm = g_firm(g, mean, certain + half, since + half);
-    g->doubted = known || (!g->firm && (g->doubted || doubt));
+    g->uncertain = known || (!g->firm && (g->uncertain || doubt));
     if (beyond <= 0.0) return g_free(g, wanted, since, certain, mean); /* command to open */
     if (g->firm) share = g_firm_share(g, was_firm, since);
-    else share = g_soft_share(g, !known && (doubt || (g->doubted && since < HANNES_PATIENCE)), beyond, period);
+    else share = g_soft_share(g, !known && (doubt || (g->uncertain && since < HANNES_PATIENCE)), beyond, period);
     offset = share * beyond;
     if (force_wanted > 0.0) offset = g_offset(g, period, position, offset, force_wanted);
     g->since = since;
