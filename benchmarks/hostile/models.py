@@ -13,6 +13,7 @@ def model_bytes() -> bytes:
     from hannes.recognition import model_file
     from hannes.recognition.forest import Forest
     from hannes.recognition.model import Band, Calibration, Model
+    from hannes.recognition.pressed import INPUTS, PressedStiffness
     from hannes.recognition.windowing import Windowing
 
     def forest(low: float, high: float) -> Forest:
@@ -39,6 +40,13 @@ def model_bytes() -> bytes:
         stiffness_band=band,
         force_band=band,
         trained="by hand",
+        pressed=PressedStiffness(
+            np.zeros(INPUTS),
+            np.full((2, INPUTS), 0.01, np.float32),
+            *(np.full(shape, 0.5, np.float32) for shape in ((1, 2, 3), (1, 2, 3), (1, 1, 3))),
+            np.array([10.0]),
+            np.array([0.1]),
+        ),
     )
     with tempfile.TemporaryDirectory() as folder:
         model_file.write(Path(folder) / "model.h5", made)
@@ -58,11 +66,11 @@ def data_set_bytes() -> bytes:
     memory = io.BytesIO()
     fields = [("role", "<i1"), ("completed", "<i1"), ("contact", "<f8"), ("release", "<f8")]
     rows = np.ones(GRASPS, [*fields, ("peak_force", "<f8"), ("object.stiffness", "<f8")])
-    rows["role"] = [0] * 20 + [1] * 4
+    rows["role"] = [0] * 18 + [1] * 3 + [2] * 3
     rows["contact"], rows["release"], rows["peak_force"] = TOUCH, LET_GO, 100.0
     rows["object.stiffness"] = [800.0, 20e3] * (GRASPS // 2)
     with h5py.File(memory, "w") as file:
-        texts = {"schema": "hannes-dataset-1", "roles": '["train", "test"]'}
+        texts = {"schema": "hannes-dataset-1", "roles": '["train", "test", "pressed"]'}
         for key, text in {**texts, "title": "some", "fingerprint": "0"}.items():
             set_attribute(file, key, text)
         file.attrs["border"] = 5500.0

@@ -152,23 +152,28 @@ def model(path: Path) -> None:
     from hannes.recognition import model_file
     from hannes.recognition.features import NAMES
     from hannes.recognition.hysteresis_features import WHOLE
+    from hannes.recognition.pressed import INPUTS
 
     found = model_file.read(path)
     found.windows(np.zeros((3, len(NAMES))))
     if found.peak:
         found.peak(np.zeros((1, len(WHOLE))))
+    if found.pressed:
+        found.pressed(np.zeros((1, INPUTS)))
 
 
 def data_set(path: Path) -> None:
     """Read what training reads of a data set."""
     from hannes.dataset.read import read
     from hannes.recognition.features import CHANNELS
+    from hannes.recognition.train_pressed import inputs_of
     from hannes.recognition.training_set import grasps
     from hannes.recognition.windowing import Windowing
 
     found = read(path)
     list(found.blocks(np.arange(found.table.size), (*CHANNELS, "force")))
     grasps(found, found.role("train"), Windowing())
+    inputs_of(found, Windowing())
 
 
 def of_settings() -> Iterator[Reader]:

@@ -63,12 +63,14 @@ def test_in_lasting_doubt_the_likelier_class_decides():
 
 
 def test_the_stiffness_of_an_object_pressed_on_in_doubt_decides():
-    asked = {"seconds": 1.5, "rigid": 0.3}
+    asked = {"seconds": 1.5, "rigid": 0.5}
     soft, rigid = (closed(stiffness=ratio, **asked) for ratio in (0.9, 1.1))
     assert soft[-1] == pytest.approx(limit(SETTINGS.soft_share))
     assert rigid[-1] > FULL - 0.01
     sure = closed(0.01, seconds=1.5, stiffness=1.1)  # never pressed on, so the traces say nothing
     assert sure[-1] == pytest.approx(limit(SETTINGS.soft_share))
+    late = closed(0.3, seconds=1.5, stiffness=1.1)
+    assert late[-1] < FULL - 1.0  # the trees have it for soft
     firm = closed(0.97, seconds=1.5, stiffness=0.5)  # held by all of the command before
     assert firm[-1] == pytest.approx(FULL)
 
