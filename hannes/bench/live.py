@@ -64,6 +64,10 @@ def warm_up(model: Model) -> None:
     for k in range(2 * windowing.size + 1):
         recogniser.feed(Row(k, k / windowing.sampling, (0.0, 0.0, 0.0)))
     model.force.quantiles(np.zeros((1, len(NAMES)), np.float32))
+    if model.pressed and pressed.bin_size(windowing.sampling):
+        samples = np.zeros((3, round(windowing.sampling)))
+        row = pressed.trace_inputs(samples, round(0.3 * windowing.sampling), windowing.sampling)
+        model.pressed(row[np.newaxis])
 
 
 def channel_places(about: About) -> list[int]:

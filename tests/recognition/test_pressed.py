@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hannes.bench.c_vectors import drawn
+from hannes.bench.live import warm_up
 from hannes.core.errors import BadInput
 from hannes.recognition import model_file
 from hannes.recognition.pressed import (
@@ -117,6 +118,13 @@ def test_a_model_file_keeps_them_to_the_bit(tmp_path):
         assert np.array_equal(getattr(found, name), each)
     model_file.write(tmp_path / "n.h5", replace(model, pressed=None))
     assert model_file.read(tmp_path / "n.h5").pressed is None
+
+
+def test_networks_are_compiled_before_a_hand_moves():
+    asked = []
+    model = replace(drawn_model(), pressed=lambda rows: asked.append(rows.shape))
+    warm_up(model)
+    assert asked == [(1, INPUTS)]
 
 
 @pytest.mark.parametrize("name, value", [("last", np.nan), ("reach", -1.0), ("error", 9.0)])
