@@ -69,8 +69,10 @@ def test_the_hand_file_beside_the_verdict_is_of_its_plant(found):
 
 def test_gaps_on_recordings_that_were_fitted_are_marked_as_such(tmp_path, capsys):
     file = campaign(tmp_path, ["fit"])
-    assert main(["diagnose", str(file), "--out", str(tmp_path / "out"), "--json"]) == 0
+    asked = ["diagnose", str(file), "--out", str(tmp_path / "out"), "--describe", "--json"]
+    assert main(asked) == 0
     written = json.loads(capsys.readouterr().out)
+    assert "nothing is to be described: the verdict is undecided" in written["cautions"]
     assert (written["verdict"], written["recordings"]["show"]) == ("undecided", [])
     assert "role show" not in written["gap_on"] and "were fitted" in written["gap_on"]
     assert written["gap_on"] in written["reason"]

@@ -14,7 +14,7 @@ LOAD = np.maximum(ANGLE - 6.0, 0.0)
 SPEED = np.gradient(ANGLE, TIME)
 FLOORS = {"current": 1.0, "position": 1.0}
 UNITS = {"time": "s", "position": "rad", "current": "A"}
-RUNS = 4
+RUNS = 5
 
 
 class Rig:
@@ -54,9 +54,14 @@ def test_noise_alone_has_no_sentence():
     assert all(each["tested"] for each in said)
 
 
-def test_what_differs_from_run_to_run_alone_has_no_sentence():
-    rng = np.random.default_rng(5)
-    sizes = rng.standard_normal(2 * RUNS)
+def test_what_drifts_about_a_mean_that_was_refitted_is_seen():
+    said = sentence(lambda condition, run: 0.5 * (run - 2) * np.sin(9.0 * TIME))
+    assert said["sentence"] == "Changes steadily from run to run."
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_differs_from_run_to_run_alone_has_no_sentence(seed):
+    sizes = np.random.default_rng(seed).standard_normal(2 * RUNS)
     said = sentence(lambda condition, run: sizes[run + RUNS * (condition == "free")] * ANGLE)
     assert said["sentence"] == ""
 
@@ -80,7 +85,7 @@ KINDS = {
     ),
     "drift": (
         lambda condition, run: 0.5 * (1 + run) * np.sin(9.0 * TIME),
-        "Nearly all of it in the current; grows from run to run",
+        "Nearly all of it in the current; changes steadily from run to run",
     ),
     "opening": (
         lambda condition, run: 2.0 * (SPEED < -0.5),

@@ -14,7 +14,8 @@ import numpy as np
 
 from hannes.campaigns.segments import Segment
 from hannes.identification.pattern.blocks import Command, commands
-from hannes.identification.pattern.jackknife import LEVEL, STATEMENTS, Estimate, estimated
+from hannes.identification.pattern.drift import drift
+from hannes.identification.pattern.jackknife import Estimate, estimated
 from hannes.identification.remainder import Raw
 from hannes.plants.protocol import Plant
 
@@ -23,8 +24,6 @@ ALONE, MOST = 0.9, 0.6  # of the squares, for "alone" and for "most of it"
 USUAL = 0.75  # of all blocks: what lies in more of them is no place
 CLEAR = 0.4  # of a correlation, at least
 ANGLES = 12  # at which both ways are compared
-ORDERED = 4  # runs of a command that show an order
-GROWN = 0.2  # of the mean, between the first and the last run, at least
 ALIKE = 0.05  # of a correlation: of two as clear, the first of these is said
 AXES = {"load": "load", "speed": "speed", "angle": "the angle", "time": "the time in the run"}
 Statement = dict[str, Any]
@@ -50,17 +49,16 @@ def goes_with(
     chance; it is not `tested` where no command has repeats enough.
     """
     known, names = commands(plant, segments, raw, noise_floors, FEWEST)
-    if not known or estimated(known, _repeatable, 1).low <= 0.0:
-        return {"sentence": "", "statements": [], "tested": bool(known)}
-    place, phase = _place(known), _phase(known)
-    found = [place, phase, _channel(known, names)]
-    found += [_growth(_inside(_inside(known, place), phase)), _both_ways(known), _order(known)]
+    made: list[Statement | None] = [drift(known)]
+    if known and estimated(known, _repeatable, 1).low > 0.0:
+        place, phase = _place(known), _phase(known)
+        growth = _growth(_inside(_inside(known, place), phase))
+        made = [place, phase, _channel(known, names), growth, _both_ways(known), *made]
+    found = [each for each in made if each]
     return {
-        "sentence": _sentence([each for each in found if each]),
-        "statements": [
-            {key: each[key] for key in ("what", "value", "low")} for each in found if each
-        ],
-        "tested": True,
+        "sentence": _sentence(found),
+        "statements": [{key: each[key] for key in ("what", "value", "low")} for each in found],
+        "tested": bool(known),
     }
 
 
@@ -222,29 +220,3 @@ def _alike(some: Sequence[Command]) -> float:
                 squares += float(a @ a), float(b @ b)
     size = float(np.sqrt(squares.prod()))
     return products / size if size > 0.0 else 0.0
-
-
-def _order(known: Sequence[Command]) -> Statement | None:
-    """Whether it grows or falls from run to run, by a line through each run's share of the mean."""
-    from scipy.stats import t
-
-    centred, shares = [], []
-    for each in (c for c in known if c.runs >= ORDERED):
-        mean = each.residual.mean(axis=0)
-        along = np.einsum("rbc,bc->r", each.residual, mean) / max(float(np.sum(mean**2)), 1e-30)
-        centred.append(each.numbers - each.numbers.mean())
-        shares.append(along - along.mean())
-    if not centred:
-        return None
-    x, y = np.concatenate(centred), np.concatenate(shares)
-    freedom, spread = x.size - len(centred) - 1, float(x @ x)
-    if freedom < 1 or not spread:
-        return None
-    slope = float(x @ y) / spread
-    error = float(np.sqrt(np.sum((y - slope * x) ** 2) / freedom / spread))
-    span = float(np.ptp(x))
-    quantile = float(t.ppf(1.0 - 0.5 * LEVEL / STATEMENTS, freedom))
-    grown = Estimate(slope * span, quantile * error * span)
-    if abs(grown.value) < GROWN or grown.low == 0.0:
-        return None
-    return _said(f"{'grows' if slope > 0.0 else 'falls'} from run to run", grown)
