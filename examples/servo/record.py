@@ -17,7 +17,7 @@ TURN = 0.91  # N m/A and V s/rad: of motor and gear
 INERTIA, DRY, VISCOUS = 8.8e-3, 0.16, 0.044  # kg m2, N m, N m s/rad
 WEIGHT, ANGLE = 0.41, 0.31  # N m, rad
 STEP, LOGGED = 1e-4, 0.01  # s
-COUNT, AMPERES = 2.0 * math.pi / 4096.0, 0.01  # rad of the encoder, A of the current's noise
+COUNT, NOISE, AMPERES = 2.0 * math.pi / 4096.0, 1e-3, 0.01  # rad of the sensor, rad and A of noise
 
 
 def steps(t):
@@ -52,7 +52,7 @@ def run(asked, seconds, load_friction, rng):
         v = 0.0 if v and new * side < 0.0 else new
         q += STEP * v
     rows = np.array(rows)
-    rows[:, 2] = COUNT * np.round(rows[:, 2] / COUNT)
+    rows[:, 2] = COUNT * np.round((rows[:, 2] + NOISE * rng.standard_normal(len(rows))) / COUNT)
     rows[:, 3] += AMPERES * rng.standard_normal(len(rows))
     return rows
 
