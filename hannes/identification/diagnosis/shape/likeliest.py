@@ -19,6 +19,7 @@ from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import SEARCH, SHAPE
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work
+from hannes.plants.protocol import Plant
 from hannes.simulation.catalogue import descriptions
 
 Progress = Callable[[str], None]
@@ -41,11 +42,7 @@ class Described:
 
 def likeliest(found: SearchResult, progress: Progress) -> Described | None:
     """The generic disturbance that lowers chi-squared most; None where none lowers it enough."""
-    plant = found.baseline.model.small
-    every = descriptions() | dict(getattr(plant, "generic", {}))
-    known = {n: d for n, d in every.items() if not plant.accepts(d.effect)}
-    if not known:
-        return None
+    known = applicable(found.baseline.model.small)
     progress("generic disturbances")
     model = _model(found, list(known.values()))
     nominal, base = (_carried(each, model) for each in (found.nominal, found.baseline))
@@ -69,6 +66,12 @@ def _converged(best: Described) -> Described:
     lowered = best.base.chi2 - best.point.chi2
     point = settled(best.point, negligible(lowered))
     return replace(best, point=point, reduction=best.reduction + best.point.chi2 - point.chi2)
+
+
+def applicable(plant: Plant) -> dict[str, Description]:
+    """The generic disturbances that a plant can carry, those of its own among them, by name."""
+    every = descriptions() | dict(getattr(plant, "generic", {}))
+    return {name: each for name, each in every.items() if not plant.accepts(each.effect)}
 
 
 def _model(found: SearchResult, known: Sequence[Description]) -> Model:

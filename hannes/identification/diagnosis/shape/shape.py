@@ -11,7 +11,12 @@ from hannes.identification.diagnosis.before_after import simulated
 from hannes.identification.diagnosis.effect_sizes import NORMAL
 from hannes.identification.diagnosis.fitted_deviations import with_deviations
 from hannes.identification.diagnosis.hold_out_guard import Stages
-from hannes.identification.diagnosis.shape.likeliest import Described, Progress, likeliest
+from hannes.identification.diagnosis.shape.likeliest import (
+    Described,
+    Progress,
+    applicable,
+    likeliest,
+)
 from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import FIT, SHAPE
 from hannes.identification.residuals import tabled
@@ -44,6 +49,8 @@ def shape_of(found: SearchResult, stages: Stages, owner: str, progress: Progress
     stages: of which the second is the refitted baseline, or what stands for it
     owner: whose own parameters the machine takes, see ParameterSpace.values
     """
+    if not applicable(stages.plant):
+        return Shape({})
     best = likeliest(found, progress)
     if best is None:
         return Shape(_nothing(NONE_FITS))
