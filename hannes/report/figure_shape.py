@@ -28,15 +28,15 @@ def shape_figures(shape: Mapping[str, Any]) -> list[Drawn]:
         figure, (axes,) = style.panels(1)
         axes.fill_between(places, low, high, color=style.SKY, alpha=0.35, linewidth=0,
                           label="95 % band")  # fmt: skip
-        axes.plot(places, line, **style.FIRST, label=value["name"])
+        axes.plot(places, line, **style.FIRST, label="likeliest")
         axes.axhline(0.0, **style.MARK)
         axes.set_xlabel(_labelled(axis))
-        axes.set_ylabel(_labelled({**value, "name": "value"}))  # its name is in the legend
+        axes.set_ylabel(_labelled({**value, "name": "value"}))  # its name is in the caption
         style.legend(axes)
         return figure
 
     caption = (
-        f"{shape['meaning'].capitalize()}: {NO_CAUSE}. Where the band is wide, nothing was seen."
+        f"{shape['meaning'].capitalize()}: {NO_CAUSE}. Where the band is wide, little was seen."
     )
     most = int(np.argmax(np.abs(line)))
     alt = (
