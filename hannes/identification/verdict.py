@@ -32,6 +32,8 @@ class Verdict:
     with: `sentence` and its `statements`.
     shape: of an unknown, the likeliest generic disturbance: `name`, `meaning`, `axis`, `value` with
     its band, `parameters`, and `closes`, the share of the reducible gap; or `why_not`.
+    each_explains: of several effects each: the RMS of each channel of unfitted recordings `without`
+    it, and the share that it alone `explains` of the reducible gap.
     baseline: `intervals_from`, and `parameters` refitted without any new effect, those moved most
     first: name, of (an object), unit, nominal, value, low, high (95 %), moved (prior deviations).
     """
@@ -58,6 +60,7 @@ class Verdict:
     nearest: list[dict[str, Any]] = field(default_factory=list)
     goes_with: dict[str, Any] = field(default_factory=dict)
     shape: dict[str, Any] = field(default_factory=dict)
+    each_explains: dict[str, dict[str, Any]] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=versions)
 
     def __repr__(self) -> str:

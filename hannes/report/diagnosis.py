@@ -49,6 +49,7 @@ def page(diagnosis: "Diagnosis") -> str:
             "shape": shape_figures(verdict.shape),
             "gaps": _gaps(diagnosis),
             "sizes": _sizes(diagnosis),
+            "each_explains": _each_explains(diagnosis),
             "baseline": _baseline(diagnosis),
             "tried": _tried(diagnosis),
             "confusability": _confusability(diagnosis),
@@ -103,6 +104,27 @@ def _sizes(diagnosis: "Diagnosis") -> Table:
     columns = ("Parameter", "Value (95 % interval)", "Distinguishable from no effect")
     note = "The interval contains the value at which it does nothing."
     return Table("sizes", "Size of the effect", columns, tuple(rows), note if vague else "")
+
+
+def _each_explains(diagnosis: "Diagnosis") -> Table:
+    """What each of several effects explains that the others do not."""
+    verdict = diagnosis.verdict
+    names = [name for name in verdict.gap if verdict.each_explains]
+    rows = []
+    for effect, found in verdict.each_explains.items():
+        factors = [readable_unit(verdict.gap[name]["unit"])[1] for name in names]
+        gaps = [number(factor * found["without"][name])
+                for name, factor in zip(names, factors, strict=True)]  # fmt: skip
+        rows.append((effect_words(effect), f"{100.0 * found['explains']:.2g} %", *gaps))
+    units = [readable_unit(verdict.gap[name]["unit"])[0] for name in names]
+    channels = [name if unit == "1" else f"{name} [{unit}]"
+                for name, unit in zip(names, units, strict=True)]  # fmt: skip
+    note = (
+        f"On {verdict.gap_on}: RMS gap without the effect, the machine following, and the share "
+        "of the reducible gap that is left by that. What two effects can both do counts for none."
+    )
+    columns = ("Without", "It alone explains", *channels)
+    return Table("each-explains", "What each effect explains", columns, tuple(rows), note)
 
 
 def _baseline(diagnosis: "Diagnosis") -> Table:

@@ -29,9 +29,9 @@ from hannes.core.effect import Term
 from hannes.core.parameter import Parameter
 from hannes.core.recording.recording import Recording
 from hannes.identification.diagnosis.effect_search import search_effects
+from hannes.identification.diagnosis.further_effects import with_further_effects
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.multistart import started_at_guess
-from hannes.identification.diagnosis.second_effect import with_second_effect
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import Trial
 
@@ -85,8 +85,8 @@ def test_a_first_effect_that_only_led_to_the_second_is_dropped():
     )
     guess = next(each for each in whole.guesses if each.effect == "hardening")
     wrong = Trial(("hardening",), fitted(started_at_guess(whole.baseline, guess), 5), 1e3)
-    again = with_second_effect(replace(whole, trials=[wrong]), lambda text: None)
-    assert again.trials[0].effects == ("turbulence",) and again.pair is None
+    again = with_further_effects(replace(whole, trials=[wrong]), lambda text: None)
+    assert again.trials[0].effects == ("turbulence",) and again.joint is None
     assert again.trials[0].delta_chi2 == pytest.approx(whole.trials[0].delta_chi2, rel=1e-3)
 
 

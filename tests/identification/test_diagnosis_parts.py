@@ -26,17 +26,19 @@ from hannes.core.kernels.jit import plain
 from hannes.identification.confusability import confusable, text
 from hannes.identification.diagnosis import decision as choices
 from hannes.identification.diagnosis import (
+    effect_removal,
+    further_effects,
     gauss_newton,
     multistart,
     reservations,
-    second_effect,
     shape_rival,
 )
 from hannes.identification.diagnosis.antedependence import covariance
 from hannes.identification.diagnosis.baseline import based
 from hannes.identification.diagnosis.campaign_diagnosis import _masks
-from hannes.identification.diagnosis.decision import _pair, decide
+from hannes.identification.diagnosis.decision import _several, decide
 from hannes.identification.diagnosis.effect_search import _back, _rebased, search_effects
+from hannes.identification.diagnosis.further_effects import _refuted
 from hannes.identification.diagnosis.generic_disturbances import (
     DRAGGING,
     EASING,
@@ -67,10 +69,9 @@ from hannes.identification.diagnosis.score_test import (
     screened,
     shapes,
 )
-from hannes.identification.diagnosis.second_effect import _refuted
 from hannes.identification.diagnosis.settings import Settings, read_settings
 from hannes.identification.diagnosis.trend import strongest_trend
-from hannes.identification.diagnosis.trials import Trial
+from hannes.identification.diagnosis.trials import Joint, Trial
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 from hannes.plants.axis.plant import Axis
 from hannes.plants.hand.plant import HandPlant
@@ -124,13 +125,14 @@ def test_a_second_effect_that_only_led_the_first_back_is_dropped(investigated, m
     point = started_at(best.point, own, np.array([0.01]))
     pair = Trial(("turbulence", "hardening"), point, best.delta_chi2)
     monkeypatch.setattr(
-        second_effect, "_paired", lambda found, *_: [pair] if found.trials[0] is stuck else []
+        further_effects,
+        "_enlarged",
+        lambda found, best, *_: [pair] if best is stuck else [],
     )
-    monkeypatch.setattr(second_effect, "_paired_globally", lambda *_: [])
-    found = second_effect.with_second_effect(
+    found = further_effects.with_further_effects(
         replace(investigated, trials=[stuck]), lambda text: None
     )
-    assert found.pair is None
+    assert found.joint is None
     assert found.trials[0].effects == best.effects
     assert found.trials[0].delta_chi2 == pytest.approx(best.delta_chi2, abs=1.0)
 
@@ -158,8 +160,8 @@ def test_one_of_a_pair_is_fitted_alone_from_the_machine_as_given_too(investigate
     own = best.point.space.of("hardening")
     point = started_at(best.point, own, np.array([0.3]))
     pair = Trial(("turbulence", "hardening"), point, 0.0)
-    monkeypatch.setattr(second_effect, "faded", lambda *_: None)
-    alone = second_effect._alone(investigated, pair, "turbulence", lambda text: None)
+    monkeypatch.setattr(effect_removal, "faded", lambda *_: None)
+    alone = effect_removal.left_out(investigated, pair, "hardening", lambda text: None)
     assert alone.effects == ("turbulence",)
     assert alone.delta_chi2 == pytest.approx(best.delta_chi2, abs=1.0)
     assert np.array_equal(alone.point.active, best.point.active)
@@ -245,7 +247,7 @@ def test_a_generic_disturbance_without_reduction_is_no_rival(investigated):
     best = replace(investigated.trials[0], delta_chi2=SEARCH.name_limit + 1.0)
     for delta_chi2 in (SEARCH.faint - 0.1, SEARCH.faint + 0.1):
         rival = Trial(("any_torque",), best.point, delta_chi2)
-        found = replace(investigated, trials=[best], pair=None, generic=rival)
+        found = replace(investigated, trials=[best], joint=None, generic=rival)
         kinds.append(decide(found, *masks).kind)
     assert kinds == ["named", "unknown"]
 
@@ -257,8 +259,8 @@ def test_of_near_pairs_only_what_explains_much_alone_is_named(investigated, delt
     pairs = [Trial(("a", "b"), point, 130.0), Trial(("c", "b"), point, 128.0)]
     alone = Trial(("b",), point, delta_chi2)
     singles = [Trial(("a",), point, 100.0), Trial(("c",), point, 95.0), alone]
-    found = replace(investigated, trials=singles, other_pairs=tuple(pairs[1:]))
-    decision = _pair(found, pairs[0], "reason")
+    joint = Joint(pairs[0], losses={"a": 30.0, "b": 30.0}, others=tuple(pairs[1:]))
+    decision = _several(replace(investigated, trials=singles, joint=joint), joint, "reason")
     assert (decision.kind, decision.effects) == (kind, () if kind == "unknown" else ("b",))
 
 

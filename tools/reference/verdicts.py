@@ -51,6 +51,9 @@ FIELDS = {
     "(`name`, `unit`, `values`) and over it the `value` (`name`, `unit`, `values`, and the 95 % "
     "band `low` to `high`), `parameters`, and `closes`, the share of the reducible gap on the "
     "recordings in role show; where none helps, `name` is empty and `why_not` says it",
+    "each_explains": "of several named effects each: the share of the reducible gap that it alone "
+    "`explains` on recordings that were not fitted, and the RMS of each channel `without` it, the "
+    "machine following",
     "versions": "of the libraries",
 }
 STATUSES = (

@@ -13,6 +13,7 @@ from hannes.core.effect import Effect
 from hannes.identification.diagnosis.baseline_intervals import refitted_baseline
 from hannes.identification.diagnosis.before_after import STAGES, simulated, traced
 from hannes.identification.diagnosis.decision import Decision, decide
+from hannes.identification.diagnosis.each_explains import each_explains
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.effect_sizes import interval, with_sizes
 from hannes.identification.diagnosis.evidence_tables import EvidenceTables
@@ -202,6 +203,7 @@ class _Closing:
             nearest=nearest(self.found, decision, self.names),
             goes_with=self.goes_with(stages),
             shape=shape.table if shape else {},
+            each_explains=each_explains(stages, decision, self.found.variance_factor, self.names),
         )
         traces = tuple(
             traced(segment, [each[k] for each in stages.runs], list(self.noise_floors))

@@ -11,12 +11,18 @@ from hannes.identification.diagnosis.reservations import (
     doubt_about,
     explained_share,
     significant_trend,
-    small_second_effect,
+    small_further_effect,
     something_more,
     trend_text,
 )
 from hannes.identification.diagnosis.residual_tests import channel_excess
-from hannes.identification.diagnosis.trials import SearchResult, Trial, near
+from hannes.identification.diagnosis.trials import (
+    Joint,
+    SearchResult,
+    Trial,
+    joint_rivals,
+    near,
+)
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 
 
@@ -38,7 +44,7 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
     best = found.trials[0] if found.trials else None
     if best is None or best.delta_chi2 < SEARCH.name_limit:
         return _nothing(found, best)
-    trial = found.pair or best
+    trial = found.joint.trial if found.joint else best
     delta_chi2 = (
         heldout_reduction(found.baseline, trial.point, fitted_runs, heldout_runs)
         / found.variance_factor
@@ -107,11 +113,11 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
 
 def _clean(found: SearchResult, trial: Trial, reason: str) -> Decision:
     """The decision where nothing more is indicated beside a trial."""
-    if len(trial.effects) > 1:
-        return _pair(found, trial, reason)
+    if found.joint and trial is found.joint.trial:
+        return _several(found, found.joint, reason)
     rivals = near(trial, found.trials)
     if not rivals:
-        more = small_second_effect(found, trial)
+        more = small_further_effect(found, trial)
         kind = "named_with_remainder" if more else "named"
         return Decision(kind, trial.effects, reason + more, trial.point)
     names = (*trial.effects, *(each.effects[0] for each in rivals))
@@ -133,19 +139,37 @@ def _beside(found: SearchResult, trial: Trial, decision: Decision) -> Decision:
     return replace(decision, kind="named_with_remainder", reason=reason)
 
 
-def _pair(found: SearchResult, trial: Trial, reason: str) -> Decision:
-    """The decision for two effects; where other pairs do as well, what all of them share."""
-    rivals = near(trial, found.other_pairs)
-    if not rivals:
+def _several(found: SearchResult, joint: Joint, reason: str) -> Decision:
+    """The decision for several effects; where others do as well, for those that all share."""
+    trial, rivals, sure = joint.trial, joint_rivals(joint), _shared(joint)
+    if len(sure) == len(trial.effects):
         return Decision("named", trial.effects, reason, trial.point)
-    reason = f"{reason}; {_nearest(rivals)}"
-    common = set(trial.effects).intersection(*(each.effects for each in rivals))
-    alone = [each for each in found.trials if set(each.effects) <= common]
-    if not alone or alone[0].delta_chi2 < max(
-        SEARCH.name_limit, VERDICT.common_share * trial.delta_chi2
-    ):
+    said = [_nearest(rivals)] if rivals else []
+    said += [
+        f"{GENERIC_NAMES[generic]} may do what {name.replace('_', ' ')} does"
+        for name, generic in joint.replaceable.items()
+    ]
+    return _some_of(found, joint, sure, "; ".join([reason, *said]))
+
+
+def _shared(joint: Joint) -> set[str]:
+    """The effects that all sets share which do as well, and for which nothing else could stand."""
+    rivals = (each.effects for each in joint_rivals(joint))
+    return set(joint.trial.effects).intersection(*rivals) - set(joint.replaceable)
+
+
+def _some_of(found: SearchResult, joint: Joint, sure: set[str], reason: str) -> Decision:
+    """Those of several effects that are sure, with a remainder, where they explain enough."""
+    some = [*joint.without.values(), *found.trials]
+    alone = max(
+        (each for each in some if set(each.effects) <= sure),
+        key=lambda each: each.delta_chi2,
+        default=None,
+    )
+    least = max(SEARCH.name_limit, VERDICT.common_share * joint.trial.delta_chi2)
+    if alone is None or alone.delta_chi2 < least:
         return Decision("unknown", (), reason, found.baseline)
-    return Decision("named_with_remainder", alone[0].effects, reason, alone[0].point)
+    return Decision("named_with_remainder", alone.effects, reason, alone.point)
 
 
 def _nearest(rivals: Sequence[Trial]) -> str:
@@ -154,12 +178,24 @@ def _nearest(rivals: Sequence[Trial]) -> str:
 
 def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
     """The decision where something more than a trial is indicated."""
-    explained, first = explained_share(found, trial), found.trials[0]
-    if len(trial.effects) > 1:
-        explained *= first.delta_chi2 / trial.delta_chi2
-    if explained < VERDICT.explained_share or near(first, found.trials):
+    explained = explained_share(found, trial)
+    if explained < VERDICT.explained_share:
         return Decision("unknown", (), reason, found.baseline)
-    return Decision("named_with_remainder", first.effects, reason, first.point)
+    if found.joint:
+        return _surely_missed(found, found.joint, explained, reason)
+    if near(trial, found.trials):
+        return Decision("unknown", (), reason, found.baseline)
+    return Decision("named_with_remainder", trial.effects, reason, trial.point)
+
+
+def _surely_missed(found: SearchResult, joint: Joint, explained: float, reason: str) -> Decision:
+    """Of several effects those that each explain much more than what is left."""
+    trial, rest = joint.trial, (1.0 / explained - 1.0) * joint.trial.delta_chi2
+    least = rest * VERDICT.explained_share / (1.0 - VERDICT.explained_share)
+    sure = {name for name in _shared(joint) if joint.losses[name] >= least}
+    if len(sure) == len(trial.effects):
+        return Decision("named_with_remainder", trial.effects, reason, trial.point)
+    return _some_of(found, joint, sure, reason)
 
 
 def _names(trial: Trial) -> str:

@@ -1,4 +1,4 @@
-"""Searches for what is missing: baseline, shortlist of single effects, then a second effect."""
+"""Searches for what is missing: baseline, shortlist of single effects, then further ones."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,6 +8,7 @@ import numpy as np
 from hannes.campaigns.campaign import Entry
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.baseline import based
+from hannes.identification.diagnosis.further_effects import with_further_effects
 from hannes.identification.diagnosis.gauss_newton import settled
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.global_starts import (
@@ -21,6 +22,7 @@ from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
     Fits,
     Progress,
+    Start,
     fit_beside,
     negligible,
     refitted,
@@ -28,8 +30,8 @@ from hannes.identification.diagnosis.multistart import (
 )
 from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
 from hannes.identification.diagnosis.repeat_groups import grouped
-from hannes.identification.diagnosis.score_test import Guess, screened
-from hannes.identification.diagnosis.second_effect import with_second_effect
+from hannes.identification.diagnosis.reservations import ends_reached
+from hannes.identification.diagnosis.score_test import Guess, in_place_of, screened, screened_widely
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import (
     SearchResult,
@@ -73,7 +75,7 @@ def _all_searched(
     effects: Sequence[Effect],
     progress: Progress,
 ) -> SearchResult:
-    """Single effects beside the best baseline, then a second one."""
+    """Single effects beside the best baseline, then further ones."""
     names = [each.name for each in effects if each.name not in GENERIC]
     known = global_fits(nominal, baseline, names, progress)
     found = _searched(nominal, baseline, known, progress)
@@ -86,8 +88,9 @@ def _all_searched(
         ):
             found = _rebased(found, better)
             break
-        found = _searched(nominal, better, known, progress)
-    return with_second_effect(found, progress) if may_be_named(found) else found
+        fits = {each.effects[0]: each.point for each in found.trials}
+        found = _searched(nominal, better, {**known, **fits}, progress)
+    return with_further_effects(found, progress) if may_be_named(found) else found
 
 
 def _leading(found: SearchResult) -> Trial | None:
@@ -107,21 +110,25 @@ def _searched(
     guesses = [each for each in every if each.effect not in GENERIC]
     names = [each.effect for each in guesses]
     likely = [guess for guess in _shortlist(baseline, guesses) if guess.delta_chi2 > SEARCH.faint]
+    reached = baseline.chi2 - min((each.chi2 for each in known.values()), default=baseline.chi2)
     absorbed = [
-        g.effect for g in likely if g.effect not in known and absorbed_by_baseline(baseline, g)
+        g.effect
+        for g in likely
+        if g.effect not in known
+        and g.delta_chi2 >= SEARCH.hopeless * reached
+        and absorbed_by_baseline(baseline, g)
     ]
     known = {**known, **fits_from_nominal(nominal, baseline, absorbed, progress)}
     starts = [(baseline, guess) for guess in likely]
-    if baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size:
-        large = _shortlist(baseline, screened(nominal, names, SEARCH.screening_sizes))
+    biased = baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size
+    if biased:
         starts += [(baseline, guess) for guess in _next_laws(baseline, guesses)]
-        starts += [(nominal, guess) for guess in large]
-    fits = _deepened(
-        nominal,
-        baseline,
-        refitted(nominal, baseline, starts, known, SEARCH.name_limit, progress),
-        progress,
-    )
+        starts += _large(nominal, baseline, names)
+    fits = refitted(nominal, baseline, starts, known, SEARCH.name_limit, progress)
+    if not biased and _at_an_end(fits):
+        starts = _large(nominal, baseline, names)
+        fits = refitted(nominal, baseline, starts, fits, SEARCH.name_limit, progress)
+    fits = _deepened(nominal, baseline, fits, progress)
     variance_factor = estimated_variance_factor(
         baseline, min([baseline.chi2, *(each.chi2 for each in fits.values())])
     )
@@ -138,6 +145,18 @@ def _searched(
     return SearchResult(
         nominal, baseline, guesses, confusable, None, None, variance_factor, generic=generic
     )
+
+
+def _large(nominal: Linearisation, baseline: Linearisation, names: Sequence[str]) -> list[Start]:
+    """Starts in the machine as given, each effect at sizes to the end of its range."""
+    guesses = screened_widely(nominal, names)
+    return [(nominal, guess) for guess in _shortlist(baseline, guesses)]
+
+
+def _at_an_end(fits: Fits) -> bool:
+    """Whether the best fit is at an end of its effect's range: others may be as large."""
+    best = min(fits, key=lambda name: fits[name].chi2, default=None)
+    return best is not None and bool(ends_reached(fits[best], (best,)))
 
 
 def _shortlist(baseline: Linearisation, guesses: Sequence[Guess]) -> list[Guess]:
@@ -167,18 +186,35 @@ def _generic(
     Fitted from the baseline and from the machine of the best effect, after all effects: a machine
     that is biased by a generic disturbance is no start for an effect.
     """
-    best = trials[0].point if trials and trials[0].delta_chi2 > SEARCH.faint else None
+    best = trials[0] if trials and trials[0].delta_chi2 > SEARCH.faint else None
+    worth = _promising(baseline, guesses, best, variance_factor)
     found = []
     for guess in guesses:
-        if guess.delta_chi2 / variance_factor >= SEARCH.faint:
+        if guess.effect in worth:
             progress(guess.effect.replace("_", " "))
-            point = fit_beside(baseline, guess, best)
+            point = fit_beside(baseline, guess, best.point if best else None)
             found += (
                 [priced(baseline, Trial((guess.effect,), point, 0.0), variance_factor)]
                 if point
                 else []
             )
     return max(found, key=lambda each: each.delta_chi2, default=None)
+
+
+def _promising(
+    baseline: Linearisation, guesses: Sequence[Guess], best: Trial | None, variance_factor: float
+) -> set[str]:
+    """The generic disturbances whose guess promises a reduction, and one near the best effect's.
+
+    Predicted at the baseline, and in the place of the best effect, where no machine is biased.
+    """
+    least = SEARCH.faint * variance_factor
+    promised = {each.effect: each.delta_chi2 for each in guesses if each.delta_chi2 >= least}
+    if best is None or not promised:
+        return set(promised)
+    there = in_place_of(best.point, best.effects[0], screened(best.point, list(promised)))
+    near = SEARCH.generic_reach * (baseline.chi2 - best.point.chi2)
+    return {name for name, value in promised.items() if max(value, there[name].delta_chi2) >= near}
 
 
 def _back(

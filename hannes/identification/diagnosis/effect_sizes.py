@@ -1,6 +1,6 @@
-"""Effect sizes with intervals; of two effects one whose interval contains off is dropped.
+"""Effect sizes with intervals; of several effects one whose interval contains off is dropped.
 
-A second effect is named for its reduction of chi-squared. Its final fit may show a size so
+A further effect is named for its reduction of chi-squared. Its final fit may show a size so
 uncertain that its interval contains off. Then there is a remainder, and not surely that effect.
 """
 
@@ -32,16 +32,17 @@ def with_sizes(
         return decision, {}
     progress(f"{' and '.join(decision.effects)}, how large".replace("_", " "))
     fit = final_fit(decision.point, decision.effects, FINE, seed, variance_factor)
-    if decision.kind == "named" and len(decision.effects) == 2:
+    if len(decision.effects) > 1 and decision.kind in ("named", "named_with_remainder"):
         surest = {
             name: _surely(fit.point, name, fit.deviations, variance_factor)
             for name in decision.effects
         }
-        kept, other = sorted(surest, key=lambda name: -surest[name])
+        other = min(surest, key=lambda name: surest[name])
         point = faded(decision.point, other) if surest[other] <= 1.0 else None
         if point is not None:
             reason = f"{decision.reason}; the size of {other.replace('_', ' ')} may be zero"
-            left = Decision("named_with_remainder", (kept,), reason, point)
+            kept = tuple(name for name in decision.effects if name != other)
+            left = Decision("named_with_remainder", kept, reason, point)
             return with_sizes(left, seed, variance_factor, progress)
     return replace(decision, point=fit.point), fit.deviations
 

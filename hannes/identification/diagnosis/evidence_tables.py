@@ -48,7 +48,7 @@ class EvidenceTables:
 
     def _share(self, delta_chi2: float) -> float:
         """A reduction as a share of the largest one, or of what lies above the expected value."""
-        trials = [*self.found.trials, *([self.found.pair] if self.found.pair else [])]
+        trials = [*self.found.trials, *([self.found.joint.trial] if self.found.joint else [])]
         most = max([trial.delta_chi2 for trial in trials], default=0.0)
         above = (self.found.baseline.chi2 - self.found.bins) / self.found.variance_factor
         return max(0.0, float(delta_chi2 / max(most, above, SEARCH.name_limit)))

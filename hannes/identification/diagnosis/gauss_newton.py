@@ -107,6 +107,16 @@ def newton_step(point: Linearisation, damping: float = 0.0) -> np.ndarray:
     )
 
 
+def wald(point: Linearisation, places: Sequence[int]) -> float:
+    """Rise of chi-squared with some parameters at zero, all else following, were it quadratic."""
+    chosen = np.flatnonzero(np.isin(point.active, places))
+    if not chosen.size:
+        return 0.0
+    inverse = np.linalg.inv(point.hessian + FIT.jitter * np.eye(point.active.size))
+    x = point.x[point.active[chosen]]
+    return float(x @ np.linalg.solve(inverse[np.ix_(chosen, chosen)], x))
+
+
 def standard_deviations(point: Linearisation) -> np.ndarray:
     """Standard deviations of the active parameters, were chi-squared quadratic, (active,)."""
     hessian = point.hessian + FIT.jitter * np.eye(point.active.size)

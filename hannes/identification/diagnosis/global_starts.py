@@ -8,7 +8,7 @@ parameters nearly absorb, such as wire compliance, and for the likeliest effects
 leaves far too much: several millimetres of slack are beyond any linear guess.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -32,15 +32,35 @@ def global_fits(
 ) -> Fits:
     """The best fit with each size-dependent or likely effect, of those below the baseline."""
     faults = part_faults(nominal.space.effects, effects)
-    names = size_dependent(nominal, [name for name in effects if name not in faults])
-    names += _promising(nominal, baseline, faults)[: SEARCH.likely_faults]
-    if baseline.chi2 > SEARCH.lost_baseline * baseline.residual.size:
-        names += [
-            name
-            for name in _likely(nominal, effects)[: SEARCH.likely_effects]
-            if name not in names and name not in faults
-        ]
-    return fits_from_nominal(nominal, baseline, names, progress)
+    others = [name for name in effects if name not in faults]
+    names, lost = size_dependent(nominal, others), SEARCH.lost_baseline * baseline.residual.size
+    far = others if baseline.chi2 > lost else names
+    least = _least(nominal, [*far, *faults])
+    enough = baseline.chi2 - SEARCH.name_limit
+    names += sorted((name for name in faults if least[name] < enough), key=least.__getitem__)[
+        : SEARCH.likely_faults
+    ]
+    if far is others:
+        likely = sorted(others, key=lambda name: least[name])[: SEARCH.likely_effects]
+        names += [name for name in likely if name not in names]
+    names.sort(key=lambda name: least[name])
+    some = names[: SEARCH.likely_when_lost] if far is others else names
+    return _while_near(nominal, baseline, {name: least[name] for name in some}, progress)
+
+
+def _while_near(
+    nominal: Linearisation, baseline: Linearisation, least: Mapping[str, float], progress: Progress
+) -> Fits:
+    """Fits of the likeliest effects first; later ones that promise far less are passed over.
+
+    least: chi-squared that each would leave, all else following linearly
+    """
+    found: Fits = {}
+    for name, left in least.items():
+        gained = baseline.chi2 - min((each.chi2 for each in found.values()), default=np.inf)
+        if not found or baseline.chi2 - left >= SEARCH.crossed_share * gained:
+            found |= fits_from_nominal(nominal, baseline, [name], progress)
+    return found
 
 
 def fits_from_nominal(
@@ -129,22 +149,8 @@ def _signatures(point: Linearisation, effects: Sequence[str], size: float) -> di
     return {name: rows for (name, _, _), rows in zip(trials, found, strict=True)}
 
 
-def _likely(nominal: Linearisation, effects: Sequence[str]) -> list[str]:
-    """Effects ordered by the chi-squared that their best size would leave, all else following."""
-    least = _least(nominal, effects)
-    return sorted(least, key=lambda name: least[name])
-
-
-def _promising(
-    nominal: Linearisation, baseline: Linearisation, effects: Sequence[str]
-) -> list[str]:
-    """Of these, ordered so, the ones that would leave less than the baseline does."""
-    least = _least(nominal, effects)
-    enough = [name for name in least if least[name] < baseline.chi2 - SEARCH.name_limit]
-    return sorted(enough, key=lambda name: least[name])
-
-
 def _least(nominal: Linearisation, effects: Sequence[str]) -> dict[str, float]:
+    """Chi-squared that each effect would leave at its best size, all else following."""
     return {
         name: float(_left(nominal, name, _sizes(nominal, name)).min(initial=np.inf))
         for name in effects

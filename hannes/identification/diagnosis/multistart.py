@@ -30,7 +30,7 @@ def refitted(
     known: fits from elsewhere;  needed: reduction that a name needs. A fit that ends above the
     baseline failed: the baseline is that effect at off.
     """
-    best = _better(_started(starts, progress), known)
+    best = _better(_started(starts, baseline, known, progress), known)
     # A guess at the nominal machine also predicts what the baseline fit has achieved already.
     predicted = dict.fromkeys(best, 0.0) | {
         g.effect: g.delta_chi2 for at, g in starts if at is baseline
@@ -47,10 +47,19 @@ def refitted(
     return {name: point for name, point in best.items() if point.chi2 < baseline.chi2}
 
 
-def _started(starts: Sequence[Start], progress: Progress) -> Fits:
-    """Best fit with each effect from every start, derivatives updated on the way."""
+def _started(
+    starts: Sequence[Start], baseline: Linearisation, known: Fits, progress: Progress
+) -> Fits:
+    """Best fit with each effect from every start, derivatives updated on the way.
+
+    A guess that promises far less than what another effect has reached by then is no rival of it.
+    """
     best: Fits = {}
     for start, guess in starts:
+        least = min((each.chi2 for each in [*known.values(), *best.values()]), default=np.inf)
+        share = SEARCH.hopeless if start is baseline else SEARCH.hopeless_as_given
+        if guess.delta_chi2 < share * (start.chi2 - least):
+            continue
         progress(guess.effect.replace("_", " "))
         point = started_at_guess(start, guess)
         if point is None:

@@ -19,7 +19,7 @@ def nearest(
     """
     if decision.kind != "unknown":
         return []
-    trials = [*([found.pair] if found.pair else []), *found.trials]
+    trials = [*([found.joint.trial] if found.joint else []), *found.trials]
     enough = [each for each in trials if each.delta_chi2 >= SEARCH.name_limit]
     enough.sort(key=lambda each: -each.delta_chi2)
     return [

@@ -1,5 +1,7 @@
 """What speaks against a name, or indicates something beside it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from hannes.core.effect import Effect
@@ -34,7 +36,7 @@ def doubt_about(found: SearchResult, trial: Trial) -> str:
     if name := _stretched(found, trial):
         return f"only with {name} at an end of its range and beyond: something like it is there"
     generic = found.generic
-    if generic and generic.delta_chi2 > SEARCH.faint and near(trial, [generic]):
+    if generic and generic.delta_chi2 > SEARCH.faint and _as_near(trial, generic):
         if not stands_against(found, trial, generic):
             generic_name = GENERIC_NAMES[generic.effects[0]]
             lowered = f"{generic.delta_chi2:.0f}"
@@ -42,20 +44,32 @@ def doubt_about(found: SearchResult, trial: Trial) -> str:
     return ""
 
 
+def _as_near(trial: Trial, generic: Trial) -> bool:
+    """Whether a generic disturbance comes as near; several laws are held to no share of theirs."""
+    if len(trial.effects) > 1:
+        return generic.delta_chi2 > trial.delta_chi2 - SEARCH.rival
+    return bool(near(trial, [generic]))
+
+
 def _stretched(found: SearchResult, trial: Trial) -> str:
     """A parameter that would leave its physical range, in words, or an empty string."""
-    space = trial.point.space
-    for effect in (space.effects[name] for name in trial.effects):
+    least = VERDICT.beyond_range * found.variance_factor
+    for place, words in ends_reached(trial.point, trial.effects).items():
+        if _beyond(trial.point, place) > least:
+            return words
+    return ""
+
+
+def ends_reached(point: Linearisation, effects: Sequence[str]) -> dict[int, str]:
+    """Parameters of effects at an end of their ranges, by index, in words."""
+    space, found = point.space, {}
+    for effect in (space.effects[name] for name in effects):
         for each in effect.parameters:
             place = space.place(effect.full_name(each.name))
-            value = float(space.parameters[place].value(trial.point.x[place]))
-            if (
-                _at_end(each, value)
-                and not _gone(effect, each.name, value)
-                and _beyond(trial.point, place) > VERDICT.beyond_range * found.variance_factor
-            ):
-                return f"{effect.name}'s {each.name}".replace("_", " ")
-    return ""
+            value = float(space.parameters[place].value(point.x[place]))
+            if _at_end(each, value) and not _gone(effect, each.name, value):
+                found[place] = f"{effect.name}'s {each.name}".replace("_", " ")
+    return found
 
 
 def _gone(effect: Effect, parameter: str, value: float) -> bool:
@@ -142,8 +156,8 @@ def trend_text(found: SearchResult, trend: Trend) -> str:
     )
 
 
-def small_second_effect(found: SearchResult, trial: Trial) -> str:
-    """A second effect too small to be named, in words, or an empty string."""
+def small_further_effect(found: SearchResult, trial: Trial) -> str:
+    """A further effect too small to be named, in words, or an empty string."""
     rest = found.remaining
     if rest is None or rest.delta_chi2 / found.variance_factor < max(
         VERDICT.remainder, 0.5 * SEARCH.second_share * trial.delta_chi2

@@ -4,16 +4,18 @@ Linear in an effect's amplitudes, which are tried at small sizes: guesses for th
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
 from hannes.core.effect import Effect
+from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
+from hannes.plants.part_fault import part_faults
 
 SMALL = (1.0,)  # steps of an amplitude
 
@@ -54,6 +56,19 @@ def screened(
             if name not in guesses or found.delta_chi2 > guesses[name].delta_chi2:
                 guesses[name] = found
     return sorted(guesses.values(), key=lambda each: -each.delta_chi2)
+
+
+def screened_widely(
+    point: Linearisation, effects: Sequence[str], sizes: Sequence[float] = SEARCH.screening_sizes
+) -> list[Guess]:
+    """The same at ever larger sizes to the end of every range; faults of like parts at small ones.
+
+    An effect that is large may have another signature than a small one.
+    """
+    faults = part_faults(point.space.effects, effects)
+    laws = [name for name in effects if name not in faults]
+    found = screened(point, laws, sizes) + screened(point, list(faults))
+    return sorted(found, key=lambda each: -each.delta_chi2)
 
 
 def stepped(point: Linearisation, name: str, sizes: Sequence[float]) -> list[np.ndarray]:
@@ -153,16 +168,8 @@ def _shaped(model: Model, x: np.ndarray, shape: dict[str, float]) -> np.ndarray:
 def _guess(
     point: Linearisation, name: str, shape: dict[str, float], rows: np.ndarray, size: float
 ) -> Guess:
-    from scipy.optimize import lsq_linear
-
     model = point.model
-    effect = model.space.effects[name]
-    places = np.array([model.space.place(each) for each in amplitude_names(effect)])
-    gradient, hessian = projected(point, rows)
-    root = np.linalg.cholesky(hessian + FIT.effect_prior_weight * np.eye(len(places)))
-    bounds = (model.space.low[places] - 1e-9, model.space.high[places] + 1e-9)
-    found = lsq_linear(root.T, np.linalg.solve(root, gradient), bounds).x
-    delta_chi2 = float(2.0 * gradient @ found - found @ hessian @ found)
+    delta_chi2, places, found = _solved(point, name, rows)
     ratio = float(np.abs(found).max() / size)
     if ratio > SEARCH.secant_range or (ratio < 1.0 / SEARCH.secant_range and size > SMALL[0]):
         delta_chi2 *= 0.5  # predicted by a secant of another size
@@ -170,6 +177,51 @@ def _guess(
     x = _shaped(model, np.zeros(model.space.size), shape)
     x[places] = found
     return Guess(name, delta_chi2, own, x[own], rows)
+
+
+def _solved(
+    point: Linearisation, name: str, rows: np.ndarray
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """Reduction of chi-squared along an effect's signature, the amplitudes' indices and sizes."""
+    from scipy.optimize import lsq_linear
+
+    space = point.space
+    places = np.array([space.place(each) for each in amplitude_names(space.effects[name])])
+    gradient, hessian = projected(point, rows)
+    root = np.linalg.cholesky(hessian + FIT.effect_prior_weight * np.eye(len(places)))
+    bounds = (space.low[places] - 1e-9, space.high[places] + 1e-9)
+    found = lsq_linear(root.T, np.linalg.solve(root, gradient), bounds).x
+    return float(2.0 * gradient @ found - found @ hessian @ found), places, found
+
+
+def in_place_of(point: Linearisation, effect: str, guesses: Sequence[Guess]) -> dict[str, Guess]:
+    """The guesses in the place of an effect, all else following, by name.
+
+    Linear, and less the price of the parameters that each has more.
+    """
+    own, space = point.space.of(effect), point.space
+    kept = ~np.isin(point.active, own)
+    sizes = [space.place(each) for each in amplitude_names(space.effects[effect])]
+    work = np.isin(point.active, sizes)
+    there = replace(
+        point,
+        x=np.where(np.isin(np.arange(point.x.size), own), 0.0, point.x),
+        active=point.active[kept],
+        jacobian=point.jacobian[kept],
+        residual=point.residual + point.x[point.active[work]] @ point.jacobian[work],
+    )
+    return {each.effect: _placed(there, each, len(own)) for each in guesses}
+
+
+def _placed(point: Linearisation, guess: Guess, replaced: int) -> Guess:
+    """A guess at another point, in the place of an effect with so many parameters."""
+    delta_chi2, places, sizes = _solved(point, guess.effect, guess.signature)
+    free = guess.effect in GENERIC_NAMES
+    price = SEARCH.generic_price if free else SEARCH.parameter_price
+    further = len(guess.places) - (1 if free else replaced)
+    x = guess.x.copy()
+    x[np.searchsorted(guess.places, places)] = sizes
+    return replace(guess, delta_chi2=delta_chi2 - price * further, x=x)
 
 
 def projected(point: Linearisation, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,12 +1,15 @@
 """Trials of effects and what a search found, ordered by their reduction of chi-squared."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from hannes.identification.diagnosis.gauss_newton import settled
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.noise_scale import chi2_reduction
+from hannes.identification.diagnosis.noise_scale import (
+    chi2_reduction,
+    estimated_variance_factor,
+)
 from hannes.identification.diagnosis.score_test import Guess, cosine_similarity
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.part_fault import like_faults
@@ -27,12 +30,29 @@ class Trial:
 
 
 @dataclass(frozen=True)
+class Joint:
+    """Several effects refitted together, where one is not enough.
+
+    without: the others refitted alone, by the effect that is left out, where that was tried
+    losses: by how much less chi-squared is reduced without each effect, all else following
+    others: as many effects, some of them other ones
+    replaceable: effect -> a generic disturbance that, linearly, does as much in its place
+    """
+
+    trial: Trial
+    without: Mapping[str, Trial] = field(default_factory=dict)
+    losses: Mapping[str, float] = field(default_factory=dict)
+    others: tuple[Trial, ...] = ()
+    replaceable: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class SearchResult:
     """Everything that a search found.
 
     nominal, baseline: the machine as given and refitted;  trials: single effects, best first
     guesses: of the whole catalogue, linear, at the baseline
-    pair: two effects, where one is not enough;  other_pairs: refitted beside it
+    joint: several effects, where one is not enough
     remaining: the best guess for what is left after the last of them
     variance_factor: variance of the noise over the assumed one, by which chi-squared is divided
     generic: the best generic disturbance, where a guess makes one worth fitting
@@ -43,10 +63,9 @@ class SearchResult:
     baseline: Linearisation
     guesses: list[Guess]
     trials: list[Trial]
-    pair: Trial | None
+    joint: Joint | None
     remaining: Guess | None
     variance_factor: float
-    other_pairs: tuple[Trial, ...] = ()
     generic: Trial | None = None
     ended: str = ""
 
@@ -54,6 +73,13 @@ class SearchResult:
     def bins(self) -> int:
         """How many values are compared."""
         return self.baseline.residual.size
+
+    @property
+    def best(self) -> Trial | None:
+        """The effects that explain most: several, where one is not enough."""
+        if self.joint:
+            return self.joint.trial
+        return self.trials[0] if self.trials else None
 
 
 def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
@@ -70,14 +96,29 @@ def converged(baseline: Linearisation, trial: Trial, variance_factor: float) -> 
     return priced(baseline, replace(trial, point=settled(trial.point)), variance_factor)
 
 
+def needed_beside(trial: Trial) -> float:
+    """Reduction that one more effect needs beside these, whose laws are never quite right."""
+    return max(SEARCH.name_limit, SEARCH.further_share * trial.delta_chi2)
+
+
+def scaled(found: SearchResult, least: Linearisation) -> SearchResult:
+    """The result with its noise scaled by a better fit, and every reduction with it."""
+    variance_factor = estimated_variance_factor(found.baseline, least.chi2)
+    if variance_factor >= found.variance_factor:
+        return found
+    trials = [priced(found.baseline, each, variance_factor) for each in found.trials]
+    generic = found.generic and priced(found.baseline, found.generic, variance_factor)
+    return replace(found, trials=trials, generic=generic, variance_factor=variance_factor)
+
+
 def may_be_named(found: SearchResult) -> bool:
     """Whether the best effect reduces chi-squared enough for a name."""
     return bool(found.trials) and found.trials[0].delta_chi2 > SEARCH.name_limit
 
 
-def best_first(pairs: Sequence[Trial]) -> list[Trial]:
+def best_first(trials: Sequence[Trial]) -> list[Trial]:
     """The trials by their reduction, the largest first."""
-    return sorted(pairs, key=lambda each: -each.delta_chi2)
+    return sorted(trials, key=lambda each: -each.delta_chi2)
 
 
 def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
@@ -92,6 +133,25 @@ def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
         if t.effects != best.effects
         and best.delta_chi2 - t.delta_chi2 < (SEARCH.rival if _same_laws(best, t) else far)
     ]
+
+
+def joint_rivals(joint: Joint) -> list[Trial]:
+    """The other sets of effects that these recordings do not separate from the joint ones.
+
+    What counts is what those effects explain in which the two sets differ. Where the best set
+    leaves little, its laws are right, and a set that leaves much more is another one.
+    """
+    best, found = joint.trial, list[Trial]()
+    left = SEARCH.left_again * max(0.0, best.point.chi2 - best.point.residual.size)
+    for each in joint.others:
+        apart = set(best.effects) - set(each.effects)
+        explained = sum(joint.losses.get(name, best.delta_chi2) for name in apart)
+        far = max(SEARCH.rival, min(SEARCH.rival_share * explained, left))
+        if apart and best.delta_chi2 - each.delta_chi2 < (
+            SEARCH.rival if _same_laws(best, each) else far
+        ):
+            found.append(each)
+    return found
 
 
 def _same_laws(one: Trial, other: Trial) -> bool:

@@ -47,6 +47,12 @@ class SearchTuning:
         "the same of a generic disturbance: about what chance gives a parameter",
         DEVELOPMENT,
     )
+    generic_reach: float = constant(
+        0.6,
+        "1",
+        "of an effect's reduction: a generic disturbance that promises less is not refitted",
+        COST,
+    )
     rival: float = constant(
         10.0, "chi2", "within which a rival is not separated from the best", DEVELOPMENT
     )
@@ -56,20 +62,59 @@ class SearchTuning:
         "of the best reduction, likewise: no model is right to more than that",
         DEVELOPMENT,
     )
-    second_share: float = constant(
-        0.04, "1", "of the first effect's reduction, for a second one", DEVELOPMENT
+    left_again: float = constant(
+        4.0,
+        "1",
+        "times what several effects leave above noise: a set that leaves so much more is none",
     )
+    second_share: float = constant(
+        0.04, "1", "of the reduction, for what else is indicated to count", DEVELOPMENT
+    )
+    further_share: float = constant(
+        0.0005, "1", "of what some effects explain, for one more: no law is right to more than that"
+    )
+    most_effects: int = constant(4, "1", "effects that are named together", COST)
+    further_starts: int = constant(3, "1", "further effects that are refitted at a time", COST)
+    surely_missed: float = constant(
+        120.0, "chi2", "that an effect is missed by in the linearisation: it is not left out", COST
+    )
+    missed_much: float = constant(
+        3.0, "1", "times what a further effect needs: likewise, whichever is more", COST
+    )
+    stand_in_share: float = constant(
+        0.6, "1", "of what an effect explains: another that may do that is refitted in its place"
+    )
+    stand_ins: int = constant(2, "1", "of these for each effect, at most", COST)
+    much_left: float = constant(
+        0.05, "1", "of what effects explain, still left: then some are started together", COST
+    )
+    joint_starts: int = constant(2, "1", "sets of effects that are started together", COST)
+    penalties: int = constant(40, "1", "of a path of the lasso, in equal ratios", NUMERICS)
+    least_penalty: float = constant(1e-3, "1", "of the first, at its end", NUMERICS)
+    sweeps: int = constant(100, "1", "of coordinate descent at each penalty, at most", NUMERICS)
     other_minimum: float = constant(2.0, "chi2", "by which another baseline is a better one")
     confusable_cosine: float = constant(
         0.95, "1", "of two signatures that these recordings hardly separate", "convention"
     )
     screening_sizes: tuple[float, ...] = constant(
-        (1.0, 8.0, 25.0, -8.0, -25.0), "steps", "of a screening for large effects", COST
+        (1.0, 2.0, 4.0, 8.0, 16.0, 29.0, 59.0, -2.0, -4.0, -8.0, -16.0, -29.0),
+        "steps",
+        "of a screening for large effects",
+        COST,
+    )
+    sizes_beside: tuple[float, ...] = constant(
+        (1.0, 8.0, 29.0, 59.0, -8.0, -29.0), "steps", "the same beside other effects", COST
     )
     secant_range: float = constant(3.0, "1", "times a secant's size within which it is believed")
     shapes: int = constant(5, "1", "values tried of a shape parameter", COST)
     guess_shares: tuple[float, ...] = constant(
         (1.0, 0.5, 0.2, 0.05), "1", "of a guess, of which the best starts a fit", COST
+    )
+    hopeless: float = constant(
+        0.05, "1", "of another effect's reduction: a guess at the baseline below is no rival", COST
+    )
+    hopeless_as_given: float = constant(
+        0.3, "1", "the same of a guess at the machine as given, which is less biased", COST
     )
     final_fits: int = constant(3, "1", "fits refined with new derivatives", COST)
     final_share: float = constant(0.5, "1", "of the largest reduction that such a fit has", COST)
@@ -116,6 +161,9 @@ class SearchTuning:
         DEVELOPMENT,
     )
     likely_effects: int = constant(3, "1", "that do so", COST)
+    likely_when_lost: int = constant(
+        4, "1", "of all effects that start globally there: another comes in beside the first", COST
+    )
     starts_tried: int = constant(3, "1", "sizes with the best linear guess that are fitted", COST)
     start_steps: int = constant(2, "1", "steps of each", COST)
     starts_kept: int = constant(2, "1", "of these that are fitted further", COST)

@@ -40,7 +40,7 @@ class VerdictTuning:
     )
     generic_limit: float = constant(11.0, "chi2", "the same of a generic disturbance", DEVELOPMENT)
     remainder: float = constant(
-        8.0, "chi2", "reduction of a second effect that is mentioned", DEVELOPMENT
+        8.0, "chi2", "reduction of a further effect that is mentioned", DEVELOPMENT
     )
     trend_limit: float = constant(
         36.0, "chi2", "reduction of a trend across runs that is stated", DEVELOPMENT

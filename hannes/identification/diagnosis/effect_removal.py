@@ -1,0 +1,139 @@
+"""Which of several effects are missed where they are left out, and what could stand in for them."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hannes.identification.diagnosis.gauss_newton import fitted, settled, wald
+from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
+from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
+from hannes.identification.diagnosis.multistart import (
+    Progress,
+    faded,
+    started_at,
+    started_at_guess,
+)
+from hannes.identification.diagnosis.score_test import (
+    Guess,
+    amplitude_names,
+    in_place_of,
+    screened,
+)
+from hannes.identification.diagnosis.trials import (
+    Joint,
+    SearchResult,
+    Trial,
+    joint_rivals,
+    needed_beside,
+    priced,
+)
+from hannes.identification.diagnosis.tuning import SEARCH
+
+
+def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joint:
+    """The effects without those that are not missed; what is lost without each of the others.
+
+    An effect may only have led the others out of a local minimum. One whose removal by the
+    linearisation costs many times as much as a name needs is not tried without.
+    """
+    best, losses, without = joint.trial, dict(joint.losses), dict(joint.without)
+    if len(best.effects) == 1:
+        return joint
+    missed = {name: _missed(found, best.point, name) for name in best.effects}
+    for name in sorted(missed, key=lambda each: missed[each]):
+        known = without.get(name)
+        losses[name] = min([missed[name], *([best.delta_chi2 - known.delta_chi2] if known else [])])
+        if missed[name] > max(SEARCH.surely_missed, SEARCH.missed_much * needed_beside(best)):
+            continue
+        less = left_out(found, best, name, progress)
+        if less is not None and (known is None or less.delta_chi2 > known.delta_chi2):
+            without[name] = known = less
+        if known is not None:
+            losses[name] = best.delta_chi2 - known.delta_chi2
+            if losses[name] < needed_beside(known):
+                return pruned_effects(found, Joint(known), progress)
+    return replace(joint, losses=losses, without=without)
+
+
+def _missed(found: SearchResult, point: Linearisation, name: str) -> float:
+    """By how much the misfit would rise without an effect, were chi-squared quadratic."""
+    space = point.space
+    places = [space.place(each) for each in amplitude_names(space.effects[name])]
+    return wald(point, places) / found.variance_factor
+
+
+def left_out(found: SearchResult, joint: Trial, name: str, progress: Progress) -> Trial | None:
+    """The other effects alone: one may only have led them there, or have kept them small.
+
+    Refitted while it is removed gradually, and from the nominal machine at the sizes that they
+    have beside it: the nominal machine is not biased by it.
+    """
+    kept = tuple(each for each in joint.effects if each != name)
+    progress(f"{' and '.join(kept)} without {name}".replace("_", " "))
+    own = joint.point.space.of(*kept)
+    gradually = faded(joint.point, name)
+    fits = [settled(gradually)] if gradually is not None else []
+    again = started_at(with_noise(found.nominal, joint.point.noise), own, joint.point.x[own])
+    if again is not None:
+        below = min([found.baseline.chi2, *(each.chi2 for each in fits)])
+        fits.append(settled(fitted(again, 4), below=below))
+    trials = [Trial(kept, each, 0.0) for each in fits]
+    whole = [priced(found.baseline, each, found.variance_factor) for each in trials]
+    return max(whole, key=lambda each: each.delta_chi2, default=None)
+
+
+def with_rivals(found: SearchResult, progress: Progress) -> SearchResult:
+    """The result with what could stand in for each of several effects, refitted in its place.
+
+    Of a generic disturbance a linear prediction says whether it could.
+    """
+    joint = found.joint
+    if joint is None:
+        return found
+    point, names = joint.trial.point, list(found.baseline.space.effects)
+    guesses = screened(point, [name for name in names if name not in joint.trial.effects])
+    for name in joint.trial.effects:
+        linear = in_place_of(point, name, guesses)
+        missed = _missed(found, point, name) * found.variance_factor
+        generic = max((linear[each].delta_chi2 for each in GENERIC if each in linear), default=0.0)
+        if generic > missed - SEARCH.rival * found.variance_factor:
+            best = max(GENERIC, key=lambda each: linear[each].delta_chi2 if each in linear else 0.0)
+            joint = replace(joint, replaceable={**joint.replaceable, name: best})
+        near = [each for each in linear.values() if each.effect not in GENERIC
+                and each.delta_chi2 > SEARCH.stand_in_share * missed]  # fmt: skip
+        near.sort(key=lambda each: -each.delta_chi2)
+        joint = _with_stand_ins(found, joint, name, near[: SEARCH.stand_ins], progress)
+    for rival in joint_rivals(joint):
+        for name in set(joint.trial.effects) - set(rival.effects):
+            joint = _known_without(found, joint, name, progress)
+    for name in joint.replaceable:
+        joint = _known_without(found, joint, name, progress)
+    return replace(found, joint=joint)
+
+
+def _with_stand_ins(
+    found: SearchResult, joint: Joint, name: str, others: Sequence[Guess], progress: Progress
+) -> Joint:
+    """The joint effects beside those with another one in the place of one of them."""
+    tried, point = {frozenset(each.effects) for each in joint.others}, joint.trial.point
+    kept, own = tuple(each for each in joint.trial.effects if each != name), point.space.of(name)
+    x = np.where(np.isin(np.arange(point.x.size), own), 0.0, point.x)
+    for guess in others:
+        if frozenset((*kept, guess.effect)) in tried:
+            continue
+        progress(f"{guess.effect} instead of {name}".replace("_", " "))
+        start = point.with_active(np.setdiff1d(point.active, own)).moved(x, np.zeros(0, int))
+        begun = start and started_at_guess(start, guess)
+        if begun is not None:
+            rival = Trial((*kept, guess.effect), settled(fitted(begun, 4)), 0.0)
+            rival = priced(found.baseline, rival, found.variance_factor)
+            joint = replace(joint, others=(*joint.others, rival))
+    return joint
+
+
+def _known_without(found: SearchResult, joint: Joint, name: str, progress: Progress) -> Joint:
+    if name in joint.without:
+        return joint
+    less = left_out(found, joint.trial, name, progress)
+    return replace(joint, without={**joint.without, name: less}) if less else joint

@@ -1,0 +1,182 @@
+"""As many effects as there are: forward selection with backward elimination beside the best one.
+
+After each further effect every other one is removed again, and stays only where it is missed.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hannes.identification.diagnosis.effect_removal import pruned_effects, with_rivals
+from hannes.identification.diagnosis.gauss_newton import fitted
+from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
+from hannes.identification.diagnosis.global_starts import global_fits
+from hannes.identification.diagnosis.joint_starts import started_together
+from hannes.identification.diagnosis.like_faults import varied
+from hannes.identification.diagnosis.linearisation import with_noise
+from hannes.identification.diagnosis.multistart import (
+    Progress,
+    started_at,
+    started_at_guess,
+    with_correction_at_size,
+)
+from hannes.identification.diagnosis.score_test import SMALL, Guess, screened_widely
+from hannes.identification.diagnosis.trials import (
+    Joint,
+    SearchResult,
+    Trial,
+    best_first,
+    converged,
+    needed_beside,
+    priced,
+    scaled,
+    with_confusable,
+)
+from hannes.identification.diagnosis.tuning import SEARCH
+
+
+def with_further_effects(found: SearchResult, progress: Progress) -> SearchResult:
+    """Look for further effects beside the best one, and for what is left after the last."""
+    best = _selected(found, Joint(found.trials[0]), progress)
+    for trial in _together(best, progress):
+        start = scaled(found, trial.point)
+        joint = Joint(priced(start.baseline, trial, start.variance_factor))
+        pruned = pruned_effects(start, joint, progress)
+        if pruned.trial.point.chi2 < _left(best) or len(pruned.trial.effects) > 1:
+            other = _selected(start, pruned, progress)
+            best = other if _left(other) < _left(best) - SEARCH.name_limit else best
+        if not leaves_much(start, joint.trial):
+            break
+    return with_rivals(best, progress)
+
+
+def leaves_much(found: SearchResult, trial: Trial) -> bool:
+    """Whether a fit leaves more than a complete model does, and than its laws may be wrong by."""
+    chi2, bins = trial.point.chi2, trial.point.residual.size
+    wrong = needed_beside(trial) * found.variance_factor
+    return chi2 > max(SEARCH.biased_baseline * bins, bins + wrong)
+
+
+def _left(found: SearchResult) -> float:
+    return found.best.point.chi2 if found.best else found.baseline.chi2
+
+
+def _together(found: SearchResult, progress: Progress) -> Iterator[Trial]:
+    """Several effects started together, where the best ones leave much."""
+    if found.best is None or not leaves_much(found, found.best):
+        return
+    left, lowered = _left(found) - found.bins, found.baseline.chi2 - _left(found)
+    if left < SEARCH.much_left * lowered:
+        return
+    progress("all effects together")
+    names = [name for name in found.baseline.space.effects if name not in GENERIC]
+    points = [(each, screened_widely(each, names)) for each in (found.nominal, found.baseline)]
+    for effects, point in started_together(points, progress):
+        yield Trial(effects, point, 0.0)
+
+
+def _selected(found: SearchResult, joint: Joint, progress: Progress) -> SearchResult:
+    """One more effect after another, each time without those that are not missed any more."""
+    met: dict[frozenset[str], float] = {}
+    while True:
+        best, effects = joint.trial, frozenset(joint.trial.effects)
+        progress("what is left")
+        guesses = _others(found, best)
+        again = best.delta_chi2 < met.get(effects, -np.inf) + SEARCH.name_limit
+        if again or len(effects) == SEARCH.most_effects:
+            return _with(found, joint, guesses[0] if guesses else None)
+        met[effects] = best.delta_chi2
+        larger = _enlarged(found, best, guesses, progress)
+        if not larger or larger[0].delta_chi2 - best.delta_chi2 < needed_beside(best):
+            return _with(found, joint, _refuted(best, guesses, larger, found.variance_factor))
+        larger[0] = converged(found.baseline, larger[0], found.variance_factor)
+        found = scaled(found, larger[0].point)
+        one, first, *others = (
+            priced(found.baseline, each, found.variance_factor) for each in (best, *larger)
+        )
+        joint = Joint(first, {first.effects[-1]: one}, others=tuple(others))
+        joint = pruned_effects(found, joint, progress)
+
+
+def _with(found: SearchResult, joint: Joint, remaining: Guess | None) -> SearchResult:
+    """The result with these effects; a single one is the first of the trials."""
+    if len(joint.trial.effects) > 1:
+        return replace(found, joint=joint, remaining=remaining)
+    alone = with_confusable(found.baseline, found.guesses, [joint.trial])
+    others = [each for each in found.trials if each.effects != joint.trial.effects]
+    return replace(found, trials=[*alone, *others], joint=None, remaining=remaining)
+
+
+def _refuted(
+    best: Trial, guesses: list[Guess], larger: list[Trial], variance_factor: float
+) -> Guess | None:
+    """The best of what is left after some effects: refits where there are any, else guesses.
+
+    larger: best first
+    """
+    reductions = {
+        each.effects[-1]: (each.delta_chi2 - best.delta_chi2) * variance_factor
+        for each in reversed(larger)
+    }
+    remaining = [
+        replace(g, delta_chi2=reductions[g.effect], refitted=True) if g.effect in reductions else g
+        for g in guesses
+    ]
+    return max(remaining, key=lambda each: each.delta_chi2, default=None)
+
+
+def _enlarged(
+    found: SearchResult, best: Trial, guesses: Sequence[Guess], progress: Progress
+) -> list[Trial]:
+    """One more effect beside some, all refitted, the best first."""
+    least = needed_beside(best) * found.variance_factor
+    enough = [each for each in guesses if each.delta_chi2 >= least]
+    larger: list[Trial] = []
+    for guess in varied(best.point.space.effects, enough)[: SEARCH.further_starts]:
+        gained = max((best.point.chi2 - each.point.chi2 for each in larger), default=0.0)
+        rival = SEARCH.crossed_share * enough[0].delta_chi2
+        if guess.delta_chi2 < rival <= gained:
+            break  # the first does what it promised, and this one promises far less
+        larger += _beside(found, best, guess, progress)
+    gain = max((each.delta_chi2 for each in larger), default=best.delta_chi2) - best.delta_chi2
+    if gain < needed_beside(best) and leaves_much(found, best):
+        larger += _beside_globally(found, best, guesses, progress)
+    return best_first(larger)
+
+
+def _beside(found: SearchResult, best: Trial, guess: Guess, progress: Progress) -> list[Trial]:
+    """One more effect beside some, all refitted; empty where that cannot be simulated."""
+    effects = (*best.effects, guess.effect)
+    progress(" and ".join(effects).replace("_", " "))
+    point = started_at_guess(best.point, guess)
+    if point is None:
+        return []
+    point = fitted(with_correction_at_size(fitted(point, 4), guess.effect), 4, restarts=1)
+    return [priced(found.baseline, Trial(effects, point, 0.0), found.variance_factor)]
+
+
+def _beside_globally(
+    found: SearchResult, best: Trial, guesses: Sequence[Guess], progress: Progress
+) -> list[Trial]:
+    """Further effects whose signatures depend on size, beside the best ones."""
+    own = best.point.space.of(*best.effects)
+    start = started_at(with_noise(found.nominal, best.point.noise), own, best.point.x[own])
+    if start is None:
+        return []
+    fits = global_fits(start, best.point, [each.effect for each in guesses], progress)
+    larger = [Trial((*best.effects, name), point, 0.0) for name, point in fits.items()]
+    return [priced(found.baseline, each, found.variance_factor) for each in larger]
+
+
+def _others(found: SearchResult, best: Trial) -> list[Guess]:
+    """Guesses for all other effects, less the price of their parameters."""
+    point, away = best.point, (*best.effects, *GENERIC)
+    names = [name for name in point.space.effects if name not in away]
+    price = SEARCH.parameter_price * found.variance_factor
+    sizes = SEARCH.sizes_beside if leaves_much(found, best) else SMALL
+    every = screened_widely(point, names, sizes)
+    less = [
+        replace(each, delta_chi2=each.delta_chi2 - price * (len(each.places) - 1)) for each in every
+    ]
+    return sorted(less, key=lambda each: -each.delta_chi2)
