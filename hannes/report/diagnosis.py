@@ -115,7 +115,7 @@ def _each_explains(diagnosis: "Diagnosis") -> Table:
         factors = [readable_unit(verdict.gap[name]["unit"])[1] for name in names]
         gaps = [number(factor * found["without"][name])
                 for name, factor in zip(names, factors, strict=True)]  # fmt: skip
-        rows.append((effect_words(effect), f"{100.0 * found['explains']:.2g} %", *gaps))
+        rows.append((effect_words(effect), f"{number(100.0 * found['explains'], 2)} %", *gaps))
     units = [readable_unit(verdict.gap[name]["unit"])[0] for name in names]
     channels = [name if unit == "1" else f"{name} [{unit}]"
                 for name, unit in zip(names, units, strict=True)]  # fmt: skip

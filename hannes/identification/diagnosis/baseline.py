@@ -9,7 +9,7 @@ from hannes.core.errors import BadInput
 from hannes.core.recording.white_noise import rounding
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation, first, with_noise
-from hannes.identification.diagnosis.multistart import Progress, negligible
+from hannes.identification.diagnosis.multistart import Progress
 from hannes.identification.diagnosis.noise_covariance import NoiseAccuracy, estimated_noise
 from hannes.identification.diagnosis.noise_model import recorded_roughness
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
@@ -69,9 +69,7 @@ def _refitted(nominal: Linearisation, seed: int) -> tuple[Linearisation, Lineari
     parts = part_deviations(corrected, baseline.x)
     for _ in range(NOISE.noise_estimates):
         noise = estimated_noise(corrected, baseline.x, FINE, seed, parts)
-        baseline = fitted(with_noise(baseline, noise), 4)
-        # what is far off is no answer itself, and needs no last digit
-        baseline = settled(baseline, negligible(baseline.chi2 - baseline.residual.size))
+        baseline = settled(fitted(with_noise(baseline, noise), 4))
     return with_noise(nominal, noise), baseline
 
 

@@ -175,7 +175,7 @@ def _others(found: SearchResult, best: Trial) -> list[Guess]:
     names = [name for name in point.space.effects if name not in away]
     price = SEARCH.parameter_price * found.variance_factor
     sizes = SEARCH.sizes_beside if leaves_much(found, best) else SMALL
-    every = screened_widely(point, names, sizes)
+    every = screened_widely(point, names, sizes, SMALL)
     less = [
         replace(each, delta_chi2=each.delta_chi2 - price * (len(each.places) - 1)) for each in every
     ]

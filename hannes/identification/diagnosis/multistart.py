@@ -56,9 +56,11 @@ def _started(
     """
     best: Fits = {}
     for start, guess in starts:
-        least = min((each.chi2 for each in [*known.values(), *best.values()]), default=np.inf)
+        found = {**known, **best}
+        leader = min(found, key=lambda name: found[name].chi2, default=guess.effect)
+        least = found[leader].chi2 if leader in found else np.inf
         share = SEARCH.hopeless if start is baseline else SEARCH.hopeless_as_given
-        if guess.delta_chi2 < share * (start.chi2 - least):
+        if guess.effect != leader and guess.delta_chi2 < share * (start.chi2 - least):
             continue
         progress(guess.effect.replace("_", " "))
         point = started_at_guess(start, guess)

@@ -59,15 +59,18 @@ def screened(
 
 
 def screened_widely(
-    point: Linearisation, effects: Sequence[str], sizes: Sequence[float] = SEARCH.screening_sizes
+    point: Linearisation,
+    effects: Sequence[str],
+    sizes: Sequence[float] = SEARCH.screening_sizes,
+    fault_sizes: Sequence[float] = SEARCH.fault_sizes,
 ) -> list[Guess]:
-    """The same at ever larger sizes to the end of every range; faults of like parts at small ones.
+    """The same at ever larger sizes to the end of every range; faults of like parts at fewer.
 
     An effect that is large may have another signature than a small one.
     """
     faults = part_faults(point.space.effects, effects)
     laws = [name for name in effects if name not in faults]
-    found = screened(point, laws, sizes) + screened(point, list(faults))
+    found = screened(point, laws, sizes) + screened(point, list(faults), fault_sizes)
     return sorted(found, key=lambda each: -each.delta_chi2)
 
 

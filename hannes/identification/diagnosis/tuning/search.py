@@ -102,6 +102,9 @@ class SearchTuning:
         "of a screening for large effects",
         COST,
     )
+    fault_sizes: tuple[float, ...] = constant(
+        (1.0, 8.0, 25.0, -8.0, -25.0), "steps", "the same of faults of like parts", COST
+    )
     sizes_beside: tuple[float, ...] = constant(
         (1.0, 8.0, 29.0, 59.0, -8.0, -29.0), "steps", "the same beside other effects", COST
     )
