@@ -1,7 +1,8 @@
 """Two models that know nothing of a servo, run freely from its command: a lag, and an ARX model."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -79,7 +80,20 @@ def _regressors(recording: Recording, size: int) -> tuple[np.ndarray, np.ndarray
     return np.column_stack([*rows, np.ones(y.size - first)]), y[first:]
 
 
-def _least(make, recordings, starts, bounds) -> np.ndarray:  # type: ignore[no-untyped-def]
+class Model(Protocol):
+    """What runs freely from a command."""
+
+    def position(self, recording: Recording) -> np.ndarray:
+        """Position [rad], shape (n,)."""
+
+
+def _least(
+    make: Callable[[np.ndarray], Model],
+    recordings: Sequence[Recording],
+    starts: Sequence[Sequence[float] | np.ndarray],
+    bounds: tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray],
+) -> np.ndarray:
+    """Parameters of least squares of the freely run position, the best from any start."""
     from scipy.optimize import least_squares
 
     def residual(x: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 `PlainPlant` and `CompiledPlant` say how such a plant moves.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import ClassVar, Self
@@ -38,7 +39,7 @@ def _ranged(parameter: Parameter, bounds: Bounds | None) -> Parameter:
     return replace(parameter, bounds=bounds, value=value, tried=tried)
 
 
-class PlantWithEffects(ByValue):
+class PlantWithEffects(ByValue, ABC):
     """Base of plants: parameters of the machine and of effects, and answers for a small machine.
 
     base:   parameters of the machine itself, full names ("spring.stiffness")
@@ -78,15 +79,15 @@ class PlantWithEffects(ByValue):
         changed.parameters = self.parameters.with_values(values)
         return changed
 
+    @abstractmethod
     def accepts(self, effect: Effect) -> str:
         """Return why the plant cannot carry `effect`, or an empty string where it can."""
-        raise NotImplementedError
 
+    @abstractmethod
     def simulate(
         self, parameters: Mapping[str, float], recording: Recording
     ) -> dict[str, np.ndarray]:
-        """Channels at the recording's times, shape (n,); to be written by the subclass."""
-        raise NotImplementedError
+        """Channels at the recording's times, shape (n,)."""
 
     def same_run(self, recording: Recording) -> bytes:
         """Equal where the times and the required channels are."""
