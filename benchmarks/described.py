@@ -13,7 +13,6 @@ phase. Cases count that show: three noise floors in one place or more. A case wi
 or with a name, closes nothing.
 """
 
-import argparse
 import tempfile
 import time
 from dataclasses import replace
@@ -172,19 +171,7 @@ def figures(done: list[dict[str, Any]]) -> tuple[list[Row], list[Row]]:
 
 def main() -> None:
     """Measure, print tables, write JSON where asked."""
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.described",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("--quick", action="store_true", help="one case, for a first look")
-    parser.add_argument("--resume", action="store_true", help="keep the cases already measured")
-    parser.add_argument("--show", action="store_true", help="measure nothing")
-    parser.add_argument("--cases", type=Path, metavar="FILE", help="a line for each case")
-    parser.add_argument("--most", type=int, metavar="N", help="the first N cases alone")
-    parser.add_argument("--workers", type=int, default=1, help="processes (1)")
-    parser.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
-    asked = parser.parse_args()
+    asked = study.parser("described", __doc__).parse_args()
     file = asked.cases or FOLDER / f"described{'-quick' * asked.quick}.jsonl"
     count = QUICK if asked.quick else CASES
     wanted = [("outside", FIRST_SEED + k) for k in range(count)][: asked.most]

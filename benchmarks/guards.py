@@ -14,7 +14,6 @@ The whole takes an hour, which --resume spreads over several calls; --quick has 
 quoted set has seeds that nothing was developed on.
 """
 
-import argparse
 from pathlib import Path
 from typing import Any
 
@@ -64,20 +63,9 @@ def _effects(case: dict[str, Any]) -> set[str]:
 
 def main() -> None:
     """Measure, print tables, write JSON where asked."""
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.guards",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("--quick", action="store_true", help="one case, for a first look")
-    parser.add_argument("--resume", action="store_true", help="keep the cases already measured")
+    parser = study.parser("guards", __doc__)
     parser.add_argument("--set", choices=SETS, default="development", dest="chosen",
                         help="of seeds (development)")  # fmt: skip
-    parser.add_argument("--show", action="store_true", help="measure nothing")
-    parser.add_argument("--cases", type=Path, metavar="FILE", help="a line for each case")
-    parser.add_argument("--most", type=int, metavar="N", help="the first N cases alone")
-    parser.add_argument("--workers", type=int, default=1, help="processes (1)")
-    parser.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
     asked = parser.parse_args()
     home = RECORDS if asked.chosen == "quoted" and not asked.quick else FOLDER
     file = asked.cases or home / f"guards-{asked.chosen}{'-quick' * asked.quick}.jsonl"

@@ -1,5 +1,6 @@
 """Long studies: one line of JSON for each case, so that what was done is never done twice."""
 
+import argparse
 import hashlib
 import importlib
 import json
@@ -15,6 +16,23 @@ from tqdm import tqdm
 from hannes.core.io.atomic_files import write_text
 
 Case = tuple[str, int]  # kind and seed
+
+
+def parser(name: str, doc: str | None) -> argparse.ArgumentParser:
+    """Options that every study has; name: of its module."""
+    made = argparse.ArgumentParser(
+        prog=f"python -m benchmarks.{name}",
+        description=doc,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    made.add_argument("--quick", action="store_true", help="one case, for a first look")
+    made.add_argument("--resume", action="store_true", help="keep the cases already measured")
+    made.add_argument("--show", action="store_true", help="measure nothing")
+    made.add_argument("--cases", type=Path, metavar="FILE", help="a line for each case")
+    made.add_argument("--most", type=int, metavar="N", help="the first N cases alone")
+    made.add_argument("--workers", type=int, default=1, help="processes (1)")
+    made.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
+    return made
 
 
 def run(
