@@ -58,7 +58,14 @@ def test_the_script_says_what_the_grease_takes_away():
         text=True,
         check=True,
     )
-    lines = dict(line.split(": ") for line in run.stdout.splitlines() if "N at most" in line)
-    grip = {name: float(text.split()[0]) for name, text in lines.items()}
-    assert 5.0 < grip["with grease"] < 0.995 * grip["without"]
+    grip, amperes = (
+        {line.split(": ")[0]: float(line.split(": ")[1].split()[0])
+         for line in run.stdout.splitlines() if f"{unit} at most" in line}
+        for unit in ("N", "A")
+    )  # fmt: skip
+    assert 5.0 < grip["with grease"] < grip["without"]
+    more = amperes["with grease"] - amperes["without"]
+    motor_speed = hannes.Hand().parameters["gear.ratio"] * 4.6 / 0.6  # rad/s
+    drag = 1e-7 * motor_speed**2  # N m, as grasp.toml has it
+    assert more == pytest.approx(drag / hannes.Hand().parameters["motor.torque_constant"], rel=0.12)
     assert "MovedWarning" not in run.stderr
