@@ -12,9 +12,11 @@ import numpy as np
 
 from hannes.campaigns.campaign import Campaign, Entry
 from hannes.commands.diagnose import diagnose
+from hannes.core.description import Description, coefficients
 from hannes.core.effect import Effect, Term
 from hannes.core.io.toml_table import Table
 from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.series import legendre, placed
 from hannes.core.parameter import Parameter
 from hannes.core.recording.recording import Recording
 from hannes.plants.plain import PlainPlant
@@ -22,6 +24,7 @@ from hannes.plants.plain import PlainPlant
 STEP, TIMES = 2e-3, np.arange(500) * 2e-3
 UNITS = {"time": "s", "drive": "N", "position": "m", "speed": "m/s"}
 ROLES = ("fit", "fit", "select", "show")
+RAIL = 0.4  # m, on either side of its middle
 RATTLE = "rattled"  # a run that separates turbulence from friction at low speed
 
 
@@ -131,6 +134,33 @@ WAVES_OF_23 = replace(
 )
 GUST = effect("gust", gust, 5.0, "N")
 KNOWN = {each.name: each for each in (HARDENING, TURBULENCE)}
+
+
+@kernel
+def anywhere(place, c_0, c_1, c_2, c_3, c_4):
+    """Force over the place on the rail [N]."""
+    return legendre(placed(place, -RAIL, RAIL), c_0, c_1, c_2, c_3, c_4)
+
+
+@kernel
+def force(position, c_0, c_1, c_2, c_3, c_4):
+    """On the sled [N]."""
+    return anywhere(position, c_0, c_1, c_2, c_3, c_4)
+
+
+PLACED = Description(
+    Effect(
+        "generic_force", "A force depends on the place.", "F += sum c_k P_k(x)", "Legendre",
+        coefficients("N", 20.0), (Term(force, ("force",)),),
+    ),
+    "the place on the rail", "m", (-RAIL, RAIL), "a force", "N", anywhere,
+)  # fmt: skip
+
+
+class Described(Sled):
+    """A sled that knows a generic disturbance of its own."""
+
+    generic: ClassVar = {"generic_force": PLACED}
 
 
 def drives():

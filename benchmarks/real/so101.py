@@ -28,10 +28,11 @@ from hannes.campaigns.convert import convert
 from hannes.campaigns.segments import Segment, noise_floors
 from hannes.commands.diagnose import diagnose
 from hannes.core.errors import ComputationFailed, MissingRecording
+from hannes.core.ranged import ranged
 from hannes.core.recording.recording import Recording
 from hannes.identification.holdout.least_squares import WeightedResidual, fit
 from hannes.plants.protocol import find_plant
-from hannes.plants.with_effects import PlantWithEffects, ranged
+from hannes.plants.with_effects import PlantWithEffects
 from hannes.simulation.catalogue import effects
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "servo"

@@ -19,11 +19,11 @@ from hannes.core.errors import BadInput, NotTrusted, nearest
 from hannes.core.io.file_patterns import is_pattern, matching
 from hannes.core.io.inputs import is_file, note, noted
 from hannes.core.io.toml_table import Table, read_text
+from hannes.core.ranged import own_ranges, ranged
 from hannes.core.recording.recording import Recording
 from hannes.core.trust.consent import consenting
 from hannes.plants.plant_file import base_name, with_plant_file
 from hannes.plants.protocol import Plant, find_plant, require_usable
-from hannes.plants.with_effects import ranged
 from hannes.simulation.catalogue import effect, effects
 from hannes.simulation.experiment import shipped as library
 from hannes.simulation.hand.hand_file import own_catalogue
@@ -153,8 +153,7 @@ def _effects(
         except BadInput as error:
             root.refuse("effects", f"cannot be used: {error}")
     found = {**effects(), **own_catalogue(plant), **own}
-    ranges = getattr(plant, "ranges", {})
-    found = {name: ranged(each, ranges) for name, each in found.items()}
+    found = {name: ranged(each, own_ranges(plant)) for name, each in found.items()}
     try:
         joined((), found.values())
     except BadInput as error:

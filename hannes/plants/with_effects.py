@@ -5,7 +5,6 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import ClassVar, Self
 
 import numpy as np
@@ -13,30 +12,9 @@ import numpy as np
 from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect, joined
 from hannes.core.parameter import Parameter, ParameterSet, group
+from hannes.core.ranged import Bounds, ranged
 from hannes.core.recording.recording import Recording
 from hannes.plants.protocol import shown
-
-Bounds = tuple[float, float]
-
-
-def ranged(effect: Effect, ranges: Mapping[str, Bounds]) -> Effect:
-    """The effect with a machine's own bounds, by full name [SI]; the same where it has none.
-
-    A value that lies outside them is moved to the nearer bound.
-    """
-    found = tuple(
-        _ranged(each, ranges.get(effect.full_name(each.name))) for each in effect.parameters
-    )
-    return effect if found == effect.parameters else replace(effect, parameters=found)
-
-
-def _ranged(parameter: Parameter, bounds: Bounds | None) -> Parameter:
-    if bounds is None or bounds == parameter.bounds:
-        return parameter
-    low, high = bounds
-    tried = tuple(each for each in parameter.tried if low <= each <= high)
-    value = min(max(parameter.value, low), high)
-    return replace(parameter, bounds=bounds, value=value, tried=tried)
 
 
 class PlantWithEffects(ByValue, ABC):

@@ -2,21 +2,17 @@
 
 import json
 from dataclasses import replace
-from typing import ClassVar
 
 import numpy as np
 import pytest
-from sled import GUST, TURBULENCE, UNITS, Sled, campaign, effect
+from sled import GUST, TURBULENCE, UNITS, Described, Sled, campaign, effect
 
 from hannes.commands.diagnose import diagnose
-from hannes.core.description import Description, coefficients
-from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
-from hannes.core.kernels.series import legendre, placed
 from hannes.core.recording.recording import Recording
 from hannes.report.diagnosis import page
 
-FAR, SIZE = 0.4, 0.3  # m, N
+SIZE = 0.3  # N
 
 
 @kernel
@@ -25,32 +21,7 @@ def sloped(size, position):
     return size * (position / 0.2) ** 2
 
 
-@kernel
-def anywhere(place, c_0, c_1, c_2, c_3, c_4):
-    """Force over the place on the rail [N]."""
-    return legendre(placed(place, -FAR, FAR), c_0, c_1, c_2, c_3, c_4)
-
-
-@kernel
-def force(position, c_0, c_1, c_2, c_3, c_4):
-    """On the sled [N]."""
-    return anywhere(position, c_0, c_1, c_2, c_3, c_4)
-
-
-PLACED = Description(
-    Effect(
-        "generic_force", "A force depends on the place.", "F += sum c_k P_k(x)", "Legendre",
-        coefficients("N", 20.0), (Term(force, ("force",)),),
-    ),
-    "the place on the rail", "m", (-FAR, FAR), "a force", "N", anywhere,
-)  # fmt: skip
 SLOPED = effect("slope", sloped, 20.0, "N")
-
-
-class Described(Sled):
-    """A sled that knows a generic disturbance of its own."""
-
-    generic: ClassVar = {"generic_force": PLACED}
 
 
 def found(hidden, describe=False):

@@ -2,6 +2,7 @@
 
 import pytest
 from own_effect import EFFECT
+from sled import PLACED, Described
 
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput
@@ -113,6 +114,26 @@ def test_the_file_of_another_plant_names_it(tmp_path):
     found = load_model(str(file))
     assert isinstance(found, Axis) and found.effects == rubbing().effects
     assert dict(found.parameters) == dict(rubbing().parameters)
+
+
+def test_an_effect_within_a_machines_own_range_is_found_again(tmp_path):
+    axis = Axis().with_effects(effect("warming_grease"))
+    axis = axis.with_values({"warming_grease.fall": 0.1})
+    assert axis.effects != (effect("warming_grease"),)
+    file = written(tmp_path, plant_toml(axis, Axis(), "axis"))
+    top = written(tmp_path, f'base = "{file.name}"\neffects = ["warming_grease"]', "top.toml")
+    for each in (file, top):
+        found = load_model(str(each))
+        assert found.effects == axis.effects
+        assert dict(found.parameters) == dict(axis.parameters)
+
+
+def test_a_generic_disturbance_of_a_plant_of_ones_own_is_found_again(tmp_path):
+    described = Described().with_effects(PLACED.effect).with_values({"generic_force.c_1": 0.3})
+    file = written(tmp_path, plant_toml(described, Described(), "sled"))
+    back = with_plant_file(Described(), file, "sled")
+    assert back.effects == described.effects
+    assert back.parameters["generic_force.c_1"] == 0.3
 
 
 def test_only_what_differs_from_the_given_plant_is_written(tmp_path):

@@ -16,6 +16,7 @@ from hannes.core.io.units import quantity, text
 from hannes.core.kernels.jit import plain
 from hannes.core.model import Model, differences
 from hannes.core.parameter import Parameter
+from hannes.core.ranged import own_ranges, ranged
 from hannes.core.trust.consent import consenting
 from hannes.simulation import catalogue
 from hannes.simulation.hand import finger_tables
@@ -89,7 +90,7 @@ def changed(model: M, table: Table, folder: Path | None) -> M:
     """Return `model` with the `effects`, `[parameters]` and `[[finger]]` of a table."""
     present = {each.name: each for each in model.effects}
     for name in table.texts("effects"):
-        found = _effect(name, table, folder, own_catalogue(model))
+        found = ranged(_effect(name, table, folder, _nameable(model)), own_ranges(model))
         if present.setdefault(found.name, found) != found:
             table.refuse("effects", f'"{name}": another effect has the name "{found.name}"')
         model = model.with_effects(found)
@@ -100,6 +101,12 @@ def changed(model: M, table: Table, folder: Path | None) -> M:
 def own_catalogue(plant: object) -> Mapping[str, Effect]:
     """Effects that only this plant has; a plant may leave out the attribute `catalogue`."""
     return getattr(plant, "catalogue", {})
+
+
+def _nameable(model: object) -> Mapping[str, Effect]:
+    """What of this plant alone a file may name: its effects and its generic disturbances."""
+    generic = {name: each.effect for name, each in getattr(model, "generic", {}).items()}
+    return {**own_catalogue(model), **generic}
 
 
 def _effect(name: str, table: Table, folder: Path | None, known: Mapping[str, Effect]) -> Effect:
@@ -176,7 +183,7 @@ def effect_names(model: Model, folder: str | Path | None = None) -> list[str]:
 
     Files are named from `folder`, without it by their whole path.
     """
-    names = [_effect_name(each, own_catalogue(model)) for each in model.effects]
+    names = [_effect_name(each, model) for each in model.effects]
     return [_seen_from(folder, name) if folder is not None else name for name in names]
 
 
@@ -189,15 +196,21 @@ def _seen_from(folder: str | Path, name: str) -> str:
     return f"{Path(near).as_posix()}:{attribute}" if attribute and path else name
 
 
-def _effect_name(effect: Effect, known: Mapping[str, Effect]) -> str:
-    if (known.get(effect.name) or catalogue.named().get(effect.name)) == effect:
+def _effect_name(effect: Effect, model: Model) -> str:
+    ranges = own_ranges(model)
+    known = _nameable(model).get(effect.name) or catalogue.named().get(effect.name)
+    if known is not None and ranged(known, ranges) == effect:
         return effect.name
     for place, own in catalogue.own_effects().items():
-        if own == effect:
+        if ranged(own, ranges) == effect:
             return place
     function = plain(effect.terms[0].kernel)
     path, found = inspect.getsourcefile(function), function.__globals__
-    names = [name for name, held in found.items() if held is effect]
+    names = [
+        name
+        for name, held in found.items()
+        if isinstance(held, Effect) and ranged(held, ranges) == effect
+    ]
     if not names or not path:
         raise BadInput(f"effect {effect.name} lives in no file, so a hand.toml cannot name it")
     return f"{Path(path).resolve()}:{names[0]}"
