@@ -62,8 +62,15 @@ class CompiledPlant(PlantWithEffects):
         For a machine whose first two states are an angle (or a position) and its rate.
         parameters: in place of nominal values [SI];  times: [s], shape (n,)
         reference: times and values, shape (2, knots);  start: of its own states
-        step: of integration at most [s]. Raises ComputationFailed where it runs away.
+        step: of integration at most [s]. Raises ComputationFailed where it runs away, BadInput
+        where it is another kind of machine.
         """
+        if not (self.compiled_from.states.size >= max(2, len(start)) and step > 0.0):
+            raise BadInput(
+                f"the plant {self.name} cannot run by held steps: these take an angle and its rate "
+                "as first states, a start of no more states than there are, and a step above 0 s; "
+                "give Equations entry points of your own (docs/how-to/write-a-plant.md)"
+            )
         p, states = self.packed(parameters), np.zeros((times.size, self.compiled.states.size))
         begun = np.zeros(states.shape[1])
         begun[: len(start)] = start

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from sled import HARDENING, Sled, campaign
+from sled import HARDENING, Described, Sled, campaign
 
 from hannes.identification.diagnosis import (
     campaign_diagnosis,
@@ -16,6 +16,7 @@ from hannes.identification.diagnosis import (
 from hannes.identification.diagnosis.campaign_diagnosis import command_durations, diagnose_campaign
 from hannes.identification.diagnosis.observed_controller import _said
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.shape import likeliest
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work
 
 
@@ -44,6 +45,24 @@ def test_all_stages_together_keep_the_bound_that_was_said(monkeypatch, limit):
     ended = "the search was ended at its bound" in verdict.reason
     assert ended == (limit < 60_000.0)
     assert verdict.verdict == ("unknown" if ended else "named")
+
+
+def test_the_shape_of_an_unknown_is_within_the_bound_that_was_said(monkeypatch):
+    whole = []
+
+    class Counted(Work):
+        def __init__(self, bounded=False):
+            super().__init__(bounded)
+            whole.append(self)
+
+    for module in (campaign_diagnosis, likeliest):
+        monkeypatch.setattr(module, "Work", Counted)
+    monkeypatch.setattr(campaign_diagnosis, "candidates", lambda made: {})
+    made = replace(campaign(1, ((HARDENING, 900.0),)), plant=Described())
+    found = diagnose_campaign(made, Settings(0.02, 0.005), 0, lambda text: None)
+    search, shape = whole
+    assert found.verdict.verdict == "unknown" and shape.spent > 0.0
+    assert search.limit + shape.limit <= search.most([], 0)
 
 
 def test_what_is_needed_in_any_case_is_counted_and_made():

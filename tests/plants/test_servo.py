@@ -5,6 +5,7 @@ import math
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,8 @@ import pytest
 from hannes.campaigns.campaign_file import read_campaign
 from hannes.campaigns.check import check
 from hannes.commands.cli import main
-from hannes.core.errors import ComputationFailed
+from hannes.core.errors import BadInput, ComputationFailed
+from hannes.core.layout import Layout
 from hannes.core.recording.recording import Recording
 from hannes.plants.plain import PlainPlant
 from hannes.plants.protocol import Plant, find_plant
@@ -158,6 +160,18 @@ def test_what_runs_away_is_said(servo):
     knots = np.array([run.time, run["reference"]])
     with pytest.raises(ComputationFailed, match="the simulated servo runs away"):
         servo.run({}, run.time, knots, (math.inf, 0.0), 2e-3)
+
+
+def test_held_steps_are_refused_for_another_kind_of_machine(servo):
+    run, one = steps(), Layout(servo.compiled_from.states.slots[:1])
+    knots = np.array([run.time, run["reference"]])
+    first_order = type("FirstOrder", (type(servo),), {
+        "compiled_from": replace(servo.compiled_from, states=one),
+    })()  # fmt: skip
+    for plant, start, step in ((first_order, (0.0,), 2e-3), (servo, (0.0, 0.0), 0.0),
+                               (servo, (0.0, 0.0, 0.0), 2e-3)):  # fmt: skip
+        with pytest.raises(BadInput, match="cannot run by held steps"):
+            plant.run({}, run.time, knots, start, step)
 
 
 @pytest.fixture(scope="module")

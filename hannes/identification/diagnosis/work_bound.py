@@ -3,14 +3,15 @@
 Processor time would end a search elsewhere on another machine. So simulated time is counted, which
 is the same everywhere. A run with the sampled controller counts more, as it takes more steps.
 Everything counts: the choice of a controller, baseline fits, all starts, the search, hold-out, the
-final fit and the run proposed next. Whatever comes first must leave the rest less. Only what every
-verdict needs is made in any case: the machine as given with its derivatives, and the closing.
+final fit and the run proposed next; the shape of an unknown has a bound of its own. Whatever comes
+first must leave the rest less. Only what every verdict needs is made in any case: the machine as
+given with its derivatives, and the closing.
 """
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.tuning import SEARCH, SHAPE
 
 
 class SearchEnded(Exception):
@@ -45,7 +46,7 @@ class Work:
         uncertain: number of parameters of the machine
         """
         needed = SEARCH.needed_runs + SEARCH.needed_per_parameter * uncertain
-        return self.limit + needed * sum(durations)
+        return self.limit + SHAPE.most_simulated + needed * sum(durations)
 
     @property
     def ended(self) -> str:
