@@ -18,7 +18,7 @@ from sled import (
 )
 
 from hannes.commands.diagnose import diagnose
-from hannes.identification.diagnosis import effect_search, further_effects
+from hannes.identification.diagnosis import effect_removal, effect_search, further_effects
 from hannes.identification.diagnosis.decision import _some_of, _surely_missed
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import wald
@@ -76,6 +76,19 @@ def test_no_more_effects_are_named_together_than_allowed(monkeypatch):
     some = search_effects(Sled(), entries, list(ALL.values()), Settings(0.02, 0.005), 0)
     assert len(some.joint.trial.effects) == 2
     assert some.remaining.delta_chi2 > SEARCH.name_limit * some.variance_factor
+
+
+def test_what_a_set_of_others_lacks_is_left_out_in_one_order(three, monkeypatch):
+    """Also in the next process: sets of names have another order in each."""
+    joint, asked = replace(three.joint, replaceable={}), []
+    other = replace(joint.trial, effects=("another", "and", "more"))
+    monkeypatch.setattr(effect_removal, "screened", lambda point, names: [])
+    monkeypatch.setattr(effect_removal, "joint_rivals", lambda joint: [other])
+    monkeypatch.setattr(
+        effect_removal, "_known_without", lambda found, joint, name, _: asked.append(name) or joint
+    )
+    effect_removal.with_rivals(replace(three, joint=joint), lambda text: None)
+    assert asked == list(joint.trial.effects)
 
 
 def test_a_lasso_path_without_correlation_is_soft_thresholding():

@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sled import GUST, TURBULENCE, UNITS, Described, Sled, campaign, effect
+from sled import GUST, PLACED, TURBULENCE, UNITS, Described, Sled, campaign, effect
 
 from hannes.commands.diagnose import diagnose
 from hannes.core.kernels.jit import kernel
 from hannes.core.recording.recording import Recording
+from hannes.identification.diagnosis.shape.shape import _table
 from hannes.report.diagnosis import page
 
 SIZE = 0.3  # N
@@ -43,6 +44,14 @@ def test_the_shape_of_an_unknown_is_the_law_that_is_hidden(unknown):
         shape["axis"]["values"], shape["value"]["low"], shape["value"]["high"]))  # fmt: skip
     assert (low < high).all() and (shape["axis"]["unit"], shape["value"]["unit"]) == ("m", "N")
     json.loads(unknown.verdict.json())
+
+
+def test_its_numbers_have_intervals_within_their_bounds(unknown):
+    wide = _table(unknown.details.shape.described, 1e12)["parameters"]
+    bounds = {p.name: p.bounds for p in PLACED.effect.parameters}
+    assert {n: (each["low"], each["high"]) for n, each in wide.items()} == {
+        PLACED.effect.full_name(name): each for name, each in bounds.items()
+    }
 
 
 def test_the_described_machine_follows_another_command(unknown):

@@ -105,8 +105,9 @@ def with_rivals(found: SearchResult, progress: Progress) -> SearchResult:
         near.sort(key=lambda each: -each.delta_chi2)
         joint = _with_stand_ins(found, joint, name, near[: SEARCH.stand_ins], progress)
     for rival in joint_rivals(joint):
-        for name in set(joint.trial.effects) - set(rival.effects):
-            joint = _known_without(found, joint, name, progress)
+        for name in joint.trial.effects:
+            if name not in rival.effects:
+                joint = _known_without(found, joint, name, progress)
     for name in joint.replaceable:
         joint = _known_without(found, joint, name, progress)
     return replace(found, joint=joint)

@@ -54,7 +54,7 @@ def _surely(
     space = point.space
     places = [space.place(name) for name in amplitude_names(space.effects[effect])]
     fitted = [place for place in places if place in spread]
-    return max(abs(float(point.x[k])) / (_wide(variance_factor) * spread[k]) for k in fitted)
+    return max(abs(float(point.x[k])) / (half_width(variance_factor) * spread[k]) for k in fitted)
 
 
 def interval(
@@ -63,7 +63,7 @@ def interval(
     """Value of one parameter and the ends of its 95 % interval within bounds [SI]."""
     each = point.space.parameters[place]
     value = float(each.value(point.x[place]))
-    reach = _wide(variance_factor) * deviation * each.scale
+    reach = half_width(variance_factor) * deviation * each.scale
     return {
         "value": value,
         "low": max(each.low, value - reach),
@@ -71,6 +71,6 @@ def interval(
     }
 
 
-def _wide(variance_factor: float) -> float:
+def half_width(variance_factor: float) -> float:
     """Standard deviations from a value to an end of its interval."""
     return NORMAL * FIT.interval_widening * float(np.sqrt(max(1.0, variance_factor)))

@@ -8,8 +8,9 @@ import numpy as np
 
 from hannes.campaigns.segments import in_roles
 from hannes.identification.diagnosis.before_after import simulated
-from hannes.identification.diagnosis.effect_sizes import NORMAL
+from hannes.identification.diagnosis.effect_sizes import half_width, interval
 from hannes.identification.diagnosis.fitted_deviations import with_deviations
+from hannes.identification.diagnosis.gauss_newton import standard_deviations
 from hannes.identification.diagnosis.hold_out_guard import Stages
 from hannes.identification.diagnosis.shape.likeliest import (
     Described,
@@ -104,14 +105,12 @@ def _machine(best: Described, owner: str) -> Plant:
 
 def _table(best: Described, variance_factor: float) -> dict[str, Any]:
     """Of verdict.json: the value over its axis with its 95 % band, and the numbers behind it."""
-    description, point, effect = best.description, best.point, best.description.effect
-    spread = _covariance(best, variance_factor)
-    values = _values(best)
+    description, effect, point = best.description, best.description.effect, best.point
+    left = max(1.0, variance_factor, point.chi2 / point.residual.size)  # wider by what is left
+    spread, values = _covariance(best), list(_values(best).values())
     places = np.linspace(*description.ends, SHAPE.places)
-    line = description.at(places, list(values.values()))
-    slopes = description.slopes(places, list(values.values()))
-    reach = NORMAL * np.sqrt(np.einsum("kn,kl,ln->n", slopes, spread, slopes))
-    sizes = NORMAL * np.sqrt(np.diag(spread))
+    line, slopes = description.at(places, values), description.slopes(places, values)
+    reach = half_width(left) * np.sqrt(np.einsum("kn,kl,ln->n", slopes, spread, slopes))
     return {
         "name": effect.name,
         "meaning": description.words,
@@ -123,17 +122,20 @@ def _table(best: Described, variance_factor: float) -> dict[str, Any]:
             "low": (line - reach).tolist(),
             "high": (line + reach).tolist(),
         },
-        "parameters": {
-            name: {
-                "value": value,
-                "unit": point.space.declared(name).unit,
-                "low": value - float(size),
-                "high": value + float(size),
-            }
-            for (name, value), size in zip(values.items(), sizes, strict=True)
-        },
+        "parameters": _parameters(best, left),
         "why_not": "",
     }
+
+
+def _parameters(best: Described, variance_factor: float) -> dict[str, dict[str, Any]]:
+    """Value and 95 % interval of each number within its bounds [SI], by full name."""
+    point, found = best.point, {}
+    deviations = dict(zip(point.active.tolist(), standard_deviations(point).tolist(), strict=True))
+    for place in point.space.of(best.description.effect.name).tolist():
+        name = point.space.parameters[place].name
+        size = interval(point, place, deviations[place], variance_factor)
+        found[name] = {"unit": point.space.declared(name).unit, **size}
+    return found
 
 
 def _values(best: Described) -> Mapping[str, float]:
@@ -144,13 +146,11 @@ def _values(best: Described) -> Mapping[str, float]:
     return {p.name: float(p.value(x[k])) for p, k in zip(parameters, places, strict=True)}
 
 
-def _covariance(best: Described, variance_factor: float) -> np.ndarray:
-    """Of these parameters [SI], all else refitted; wider by what the fit leaves, (k, k)."""
+def _covariance(best: Described) -> np.ndarray:
+    """Of these parameters [SI], all else refitted, (k, k)."""
     point = best.point
     places = point.space.of(best.description.effect.name)
     rows = np.searchsorted(point.active, places)
     inverse = np.linalg.inv(point.hessian + FIT.jitter * np.eye(point.active.size))
-    left = max(1.0, variance_factor, point.chi2 / point.residual.size)
     scales = np.array([point.space.parameters[k].scale for k in places])
-    own = inverse[np.ix_(rows, rows)] * np.outer(scales, scales)
-    return np.asarray(FIT.interval_widening**2 * left * own)
+    return np.asarray(inverse[np.ix_(rows, rows)] * np.outer(scales, scales))
