@@ -6,6 +6,7 @@ import pytest
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment
 from hannes.core.recording.recording import Recording
+from hannes.identification.pattern.blocks import BLOCKS, _blocks
 from hannes.identification.pattern.goes_with import goes_with
 
 TIME = np.arange(0.0, 1.2, 1e-3)
@@ -33,10 +34,10 @@ class Rig:
         return {"angle": ANGLE, "speed": SPEED, "load": load, "contact": (load > 0.1).astype(float)}
 
 
-def sentence(shape, seed=0, runs=RUNS):
+def sentence(shape, seed=0, runs=RUNS, conditions=("free", "grasp")):
     """Of a residual of the current, `shape(condition, run)`, under noise of one floor."""
     rng, segments, raw = np.random.default_rng(seed), [], []
-    for condition in ("free", "grasp"):
+    for condition in conditions:
         for run in range(runs):
             channels = {"time": TIME, "position": ANGLE, "current": ANGLE}
             recording = Recording(channels, UNITS, experiment=condition)
@@ -57,6 +58,22 @@ def test_noise_alone_has_no_sentence():
 def test_what_drifts_about_a_mean_that_was_refitted_is_seen():
     said = sentence(lambda condition, run: 0.5 * (run - 2) * np.sin(9.0 * TIME))
     assert said["sentence"] == "Changes steadily from run to run."
+
+
+@pytest.mark.parametrize("end", [0.095, 0.1, 1.2, 7.3])
+def test_no_block_is_of_the_last_sample_alone(end):
+    time = np.arange(0.0, end + 5e-4, 1e-3)
+    recording = Recording({"time": time, "position": time}, {"time": "s", "position": "rad"})
+    sizes = np.bincount(_blocks(Segment(Entry("", recording, ""), "fit", time >= 0.0)))
+    assert sizes.size <= BLOCKS and sizes.min() >= min(5, time.size)
+
+
+def test_a_drift_of_one_command_alone_is_seen():
+    drifting, alone = lambda condition, run: 0.5 * (run - 3) * np.sin(9.0 * TIME), ("free",)
+    assert "Changes steadily" in sentence(drifting, runs=7, conditions=alone)["sentence"]
+    sizes = np.random.default_rng(2).standard_normal(7)
+    said = sentence(lambda condition, run: sizes[run] * ANGLE, runs=7, conditions=alone)
+    assert said["sentence"] == ""
 
 
 @pytest.mark.parametrize("seed", range(12))

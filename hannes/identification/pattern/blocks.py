@@ -127,4 +127,5 @@ def _blocks(segment: Segment) -> np.ndarray:
     time = segment.recording.time[segment.mask]
     since = time - time[0]
     width = max(SHORTEST, float(since[-1]) / BLOCKS)
-    return np.unique((since / width).astype(int), return_inverse=True)[1]
+    last = max(int(np.ceil(float(since[-1]) / width - 1e-9)) - 1, 0)  # the run's end is in it
+    return np.unique(np.minimum((since / width).astype(int), last), return_inverse=True)[1]

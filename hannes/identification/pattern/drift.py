@@ -14,7 +14,9 @@ from hannes.identification.pattern.blocks import Command
 from hannes.identification.pattern.jackknife import LEVEL, STATEMENTS
 
 FEWEST = 4  # runs of a command that show an order
-MOST = 6  # runs of a command whose orders are all tried; of more, these many evenly
+# Runs of a command whose orders are all tried; of more, these many evenly. Of fewer runs of a
+# single command any order, with its reverse, is likelier by chance than what is said may be.
+MOST = 7
 DRAWN = 20_000  # orders of all commands together
 LEAST = 0.3  # of what runs differ by, that goes with their order
 
@@ -37,7 +39,7 @@ def drift(known: Sequence[Command]) -> dict[str, Any] | None:
     return {"what": "changes steadily from run to run", "value": value, "low": LEAST}
 
 
-def _shares(command: Command) -> tuple[list[float], float]:
+def _shares(command: Command) -> tuple[np.ndarray, float]:
     """What of the squared differences of runs a straight line takes, in each order; and of all.
 
     The first order is the one in which they were made.
@@ -46,5 +48,6 @@ def _shares(command: Command) -> tuple[list[float], float]:
     rows = command.residual[kept] / command.spread
     rows = (rows - rows.mean(axis=0)).reshape(kept.size, -1)
     products, at = rows @ rows.T, command.numbers[kept] - command.numbers[kept].mean()
-    orders = (at[list(order)] for order in permutations(range(kept.size)))
-    return [float(x @ products @ x / (at @ at)) for x in orders], float(np.trace(products))
+    orders = at[np.array(list(permutations(range(kept.size))))]
+    taken = np.sum(orders @ products * orders, axis=1) / (at @ at)
+    return taken, float(np.trace(products))
