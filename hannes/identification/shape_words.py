@@ -24,4 +24,9 @@ def description_caution(verdict: str, shape: Mapping[str, Any]) -> str:
         return f"hand.toml has {name}, a law of free shape, where nothing can be named: {NO_CAUSE}"
     if verdict != "unknown":
         return f"nothing is to be described: the verdict is {verdict}"
+    if not shape:
+        return (
+            "no generic disturbance was fitted: the search was ended, the plant declares nothing "
+            "uncertain, or none fits it; hand.toml is as without --describe"
+        )
     return "no generic disturbance describes what is missing: hand.toml is as without --describe"

@@ -11,6 +11,7 @@ from hannes.commands.diagnose import diagnose
 from hannes.core.kernels.jit import kernel
 from hannes.core.recording.recording import Recording
 from hannes.identification.diagnosis.shape.shape import _table
+from hannes.identification.shape_words import description_caution
 from hannes.report.diagnosis import page
 
 SIZE = 0.3  # N
@@ -81,6 +82,11 @@ def test_nothing_is_described_where_an_effect_is_named():
     assert named.verdict.verdict == "named" and named.verdict.shape == {}
     assert "generic_force.c_0" not in named.plant.parameters
     assert "nothing is to be described: the verdict is named" in named.verdict.cautions
+
+
+def test_where_none_was_fitted_it_does_not_say_that_none_helps():
+    said = description_caution("unknown", {})
+    assert "no generic disturbance was fitted" in said and "describes" not in said
 
 
 def test_where_none_helps_it_says_so():
