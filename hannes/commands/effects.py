@@ -6,6 +6,7 @@ from pathlib import Path
 
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, nearest
+from hannes.core.ranged import own_ranges, ranged
 from hannes.identification import confusability
 from hannes.plants.protocol import Plant, find_plant
 from hannes.simulation import catalogue
@@ -22,15 +23,17 @@ def listed(plant: str | None) -> str:
 
 
 def described(name: str, plant: str | None) -> str:
-    """One effect: by name, or the user's own, refused where a run of the plant would refuse it."""
-    if found := _known(plant).get(name):
-        return str(found) if plant else f"{found}\n{confusability.text(name)}"
-    if own := _known(plant or HAND).get(name):  # a diagnosis of the hand names those of the hand
-        return str(own)
-    found = catalogue.effect(name)
+    """One effect: by name, or the user's own, refused where a run of the plant would refuse it.
+
+    Of a plant that is named with that machine's own bounds.
+    """
+    if plant is None and (shipped := catalogue.effects().get(name)):
+        return f"{shipped}\n{confusability.text(name)}"
+    machine = find_plant(plant or HAND, Path.cwd())  # a diagnosis of the hand names those of it too
+    found = own_catalogue(machine).get(name) or catalogue.effect(name)
     if ".py:" in name:
-        _check(found, find_plant(plant or HAND, Path.cwd()))
-    return str(found)
+        _check(found, machine)
+    return str(ranged(found, own_ranges(machine)))
 
 
 def _known(plant: str | None) -> Mapping[str, Effect]:

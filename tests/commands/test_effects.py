@@ -106,6 +106,11 @@ def test_what_a_diagnosis_of_the_hand_names_is_described(capsys):
     assert main(["effects", "index_weak_sprig"]) == 2
 
 
+def test_of_another_plant_an_effect_has_that_machines_bounds(capsys):
+    assert main(["effects", "warming_grease", "--plant", "axis"]) == 0
+    assert "0 to 0.2, vanishes at 0" in capsys.readouterr().out
+
+
 def test_all_that_ship_are_listed(capsys):
     from hannes import effects
 
