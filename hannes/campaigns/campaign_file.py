@@ -24,7 +24,7 @@ from hannes.core.recording.recording import Recording
 from hannes.core.trust.consent import consenting
 from hannes.plants.plant_file import base_name, with_plant_file
 from hannes.plants.protocol import Plant, find_plant, require_usable
-from hannes.simulation.catalogue import effect, effects
+from hannes.simulation.catalogue import descriptions, effect, effects
 from hannes.simulation.experiment import shipped as library
 from hannes.simulation.hand.hand_file import own_catalogue
 
@@ -148,6 +148,9 @@ def _effects(
 ) -> dict[str, Effect]:
     own = dict(given)
     for name in root.texts("effects"):
+        if name in descriptions():
+            advice = "leave it out; `hannes diagnose --describe` fits it where it is needed"
+            root.refuse("effects", f'"{name}" describes and names no cause: {advice}')
         try:
             own[_rooted(name, path.parent)] = effect(name, path.parent, path)
         except BadInput as error:

@@ -168,6 +168,7 @@ def test_a_shipped_campaign_is_found_by_name():
         ("[[recording]]\nfile = '**.h5'", "recording 1.file cannot be used: .* no pattern"),
         (ROW + "runs = '::00'", 'recording 1.runs = "::00": expected start:stop:step'),
         ("[[recording]]\nfile = '*.h5'\n" + ROW + "role = 'show'", 'recording lists "r.h5" twice'),
+        ("effects = ['generic_easing']\n" + ROW, '"generic_easing" describes and names no cause'),
         ("effects = ['own.py:MINE']\n" + ROW, 'two effects have the name "capstan": rename'),
     ],
 )

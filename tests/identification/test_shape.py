@@ -10,6 +10,7 @@ from sled import GUST, PLACED, TURBULENCE, UNITS, Described, Sled, campaign, eff
 from hannes.commands.diagnose import diagnose
 from hannes.core.kernels.jit import kernel
 from hannes.core.recording.recording import Recording
+from hannes.identification.diagnosis.shape.likeliest import applicable
 from hannes.identification.diagnosis.shape.shape import _table
 from hannes.identification.shape_words import description_caution
 from hannes.report.diagnosis import page
@@ -75,6 +76,12 @@ def test_it_is_said_to_be_a_description_and_no_cause(unknown):
     text = page(unknown)
     assert 'id="shape"' in text and "generic_force" in text and "95 % band" in text
     assert unknown.verdict.described in unknown.verdict.summary()
+
+
+def test_what_the_plant_has_already_is_not_fitted_again():
+    """Its values are the machine's; from off it would be another one."""
+    assert list(applicable(Described())) == ["generic_force"]
+    assert applicable(Described().with_effects(PLACED.effect)) == {}
 
 
 def test_nothing_is_described_where_an_effect_is_named():

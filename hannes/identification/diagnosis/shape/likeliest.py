@@ -69,9 +69,14 @@ def _converged(best: Described) -> Described:
 
 
 def applicable(plant: Plant) -> dict[str, Description]:
-    """The generic disturbances that a plant can carry, those of its own among them, by name."""
+    """The generic disturbances that a plant can carry and lacks, its own among them, by name."""
     every = descriptions() | dict(getattr(plant, "generic", {}))
-    return {name: each for name, each in every.items() if not plant.accepts(each.effect)}
+    present = {each.name for each in plant.effects}
+    return {
+        name: each
+        for name, each in every.items()
+        if name not in present and not plant.accepts(each.effect)
+    }
 
 
 def _model(found: SearchResult, known: Sequence[Description]) -> Model:
