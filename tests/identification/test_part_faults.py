@@ -12,11 +12,13 @@ from hannes.identification.diagnosis import effect_search
 from hannes.identification.diagnosis import like_faults as module
 from hannes.identification.diagnosis.like_faults import varied, with_like_faults
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
+from hannes.identification.diagnosis.reservations import ends_reached
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import Trial, near
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.hand.finger_faults import FAULTS
+from hannes.plants.hand.other_settings import other_settings
 from hannes.plants.hand.plant import HandPlant
 from hannes.simulation.catalogue import effects
 from hannes.simulation.hand.hand_file import hand_toml, load_hand
@@ -79,6 +81,28 @@ def test_a_lost_spring_is_named_with_its_finger_and_written_as_its_value(tmp_pat
     (tmp_path / "found.toml").write_text(hand_toml(found.plant), encoding="utf-8")
     hand = load_hand(tmp_path / "found.toml")
     assert hand.parameters["thumb.mcp_spring_stiffness"] == pytest.approx(0.2, abs=0.05)
+
+
+def at_end(space, name, size):
+    """Ends of its range that an effect has reached at a size [SI]."""
+    point = SimpleNamespace(
+        space=space,
+        x=rows(space, **{name: size})[1],
+        model=SimpleNamespace(small=HandPlant()),
+    )
+    return list(ends_reached(point, [name.partition("__")[0]]).values())
+
+
+def test_a_fault_is_at_the_end_of_its_range_unless_nothing_is_left_to_lose(space):
+    assert at_end(space, "index_weak_spring__mcp_lost", 1.0) == []  # the spring is gone
+    assert at_end(space, "index_weak_spring__mcp_lost", -1.0) == ["index weak spring's mcp lost"]
+    low, _ = space.declared("thumb_moved_stop.mcp_angle").bounds
+    assert at_end(space, "thumb_moved_stop__mcp_angle", low) == ["thumb moved stop's mcp angle"]
+    hand = HandPlant()
+    settings = list(other_settings(hand.parameters).values())
+    other = ParameterSpace(hand, [GROUP], Settings(), settings)
+    assert at_end(other, "mounting__along_y", -1.0) == ["mounting's along y"]
+    assert at_end(other, "current_limit__change", -3.9) == ["current limit's change"]
 
 
 def guess(name, delta_chi2=100.0):

@@ -67,15 +67,19 @@ def ends_reached(point: Linearisation, effects: Sequence[str]) -> dict[int, str]
         for each in effect.parameters:
             place = space.place(effect.full_name(each.name))
             value = float(space.parameters[place].value(point.x[place]))
-            if _at_end(each, value) and not _gone(effect, each.name, value):
+            if _at_end(each, value) and not _gone(point, effect, each.name):
                 found[place] = f"{effect.name}'s {each.name}".replace("_", " ")
     return found
 
 
-def _gone(effect: Effect, parameter: str, value: float) -> bool:
-    """Whether a fault has taken all of a share: no more can be lost."""
-    moves = moved_by(effect, parameter)
-    return bool(moves) and all(1.0 + change * value <= 1e-9 for change in moves.values())
+def _gone(point: Linearisation, effect: Effect, parameter: str) -> bool:
+    """Whether a fault has taken all that the machine has of something: no more can be lost."""
+    moved = moved_by(effect, parameter)
+    declared = point.model.small.parameters.declared
+    values = point.space.values(point.x) if moved else {}
+    return bool(moved) and all(
+        min(abs(values[name] - end) for end in declared[name].bounds) <= 1e-9 for name in moved
+    )
 
 
 def _at_end(parameter: Parameter, value: float) -> bool:
