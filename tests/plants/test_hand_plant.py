@@ -12,6 +12,7 @@ from benchmarks.truth.protocol import closures
 from hannes.campaigns.campaign import Entry
 from hannes.control.sensor_noise import gaussian
 from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
 from hannes.core.recording.white_noise import roughness
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import grouped
@@ -198,3 +199,13 @@ def test_effects_on_what_firmware_reads_are_mended_for_its_ticks(name, steps):
     size = np.linalg.norm(by_ticks)
     assert np.linalg.norm(smooth - by_ticks) > 0.4 * size
     assert np.linalg.norm(mended - by_ticks) < 0.1 * size
+
+
+def test_a_noisy_force_sensor_alone_is_no_contact():
+    time, rng = np.arange(500) * 1e-3, np.random.default_rng(0)
+    force = 0.05 * rng.standard_normal((2, time.size)) + [[0.0], [20.0]] * (time > 0.25)
+    units = {"time": "s", "position": "rad", "force": "N"}
+    for values, touched in zip(force, (0.0, 1.0), strict=True):
+        channels = {"time": time, "position": time, "force": values}
+        contact = HandPlant().quantities(Recording(channels, units))["contact"]
+        assert (contact[time > 0.25] == touched).all() and not contact[time <= 0.25].any()

@@ -6,6 +6,7 @@ from hannes.core.recording.recording import Recording
 from hannes.plants.hand.recorded_experiment import experiment_of, motion
 
 TOUCHING = 0.02  # of the largest force, above which something is touched
+LEAST = 1.0  # N, likewise, as for the figures of a grasp: a sensor is noisy where nothing is
 
 
 def quantities(recording: Recording) -> dict[str, np.ndarray]:
@@ -18,7 +19,7 @@ def quantities(recording: Recording) -> dict[str, np.ndarray]:
     for name in ("force", "sensor"):
         if name in recording:
             load = np.abs(recording[name])
-            touched = (load > TOUCHING * max(float(load.max()), 1e-9)).astype(float)
+            touched = (load > max(TOUCHING * float(load.max()), LEAST)).astype(float)
             return {**found, "load": load, "contact": touched}
     if experiment_of(recording).object is None:
         nothing = np.zeros(len(recording))
