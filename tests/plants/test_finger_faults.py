@@ -47,6 +47,18 @@ def test_faults_add_nothing_to_the_equations():
         Hand().with_effects(FAULTS["index_weak_spring"])
 
 
+def test_a_fault_takes_from_what_the_finger_has_for_itself():
+    own = {"index.mcp_spring_stiffness": 0.6, "index.end_mcp": 0.9}
+    known = HandPlant(Hand().with_values(own)).catalogue
+    moves = moved_by(known["index_weak_spring"], "mcp_lost")
+    assert moves == {"index.mcp_spring_stiffness": -0.6, "index.mcp_spring_preload": -1.0}
+    stop = known["index_moved_stop"].parameters[0]
+    travel = 0.9 - Hand().parameters["index.rest_mcp"]
+    assert stop.bounds == (pytest.approx(-0.9 * travel), 0.3)
+    shut = HandPlant(Hand().with_values({"index.end_mcp": -0.5})).catalogue
+    assert shut["index_moved_stop"].parameters[0].bounds[0] == 0.0
+
+
 def test_like_faults_are_those_of_other_fingers():
     known = {**effects(), **FAULTS}
     assert like_faults(known, "ring_moved_stop") == [

@@ -55,3 +55,10 @@ def test_a_setting_is_the_same_in_the_truth(name):
     theirs = changed(NOMINAL, name, size)
     assert all(np.allclose(value, theirs[at]) for at, value in mine.items())
     assert not all(np.allclose(value, NOMINAL[at]) for at, value in mine.items())
+
+
+def test_the_limit_of_a_current_ranges_with_the_one_that_is_stated():
+    for stated, bounds in ((4.0, (-3.9, 20.0)), (1.0, (-0.975, 5.0))):
+        hand = HandPlant(Hand().with_values({"position_pid.limit": stated}))
+        (change,) = hand.catalogue["current_limit"].parameters
+        assert change.bounds == bounds

@@ -1,7 +1,7 @@
 """Faults of one finger, by name: a weak spring, a wire off its pulley, a stiff joint, a moved stop.
 
 Each has an amplitude for the finger's MCP and one for its PIP, and moves what that finger has for
-itself (`[[finger]]` in a hand's file).
+itself (`[[finger]]` in a hand's file): a spring loses a share of what it has there.
 """
 
 from collections.abc import Mapping
@@ -9,17 +9,21 @@ from collections.abc import Mapping
 from hannes.core.effect import Effect
 from hannes.core.parameter import Parameter
 from hannes.plants.part_fault import PartFault
+from hannes.simulation.hand import joint_shares
 from hannes.simulation.hand.anatomy import FINGERS, PARAMETERS
 from hannes.simulation.hand.joint_shares import KINDS
 
-# Quantities of a joint that an amplitude moves -> change of their shares per unit of it.
+# Quantities of a joint that an amplitude moves -> relative change of their shares per unit of it.
 _WEAK = {"spring_stiffness": -1.0, "spring_preload": -1.0}
 _SLIPPED = {"moment_arm": -1.0}
 _STIFF = {"breakaway_friction": 1.0, "coulomb_friction": 1.0, "viscous_friction": 1.0}
 
 
-def _shares(finger: str, kind: str, changes: Mapping[str, float]) -> dict[str, float]:
-    return {f"{finger}.{kind}_{name}": change for name, change in changes.items()}
+def _shares(
+    finger: str, kind: str, changes: Mapping[str, float], values: Mapping[str, float]
+) -> dict[str, float]:
+    names = {f"{finger}.{kind}_{name}": change for name, change in changes.items()}
+    return {name: change * values[name] for name, change in names.items()}
 
 
 def _both(low: float, high: float) -> dict[str, tuple[float, float]]:
@@ -27,13 +31,12 @@ def _both(low: float, high: float) -> dict[str, tuple[float, float]]:
     return dict.fromkeys(KINDS, (low, high))
 
 
-def _travel(finger: str) -> dict[str, tuple[float, float]]:
+def _travel(finger: str, values: Mapping[str, float]) -> dict[str, tuple[float, float]]:
     """A stop may take nine tenths of a joint's travel: beyond, the open hand would rest on it."""
-    values = {each.name: each.value for each in PARAMETERS}
-    return {
-        kind: (-0.9 * (values[f"{finger}.end_{kind}"] - values[f"{finger}.rest_{kind}"]), 0.3)
-        for kind in KINDS
+    travels = {
+        kind: values[f"{finger}.end_{kind}"] - values[f"{finger}.rest_{kind}"] for kind in KINDS
     }
+    return {kind: (-0.9 * max(travel, 0.0), 0.3) for kind, travel in travels.items()}
 
 
 def _fault(
@@ -55,9 +58,9 @@ def _fault(
     return PartFault(name, meaning, equation, source, parameters, (), moves=named, kind=kind)
 
 
-def _of(finger: str) -> tuple[PartFault, ...]:
+def _of(finger: str, values: Mapping[str, float]) -> tuple[PartFault, ...]:
     shares = {
-        what: {kind: _shares(finger, kind, changes) for kind in KINDS}
+        what: {kind: _shares(finger, kind, changes, values) for kind in KINDS}
         for what, changes in (("weak", _WEAK), ("slipped", _SLIPPED), ("stiff", _STIFF))
     }
     return (
@@ -98,10 +101,17 @@ def _of(finger: str) -> tuple[PartFault, ...]:
                 "q_end += angle, at one joint",
                 "geometry of the stop; the paper's ranges of motion",
             ),
-            ("angle", "rad", _travel(finger), "change of the closing stop"),
+            ("angle", "rad", _travel(finger, values), "change of the closing stop"),
             {kind: {f"{finger}.end_{kind}": 1.0} for kind in KINDS},
         ),
     )
 
 
-FAULTS: Mapping[str, Effect] = {each.name: each for finger in FINGERS for each in _of(finger)}
+def faults(values: Mapping[str, float]) -> dict[str, Effect]:
+    """By name; `values`: the hand's parameters as they are stated [SI]."""
+    return {each.name: each for finger in FINGERS for each in _of(finger, values)}
+
+
+FAULTS: Mapping[str, Effect] = faults(
+    {each.name: each.value for each in (*PARAMETERS, *joint_shares.PARAMETERS)}
+)

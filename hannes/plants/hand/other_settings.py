@@ -45,13 +45,14 @@ def _gains(values: Mapping[str, float]) -> PartFault:
     )
 
 
-def _limit() -> PartFault:
+def _limit(values: Mapping[str, float]) -> PartFault:
+    stated = values["position_pid.limit"]
     return PartFault(
         "current_limit",
         "The firmware limits the current at another value than stated.",
         "i_max += change",
         "the paper, section II: the current loop's reference is limited",
-        (_amplitude("change", "A", (-3.9, 20.0), "of the limit"),),
+        (_amplitude("change", "A", (-0.975 * stated, 5.0 * stated), "of the limit"),),
         (),
         moves={"change": {"position_pid.limit": 1.0}},
     )
@@ -59,5 +60,5 @@ def _limit() -> PartFault:
 
 def other_settings(values: Mapping[str, float]) -> dict[str, Effect]:
     """By name; `values`: the hand's parameters as they are stated [SI]."""
-    found = (_mounting(), _gains(values), _limit())
+    found = (_mounting(), _gains(values), _limit(values))
     return {each.name: each for each in found}

@@ -107,7 +107,7 @@ class HandPlant(ByValue):
     @property
     def catalogue(self) -> Mapping[str, Effect]:
         """Faults of one finger, and settings other than stated."""
-        return {**finger_faults.FAULTS, **other_settings(self.parameters)}
+        return {**finger_faults.faults(self.parameters), **other_settings(self.parameters)}
 
     @property
     def free(self) -> Mapping[str, float]:
