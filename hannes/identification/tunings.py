@@ -4,12 +4,12 @@ python -m hannes.identification.tunings
 """
 
 from hannes.identification.calibration.tuning import CALIBRATION
-from hannes.identification.diagnosis.tuning import FIT, NOISE, SEARCH, SHAPE, VERDICT
+from hannes.identification.diagnosis.tuning import FIT, NOISE, PROBABILITY, SEARCH, SHAPE, VERDICT
 from hannes.identification.holdout.tuning import HOLDOUT
 from hannes.identification.tuning_table import markdown
 
 METHODS = {
-    "Diagnosis": (NOISE, FIT, SEARCH, VERDICT, SHAPE),
+    "Diagnosis": (NOISE, FIT, SEARCH, VERDICT, PROBABILITY, SHAPE),
     "Hold-out": (HOLDOUT,),
     "Calibration": (CALIBRATION,),
 }

@@ -7,6 +7,7 @@ from typing import Any
 
 from hannes.core.io.provenance import versions
 from hannes.identification.next_step import NEXT
+from hannes.identification.probability_words import probability_sentence
 from hannes.identification.shape_words import shape_sentence
 
 MOST_MOVED = 5  # parameters in the line of a terminal
@@ -34,6 +35,8 @@ class Verdict:
     its band, `parameters`, and `closes`, the share of the reducible gap; or `why_not`.
     each_explains: of several effects each: the RMS of each channel of unfitted recordings `without`
     it, and the share that it alone `explains` of the reducible gap.
+    probabilities: of the `answer`; that `nothing` is missing, that it is `something_else`, and of
+    `effects`, rows of `effects` and `probability`, best first. Empty where they are not known.
     baseline: `intervals_from`, and `parameters` refitted without any new effect, those moved most
     first: name, of (an object), unit, nominal, value, low, high (95 %), moved (prior deviations).
     """
@@ -61,6 +64,7 @@ class Verdict:
     goes_with: dict[str, Any] = field(default_factory=dict)
     shape: dict[str, Any] = field(default_factory=dict)
     each_explains: dict[str, dict[str, Any]] = field(default_factory=dict)
+    probabilities: dict[str, Any] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=versions)
 
     def __repr__(self) -> str:
@@ -131,6 +135,11 @@ class Verdict:
         return shape_sentence(self.shape)
 
     @property
+    def how_probable(self) -> str:
+        """The probability of the answer, and what else may be; empty where it is not known."""
+        return probability_sentence(self.probabilities, self.verdict, self.effects)
+
+    @property
     def next_step(self) -> str:
         """What to do now."""
         return f"Next: {NEXT[self.verdict]}"
@@ -138,6 +147,7 @@ class Verdict:
     def summary(self) -> str:
         """Some lines for a terminal."""
         lines = [*(f"caution: {each}" for each in self.cautions), self.sentence, self.reason]
+        lines += [self.how_probable] if self.probabilities else []
         lines += [_moved_most(self)] if self.verdict == "recalibrated" and self.baseline else []
         lines += [self.disagreement] if self.disagreement else []
         lines += [*self.patterns, *self.comes_nearest]

@@ -54,6 +54,9 @@ FIELDS = {
     "each_explains": "of several named effects each: the share of the reducible gap that it alone "
     "`explains` on recordings that were not fitted, and the RMS of each channel `without` it, the "
     "machine following",
+    "probabilities": "of the `answer`; that `nothing` is missing, that it is `something_else` (no "
+    "effect of the catalogue), and of `effects`, each a set with its `probability`; empty where "
+    "they are not known",
     "versions": "of the libraries",
 }
 STATUSES = (

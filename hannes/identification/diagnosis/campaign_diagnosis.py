@@ -23,6 +23,7 @@ from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENE
 from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
 from hannes.identification.diagnosis.nearest import nearest
 from hannes.identification.diagnosis.observed_controller import as_recorded
+from hannes.identification.diagnosis.probability import tabled_probabilities
 from hannes.identification.diagnosis.repeat_groups import Channels
 from hannes.identification.diagnosis.run_to_run import disagreement
 from hannes.identification.diagnosis.settings import Settings
@@ -203,6 +204,7 @@ class _Closing:
             nearest=nearest(self.found, decision, self.names),
             goes_with=self.goes_with(stages),
             shape=shape.table if shape else {},
+            probabilities=tabled_probabilities(self.found, decision, self.names),
             each_explains=each_explains(stages, decision, self.found.variance_factor, self.names),
         )
         traces = tuple(

@@ -1,7 +1,8 @@
-"""Every tuning constant of the diagnosis, in one frozen dataclass for each of its five stages."""
+"""Every tuning constant of the diagnosis, in one frozen dataclass for each of its six stages."""
 
 from hannes.identification.diagnosis.tuning.fit import FIT, FitTuning
 from hannes.identification.diagnosis.tuning.noise import NOISE, NoiseTuning
+from hannes.identification.diagnosis.tuning.probability import PROBABILITY, ProbabilityTuning
 from hannes.identification.diagnosis.tuning.search import SEARCH, SearchTuning
 from hannes.identification.diagnosis.tuning.shape import SHAPE, ShapeTuning
 from hannes.identification.diagnosis.tuning.verdict import VERDICT, VerdictTuning
@@ -9,11 +10,13 @@ from hannes.identification.diagnosis.tuning.verdict import VERDICT, VerdictTunin
 __all__ = [
     "FIT",
     "NOISE",
+    "PROBABILITY",
     "SEARCH",
     "SHAPE",
     "VERDICT",
     "FitTuning",
     "NoiseTuning",
+    "ProbabilityTuning",
     "SearchTuning",
     "ShapeTuning",
     "VerdictTuning",

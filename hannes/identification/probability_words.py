@@ -1,0 +1,44 @@
+"""The probability of an answer in words."""
+
+from collections.abc import Mapping
+from typing import Any
+
+SAID = 0.01  # probability from which another explanation is said beside the answer
+MOST = 2  # of these
+
+
+def probability_sentence(found: Mapping[str, Any], verdict: str, named: list[str]) -> str:
+    """`Probability of this answer: 97 % (something else 2 %).`; empty where none is known.
+
+    found: the table of the verdict;  named: its effects
+    """
+    if not found:
+        return ""
+    others = _others(found, verdict, named)[:MOST]
+    beside = ", ".join(f"{what} {_percent(each)}" for what, each in others)
+    rest = f"; else {beside}" if beside else ""
+    return f"Probability of this answer, given these recordings: {_percent(found['answer'])}{rest}."
+
+
+def _others(found: Mapping[str, Any], verdict: str, named: list[str]) -> list[tuple[str, float]]:
+    """What else may be, the likeliest first."""
+    rows = [
+        (" with ".join(name.rpartition(":")[2].replace("_", " ") for name in each["effects"]),
+         each["probability"])
+        for each in found["effects"]
+        if not set(each["effects"]) & set(named)
+    ]  # fmt: skip
+    if verdict not in ("no_gap", "recalibrated"):
+        rows.append(("nothing is missing", found["nothing"]))
+    if verdict not in ("unknown", "named_with_remainder"):
+        rows.append(("something else", found["something_else"]))
+    return sorted((row for row in rows if row[1] >= SAID), key=lambda row: -row[1])
+
+
+def _percent(probability: float) -> str:
+    """`97 %`; never certain."""
+    if probability > 0.99:
+        return "over 99 %"
+    if probability < 0.01:
+        return "under 1 %"
+    return f"{100.0 * probability:.0f} %"
