@@ -9,6 +9,7 @@ import numpy as np
 
 from benchmarks.harness import Row, interval, must_show
 from benchmarks.naming_study.plan import KINDS
+from benchmarks.naming_study.probabilities import probabilities
 from benchmarks.oracle.discriminant import FALSE_ALARM, POWER
 
 Case = dict[str, Any]
@@ -51,7 +52,7 @@ def figures(done: Cases) -> tuple[list[Row], list[Row]]:
     found = [_row(kind.name, of(done, kind.name)) for kind in KINDS if of(done, kind.name)]
     parts: tuple[Callable[[Cases], list[Row]], ...] = (
         singles, closures, empties, outsiders, pairs, closing, sizes, assumed_wrong, next_run,
-        seconds,
+        seconds, probabilities,
     )  # fmt: skip
     every = [row for part in parts for row in part(made)]
     reported = [row for row in every if "holds" not in row]

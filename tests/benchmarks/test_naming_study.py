@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks import naming, study
 from benchmarks.naming_study import draw, frozen, plan, records, score, summary, work
+from benchmarks.naming_study.probabilities import probabilities
 from benchmarks.oracle.shapes import shapes
 from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
 from benchmarks.truth.protocol import RICH, Condition, Protocol
@@ -398,3 +399,15 @@ def test_the_next_run_is_worth_what_it_resolves_beyond_any_run():
     assert found["the same, any run with the suggestion's channels [points]"]["value"] == 0.0
     rows, _ = summary.figures([line(kind, 1, "unknown", verdict="unknown")])
     assert [row["next run proposed"] for row in rows if "next run proposed" in row] == [0]
+
+
+def test_probabilities_are_held_against_what_is_so():
+    rng = np.random.default_rng(0)
+    cases = [
+        {"what": "empty", "outcome": "silent" if rng.uniform() < p else "named", "probability": p}
+        for p in rng.uniform(0.5, 1.0, 2000)
+    ]
+    assert [row["holds"] for row in probabilities(cases)] == [True, True]
+    sure = [{**case, "probability": 1.0} for case in cases]
+    assert [row["holds"] for row in probabilities(sure)] == [False, False]
+    assert probabilities([{**case, "probability": None} for case in cases]) == []

@@ -5,7 +5,8 @@ says nothing about the one at four, and no linear guess leads there. The baselin
 either: it is biased by the missing effect. So such an effect is started in the nominal machine at
 many sizes, and the best of these are refitted. The same is done for effects that the machine's own
 parameters nearly absorb, such as wire compliance, and for the likeliest effects where the baseline
-leaves far too much: several millimetres of slack are beyond any linear guess.
+leaves far too much: several millimetres of slack are beyond any linear guess. An effect
+that promises nothing at any size, all else following, is not started.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,6 +45,8 @@ def global_fits(
         likely = sorted(others, key=lambda name: least[name])[: SEARCH.likely_effects]
         names += [name for name in likely if name not in names]
     names.sort(key=lambda name: least[name])
+    promised = _without(nominal) - SEARCH.name_limit
+    names = [name for name in names if least[name] < promised]
     some = names[: SEARCH.likely_when_lost] if far is others else names
     return _while_near(nominal, baseline, {name: least[name] for name in some}, progress)
 
@@ -155,6 +158,11 @@ def _least(nominal: Linearisation, effects: Sequence[str]) -> dict[str, float]:
         name: float(_left(nominal, name, _sizes(nominal, name)).min(initial=np.inf))
         for name in effects
     }
+
+
+def _without(nominal: Linearisation) -> float:
+    """Chi-squared that would be left without any effect, all else following linearly."""
+    return float(nominal.chi2_at(nominal.x[np.newaxis], following=True)[0])
 
 
 def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:

@@ -36,20 +36,23 @@ def probabilities(found: SearchResult, decision: Decision) -> Probabilities:
 
     decision: an unknown says that no set of effects is believed, whatever it explains
     """
-    trials = _tried(found)
-    best = max([0.0, *(each.delta_chi2 for each in trials.values())])
+    trials, scale = _tried(found), max(1.0, found.variance_factor)
+    gains = {effects: scale * each.delta_chi2 for effects, each in trials.items()}
+    best = max([0.0, *gains.values()])
     temper = 2.0 * max(1.0, PROBABILITY.law_error * best)
-    logs = {NOTHING: math.log(PROBABILITY.nothing)}
-    known = math.log(1.0 - PROBABILITY.nothing - PROBABILITY.something_else)
     count = max(1, len(found.guesses))
-    for effects, trial in trials.items():
-        further = (len(effects) - 1) * math.log(PROBABILITY.further / count)
-        paid = trial.delta_chi2 - PROBABILITY.first_price
-        logs[effects] = known - math.log(count) + further + paid / temper
-        if decision.kind == "unknown":
-            logs[effects] += math.log(PROBABILITY.refused)
-    other = math.log(PROBABILITY.something_else) + _anything(found, best) / temper
-    return _normalised(logs, other)
+    known = (1.0 - PROBABILITY.nothing - PROBABILITY.something_else) / count
+    logs = {NOTHING: math.log(PROBABILITY.nothing)}
+    further = math.log(PROBABILITY.further / count)
+    for effects, gain in gains.items():
+        prior = math.log(known) + (len(effects) - 1) * further
+        logs[effects] = prior + (gain - PROBABILITY.first_price) / temper
+    # Where several effects are found, something else is as much to expect as one of them.
+    several = (len(found.best.effects) - 1) * further if found.best else 0.0
+    other = math.log(PROBABILITY.something_else) + several
+    other += _of_any_shape(found, best, scale) / temper
+    everything = _normalised(logs, other)
+    return _disbelieved(everything) if decision.kind == "unknown" else everything
 
 
 def _tried(found: SearchResult) -> dict[frozenset[str], Trial]:
@@ -65,13 +68,16 @@ def _tried(found: SearchResult) -> dict[frozenset[str], Trial]:
     return tried
 
 
-def _anything(found: SearchResult, best: float) -> float:
-    """What a law of any shape lowers the misfit by, its price paid."""
-    noise = min(1.0, found.variance_factor) * found.bins
-    above = max(best, (found.baseline.chi2 - noise) / found.variance_factor)
-    share = (1.0 - PROBABILITY.law_share) * above
-    generic = found.generic.delta_chi2 if found.generic else 0.0
-    return max(share - PROBABILITY.shape_price, generic - PROBABILITY.shape_price)
+def _of_any_shape(found: SearchResult, best: float, scale: float) -> float:
+    """What a law of any shape lowers chi-squared by, less its price; best: what effects do.
+
+    It takes what these leave above noise, but for what a right law leaves too.
+    """
+    point = found.best.point if found.best else found.baseline
+    left = max(0.0, point.chi2 - found.bins)
+    generic = scale * found.generic.delta_chi2 if found.generic else 0.0
+    whole = max(best + left - PROBABILITY.law_share * best, generic)
+    return whole - PROBABILITY.shape_price
 
 
 def _normalised(logs: Mapping[frozenset[str], float], other: float) -> Probabilities:
@@ -81,6 +87,14 @@ def _normalised(logs: Mapping[frozenset[str], float], other: float) -> Probabili
         {effects: math.exp(each - most) / total for effects, each in logs.items()},
         math.exp(other - most) / total,
     )
+
+
+def _disbelieved(known: Probabilities) -> Probabilities:
+    """The same where no effect is believed: most of what effects have goes to something else."""
+    kept = {e: PROBABILITY.refused * each for e, each in known.effects.items() if e}
+    taken = sum(each for e, each in known.effects.items() if e) - sum(kept.values())
+    nothing = {NOTHING: known.effects[NOTHING]}
+    return Probabilities({**nothing, **kept}, known.something_else + taken)
 
 
 def of_answer(found: SearchResult, decision: Decision, known: Probabilities) -> float:

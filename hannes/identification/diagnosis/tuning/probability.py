@@ -9,27 +9,27 @@ from hannes.identification.tuning_table import DEVELOPMENT, constant
 class ProbabilityTuning:
     """How probable each explanation is before recordings are seen, and what they are worth."""
 
-    nothing: float = constant(0.4, "1", "that nothing is missing, before any recording", "choice")
+    nothing: float = constant(0.45, "1", "that nothing is missing, before any recording", "choice")
     something_else: float = constant(
-        0.15, "1", "likewise, that what is missing is in no catalogue", "choice"
+        0.05, "1", "likewise, that what is missing is in no catalogue", "choice"
     )
     further: float = constant(
         0.3, "1", "likewise, that one more effect is there beside some", "choice"
     )
     first_price: float = constant(
-        4.0, "chi2", "of an effect's first parameter: its size is not known before", DEVELOPMENT
+        5.0, "chi2", "of an effect's first parameter: its size is not known before", DEVELOPMENT
     )
     law_error: float = constant(
-        0.013, "1", "of what is explained: laws err by that, and likelihoods count for less"
+        0.008, "1", "of what is explained: laws err by that, and likelihoods count for less"
     )
     law_share: float = constant(
-        0.03, "1", "of all above noise, that a right law may leave to something else", DEVELOPMENT
+        0.1, "1", "of what is explained, that a right law may leave above noise", DEVELOPMENT
     )
     shape_price: float = constant(
         16.0, "chi2", "of a law of any shape, which explains all above noise", DEVELOPMENT
     )
     refused: float = constant(
-        0.1, "1", "of its weight, that an explanation keeps which is not believed", DEVELOPMENT
+        0.3, "1", "of its probability, that an effect keeps which is not believed", DEVELOPMENT
     )
     beside_power: float = constant(
         8.0,

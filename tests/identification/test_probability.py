@@ -1,0 +1,115 @@
+"""How probable each explanation is, given recordings."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from hannes.identification.diagnosis import probability as module
+from hannes.identification.diagnosis.decision import Decision
+from hannes.identification.diagnosis.probability import probabilities, tabled_probabilities
+from hannes.identification.diagnosis.trials import Joint, SearchResult, Trial
+from hannes.identification.probability_words import probability_sentence
+
+NAMES = {f"other_{k}": f"other_{k}" for k in range(40)} | {
+    name: name for name in ("slack", "ripple", "sag", "lag")
+}
+BINS = 400
+
+
+def found(reductions, left=0.0, **more):
+    """A search of single effects, best first, that leave so much above noise."""
+    point = SimpleNamespace(chi2=BINS + left, residual=SimpleNamespace(size=BINS))
+    baseline = replace_chi2(point, max(reductions.values(), default=0.0))
+    trials = [Trial((name,), point, each) for name, each in reductions.items()]
+    return SearchResult(None, baseline, list(NAMES), trials, None, None, 1.0, **more)
+
+
+def replace_chi2(point, further):
+    return SimpleNamespace(chi2=point.chi2 + further, residual=point.residual)
+
+
+def both(search, reduction):
+    """The same search, with slack and sag together."""
+    return replace(search, joint=Joint(Trial(("slack", "sag"), search.trials[0].point, reduction)))
+
+
+def decided(kind, *effects):
+    return Decision(kind, effects, "", None)
+
+
+def answer(search, decision):
+    return tabled_probabilities(search, decision, NAMES)["answer"]
+
+
+@pytest.mark.parametrize("reductions", [{}, {"slack": 3.0}, {"slack": 900.0, "sag": 880.0}])
+def test_they_sum_to_one(reductions):
+    known = probabilities(found(reductions), decided("named", "slack"))
+    assert sum(known.effects.values()) + known.something_else == pytest.approx(1.0)
+
+
+def test_where_nothing_lowers_the_misfit_nothing_is_missing():
+    assert answer(found({"slack": 1.0, "lag": 0.5}), decided("recalibrated")) > 0.9
+
+
+def test_an_effect_that_explains_all_is_there():
+    assert answer(found({"slack": 2000.0, "lag": 300.0}), decided("named", "slack")) > 0.9
+
+
+def test_two_that_explain_alike_share_what_one_has():
+    search = found({"slack": 2000.0, "lag": 2000.0})
+    assert answer(search, decided("named", "slack")) == pytest.approx(0.5, abs=0.06)
+    assert answer(search, decided("one_of", "slack", "lag")) > 0.9
+
+
+def test_much_that_is_left_is_something_else():
+    search = found({"slack": 2000.0}, left=1000.0)
+    table = tabled_probabilities(search, decided("unknown"), NAMES)
+    assert table["something_else"] == table["answer"] > 0.95
+
+
+def test_an_explanation_that_is_not_believed_counts_for_less():
+    search = found({"slack": 20.0})
+    named = probabilities(search, decided("named", "slack")).effects[frozenset({"slack"})]
+    refused = probabilities(search, decided("unknown")).effects[frozenset({"slack"})]
+    assert refused < named
+
+
+def test_effects_with_a_remainder_are_there_where_they_explain_nearly_all(monkeypatch):
+    search = found({"slack": 2000.0}, left=300.0)
+    answers = []
+    for share in (0.82, 0.97):
+        monkeypatch.setattr(module, "explained_share", lambda *_, share=share: share)
+        answers.append(answer(search, decided("named_with_remainder", "slack")))
+    assert answers[0] < 0.4 < 0.7 < answers[1]
+
+
+def test_several_effects_need_more_than_one_alone():
+    pair = frozenset({"slack", "sag"})
+    likely = [
+        probabilities(both(found({"slack": 100.0}), each), decided("named")).effects[pair]
+        for each in (104.0, 1000.0)
+    ]
+    assert likely[0] < 0.1 < 0.9 < likely[1]
+
+
+def test_a_search_that_was_ended_has_none():
+    assert tabled_probabilities(found({}, ended="at its bound"), decided("unknown"), NAMES) == {}
+
+
+def test_the_sentence_says_what_else_may_be():
+    table = {
+        "answer": 0.93, "nothing": 0.0, "something_else": 0.05,
+        "effects": [{"effects": ["slack"], "probability": 0.93},
+                    {"effects": ["gear_lag"], "probability": 0.02}],
+    }  # fmt: skip
+    assert probability_sentence(table, "named", ["slack"]) == (
+        "Probability of this answer, given these recordings: 93 %; "
+        "else something else 5 %, gear lag 2 %."
+    )
+    assert probability_sentence({}, "unknown", []) == ""
+
+
+def test_no_sentence_is_certain():
+    table = {"answer": 1.0, "nothing": 1.0, "something_else": 0.0, "effects": []}
+    assert probability_sentence(table, "no_gap", []).endswith("over 99 %.")
