@@ -1,6 +1,7 @@
 """Several effects at once: found, pruned, and separated from what could stand in for them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,8 +19,13 @@ from sled import (
 )
 
 from hannes.commands.diagnose import diagnose
-from hannes.identification.diagnosis import effect_removal, effect_search, further_effects
-from hannes.identification.diagnosis.decision import _some_of, _surely_missed
+from hannes.identification.diagnosis import (
+    each_explains,
+    effect_removal,
+    effect_search,
+    further_effects,
+)
+from hannes.identification.diagnosis.decision import Decision, _some_of, _surely_missed
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import wald
 from hannes.identification.diagnosis.joint_starts import entering, lasso_path, started_together
@@ -29,6 +35,7 @@ from hannes.identification.diagnosis.trials import Joint, Trial, joint_rivals
 from hannes.identification.diagnosis.tuning import SEARCH
 
 ALL = {**KNOWN, "gust": GUST}
+FAINT = np.full(10, 0.5)  # noise floors
 HIDDEN = ((HARDENING, 900.0), (TURBULENCE, 2.0), (GUST, 1.0))
 
 
@@ -54,6 +61,19 @@ def test_three_effects_are_all_named_and_each_explains_something(tmp_path):
 
 def test_a_single_effect_has_no_table_of_what_each_explains():
     assert found(1, ((TURBULENCE, 2.0),)).each_explains == {}
+
+
+def test_where_nothing_shows_no_effect_explains_all_of_it(three, monkeypatch):
+    """Below the noise floor before and after: what is lost without one is a share of nothing."""
+    stages = SimpleNamespace(
+        segments=[SimpleNamespace(role="show")], noise_floors={"speed": 1.0},
+        points=(None, None, three.joint.trial.point), raw=lambda stage, role: [{"speed": FAINT}],
+    )  # fmt: skip
+    monkeypatch.setattr(each_explains, "_left", lambda *given: [[{"speed": 1.1 * FAINT}]] * 3)
+    effects = three.joint.trial.effects
+    decision = Decision("named", effects, "", three.joint.trial.point)
+    made = each_explains.each_explains(stages, decision, 1.0, {name: name for name in effects})
+    assert [each["explains"] for each in made.values()] == [0.0, 0.0, 0.0]
 
 
 def test_no_further_effect_is_added_where_two_are_all(three, monkeypatch):

@@ -51,7 +51,8 @@ def each_explains(
 
 
 def _share(part: float, whole: float) -> float:
-    return min(1.0, max(0.0, part / max(whole, 1e-9)))
+    """0 to 1; none where there is nothing to explain."""
+    return min(1.0, max(0.0, part / whole)) if whole > 0.0 else 0.0
 
 
 def _without(point: Linearisation, effect: str) -> np.ndarray:
