@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import shutil
 import subprocess
 import sys
@@ -172,6 +173,21 @@ def test_held_steps_are_refused_for_another_kind_of_machine(servo):
                                (servo, (0.0, 0.0, 0.0), 2e-3)):  # fmt: skip
         with pytest.raises(BadInput, match="cannot run by held steps"):
             plant.run({}, run.time, knots, start, step)
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [("equations.py", "gear", "step"), ("laws.py", "rubbing", "slope")],
+)
+def test_a_function_of_a_name_that_is_taken_is_refused(tmp_path, file, old, new):
+    """It would be replaced in silence: all that runs the equations is one text with them."""
+    for each in EXAMPLE.glob("*.py"):
+        text = each.read_text(encoding="utf-8")
+        if each.name in (file, "equations.py"):
+            text = re.sub(rf"\b{old}\b(?=\(|,)", new, text)
+        (tmp_path / each.name).write_text(text, encoding="utf-8")
+    with pytest.raises(BadInput, match=f"equations.py: {new} is the name of a function"):
+        _ = find_plant("servo:Servo", tmp_path).compiled
 
 
 @pytest.fixture(scope="module")

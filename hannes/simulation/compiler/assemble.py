@@ -36,6 +36,7 @@ from hannes.simulation.compiler.expansion import (
     without_outputs,
 )
 from hannes.simulation.compiler.output_slice import ProgramSlice, guarded
+from hannes.simulation.compiler.own_names import require_own_names
 from hannes.simulation.rodas import source as method
 from hannes.simulation.rodas.linear_algebra import copy_to
 from hannes.simulation.rodas.problem import Problem
@@ -211,7 +212,8 @@ class Compiled:
 def assemble(plant: Equations, effects: Iterable[Effect] = ()) -> Compiled:
     """Compile `plant` with `effects`; the same set is assembled once per process.
 
-    Raises BadInput where an effect does not fit the plant, or its equations read an output.
+    Raises BadInput where an effect does not fit the plant, or its equations read an output or have
+    a function of a name that is taken.
     """
     return _assembled(plant, tuple(effects))
 
@@ -230,6 +232,9 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     text = layouts.expanded(plant.source())
     sizes = layouts.sizes() | {"MEMORY": str(plant.memory)}
     solution, kind = _solution(plant, layouts, text)
+    running = layouts.expanded("".join(map(_functions, solution.modules))) + solution.written
+    running += method.source() + _functions(entries) + plant.entries
+    require_own_names(plant.module, text, running + _functions(observed))
     names = _names(plant, solution.modules, effects)
     origin = module_cache.fingerprint(names)
     needed = ProgramSlice.of(text, layouts.out)
@@ -237,9 +242,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     seen = module_cache.module(
         "observed", guarded(text) + _functions(observed), names, origin, sizes
     )
-    solved = "".join(map(_functions, solution.modules))
-    quick = without_outputs(text) + layouts.expanded(solved) + solution.written
-    quick += method.source() + _functions(entries) + plant.entries
+    quick = without_outputs(text) + running
     names |= {name: value for name, value in vars(entries).items() if name.isupper()}
     names["fill_outputs"] = seen.fill_outputs
     origin += seen.__name__
