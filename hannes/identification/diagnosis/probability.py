@@ -106,7 +106,8 @@ def of_answer(found: SearchResult, decision: Decision, known: Probabilities) -> 
     if decision.kind in ("no_gap", "recalibrated"):
         return known.effects[NOTHING]
     if decision.kind == "one_of":
-        return sum(known.effects.get(frozenset({name}), 0.0) for name in named)
+        # A set has another order in each process: added up exactly, every one gives the same bits.
+        return math.fsum(known.effects.get(frozenset({name}), 0.0) for name in named)
     if decision.kind == "named":
         return known.effects.get(named, 0.0)
     if decision.kind == "named_with_remainder":
