@@ -20,18 +20,8 @@ env:  ## the environment in .venv, up to date: what hannes itself needs
 env-test:  ## the same with what its tests and benchmarks need
 	@sh tools/bootstrap.sh test
 
-run: env  ## the paper's experiments and a first diagnosis: pages in results/
-	$(bin)/python -m benchmarks.truth.closures --out results/closures --slack "3 mm" --runs 6 --seed 1
-	$(bin)/hannes diagnose results/closures/campaign.toml --out results/hidden-slack
-	$(bin)/python -m benchmarks.truth.closures --out results/taut-closures --slack none --runs 6 --seed 1
-	$(bin)/hannes diagnose results/taut-closures/campaign.toml --out results/no-slack
-	$(bin)/python -m benchmarks.truth.objects --out results/ten-objects --grasps 10 --seed 1
-	$(bin)/hannes dataset large --out results/large.h5
-	$(bin)/hannes train results/large.h5 --out results/large-model.h5
-	$(bin)/hannes evaluate results/large-model.h5 results/ten-objects/evaluation.toml --out results/rigid-or-soft \
-	    --learning-curve results/large.h5 --baselines results/large.h5
-	$(bin)/hannes reproduce --out results/reproduce --slack results/hidden-slack --taut results/no-slack \
-	    --recognition results/rigid-or-soft
+run: env  ## a first diagnosis, the paper's experiments, recognition: pages in results/
+	$(bin)/python -m tools.first_run
 
 test: lint  ## format, lint, types, direction of imports, the quick tests on all cores
 	$(bin)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow"
