@@ -35,14 +35,8 @@ def one(name: str) -> None:
     simulate(variant.hand, variant.experiment).require()["force"]
 
 
-def hand() -> None:
-    """Both ways."""
-    many(Hand())
-    one("dynamometer")
-
-
 MODELS: dict[str, Callable[[], None]] = {
-    "hand": hand,
+    "hand": lambda: many(Hand()),
     "catalogue": lambda: many(catalogue()),
     "floating": lambda: one("floating-cylinder"),
     "large": lambda: many(load_spec("large").hand),

@@ -61,6 +61,12 @@ def test_no_call_within_a_grasp_hands_on_more_than_16_words(by_address):
     assert not [call for call in found if call.counts_references]
 
 
+def test_long_functions_are_called_not_written_out_again(by_address):
+    made, _ = by_address
+    found = {(call.caller, call.callee) for call in calls(made)}
+    assert found >= {("grasp", "advance"), ("advance", "equations"), ("first_step", "equations")}
+
+
 @routine
 def weighted(a, b, c, k):
     """Three arrays at once, and a number."""

@@ -84,8 +84,12 @@ def inner(function: Callable[..., Any]) -> Any:
 
 
 def routine(function: Callable[..., Any]) -> Any:
-    """Like `inner` for a function that stays one, long and called from several places."""
-    return numba.njit(**_within(_nrt=False))(function)
+    """Like `inner` for a function that stays one, long and called from several places.
+
+    That has to be said: numba else hands on to a function what its caller asks for itself. All of a
+    model then becomes one function, which takes twice as long to compile.
+    """
+    return numba.njit(**_within(forceinline=False, _nrt=False))(function)
 
 
 def provider(function: Callable[..., Any]) -> Any:

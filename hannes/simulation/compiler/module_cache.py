@@ -22,8 +22,7 @@ from hannes.simulation.compiler.calling import by_address
 # Functions that Python calls, and long ones that compiled code calls from several places.
 OPEN = "rates|jacobian|differences|tick|steps_on|ticks_on|look_up|grasps|observe|held_steps"
 CLOSED = (
-    "equations|linearise|decompose|resolve|sample|"
-    "joints|contact|press|inertia|factor_border|advance|advance_tick|first_step|sample_pieces|"
+    "equations|resolve|contact|advance|advance_tick|first_step|sample_pieces|"
     "fill_jacobian|step_on|tick_on|reading_age|grasp"
 )
 PROVIDING = "fill_outputs"  # what allocates
