@@ -37,22 +37,41 @@ def probabilities(found: SearchResult, decision: Decision) -> Probabilities:
     decision: an unknown says that no set of effects is believed, whatever it explains
     """
     trials, scale = _tried(found), max(1.0, found.variance_factor)
-    gains = {effects: scale * each.delta_chi2 for effects, each in trials.items()}
-    best = max([0.0, *gains.values()])
-    temper = 2.0 * max(1.0, PROBABILITY.law_error * best)
+    price = PROBABILITY.first_price
+    gains = {effects: scale * each.delta_chi2 - price for effects, each in trials.items()}
+    gains[NOTHING] = 0.0
+    best = max(gains, key=lambda effects: gains[effects])
     count = max(1, len(found.guesses))
-    known = (1.0 - PROBABILITY.nothing - PROBABILITY.something_else) / count
-    logs = {NOTHING: math.log(PROBABILITY.nothing)}
-    further = math.log(PROBABILITY.further / count)
-    for effects, gain in gains.items():
-        prior = math.log(known) + (len(effects) - 1) * further
-        logs[effects] = prior + (gain - PROBABILITY.first_price) / temper
+    logs = {
+        effects: math.log(_expected(effects, count))
+        + (gain - gains[best]) / _temper(_apart(found, best, effects) * scale)
+        for effects, gain in gains.items()
+    }
     # Where several effects are found, something else is as much to expect as one of them.
-    several = (len(found.best.effects) - 1) * further if found.best else 0.0
-    other = math.log(PROBABILITY.something_else) + several
-    other += _of_any_shape(found, best, scale) / temper
-    everything = _normalised(logs, other)
+    several = _expected(best, count) / _expected(frozenset(sorted(best)[:1]), count)
+    more = (_of_any_shape(found, scale) - gains[best]) / _temper(gains[best] + price)
+    everything = _normalised(logs, math.log(PROBABILITY.something_else * several) + more)
     return _disbelieved(everything) if decision.kind == "unknown" else everything
+
+
+def _expected(effects: frozenset[str], count: int) -> float:
+    """Probability of a set of effects before any recording, in a catalogue of so many."""
+    if not effects:
+        return PROBABILITY.nothing
+    one = (1.0 - PROBABILITY.nothing - PROBABILITY.something_else) / count
+    return one * (PROBABILITY.further / count) ** (len(effects) - 1)
+
+
+def _apart(found: SearchResult, best: frozenset[str], effects: frozenset[str]) -> float:
+    """What those of the best effects explain that another set lacks."""
+    losses = found.joint.losses if found.joint else {}
+    whole = found.best.delta_chi2 if found.best else 0.0
+    return sum(max(0.0, losses.get(name, whole)) for name in sorted(best - effects))
+
+
+def _temper(explained: float) -> float:
+    """By what differences count, as laws err by a share of what they explain; 2 where by none."""
+    return 2.0 * max(1.0, PROBABILITY.law_error * explained)
 
 
 def _tried(found: SearchResult) -> dict[frozenset[str], Trial]:
@@ -68,12 +87,13 @@ def _tried(found: SearchResult) -> dict[frozenset[str], Trial]:
     return tried
 
 
-def _of_any_shape(found: SearchResult, best: float, scale: float) -> float:
-    """What a law of any shape lowers chi-squared by, less its price; best: what effects do.
+def _of_any_shape(found: SearchResult, scale: float) -> float:
+    """What a law of any shape lowers chi-squared by, less its price.
 
-    It takes what these leave above noise, but for what a right law leaves too.
+    It takes what the best effects do and leave above noise, but for what a right law leaves too.
     """
     point = found.best.point if found.best else found.baseline
+    best = scale * max(0.0, found.best.delta_chi2) if found.best else 0.0
     left = max(0.0, point.chi2 - found.bins)
     generic = scale * found.generic.delta_chi2 if found.generic else 0.0
     whole = max(best + left - PROBABILITY.law_share * best, generic)
