@@ -111,6 +111,18 @@ def test_what_a_set_of_others_lacks_is_left_out_in_one_order(three, monkeypatch)
     assert asked == list(joint.trial.effects)
 
 
+def test_a_set_that_leaves_less_takes_the_place_of_the_joint_one(three, monkeypatch):
+    joint, silent = three.joint, lambda text: None
+    worse = replace(joint.trial, delta_chi2=joint.trial.delta_chi2 - 40.0)
+    other = replace(joint, trial=worse, losses={}, without={}, others=(joint.trial,))
+    monkeypatch.setattr(effect_removal, "screened", lambda point, names: [])
+    said = effect_removal.with_rivals(replace(three, joint=other), silent).joint
+    assert said.trial.effects == joint.trial.effects
+    assert said.trial.delta_chi2 == joint.trial.delta_chi2
+    assert [each.delta_chi2 for each in said.others] == [worse.delta_chi2]
+    assert said.losses
+
+
 def test_a_lasso_path_without_correlation_is_soft_thresholding():
     gradient, curvature = np.array([3.0, -2.0, 0.5]), np.array([1.0, 4.0, 0.25])
     low, high = np.full(3, -10.0), np.array([10.0, 10.0, 0.3])

@@ -86,11 +86,38 @@ def left_out(found: SearchResult, joint: Trial, name: str, progress: Progress) -
 def with_rivals(found: SearchResult, progress: Progress) -> SearchResult:
     """The result with what could stand in for each of several effects, refitted in its place.
 
-    Of a generic disturbance a linear prediction says whether it could.
+    A set that leaves less takes the place of the joint one. Of a generic disturbance a linear
+    prediction says whether it could stand in.
     """
     joint = found.joint
     if joint is None:
         return found
+    joint = _all_stand_ins(found, joint, progress)
+    if (better := _promoted(found, joint, progress)) is not None:
+        return with_rivals(replace(found, joint=better), progress)
+    for rival in joint_rivals(joint):
+        for name in joint.trial.effects:
+            if name not in rival.effects:
+                joint = _known_without(found, joint, name, progress)
+    for name in joint.replaceable:
+        joint = _known_without(found, joint, name, progress)
+    return replace(found, joint=joint)
+
+
+def _promoted(found: SearchResult, joint: Joint, progress: Progress) -> Joint | None:
+    """A set that leaves less than the joint one, which is its rival then; None where none does."""
+    best = max(joint.others, key=lambda each: each.delta_chi2, default=None)
+    least = joint.trial.delta_chi2 + SEARCH.deeper
+    if best is None or best.delta_chi2 <= least:
+        return None
+    others = (*(each for each in joint.others if each is not best), joint.trial)
+    pruned = pruned_effects(found, Joint(best, others=others), progress)
+    several = len(pruned.trial.effects) > 1 and pruned.trial.delta_chi2 > least
+    return pruned if several else None
+
+
+def _all_stand_ins(found: SearchResult, joint: Joint, progress: Progress) -> Joint:
+    """The joint effects with what may stand in for each of them."""
     point, names = joint.trial.point, list(found.baseline.space.effects)
     guesses = screened(point, [name for name in names if name not in joint.trial.effects])
     for name in joint.trial.effects:
@@ -104,13 +131,7 @@ def with_rivals(found: SearchResult, progress: Progress) -> SearchResult:
                 and each.delta_chi2 > SEARCH.stand_in_share * missed]  # fmt: skip
         near.sort(key=lambda each: -each.delta_chi2)
         joint = _with_stand_ins(found, joint, name, near[: SEARCH.stand_ins], progress)
-    for rival in joint_rivals(joint):
-        for name in joint.trial.effects:
-            if name not in rival.effects:
-                joint = _known_without(found, joint, name, progress)
-    for name in joint.replaceable:
-        joint = _known_without(found, joint, name, progress)
-    return replace(found, joint=joint)
+    return joint
 
 
 def _with_stand_ins(
