@@ -16,7 +16,7 @@ class SearchTuning:
         COST,
     )
     needed_runs: float = constant(
-        60.0, "weighted runs", "of each command that every verdict needs, whatever was spent", COST
+        130.0, "weighted runs", "of each command that every verdict needs, whatever was spent", COST
     )
     needed_per_parameter: float = constant(
         6.0, "runs", "likewise, for each uncertain parameter of the machine", COST
