@@ -91,7 +91,8 @@ def held(found: Diagnosis, fresh: Sequence[Segment]) -> dict[str, Any]:
     shown = [each for each in fresh if each in one.values()]
     model = details.found.baseline.model
     places = np.array([each.x for each in details.stages.points])
-    made = simulated(model, [each.entry for each in shown], places)
+    with model.work.in_any_case():  # also where the diagnosis was ended at its bound
+        made = simulated(model, [each.entry for each in shown], places)
     names = list(found.noise_floors)
     raws = [left(shown, [each[k] or {} for each in made], names) for k in range(len(places))]
     worse, rows = [], []
