@@ -106,7 +106,7 @@ def _searched(
 ) -> SearchResult:
     """Single effects beside a baseline: screened, the best refitted; known: global fits."""
     progress("a look at every effect")
-    every = screened(baseline, list(baseline.space.effects))
+    every = screened(baseline, list(baseline.space.effects), SEARCH.near_sizes)
     guesses = [each for each in every if each.effect not in GENERIC]
     names = [each.effect for each in guesses]
     likely = [guess for guess in _shortlist(baseline, guesses) if guess.delta_chi2 > SEARCH.faint]

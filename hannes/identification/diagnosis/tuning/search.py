@@ -102,6 +102,12 @@ class SearchTuning:
         "of a screening for large effects",
         COST,
     )
+    near_sizes: tuple[float, ...] = constant(
+        (1.0, 0.2),
+        "steps",
+        "of a screening beside a baseline: with contacts a larger one may be another signature",
+        DEVELOPMENT,
+    )
     fault_sizes: tuple[float, ...] = constant(
         (1.0, 8.0, 25.0, -8.0, -25.0), "steps", "the same of faults of like parts", COST
     )
