@@ -16,6 +16,7 @@ from hannes.campaigns.segments import Segment
 from hannes.plants.protocol import Plant
 
 LEVEL = 0.01  # one-sided, over all channels together
+FALL_LEVEL = 0.05  # the same of a fall: what is right must seldom miss it
 WIDE = 6.0  # standard deviations: a quantile beyond it sees only gross changes
 SURELY = 2.33  # standard deviations: what is right would be missed once in a hundred
 ASSUMED = 1000.0  # degrees of freedom where a run has no repeats
@@ -29,7 +30,8 @@ class GapChange:
 
     rise:     sum of squares after less before;  expected: were the simulation after it right
     spread:   standard deviation of the rise from run to run
-    quantile: of its distribution, in such standard deviations, at the level
+    quantile: of its distribution, in such standard deviations, at the level of a rise
+    fall_quantile: the same at the level of a fall
     """
 
     channel: str
@@ -40,6 +42,7 @@ class GapChange:
     expected: float
     spread: float
     quantile: float
+    fall_quantile: float
 
     @property
     def worse(self) -> bool:
@@ -49,7 +52,7 @@ class GapChange:
     @property
     def better(self) -> bool:
         """Whether it falls beyond chance."""
-        return self.rise < -self.quantile * self.spread
+        return self.rise < -self.fall_quantile * self.spread
 
     @property
     def could_show(self) -> bool:
@@ -78,9 +81,9 @@ def gap_changes(
     names = [n for n in plant.judged if any(n in each for each in before)]
     if not unfitted:
         return []
-    level = LEVEL / len(names) if names else LEVEL
+    count = max(1, len(names))
     return [
-        _change(plant, segments, unfitted, (before, after), name, noise_floors[name], level)
+        _change(plant, segments, unfitted, (before, after), name, noise_floors[name], count)
         for name in names
     ]
 
@@ -92,13 +95,14 @@ def _change(
     raws: tuple[Raw, Raw],
     name: str,
     noise_floor: float,
-    level: float,
+    count: int,
 ) -> GapChange:
     from scipy.stats import t
 
     pairs = [(s, b[name], a[name]) for s, b, a in zip(unfitted, *raws, strict=True)
              if name in b]  # fmt: skip
     chances = _chances(plant, segments, pairs, name, noise_floor)
+    freedom = _freedom(chances)
     old, new = (np.concatenate([pair[k] for pair in pairs]) for k in (1, 2))
     return GapChange(
         name,
@@ -108,7 +112,7 @@ def _change(
         float(new @ new - old @ old),
         -float((new - old) @ (new - old)),
         float(np.sqrt(sum(variance for variance, _ in chances))),
-        float(t.ppf(1.0 - level, _freedom(chances))),
+        *(float(t.ppf(1.0 - level / count, freedom)) for level in (LEVEL, FALL_LEVEL)),
     )
 
 

@@ -19,13 +19,14 @@ from sled import (
 )
 
 from hannes.commands.diagnose import diagnose
+from hannes.identification.diagnosis import decision as decision_module
 from hannes.identification.diagnosis import (
     each_explains,
     effect_removal,
     effect_search,
     further_effects,
 )
-from hannes.identification.diagnosis.decision import Decision, _some_of, _surely_missed
+from hannes.identification.diagnosis.decision import Decision, _best_alone, _some_of, _surely_missed
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import wald
 from hannes.identification.diagnosis.joint_starts import entering, lasso_path, started_together
@@ -239,6 +240,19 @@ def test_what_explains_not_much_more_than_what_is_left_is_not_named(
     joint = _joint(three.baseline, a=800.0, b=300.0, c=60.0)
     decision = _surely_missed(replace(three, trials=[]), joint, explained, "reason")
     assert (decision.kind, decision.effects) == (kind, effects)
+
+
+@pytest.mark.parametrize(("share", "kind"), [(0.93, "named_with_remainder"), (0.7, "unknown")])
+def test_where_several_do_not_stand_together_the_best_may_alone(three, monkeypatch, share, kind):
+    joint, alone = _joint(a=800.0, b=300.0), Trial(("a",), three.trials[0].point, 1000.0)
+    monkeypatch.setattr(decision_module, "explained_share", lambda *_: share)
+    monkeypatch.setattr(decision_module, "doubt_about", lambda *_: "")
+    for trials in ([alone], [replace(alone, effects=("c",))]):
+        some = replace(three, trials=trials, joint=joint)
+        said = _best_alone(some, joint.trial, "reason")
+        stands = kind != "unknown" and trials == [alone]
+        assert said.kind == (kind if stands else "unknown")
+        assert said.effects == (("a",) if stands else ())
 
 
 def test_what_a_generic_disturbance_may_do_too_is_not_named(three):

@@ -7,7 +7,14 @@ from sled import TIMES, UNITS, Sled
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment
 from hannes.core.recording.recording import Recording
-from hannes.identification.gap_change import LEVEL, _freedom, gap_changes
+from hannes.identification.gap_change import (
+    FALL_LEVEL,
+    LEVEL,
+    GapChange,
+    _freedom,
+    gap_changes,
+    refusal,
+)
 
 SHAPE = np.sin(5.0 * TIMES)
 FLOORS = {"position": 0.01, "speed": 0.1}
@@ -29,8 +36,8 @@ def runs(rng, condition, fitted, shown, spread):
     return made
 
 
-def called_worse(seed, conditions):
-    """Whether the second of two simulations that are as near to the truth is called worse.
+def called(seed, conditions):
+    """Whether the second of two simulations as near to the truth is called worse, and better.
 
     Both are off from the mean of the runs fitted by as much, one way and the other.
     """
@@ -50,7 +57,7 @@ def called_worse(seed, conditions):
     segments = [each for some in sets for each in some]
     shown = [each for each in segments if each.role == "show"]
     position, _ = gap_changes(Sled(), segments, shown, *raws, FLOORS)
-    return position.worse
+    return position.worse, position.better
 
 
 @pytest.mark.parametrize(
@@ -61,8 +68,17 @@ def called_worse(seed, conditions):
     ],
 )
 def test_what_is_not_worse_is_rarely_called_so(conditions):
-    called = [called_worse(seed, conditions) for seed in range(600)]
-    assert np.mean(called) <= 2.5 * LEVEL
+    worse, better = np.mean([called(seed, conditions) for seed in range(600)], axis=0)
+    assert worse <= 2.5 * LEVEL
+    assert better <= 2.5 * FALL_LEVEL
+
+
+def test_a_name_whose_gaps_fall_by_what_chance_seldom_gives_is_not_refused():
+    """As position and force of six repeats: three and a half deviations, where it would show."""
+    fall = GapChange("position", "rad", 0.025, 0.005, -1.4, -3.0, 0.39, 4.77, 3.16)
+    assert refusal([fall]) == ""
+    little = GapChange("position", "rad", 0.025, 0.024, -0.4, -3.0, 0.39, 4.77, 3.16)
+    assert "no gap falls" in refusal([little])
 
 
 def test_freedom_is_that_of_the_command_that_decides():

@@ -180,12 +180,27 @@ def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
     """The decision where something more than a trial is indicated."""
     explained = explained_share(found, trial)
     if explained < VERDICT.explained_share:
-        return Decision("unknown", (), reason, found.baseline)
+        return _best_alone(found, trial, reason)
     if found.joint:
         return _surely_missed(found, found.joint, explained, reason)
     if near(trial, found.trials):
         return Decision("unknown", (), reason, found.baseline)
     return Decision("named_with_remainder", trial.effects, reason, trial.point)
+
+
+def _best_alone(found: SearchResult, trial: Trial, reason: str) -> Decision:
+    """Of several effects that do not stand together the best one, where it does by itself."""
+    alone = found.trials[0]
+    stands = (
+        found.joint is not None
+        and set(alone.effects) <= set(trial.effects)
+        and explained_share(found, alone) >= VERDICT.explained_share
+        and not near(alone, found.trials)
+        and not doubt_about(found, alone)
+    )
+    if not stands:
+        return Decision("unknown", (), reason, found.baseline)
+    return Decision("named_with_remainder", alone.effects, reason, alone.point)
 
 
 def _surely_missed(found: SearchResult, joint: Joint, explained: float, reason: str) -> Decision:
