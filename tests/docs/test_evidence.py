@@ -63,7 +63,9 @@ def test_tests_that_are_named_exist():
 
 
 def test_the_record_that_the_study_prints_is_there():
-    (record,) = re.findall(r"benchmarks/records/[\w.-]+", EVIDENCE.read_text(encoding="utf-8"))
+    (record,) = re.findall(
+        r"benchmarks/records/naming[\w.-]+", EVIDENCE.read_text(encoding="utf-8")
+    )
     assert (ROOT / record).is_file()
 
 
@@ -81,7 +83,7 @@ def test_the_table_of_the_naming_study_is_what_its_command_prints():
     """Row by row: figure, interval, number of cases and bound, to the digits of the page."""
     from benchmarks.naming_study import records, summary
 
-    (record,) = re.findall(r"benchmarks/records/[\w.-]+", text(EVIDENCE))
+    (record,) = re.findall(r"benchmarks/records/naming[\w.-]+", text(EVIDENCE))
     _, printed = summary.figures(list(records.read(ROOT / record)))
     (rows,) = (rows for _, rows, _ in tables(EVIDENCE) if rows[0][0].strip() == "489 cases")
     for row, shown in zip(printed, rows[2:], strict=True):
@@ -95,3 +97,16 @@ def test_the_table_of_the_naming_study_is_what_its_command_prints():
         for number, value in zip(numbers, known, strict=True):
             digits = len(number.partition(".")[2])
             assert abs(float(number) - scale * value) <= 0.51 * 10.0**-digits, name
+
+
+def test_the_table_of_few_runs_is_what_its_command_prints():
+    from benchmarks import study
+    from benchmarks.few.summary import figures
+
+    (record,) = set(re.findall(r"benchmarks/records/few[\w.-]+", text(EVIDENCE)))
+    _, printed = figures(list(study.read(ROOT / record)))
+    (rows,) = (r for _, r, _ in tables(EVIDENCE) if r[0][0].strip().startswith("400 calibrations"))
+    for row, (_, figure, _) in zip(printed, rows[2:], strict=True):
+        number = re.findall(r"\d+(?:\.\d+)?", figure)[0]
+        digits = len(number.partition(".")[2])
+        assert f"{100.0 * row['value']:.{digits}f}" == number, row["name"]
