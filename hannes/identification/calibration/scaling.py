@@ -12,12 +12,14 @@ from hannes.identification.calibration.settings import Plan
 class Scales:
     """x = (value - nominal) / scale; bounds and priors of x, shapes (p,).
 
+    `bounds` [SI], shape (p, 2): x rounds, and a value on its bound would leave it by the last bit.
     `prior` is one over the standard deviation of x before any recording.
     """
 
     names: tuple[str, ...]
     nominal: np.ndarray
     scale: np.ndarray
+    bounds: np.ndarray
     low: np.ndarray
     high: np.ndarray
     prior: np.ndarray
@@ -30,11 +32,9 @@ class Scales:
         bounds = np.array([plan.bounds[name] for name in plan.names])
         low, high = (bounds - at[:, np.newaxis]).T / scale
         spread = np.array([plan.spread[name] for name in plan.names])
-        return cls(plan.names, at, scale, low, high, scale / spread)
+        return cls(plan.names, at, scale, bounds, low, high, scale / spread)
 
     def values(self, x: np.ndarray) -> dict[str, float]:
         """SI values by name, inside the bounds to the last bit."""
-        inside = np.clip(x, self.low, self.high)
-        values = self.nominal + inside * self.scale
-        edges = self.nominal + np.array([self.low, self.high]) * self.scale
-        return dict(zip(self.names, np.clip(values, *edges).tolist(), strict=True))
+        values = np.clip(self.nominal + x * self.scale, *self.bounds.T)
+        return dict(zip(self.names, values.tolist(), strict=True))
