@@ -20,7 +20,11 @@ KINDS = {
 }  # fmt: skip
 EPOCHS = ((1e9, 4e9, "s"), (1e12, 4e12, "ms"), (1e15, 4e15, "us"), (1e18, 4e18, "ns"))
 QUICKEST, SLOWEST = 5e-5, 0.05  # s between samples of a log, as far as a clock is guessed
-LABELS = ("trial", "run", "rep", "repeat", "episode", "episode_index", "cycle", "grasp", "label")
+LABELS = (
+    *("trial", "run", "rep", "repeat", "episode", "episode_index", "cycle", "grasp", "label"),
+    *("versuch", "lauf", "durchgang", "messung", "essai", "prova", "ensayo"),
+)
+NUMBERED = re.compile(r"[^\W\d_]+[ _-]?\d+")  # a word with its number: V1, trial_2
 
 
 @dataclass(frozen=True)
@@ -109,15 +113,17 @@ def _clock_unit(values: FloatArray) -> str:
 
 
 def label_column(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A column that numbers or names runs: a known name, and few changes of value."""
+    """A column that numbers or names runs: a known name, or words with numbers; few changes.
+
+    The beginning of a log may hold its first run alone: then nothing changes there.
+    """
     for place, name in enumerate(names):
-        words, _ = split_name(name)
-        if not set(words) & set(LABELS):
-            continue
         cells = [row[place] for row in rows if place < len(row) and row[place]]
-        changes = sum(a != b for a, b in pairwise(cells))
-        if (cells and 0 < changes < max(len(cells) // 4, 2)) or (
-            cells and len(cells) < len(rows) / 4
-        ):
-            return name
+        words, _ = split_name(name)
+        known = bool(set(words) & set(LABELS))
+        if cells and (known or all(map(NUMBERED.fullmatch, cells))):
+            changes = sum(a != b for a, b in pairwise(cells))
+            few = changes < max(len(cells) // 4, 2)
+            if few or (known and len(cells) < len(rows) / 4):
+                return name
     return ""
