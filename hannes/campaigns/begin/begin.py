@@ -98,7 +98,10 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
     if layout is not None:
         for path in paths[1:]:
             if text_layout(path).names != layout.names:
-                raise BadInput(f"{path}: has other columns than {first.name}; begin with it alone")
+                raise BadInput(
+                    f"{path}: has other columns than {first.name}; begin with it alone, or, where "
+                    "it belongs to the same runs, name it in the mapping under [files.NAME]"
+                )
     return made
 
 

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 WORDS = {
     "time": (
         "time", "t", "timestamp", "stamp", "ts", "tstamp", "millis", "micros", "clock", "x_value",
-        "realtime", "elapsed", "epoch", "utc", "datetime",
+        "realtime", "elapsed", "epoch", "utc", "datetime", "tick", "ticks",
         "zeit", "zeitstempel", "uhrzeit", "temps", "horodatage", "tempo", "tiempo",
     ),
     "reference": (
-        "reference", "ref", "goal", "target", "setpoint", "set", "command", "cmd", "desired", "des",
-        "commanded", "action", "sp",
+        "reference", "ref", "goal", "target", "tgt", "setpoint", "set", "command", "cmd", "desired",
+        "des", "commanded", "action", "sp",
         "soll", "sollwert", "fuhrungsgrosse", "vorgabe", "ziel", "zielwert",
         "consigne", "cible", "commande", "riferimento", "comando",
         "referencia", "consigna", "objetivo",

@@ -83,6 +83,8 @@ def _guess(seen: Seen, known: Sequence[str]) -> Guess | None:
     channel, score = max(found.items(), key=lambda pair: pair[1])
     if found.get("reference", 0.0) >= 0.5 and channel == "position":
         channel, score = "reference", found["reference"]  # "goal position" is a command
+    if score <= 0.0 and unit in KINDS["time"] and _increases(seen):
+        return Guess(seen.column, "time", unit, f"it increases, in {unit}", False)
     if score <= 0.0:
         return None
     if unit not in ("", "counts") and unit not in KINDS.get(channel, (unit,)):
@@ -94,6 +96,11 @@ def _guess(seen: Seen, known: Sequence[str]) -> Guess | None:
         unit = _epoch(seen.values) or _clock_unit(seen.values)
     why = f'its name "{seen.name}"'
     return Guess(seen.column, channel, unit, why, score >= 1.0 and bool(unit))
+
+
+def _increases(seen: Seen) -> bool:
+    """Whether a column goes up from row to row, as a clock under another name does."""
+    return seen.values is not None and bool(np.all(np.diff(seen.values) > 0.0))
 
 
 def _epoch(values: FloatArray) -> str:
