@@ -15,11 +15,12 @@ from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.reservations import ends_reached
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.settings import Settings
-from hannes.identification.diagnosis.trials import Trial, near
+from hannes.identification.diagnosis.trials import Trial, near, priced
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.hand.finger_faults import FAULTS
 from hannes.plants.hand.other_settings import other_settings
 from hannes.plants.hand.plant import HandPlant
+from hannes.plants.part_fault import PartFault
 from hannes.simulation.catalogue import effects
 from hannes.simulation.hand.hand_file import hand_toml, load_hand
 
@@ -174,3 +175,16 @@ def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
     }
     assert converged == [101.0, 99.5]  # the others are far from as good
     assert with_like_faults(baseline, {"capstan": fits}, "capstan", print) == {"capstan": fits}
+
+
+def test_a_fault_of_one_of_like_parts_costs_more_than_a_law():
+    """Twenty are tried: chance gives the best of them more than it gives one law."""
+    law = SimpleNamespace()
+    fault = PartFault("index_worn", "", "", "", (), (), kind="worn")
+    reductions = []
+    for name, effect in (("slack", law), ("index_worn", fault)):
+        space = SimpleNamespace(effects={name: effect})
+        point = SimpleNamespace(chi2=70.0, active=np.arange(4), space=space)
+        baseline = SimpleNamespace(chi2=100.0, active=np.arange(3))
+        reductions.append(priced(baseline, Trial((name,), point, 0.0), 1.0).delta_chi2)
+    assert reductions == [30.0, 30.0 - SEARCH.fault_price]

@@ -12,7 +12,7 @@ from hannes.identification.diagnosis.noise_scale import (
 )
 from hannes.identification.diagnosis.score_test import Guess, cosine_similarity
 from hannes.identification.diagnosis.tuning import SEARCH
-from hannes.plants.part_fault import like_faults
+from hannes.plants.part_fault import like_faults, part_faults
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,9 @@ def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Tri
     """The trial with its reduction of chi-squared, less the price of its parameters."""
     further = trial.point.active.size - baseline.active.size - len(trial.effects)
     price = SEARCH.generic_price if trial.effects[0] in GENERIC else SEARCH.parameter_price
-    return replace(
-        trial, delta_chi2=chi2_reduction(baseline, trial.point, variance_factor) - price * further
-    )
+    faults = len(part_faults(trial.point.space.effects, trial.effects))
+    paid = price * further + SEARCH.fault_price * faults
+    return replace(trial, delta_chi2=chi2_reduction(baseline, trial.point, variance_factor) - paid)
 
 
 def converged(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:

@@ -41,6 +41,12 @@ class SearchTuning:
     parameter_price: float = constant(
         6.0, "chi2", "of each parameter of an effect beyond its first", DEVELOPMENT
     )
+    fault_price: float = constant(
+        8.0,
+        "chi2",
+        "of a fault of one of like parts: twenty are tried, and parts differ by themselves",
+        DEVELOPMENT,
+    )
     generic_price: float = constant(
         1.5,
         "chi2",
