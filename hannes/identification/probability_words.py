@@ -8,7 +8,7 @@ MOST = 2  # of these
 
 
 def probability_sentence(found: Mapping[str, Any], verdict: str, named: list[str]) -> str:
-    """`Probability of this answer: 97 % (something else 2 %).`; empty where none is known.
+    """`Probability of this answer, given these recordings: 97 %. Else: lag 2 %.`; empty without.
 
     found: the table of the verdict;  named: its effects
     """
@@ -16,8 +16,8 @@ def probability_sentence(found: Mapping[str, Any], verdict: str, named: list[str
         return ""
     others = _others(found, verdict, named)[:MOST]
     beside = ", ".join(f"{what} {_percent(each)}" for what, each in others)
-    rest = f"; else {beside}" if beside else ""
-    return f"Probability of this answer, given these recordings: {_percent(found['answer'])}{rest}."
+    rest = f" Else: {beside}." if beside else ""
+    return f"Probability of this answer, given these recordings: {_percent(found['answer'])}.{rest}"
 
 
 def _others(found: Mapping[str, Any], verdict: str, named: list[str]) -> list[tuple[str, float]]:
@@ -31,7 +31,7 @@ def _others(found: Mapping[str, Any], verdict: str, named: list[str]) -> list[tu
     if verdict not in ("no_gap", "recalibrated"):
         rows.append(("nothing is missing", found["nothing"]))
     if verdict not in ("unknown", "named_with_remainder"):
-        rows.append(("something else", found["something_else"]))
+        rows.append(("something in no catalogue", found["something_else"]))
     return sorted((row for row in rows if row[1] >= SAID), key=lambda row: -row[1])
 
 

@@ -21,13 +21,10 @@ BINS = 400
 def found(reductions, left=0.0, **more):
     """A search of single effects, best first, that leave so much above noise."""
     point = SimpleNamespace(chi2=BINS + left, residual=SimpleNamespace(size=BINS))
-    baseline = replace_chi2(point, max(reductions.values(), default=0.0))
+    most = max(reductions.values(), default=0.0)
+    baseline = SimpleNamespace(chi2=point.chi2 + most, residual=point.residual)
     trials = [Trial((name,), point, each) for name, each in reductions.items()]
     return SearchResult(None, baseline, list(NAMES), trials, None, None, 1.0, **more)
-
-
-def replace_chi2(point, further):
-    return SimpleNamespace(chi2=point.chi2 + further, residual=point.residual)
 
 
 def both(search, reduction):
@@ -105,8 +102,8 @@ def test_the_sentence_says_what_else_may_be():
                     {"effects": ["gear_lag"], "probability": 0.02}],
     }  # fmt: skip
     assert probability_sentence(table, "named", ["slack"]) == (
-        "Probability of this answer, given these recordings: 93 %; "
-        "else something else 5 %, gear lag 2 %."
+        "Probability of this answer, given these recordings: 93 %. "
+        "Else: something in no catalogue 5 %, gear lag 2 %."
     )
     assert probability_sentence({}, "unknown", []) == ""
 

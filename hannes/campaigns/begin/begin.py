@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.begin.clock_choice import clock_of
-from hannes.campaigns.begin.column_guess import Guess, guesses, label_column
+from hannes.campaigns.begin.column_guess import Guess, guesses, label_column, maybe_label
 from hannes.campaigns.begin.columns_seen import SeenArrays, array_columns, text_columns
 from hannes.campaigns.begin.conditions import Condition, conditions
 from hannes.campaigns.begin.long_guess import long_columns
@@ -85,6 +85,8 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
     made = draft(
         paths, plant.name, layout, chosen, doubtful, columns, split, _required(plant, chosen)
     )
+    if layout is not None and not split:
+        _ask_for_runs(made, plant.name, maybe_label(layout.names, layout.rows))
     if long is not None:
         made.insert(f'plant = "{plant.name}"', f"{long.line}  # a row a value")
         made.seen.append("a long table: a row a value")
@@ -103,6 +105,14 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
                     "it belongs to the same runs, name it in the mapping under [files.NAME]"
                 )
     return made
+
+
+def _ask_for_runs(made: Draft, plant: str, column: str) -> None:
+    """Whether words with numbers name runs only a person knows: they may be states of one."""
+    if column:
+        made.ask(f'does "{column}" name runs? (split: the column, or delete that line)')
+        line = f'split = "{FILL_IN}"  # a new run wherever "{column}" changes? else delete this'
+        made.insert(f'plant = "{plant}"', line)
 
 
 def _fill_gaps(made: Draft, chosen: dict[str, Guess], columns: dict[str, FloatArray]) -> None:

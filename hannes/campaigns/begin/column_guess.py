@@ -1,7 +1,7 @@
 """Which column is which channel, in which unit: from names, units and the numbers themselves."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -100,7 +100,8 @@ def _guess(seen: Seen, known: Sequence[str]) -> Guess | None:
 
 def _increases(seen: Seen) -> bool:
     """Whether a column goes up from row to row, as a clock under another name does."""
-    return seen.values is not None and bool(np.all(np.diff(seen.values) > 0.0))
+    values = seen.values
+    return values is not None and values.size > 1 and bool(np.all(np.diff(values) > 0.0))
 
 
 def _epoch(values: FloatArray) -> str:
@@ -120,17 +121,34 @@ def _clock_unit(values: FloatArray) -> str:
 
 
 def label_column(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A column that numbers or names runs: a known name, or words with numbers; few changes.
+    """A column that numbers or names runs: a known name, and few changes of value.
 
     The beginning of a log may hold its first run alone: then nothing changes there.
     """
-    for place, name in enumerate(names):
-        cells = [row[place] for row in rows if place < len(row) and row[place]]
+    for name, cells in _cells(names, rows):
         words, _ = split_name(name)
-        known = bool(set(words) & set(LABELS))
-        if cells and (known or all(map(NUMBERED.fullmatch, cells))):
-            changes = sum(a != b for a, b in pairwise(cells))
-            few = changes < max(len(cells) // 4, 2)
-            if few or (known and len(cells) < len(rows) / 4):
-                return name
+        few = _changes(cells) < max(len(cells) // 4, 2)
+        if set(words) & set(LABELS) and (few or len(cells) < len(rows) / 4):
+            return name
     return ""
+
+
+def maybe_label(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A column of words with numbers that seldom change: they may name runs, or states of one."""
+    for name, cells in _cells(names, rows):
+        if all(map(NUMBERED.fullmatch, cells)) and 0 < _changes(cells) < max(len(cells) // 4, 2):
+            return name
+    return ""
+
+
+def _cells(
+    names: Sequence[str], rows: Sequence[Sequence[str]]
+) -> Iterator[tuple[str, Sequence[str]]]:
+    """Names of columns, and their cells where any is filled."""
+    for place, name in enumerate(names):
+        if cells := [row[place] for row in rows if place < len(row) and row[place]]:
+            yield name, cells
+
+
+def _changes(cells: Sequence[str]) -> int:
+    return sum(a != b for a, b in pairwise(cells))
