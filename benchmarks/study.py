@@ -25,7 +25,7 @@ def parser(name: str, doc: str | None) -> argparse.ArgumentParser:
         description=doc,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    made.add_argument("--quick", action="store_true", help="one case, for a first look")
+    made.add_argument("--quick", action="store_true", help="few cases, for a first look")
     made.add_argument("--resume", action="store_true", help="keep the cases already measured")
     made.add_argument("--show", action="store_true", help="measure nothing")
     made.add_argument("--cases", type=Path, metavar="FILE", help="a line for each case")
