@@ -8,12 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hannes.campaigns.begin.clock_choice import clock_of
-from hannes.campaigns.begin.column_guess import Guess, guesses, label_column, maybe_label
+from hannes.campaigns.begin.column_guess import (
+    Guess,
+    guesses,
+    label_array,
+    label_column,
+    maybe_label,
+)
 from hannes.campaigns.begin.columns_seen import SeenArrays, array_columns, text_columns
 from hannes.campaigns.begin.conditions import Condition, conditions
 from hannes.campaigns.begin.long_guess import long_columns
 from hannes.campaigns.begin.mapping_draft import FILL_IN, Draft
 from hannes.campaigns.begin.mapping_text import draft
+from hannes.campaigns.begin.runs_side_by_side import Grouped, grouped
 from hannes.campaigns.begin.text_layout import text_layout
 from hannes.campaigns.convert import Converted, convert
 from hannes.campaigns.convert import write as write_recordings
@@ -77,11 +84,16 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
     layout = text_layout(first) if source is None else None
     arrays = SeenArrays(text_columns(layout), [], []) if layout else array_columns(first, source)
     long = long_columns(first, layout, source, arrays.columns)
-    seen = long.columns if long is not None else arrays.columns
-    columns = {str(each.column): each.values for each in seen if each.values is not None}
     known = tuple(name for name in plant.channels if name != "time")
+    runs = grouped(arrays.columns, known) if layout is None else Grouped(arrays.columns, [], [])
+    seen = long.columns if long is not None else runs.columns
+    columns = {str(each.column): each.values for each in seen if each.values is not None}
     chosen, doubtful, clocks = _chosen(guesses(seen, known), columns)
-    split = label_column(layout.names, layout.rows) if layout is not None else ""
+    if layout is not None:
+        split = label_column(layout.names, layout.rows)
+    else:
+        alone = long is None and not runs.said and not arrays.stacked
+        split = _label(chosen, columns) if alone else ""
     made = draft(
         paths, plant.name, layout, chosen, doubtful, columns, split, _required(plant, chosen)
     )
@@ -91,8 +103,10 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
         made.insert(f'plant = "{plant.name}"', f"{long.line}  # a row a value")
         made.seen.append("a long table: a row a value")
         _fill_gaps(made, chosen, columns)
-    if runs := [name for name in arrays.stacked if _takes(chosen, name)]:
-        made.stack(plant.name, runs)
+    if stacked := [name for name in arrays.stacked if _takes(chosen, name)]:
+        made.stack(plant.name, stacked)
+    if long is None:
+        made.seen, made.missing = [*runs.said, *made.seen], [*made.missing, *runs.asked]
     if arrays.left:
         made.seen.append(f"not used: {', '.join(arrays.left)[:300]}; say by index which column")
     made.seen += clocks[0]
@@ -105,6 +119,12 @@ def look(paths: Sequence[Path], plant: Plant) -> Draft:
                     "it belongs to the same runs, name it in the mapping under [files.NAME]"
                 )
     return made
+
+
+def _label(chosen: dict[str, Guess], columns: dict[str, FloatArray]) -> str:
+    """The array that says which run each sample is of."""
+    clock = columns.get(str(chosen["time"].column)) if "time" in chosen else None
+    return label_array(columns, clock.size) if clock is not None else ""
 
 
 def _ask_for_runs(made: Draft, plant: str, column: str) -> None:

@@ -29,6 +29,7 @@ WORDS = {
     ),
     "current": (
         "current", "cur", "curr", "amps", "i", "motor_current", "amp", "iq",
+        "ibus", "ibat", "ibatt", "isupply", "idc", "ipsu", "iin",
         "strom", "courant", "intensite", "corrente", "corriente", "intensidad",
     ),
     "duty": ("duty", "pwm", "dutycycle", "tastgrad", "tastverhaltnis"),
@@ -57,6 +58,13 @@ OTHERS = (
     "geschwindigkeit", "drehzahl", "beschleunigung", "moment", "drehmoment", "fehler", "temperatur",
     "vitesse", "couple", "erreur", "velocita", "coppia", "errore", "velocidad", "par",
 )  # fmt: skip
+# Of a current that is drawn from the supply, as whole words, and as beginnings of others.
+OF_SUPPLY = (
+    "supply", "bus", "vbus", "battery", "bat", "batt", "vbat", "pack", "dc", "input", "psu",
+    "mains", "ibus", "ibat", "ibatt", "isupply", "idc", "ipsu", "iin", "batteria",
+    "bateria", "batterie", "alimentation", "alimentazione", "alimentacion", "akku", "netzteil",
+)  # fmt: skip
+OF_SUPPLY_STARTS = ("versorgung", "batterie", "zwischenkreis", "netzteil", "akku", "busstrom")
 MEASURED = ("current", "supply", "force", "sensor")  # never a command
 
 
@@ -82,6 +90,13 @@ def scores(words: Sequence[str], channels: Sequence[str]) -> dict[str, float]:
     if wanted or set(words) & set(OTHERS):
         return dict.fromkeys(found, 0.0)
     return found
+
+
+def from_supply(words: Sequence[str]) -> bool:
+    """Whether the words of a current's name say that it was measured at the supply."""
+    if set(words) & {"motor", "phase", "winding"}:
+        return False
+    return any(word in OF_SUPPLY or word.startswith(OF_SUPPLY_STARTS) for word in words)
 
 
 def _likeness(word: str, spellings: Sequence[str]) -> float:

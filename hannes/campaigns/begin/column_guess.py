@@ -1,14 +1,14 @@
 """Which column is which channel, in which unit: from names, units and the numbers themselves."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hannes.campaigns.begin.channel_words import plain, scores, words_of
+from hannes.campaigns.begin.channel_words import from_supply, plain, scores, words_of
 from hannes.campaigns.foreign.spelled_units import COUNTS, unit_of
 
 FloatArray = NDArray[np.float64]
@@ -43,13 +43,17 @@ class Seen:
 
 @dataclass(frozen=True)
 class Guess:
-    """What a column may be: channel, unit ("" unknown), why; `sure` where its name says all."""
+    """What a column may be: channel, unit ("" unknown), why; `sure` where its name says all.
+
+    supply: a current that its name says is drawn from the supply.
+    """
 
     column: str | int
     channel: str
     unit: str
     why: str
     sure: bool
+    supply: bool = False
 
 
 def split_name(name: str) -> tuple[list[str], str]:
@@ -77,6 +81,7 @@ def guesses(columns: Sequence[Seen], known: Sequence[str]) -> list[Guess]:
 
 def _guess(seen: Seen, known: Sequence[str]) -> Guess | None:
     words, unit = split_name(seen.name)
+    words = [word for word in words if word != "sensors"]  # a group of whatever was measured
     below = seen.unit
     unit = unit or (unit_of(below) or ("counts" if below.strip().lower() in COUNTS else ""))
     found = scores(words, ("time", *known))
@@ -95,7 +100,10 @@ def _guess(seen: Seen, known: Sequence[str]) -> Guess | None:
     if channel == "time" and not unit and seen.values is not None:
         unit = _epoch(seen.values) or _clock_unit(seen.values)
     why = f'its name "{seen.name}"'
-    return Guess(seen.column, channel, unit, why, score >= 1.0 and bool(unit))
+    supply = channel == "current" and from_supply(words)
+    return Guess(
+        seen.column, channel, unit, why, score >= 1.0 and bool(unit) and not supply, supply
+    )
 
 
 def _increases(seen: Seen) -> bool:
@@ -129,6 +137,17 @@ def label_column(names: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         words, _ = split_name(name)
         few = _changes(cells) < max(len(cells) // 4, 2)
         if set(words) & set(LABELS) and (few or len(cells) < len(rows) / 4):
+            return name
+    return ""
+
+
+def label_array(columns: Mapping[str, FloatArray], size: int) -> str:
+    """An array of `size` samples that counts runs: named so, and never going back, "" for none."""
+    for name, values in columns.items():
+        words, _ = split_name(name)
+        steps = np.diff(values)
+        few = 0 < np.count_nonzero(steps) < max(size // 4, 2)
+        if values.size == size and set(words) & set(LABELS) and few and (steps >= 0.0).all():
             return name
     return ""
 

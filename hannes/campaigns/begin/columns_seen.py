@@ -75,13 +75,16 @@ def array_columns(path: Path, source: object) -> SeenArrays:
     if not isinstance(source, Arrays):
         raise BadInput(f"{path}: cannot be looked at; write a mapping (docs/reference/mapping.md)")
     tables = {}
+    found = SeenArrays([], [], [])
     for name in source.names:
         try:
             tables[name] = source.table(Column(name))
         except BadInput:
+            shape = np.shape(source.read(name))
+            if len(shape) > 2:
+                found.left.append(f"{name} {shape}")
             continue
     lengths = {each.size for each in tables.values() if each.ndim == 1}
-    found = SeenArrays([], [], [])
     for name, table in tables.items():
         if table.ndim == 2 and (table.shape[1] not in lengths or table.shape[0] >= table.shape[1]):
             found.left.append(f"{name} {table.shape}")

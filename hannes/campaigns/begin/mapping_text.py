@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.begin.channel_lines import channel_lines, name_of, quoted, wrapped
 from hannes.campaigns.begin.column_guess import Guess
 from hannes.campaigns.begin.mapping_draft import FILL_IN, Draft
 from hannes.campaigns.begin.stamp_form import form_of_stamps
@@ -14,10 +15,8 @@ from hannes.campaigns.foreign.raw_values import COARSE
 
 FloatArray = NDArray[np.float64]
 
-TURNS = (256.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0, 32768.0, 65536.0, 360.0, 1e9)
 STARTS, SHORT_START = 10, 8  # beginnings of lines that are left out, and characters of each
 SHOWN = 20  # columns that are not used, on the terminal
-NEAR = 0.03  # of a turn: how close to it a jump must be
 
 
 def draft(
@@ -50,7 +49,8 @@ def draft(
     _time(made, chosen.get("time"), columns, layout)
     for channel, guess in chosen.items():
         if channel != "time":
-            _channel(made, channel, guess, columns.get(str(guess.column)), doubtful, layout)
+            values = columns.get(str(guess.column))
+            channel_lines(made, channel, guess, values, doubtful, layout, "duty" in chosen)
     for channel in required:
         if channel not in chosen:
             made.ask(f"which column is {channel}? ([channels.{channel}])")
@@ -80,18 +80,13 @@ def _not_used(
 
 
 def _texts(texts: Sequence[str]) -> str:
-    return "[" + ", ".join(_quoted(each) for each in texts) + "]"
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
+    return "[" + ", ".join(quoted(each) for each in texts) + "]"
 
 
 def _runs(made: Draft, layout: TextLayout | None, split: str, clock: FloatArray | None) -> None:
     """Where one run ends and the next begins."""
     if split:
-        made.lines.append(f"split = {_quoted(split)}  # a new run wherever it changes")
+        made.lines.append(f"split = {quoted(split)}  # a new run wherever it changes")
         made.seen.append(f'runs by the column "{split}"')
     elif layout is not None and layout.headers:
         made.lines.append('split_at = "header"  # the line of names stands before every run')
@@ -131,7 +126,7 @@ def _text(made: Draft, layout: TextLayout) -> None:
     if odd := [
         line for line in layout.odd if not (layout.comment and line.startswith(layout.comment))
     ]:
-        skipped = _quoted(_expression(odd, layout.samples))
+        skipped = quoted(_expression(odd, layout.samples))
         add(f"skip = {skipped}  # lines such as {odd[0].strip()[:40]!r}")
         made.seen.append(f"{len(odd)} lines that are no samples, left out")
     if layout.ragged:
@@ -171,7 +166,7 @@ def _time(
         add(f'sampling = "{FILL_IN}"  # no column says when; at which rate were samples taken?')
         made.ask('the sampling rate, as sampling = "1 kHz" under [time]')
         return
-    add(f"column = {_name(guess)}  # {guess.why}")
+    add(f"column = {name_of(guess)}  # {guess.why}")
     values = columns.get(str(guess.column))
     if values is None:
         _dates(made, guess, layout)
@@ -212,81 +207,3 @@ def _dates(made: Draft, guess: Guess, layout: TextLayout | None) -> None:
     made.seen.append(f'time in "{guess.column}", dates and times')
     if not form:
         made.ask(f'the form of "{guess.column}", such as {cells[0]!r}, as "%d.%m.%Y %H:%M:%S.%f"')
-
-
-def _channel(
-    made: Draft,
-    channel: str,
-    guess: Guess,
-    values: FloatArray | None,
-    doubtful: Sequence[Guess],
-    layout: TextLayout | None,
-) -> None:
-    add = made.lines.append
-    add(f"\n[channels.{channel}]")
-    others = [str(each.column) for each in doubtful if each.channel == channel]
-    note = f"; or {', '.join(others)}?" if others else ""
-    add(f"column = {_name(guess)}  # {guess.why}{note}")
-    if others:
-        made.ask(f'which of "{guess.column}", {", ".join(others)} is {channel}?')
-    if layout is not None and _holds_lists(layout, guess.column):
-        add(f'index = "{FILL_IN}"  # its cells are lists; the place, from 1, without quotes')
-        made.ask(f"which place of the lists in {guess.column} is {channel}?")
-    if guess.unit == "counts":
-        add(f'unit = "{FILL_IN}"  # raw counts: the unit of one count, and how much it is')
-        add(f'scale = "{FILL_IN}"')
-        made.ask(f"unit and scale of one count of {channel} ({guess.column})")
-    elif not guess.unit:
-        add(f'unit = "{FILL_IN}"')
-        made.ask(f'the unit of {channel} ("{guess.column}")')
-    else:
-        add(f'unit = "{guess.unit}"')
-    if values is not None:
-        _raw(made, channel, values)
-    label = "" if guess.why.endswith(f'"{guess.column}"') else f", {guess.why}"
-    made.seen.append(f'{channel}: "{guess.column}" [{guess.unit or FILL_IN}]{label}')
-
-
-def _holds_lists(layout: TextLayout, column: str | int) -> bool:
-    """Whether the cells of a column are lists."""
-    if column not in layout.names:
-        return False
-    place = layout.names.index(str(column))
-    cell = layout.rows[0][place] if place < len(layout.rows[0]) else ""
-    return cell[:1] in ("[", "(")
-
-
-def _raw(made: Draft, channel: str, values: FloatArray) -> None:
-    """Signs and wraps that the numbers themselves show."""
-    known = values[np.isfinite(values)]
-    if known.size and np.all(known == np.round(known)) and known.min() >= 0.0:
-        for bits in (16, 32):
-            high = known > 2.0 ** (bits - 1)
-            if known.max() < 2.0**bits and high.any() and (known[~high] < 2.0 ** (bits - 2)).all():
-                made.lines.append(
-                    f"signed = {bits}  # values near {known.max():.0f} are below zero"
-                )
-                made.seen.append(f"{channel}: {bits}-bit numbers without their sign")
-                return
-    if turn := wrapped(values):
-        made.lines.append(f"unwrap = {turn:g}  # jumps by one turn")
-        made.seen.append(f"{channel}: a counter that begins anew after {turn:g}")
-
-
-def wrapped(values: FloatArray) -> float:
-    """The turn after which a counter begins anew, 0 where there is no such jump."""
-    known = values[np.isfinite(values)]
-    if known.size < 3:
-        return 0.0
-    steps = np.diff(known)
-    jumps = steps[np.abs(steps) > 20.0 * max(float(np.median(np.abs(steps))), 1e-12)]
-    for turn in TURNS:
-        if known.max() > turn or known.min() < 0.0 or not jumps.size:
-            continue
-        if np.all(np.abs(np.abs(jumps) - turn) < NEAR * turn):
-            return turn
-    return 0.0
-
-
-def _name(guess: Guess) -> str:
-    return str(guess.column) if isinstance(guess.column, int) else _quoted(guess.column)

@@ -96,10 +96,10 @@ class Arrays:
     def _found(self, column: Column) -> tuple[str, int]:
         """Path of a column, and the index that is left once one led into a list or cell."""
         if isinstance(column.name, str):
-            for name in (column.name.strip("/"), _as_path(column.name)):
+            for name in (column.name.strip("/"), as_path(column.name)):
                 if name in self.names:
                     return name, column.index
-            parts = _as_path(column.name).split("/")
+            parts = as_path(column.name).split("/")
             for k in range(len(parts), 0, -1):
                 name = "/".join([*parts[:k], str(column.index), *parts[k:]])
                 if column.index and name in self.names:
@@ -174,15 +174,21 @@ def _note(name: str, dataset: Any, places: dict[str, str], depth: int = 0) -> No
 
 
 def _inside(target: Any) -> dict[str, Any]:
-    """Datasets to which a reference leads: itself, or those of a group by hard links."""
+    """Datasets to which a reference leads: itself, or those below a group by hard links."""
     import h5py
 
     if isinstance(target, h5py.Dataset):
         return {"": target}
-    if not isinstance(target, h5py.Group):
-        return {}
-    hard = [name for name in target if isinstance(target.get(name, getlink=True), h5py.HardLink)]
-    return {name: target[name] for name in hard if target.get(name, getclass=True) is h5py.Dataset}
+    found: dict[str, Any] = {}
+
+    def keep(name: str, item: Any) -> bool | None:
+        if isinstance(name, str) and isinstance(item, h5py.Dataset):
+            found[name] = item
+        return True if len(found) > COLUMNS else None
+
+    if isinstance(target, h5py.Group):
+        target.visititems(keep)  # visits hard links alone, and each object once
+    return found
 
 
 def require_file(path: Path) -> None:
@@ -194,7 +200,7 @@ def require_file(path: Path) -> None:
     require_regular(path)
 
 
-def _as_path(name: str) -> str:
+def as_path(name: str) -> str:
     """A path as MATLAB or Python writes it, `log.signals(1).values`, with slashes."""
     return re.sub(r"/+", "/", re.sub(r"[.(){}\[\]]", "/", name)).strip("/")
 

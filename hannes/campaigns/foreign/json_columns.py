@@ -1,7 +1,8 @@
 """Columns of JSON: a list of records, a table of lists, or one record a line (JSON lines)."""
 
+import itertools
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from hannes.core.io.json_text import parsed
 from hannes.core.io.limits import MIB
 
 SPACE = " \t\r\n"
+FEWEST = 20  # samples of a run
 _OBJECT, _LIST, _ITEM = 192, 64, 40  # bytes that each takes besides its text
 
 
@@ -24,7 +26,7 @@ def open_json(path: Path, missing: tuple[str, ...]) -> Arrays:
     try:
         found = _whole(text, path)
     except ValueError as error:
-        found = columns(_lines(path, text, error), str(path), len(text))
+        found = _listed(_lines(path, text, error), path, len(text))
     if not found:
         raise BadInput(f"{path}: no numbers in it; expected a list of records, or lists by name")
     return Arrays(path, found, found.__getitem__, missing)
@@ -42,7 +44,7 @@ def _whole(text: str, path: Path) -> dict[str, Any]:
     """Columns of one JSON value; ValueError where the text is none."""
     start = len(text) - len(text.lstrip(SPACE))
     if text.startswith("[", start):
-        return columns(_items(text, start + 1, path), str(path), len(text))
+        return _listed(_items(text, start + 1, path), path, len(text))
     _refuse_lines(text)
     taken = _OBJECT * text.count("{") + _LIST * text.count("[") + _ITEM * text.count(",")
     if taken > 12 * len(text) + 64 * MIB:
@@ -114,7 +116,7 @@ def _lines(path: Path, text: str, whole: ValueError) -> Iterator[Any]:
 def _columns(content: Any, path: Path, decoded: int, depth: int = 0) -> dict[str, Any]:
     """Columns by path: of a list of records, or of a table of equally long lists."""
     if isinstance(content, list):
-        return columns(content, str(path), decoded)
+        return _listed(content, path, decoded, depth)
     if not isinstance(content, dict) or depth > DEEPEST:
         return {}
     found: dict[str, Any] = {}
@@ -122,3 +124,40 @@ def _columns(content: Any, path: Path, decoded: int, depth: int = 0) -> dict[str
         inside = _columns(value, path, decoded, depth + 1) if value else {}
         found |= {f"{name}/{key}" if key else name: each for key, each in inside.items()}
     return {name: np.asarray(each) for name, each in found.items()}
+
+
+def _listed(items: Iterable[Any], path: Path, decoded: int, depth: int = 0) -> dict[str, Any]:
+    """Columns of a list of records, or by number of a list of runs, each of equally long lists.
+
+    Runs are fewer than their samples, records are not.
+    """
+    source = iter(items)
+    first = next(source, None)
+    size = _samples(first)
+    begun = [] if first is None else [first, *itertools.islice(source, size)]
+    if not size or len(begun) > size or not all(map(_samples, begun)) or depth > DEEPEST:
+        return columns(itertools.chain(begun, source), str(path), decoded)
+    found: dict[str, Any] = {}
+    for number, run in enumerate(begun, start=1):
+        inside = _columns(run, path, decoded, depth + 1)
+        found |= {f"{number}/{name}": each for name, each in inside.items()}
+    return found
+
+
+def _samples(item: Any) -> int:
+    """How many samples a run has: lists of numbers or of records; 0 for what is no run."""
+    if isinstance(item, list):
+        return len(item) if len(item) >= FEWEST and all(isinstance(x, dict) for x in item) else 0
+    if not isinstance(item, dict):
+        return 0
+    sizes = [_samples(each) if isinstance(each, dict) else len(each)
+             for each in item.values() if isinstance(each, dict | list)]  # fmt: skip
+    alike = bool(sizes) and min(sizes) == max(sizes) >= FEWEST
+    return sizes[0] if alike and _lists(item) > 1 else 0
+
+
+def _lists(item: Any) -> int:
+    """How many lists there are in a run."""
+    if isinstance(item, dict):
+        return sum(map(_lists, item.values()))
+    return int(isinstance(item, list))

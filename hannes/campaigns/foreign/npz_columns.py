@@ -22,9 +22,13 @@ def open_npz(path: Path, missing: tuple[str, ...]) -> Arrays:
     """Read .npz or .npy; fields of structured arrays by `array/field`."""
     require_file(path)
     found: dict[str, np.ndarray] = {}
+    objects: list[str] = []
     try:
         with opened(path, "numpy arrays") as file:
             for name, array in _arrays(file):
+                if array is None:
+                    objects.append(name)
+                    continue
                 found |= _fields(name, array)
                 if sum(each.size for each in found.values()) > VALUES or len(found) > COLUMNS:
                     raise BadInput(f"{path}: holds more than {VALUES} numbers or {COLUMNS} arrays")
@@ -33,23 +37,26 @@ def open_npz(path: Path, missing: tuple[str, ...]) -> Arrays:
     except Exception as error:  # a damaged file raises nearly anything from inside the library
         reason = " ".join(str(error).split())[:100]
         raise BadInput(f"{path}: cannot be read as numpy arrays ({reason})") from None
+    if objects and not found:
+        raise BadInput(
+            f"{path}: {', '.join(objects)[:200]}: holds Python objects, which could run code; save "
+            "arrays of numbers, such as run1_time, run1_position"
+        )
     return Arrays(path, found, found.__getitem__, missing)
 
 
-def _arrays(file: IO[bytes]) -> Iterator[tuple[str, np.ndarray]]:
+def _arrays(file: IO[bytes]) -> Iterator[tuple[str, np.ndarray | None]]:
+    """Arrays by name, None for those of objects."""
     packed = file.read(len(ZIP)) == ZIP
     file.seek(0)
     if not packed:
-        array = _array(file)
-        if array is not None:
-            yield ALONE, array
+        yield ALONE, _array(file)
         return
     with zipfile.ZipFile(file) as archive:
         for entry in archive.infolist():
             with archive.open(entry) as stream:
                 array = _array(stream)
-            if array is not None:
-                yield entry.filename.removesuffix(".npy"), array
+            yield entry.filename.removesuffix(".npy"), array
 
 
 def _array(stream: IO[bytes]) -> np.ndarray | None:

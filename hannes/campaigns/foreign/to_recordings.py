@@ -1,6 +1,6 @@
 """Columns of a foreign file into runs: channels in the plant's units on one clock."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from hannes.campaigns.foreign.raw_values import (
     unwrapped,
 )
 from hannes.campaigns.foreign.resample import resampled
+from hannes.campaigns.foreign.side_by_side import SideBySide, is_starred
 from hannes.campaigns.foreign.sources import Source, open_source
 from hannes.campaigns.foreign.stacked import Stacked
 from hannes.campaigns.foreign.text_columns import Delimited
@@ -72,12 +73,17 @@ def _opened(path: Path, mapping: ColumnMap) -> Source:
         if not isinstance(source, Arrays | Delimited):
             raise BadInput(f"{path}: has no rows of names and values; leave long out")
         return Wide(source, mapping.long, mapping.time, mapping.split)
+    rules = [rule for rule in mapping.channels.values() if not rule.source]
+    columns = [rule.column for rule in rules if rule.column is not None]
+    if isinstance(source, Arrays) and any(is_starred(source, each) for each in columns):
+        if mapping.split is not None or mapping.split_at:
+            raise BadInput(f"{path}: a column with * makes a run each: leave split, split_at out")
+        clock = [mapping.time.column] if mapping.time.column is not None else []
+        return SideBySide(source, [*columns, *clock])
     if mapping.split_at != "stacked":
         return source
     if not isinstance(source, Arrays):
         raise BadInput(f'{path}: split_at = "stacked" is of arrays with two axes; this has none')
-    rules = [rule for rule in mapping.channels.values() if not rule.source]
-    columns = [rule.column for rule in rules if rule.column is not None]
     return Stacked(source, columns, mapping.time.column)
 
 
@@ -107,7 +113,8 @@ def _put_right(source: Source, rule: ChannelRule) -> FloatArray:
     if rule.bits:
         values = signed(values, rule.bits)
     if rule.turn:
-        values = unwrapped(values, rule.turn)
+        turn = rule.turn
+        values = _each_run(source, values, lambda own: unwrapped(own, turn))
     return rule.factor * values + rule.offset
 
 
@@ -118,7 +125,18 @@ def times_of(source: Source, rule: TimeRule, count: int) -> FloatArray:
     if rule.iso:
         return source.stamps(rule.column, rule.pattern)
     ticks = source.numbers(rule.column)
-    return rule.factor * (forward(ticks, rule.turn) if rule.turn else ticks)
+    if rule.turn:
+        ticks = _each_run(source, ticks, lambda own: forward(own, rule.turn))
+    return rule.factor * ticks
+
+
+def _each_run(
+    source: Source, values: FloatArray, put_right: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """A counter put right, for each run by itself where runs do not follow each other in time."""
+    if not isinstance(source, Stacked | SideBySide):
+        return put_right(values)
+    return np.concatenate([put_right(each) for each in np.split(values, source.breaks(""))])
 
 
 def _beside(
@@ -143,6 +161,8 @@ def _beside(
 def _parts(source: Source, mapping: ColumnMap, time: FloatArray) -> list[NDArray[np.intp]]:
     """Rows of each run: between changes of the column `split`, or where `split_at` says."""
     rows = np.arange(time.size)
+    if isinstance(source, SideBySide):
+        return np.split(rows, source.breaks(""))
     if mapping.split is not None:
         label = source.labels(mapping.split)
         return np.split(rows, 1 + np.flatnonzero(np.diff(label) != 0.0))
