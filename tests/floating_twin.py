@@ -42,7 +42,7 @@ def touched(h, f, near, pace):
         (near[0].real, near[0].imag, near[1].real, near[1].imag),
         (pace[0].real, pace[0].imag, pace[1].real, pace[1].imag),
         (0.0, 0.0, *section),
-        (*material, h.object_slip_speed, 0.0, 0.0, 0.0, 0.0),
+        (*material, h.object_slip_speed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
         0.0,
         0.0,
     )
@@ -56,7 +56,7 @@ def acceleration_by(h, f, angles, torques):
     masses = h.fingers_proximal_mass[f], h.fingers_distal_mass[f]
     none, still = (0.0,) * 6, (0.0, 0.0)
     return finger(
-        angles, still, torques, lengths, masses, still, none, (0.0,) * 9, still, 0.0
+        angles, still, torques, lengths, masses, still, none, (0.0,) * 11, still, 0.0
     )[0]  # fmt: skip
 
 

@@ -11,9 +11,10 @@ from benchmarks.truth import effects
 from benchmarks.truth._jit import inlined
 
 Quantity = Callable[..., float]
+_ALL = (*effects.CATALOGUE, *effects.OUTSIDE)
 
 
-def summed(name: str, files: Sequence[ModuleType] = effects.CATALOGUE) -> Quantity:
+def summed(name: str, files: Sequence[ModuleType] = _ALL) -> Quantity:
     """The sum of what all files add that define `name`; 0 where none does."""
     total = _nothing
     for each in files:

@@ -8,6 +8,7 @@ proportional / integral gain.
 from math import floor, pi
 
 from benchmarks.truth._jit import compiled
+from benchmarks.truth.effects import error_dead_band, thermal_derating
 from benchmarks.truth.laws import held
 from benchmarks.truth.state import INTEGRAL, LAG, VOLTS
 
@@ -45,7 +46,7 @@ def continuous(h, reference, position, current, start, gain, y, dy):
     """Duty; writes position integral, speed filter and the inner integral's volts."""
     y[LAG] = held(start[LAG], gain, position / h.position_pid_filter, 1.0 / h.position_pid_filter)
     dy[LAG] = speed = (position - y[LAG]) / h.position_pid_filter
-    error = reference - position
+    error = error_dead_band.used(h, reference - position)
     rest = h.position_pid_proportional * error - h.position_pid_derivative * speed
     y[INTEGRAL], dy[INTEGRAL], allowed = _unwound(
         start[INTEGRAL],
@@ -77,17 +78,19 @@ def encoder(h, shaft):
 
 @compiled
 def sampled(h, reference, position, current, memory):
-    """Duty for the coming period; `memory`: integral, filtered speed, inner volts, last position.
+    """Duty for the coming period; `memory`: integral, filtered speed, inner volts, last position,
+    heat (A2 s).
 
     As the firmware does it: difference, one-pole filter; integrals act first and are summed after.
     """
     period = h.controller_period
-    error = reference - position
+    error = error_dead_band.used(h, reference - position)
     memory[1] += h.controller_speed_weight * ((position - memory[3]) / period - memory[1])
     memory[3] = position
     demand = h.position_pid_proportional * error + h.position_pid_integral * memory[0]
     demand -= h.position_pid_derivative * memory[1]
-    allowed = _clip(demand, h.position_pid_limit)
+    allowed = _clip(demand, thermal_derating.limit(h, memory[4]))
+    memory[4] += period * current * current
     memory[0] += period * (error + (allowed - demand) / h.position_pid_proportional)
     miss = allowed - current
     wanted = h.current_pid_proportional * miss + memory[2]

@@ -9,7 +9,7 @@ from math import cos, sin, sqrt, tanh
 
 from benchmarks.truth import box
 from benchmarks.truth._jit import compiled
-from benchmarks.truth.effects import hunt_crossley, viscoelastic_object
+from benchmarks.truth.effects import hunt_crossley, soft_pad, viscoelastic_object
 from benchmarks.truth.laws import onset
 
 
@@ -19,7 +19,7 @@ def pressed(depth, rate, law, dented, gain):
 
     depth (m) and its rate: of the capsule in the object; dented: the dent at the step's start.
     """
-    stiffness, damping, _, width, _, exponent, dissipation, share, time = law
+    stiffness, damping, _, width, _, exponent, dissipation, share, time, _, _ = law
     dent, a, b = dented, 0.0, 0.0
     if share > 0.0:
         dent, a, b = viscoelastic_object.dent(dented, gain, depth, share, time)
@@ -40,7 +40,7 @@ def contact(ends, speeds, disc, law, dented, gain):
     ends, speeds: ax, ay, bx, by (m, m/s). disc: centre x, y and radius, the capsule's own radius,
     half sizes of the box that the radius surrounds (m; none: 0). law: stiffness (N/m), damping
     (N s/m), friction, onset (m), slip speed (m/s);
-    exponent, dissipation; share, time (s).
+    exponent, dissipation; share, time (s); thickness (m) and stiffness (N/m) of a pad.
     """
     ax, ay, bx, by = ends
     avx, avy, bvx, bvy = speeds
@@ -57,7 +57,7 @@ def contact(ends, speeds, disc, law, dented, gain):
         distance = sqrt(dx * dx + dy * dy)
         nx, ny = dx / distance, dy / distance
     depth = radius + finger_radius - distance
-    if depth <= 0.0:
+    if depth + law[9] <= 0.0:
         _, dent, dent_rate = pressed(depth, 0.0, law, dented, gain)
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, dent, dent_rate
     # The touching point as A + xi (B - A) + eta perp(B - A), perp(e) = (-ey, ex).
@@ -66,6 +66,7 @@ def contact(ends, speeds, disc, law, dented, gain):
     evx, evy = bvx - avx, bvy - avy
     vx, vy = avx + xi * evx - eta * evy, avy + xi * evy + eta * evx
     normal, dent, dent_rate = pressed(depth, vx * nx + vy * ny, law, dented, gain)
+    normal += soft_pad.push(depth, law[9], law[10])
     drag = law[2] * normal * tanh((-vx * ny + vy * nx) / law[4])
     fx, fy = -normal * nx + drag * ny, -normal * ny - drag * nx
     return (

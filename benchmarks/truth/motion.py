@@ -4,7 +4,15 @@ import numpy as np
 
 from benchmarks.truth._jit import compiled
 from benchmarks.truth.controller import continuous
-from benchmarks.truth.effects import guide_load, warming_grease, wire_creep
+from benchmarks.truth.effects import (
+    encoder_eccentricity,
+    guide_load,
+    jammed_cart,
+    sheath_edge,
+    striking_thumb,
+    warming_grease,
+    wire_creep,
+)
 from benchmarks.truth.finger import finger
 from benchmarks.truth.joints import mcp_torque, pip_torque
 from benchmarks.truth.laws import friction
@@ -21,7 +29,13 @@ from benchmarks.truth.state import (
     SIZE,
     SPEED,
 )
-from benchmarks.truth.wires import follower_tensions, leader_pulls, leader_tension, moment_arms
+from benchmarks.truth.wires import (
+    excursion,
+    follower_tensions,
+    leader_pulls,
+    leader_tension,
+    moment_arms,
+)
 
 
 @compiled
@@ -45,8 +59,10 @@ def finger_rates(h, f, tension, start, gain, y, dy):
     """Writes finger f's rates; its normal force on the object and its push on the face (N)."""
     i, j = 2 * f, 2 * f + 1
     mcp_arm, pip_arm = moment_arms(h, f)
+    tension = sheath_edge.passed(h, tension, y[ANGLE + i], excursion(h, y, f)[1])
+    opened = striking_thumb.push(h, f, y)
     torques = (
-        mcp_torque(h, f, start, gain, y, dy) + mcp_arm * tension,
+        mcp_torque(h, f, start, gain, y, dy) + mcp_arm * tension - opened,
         pip_torque(h, f, start, gain, y, dy) + pip_arm * tension,
     )
     lengths = (h.fingers_proximal_length[f], h.fingers_distal_length[f])
@@ -70,6 +86,8 @@ def finger_rates(h, f, tension, start, gain, y, dy):
         h.hunt_crossley_dissipation,
         h.viscoelastic_object_share,
         h.viscoelastic_object_time,
+        h.soft_pad_thickness,
+        h.soft_pad_stiffness,
     )
     angles, speeds = (y[ANGLE + i], y[ANGLE + j]), (y[SPEED + i], y[SPEED + j])
     dents = (start[DENT + i], start[DENT + j])
@@ -92,6 +110,7 @@ def cart_rate(h, c, leader, follower, y, dy):
         h.cart_viscous_friction,
     )
     drag += guide_load.drag(h, leader, y[CART_SPEED + c])
+    drag += jammed_cart.drag(h, y[CART + c], y[CART_SPEED + c])
     dy[CART_SPEED + c] = (leader - follower - drag) / h.cart_mass
 
 
@@ -124,7 +143,7 @@ def rates(h, start, gain, reference, duty, is_sampled, y, dy):
     mechanics(h, start, gain, y, dy)
     current = sense_current(h, start, gain, y, dy)
     if not is_sampled:
-        position = y[SHAFT] * h.gear_ratio
+        position = encoder_eccentricity.seen(h, y[SHAFT]) * h.gear_ratio
         duty = continuous(h, reference, position, current, start, gain, y, dy)
     bus = wind(h, duty, y, dy)
     return duty, bus, current

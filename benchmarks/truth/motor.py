@@ -11,9 +11,11 @@ from benchmarks.truth.effects import (
     current_offset,
     direction_friction,
     force_lag,
+    force_saturation,
     gear_backlash,
     gear_load,
     pwm_dead_band,
+    saturating_motor,
     stribeck,
     supply_sag,
     torque_ripple,
@@ -63,6 +65,7 @@ def turn(h, pull, y, dy):
         dy[SHAFT_SPEED] = gear_backlash.shaft_rate(torque, pull, y[SHAFT_SPEED])
         load = torque / h.gear_ratio
     torque = winding_heating.torque_constant(h) * y[CURRENT]
+    torque = saturating_motor.pulling(h, torque, y[CURRENT])
     torque += torque_ripple.cogging(h, y[MOTOR]) - drive_friction(h, y[MOTOR_SPEED], load) - load
     torque += warming_grease.missing(h, y[MOTOR_SPEED], y[WORK])
     torque -= rotor_torque(h, y[MOTOR], y[MOTOR_SPEED], load)
@@ -92,5 +95,6 @@ def sense_current(h, start, gain, y, dy):
 @compiled
 def sense_force(h, force, face, start, gain, y, dy):
     """Writes both force channels (N) as the dynamometer's amplifier reads them."""
+    force, face = force_saturation.seen(h, force), force_saturation.seen(h, face)
     y[FORCE_READING], dy[FORCE_READING] = force_lag.filtered(h, start[FORCE_READING], gain, force)
     y[FACE], dy[FACE] = force_lag.filtered(h, start[FACE], gain, face)

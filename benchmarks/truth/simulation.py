@@ -7,7 +7,12 @@ import numpy as np
 
 from benchmarks.truth._jit import compiled
 from benchmarks.truth.controller import encoder, rounded, sampled
-from benchmarks.truth.effects import command_delay, measurement_delay
+from benchmarks.truth.effects import (
+    clock_error,
+    command_delay,
+    encoder_eccentricity,
+    measurement_delay,
+)
 from benchmarks.truth.integrator import advance, reference_at, workspace
 from benchmarks.truth.motion import rates, rest_state
 from benchmarks.truth.record import pack
@@ -24,6 +29,8 @@ TOLERANCE = 3e-4  # of a step, in units of state.SCALE
 LONGEST = 1e-3  # s
 COLUMNS = ("reference_rad", "position_rad", "current_A", "duty_1", "supply_V", "force_N")
 COLUMNS += ("sensor_N",)
+# What acts in the firmware's periods alone.
+SAMPLED = ("measurement_delay.time", "thermal_derating.fall", "clock_error.share")
 
 
 @compiled
@@ -50,14 +57,14 @@ def run(h, y, knots, shift, is_sampled, noise, control, unknowns, out, states):
     """
     work = workspace(unknowns.shape[0])
     stages = (np.zeros(SIZE), np.zeros(SIZE), np.zeros(SIZE), np.zeros(SIZE), np.zeros(SIZE))
-    dy, memory = np.zeros(SIZE), np.zeros(4)
+    dy, memory = np.zeros(SIZE), np.zeros(5)
     seen, pace = np.zeros((out.shape[0], 2)), np.array([control[1], 0.0, 1.0])
-    period, duty = h.controller_period, 0.0
+    period, slow, duty = h.controller_period, clock_error.lasting(h), 0.0
     back, part = measurement_delay.looked_up(h, period)
     for k in range(out.shape[0]):
         t = k * period - shift
         if part == 0.0:
-            seen[k, 0] = y[SHAFT]
+            seen[k, 0] = encoder_eccentricity.seen(h, y[SHAFT])
             seen[k, 1] = rates(h, y, 0.0, reference_at(knots, t), duty, is_sampled, y, dy)[2]
         shaft, current = measured(h, seen, k, back)
         current += noise[k]
@@ -71,12 +78,12 @@ def run(h, y, knots, shift, is_sampled, noise, control, unknowns, out, states):
         drive, late = (duty, is_sampled), command_delay.heard(h, t)
         if part > 0.0:
             if not advance(
-                h, y, dy, late, part, knots, drive, control, unknowns, stages, work, pace
+                h, y, dy, late, part * slow, knots, drive, control, unknowns, stages, work, pace
             ):
                 return k
-            seen[k, 0] = y[SHAFT]
+            seen[k, 0] = encoder_eccentricity.seen(h, y[SHAFT])
             seen[k, 1] = rates(h, y, 0.0, 0.0, duty, is_sampled, y, dy)[2]
-        rest = period - part
+        rest = (period - part) * slow
         if not advance(
             h, y, dy, late + part, rest, knots, drive, control, unknowns, stages, work, pace
         ):
@@ -128,8 +135,9 @@ def trace(
 def _check(h: np.record, controller: str) -> None:
     if controller not in ("sampled", "continuous"):
         raise ValueError(f"expected controller sampled or continuous, came {controller}")
-    if controller == "continuous" and h.measurement_delay_time > 0.0:
-        raise ValueError("measurement_delay.time needs the sampled controller")
+    for name in SAMPLED:
+        if controller == "continuous" and h[name.replace(".", "_")] != 0.0:
+            raise ValueError(f"{name} needs the sampled controller")
 
 
 def simulate(

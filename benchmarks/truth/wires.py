@@ -6,6 +6,7 @@ from benchmarks.truth.effects import (
     capstan,
     eccentric_pulley,
     leader_slack,
+    stacked_wire,
     wire_compliance,
 )
 from benchmarks.truth.laws import one_sided
@@ -46,6 +47,8 @@ def leader_tension(h, y):
     """Tension (N) of the leader at the motor pulley, and the wire's lever there (m)."""
     thumb, thumb_rate = excursion(h, y, 4)
     wound, lever = eccentric_pulley.wound(h, y[SHAFT])
+    more, further = stacked_wire.further(h, y[SHAFT])
+    wound, lever = wound + more, lever + further
     stretch = wound - leader_slack.loose(h) - y[CREPT] - 2.0 * (y[CART] + y[CART + 1]) - thumb
     stretch -= loose_length(h, y[SHAFT])
     rate = lever * y[SHAFT_SPEED] - 2.0 * (y[CART_SPEED] + y[CART_SPEED + 1]) - thumb_rate

@@ -41,7 +41,8 @@ def hold(parameters, **options):
 def test_accelerations_are_those_of_the_textbook_double_pendulum():
     rng = np.random.default_rng(3)
     l1, l2, m1, m2, g = 0.044, 0.05, 0.015, 0.012, 9.81
-    law, disc = (0.0, 0.0, 0.0, 1e-4, 5e-3, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 8e-3, 0.0, 0.0)
+    law = (0.0, 0.0, 0.0, 1e-4, 5e-3, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+    disc = (0.0, 0.0, 0.0, 8e-3, 0.0, 0.0)
     for _ in range(20):
         q1, q2 = rng.uniform(-2, 2, 2)
         w1, w2, t1, t2 = rng.uniform(-20, 20, 4) * (1, 1, 1e-3, 1e-3)

@@ -215,7 +215,7 @@ def test_hunt_and_crossley_without_both_is_hooke_and_keeps_k_at_1_mm():
 
 def test_a_creeping_object_under_a_constant_depth_relaxes_as_the_standard_linear_solid():
     stiffness, depth, share, time = 1e4, 2e-3, 0.6, 0.1
-    law = (stiffness, 0.0, 0.0, 1e-4, 5e-3, 0.0, 0.0, share, time)
+    law = (stiffness, 0.0, 0.0, 1e-4, 5e-3, 0.0, 0.0, share, time, 0.0, 0.0)
     dent, step = 0.0, 1e-4
     for _ in range(1000):
         force, dent, _ = pressed(depth, 0.0, law, dent, step)

@@ -10,6 +10,13 @@ default.
 Measured current passes lag, gain, offset, delay in this order; then noise and resolution. The
 current sensor's effects reach the controller and the log.
 
+Kinds outside the catalogue are OPENED or SEALED. Who improves a method looks at cases where it
+fails, and so fits it to the kinds that those hide: a figure over such kinds says little of a kind
+that nobody thought of. So cases of development hide opened kinds alone, and the run whose figures
+are quoted is the first to hide sealed ones. They were written from what happens to such hands, by
+somebody who had not read the method. A sealed kind whose outcome was used to change the method is
+opened from then on, and another must be written.
+
 An effect that adds to a quantity of `added.py` defines the function named there, and no other file
 has to know of it. What acts elsewhere is called by the stage where it acts.
 """
@@ -18,8 +25,14 @@ import importlib
 import pkgutil
 from types import ModuleType
 
-# No catalogue has these.
-_OUTSIDE = ("friction_step", "nonlinear_spring", "eccentric_pulley", "jammed_finger", "wire_creep")
+# No catalogue has these. Any case may hide the opened ones.
+OPENED = ("friction_step", "nonlinear_spring", "eccentric_pulley", "jammed_finger", "wire_creep",
+          "notched_joint", "stacked_wire", "error_dead_band", "force_saturation")  # fmt: skip
+# Kinds that no development case may hide: only the run that is quoted does.
+SEALED = ("striking_thumb", "sheath_edge", "jammed_cart", "damaged_tooth", "saturating_motor",
+          "limited_supply", "thermal_derating", "encoder_eccentricity", "soft_pad",
+          "clock_error")  # fmt: skip
+_OUTSIDE = OPENED + SEALED
 
 
 def _loaded(name: str) -> ModuleType:
