@@ -52,7 +52,8 @@ class Plant(Protocol):
     slopes(parameters, steps, recording, channels): name -> channel -> its change, shape (n,), per
                 unit of each parameter of `steps` [SI], and per relative deviation of each part
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, fast
-                (`exact`: with the sampled controller); None for a row that fails
+                (`exact`: with the sampled controller); None for a row that fails. The list may
+                have `work`: what the runs took, as seconds of ordinary ones, for the bound of work
     alike(columns, recording, channels): as `many` for rows near the first one, with its solver
                 steps; differences between them are smooth, and derivatives come from them
     noisy(recording, rows):        columns for `many` by which the controller of each row reads its

@@ -242,10 +242,11 @@ def test_a_law_that_fits_better_stands_against_a_free_shape(investigated, monkey
     assert kinds.pop("better") == "named" and set(kinds.values()) == {"unknown"}
 
 
-def test_a_generic_disturbance_without_reduction_is_no_rival(investigated):
+def test_a_generic_disturbance_that_does_far_less_is_no_rival(investigated):
     masks, kinds = ([0b011] * 2, [0b100] * 2), []
     best = replace(investigated.trials[0], delta_chi2=SEARCH.name_limit + 1.0)
-    for delta_chi2 in (SEARCH.faint - 0.1, SEARCH.faint + 0.1):
+    for apart in (SEARCH.rival + 0.1, SEARCH.rival - 0.1):
+        delta_chi2 = max(best.delta_chi2 - apart, SEARCH.faint)
         rival = Trial(("any_torque",), best.point, delta_chi2)
         found = replace(investigated, trials=[best], joint=None, generic=rival)
         kinds.append(decide(found, *masks).kind)

@@ -9,6 +9,7 @@ from sled import HARDENING, Described, Sled, campaign
 
 from hannes.identification.diagnosis import (
     campaign_diagnosis,
+    effect_search,
     observed_controller,
     untested,
     work_bound,
@@ -38,12 +39,12 @@ def spent(monkeypatch, limit):
     return sum(whole), bound, found.verdict
 
 
-@pytest.mark.parametrize("limit", [1.0, 40.0, 60_000.0])
+@pytest.mark.parametrize("limit", [1.0, 40.0, 36_000.0])
 def test_all_stages_together_keep_the_bound_that_was_said(monkeypatch, limit):
     made, bound, verdict = spent(monkeypatch, limit)
     assert made <= bound
     ended = "the search was ended at its bound" in verdict.reason
-    assert ended == (limit < 60_000.0)
+    assert ended == (limit < 36_000.0)
     assert verdict.verdict == ("unknown" if ended else "named")
 
 
@@ -73,6 +74,31 @@ def test_what_is_needed_in_any_case_is_counted_and_made():
     with work.in_any_case():
         work.add(1, 1.0, True)
     assert work.bounded and work.spent > work.limit
+
+
+def test_runs_that_took_more_than_ordinary_ones_count_by_what_they_took():
+    class Made(list):
+        work = 7.0
+
+    work = Work(bounded=True)
+    work.add(2, 1.0, False)
+    assert work.taken([None, None], 1.0, False) == [None, None] and work.spent == 2.0
+    work.taken(Made([None, None]), 1.0, False)
+    assert work.spent == 7.0
+
+
+def test_a_single_effect_stands_with_a_remainder_where_the_search_beside_it_is_ended(monkeypatch):
+    def ended(found, progress):
+        raise SearchEnded
+
+    monkeypatch.setattr(effect_search, "with_further_effects", ended)
+    found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
+    assert found.verdict.verdict == "named_with_remainder"
+    assert "search for further effects was ended" in found.verdict.reason
+
+
+def silent(text):
+    """No progress."""
 
 
 def test_a_controller_beyond_the_bound_is_left_as_stated_and_said(monkeypatch):

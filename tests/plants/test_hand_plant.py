@@ -209,3 +209,14 @@ def test_a_noisy_force_sensor_alone_is_no_contact():
         channels = {"time": time, "position": time, "force": values}
         contact = HandPlant().quantities(Recording(channels, units))["contact"]
         assert (contact[time > 0.25] == touched).all() and not contact[time <= 0.25].any()
+
+
+def test_runs_say_their_work_as_seconds_of_ordinary_grasps():
+    resistance = Hand().parameters["motor.resistance"]
+    asked = {"motor.resistance": np.array([resistance])}, ("current",)
+    work = {}
+    for controller in ("continuous", "sampled"):
+        recording = recorded(controller)[0]
+        made = HandPlant().many(asked[0], recording, asked[1], exact=True)
+        work[controller] = made.work / np.ptp(recording.time)
+    assert 0.2 < work["continuous"] < 3.0 and work["sampled"] > 2.0 * work["continuous"]

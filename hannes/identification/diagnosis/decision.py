@@ -67,7 +67,8 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
 
 def allowed(delta_chi2: float) -> float:
     """How much a name with this reduction may add to the chi-squared of held-out runs."""
-    return min(max(VERDICT.heldout_increase, VERDICT.heldout_share * delta_chi2), SEARCH.name_limit)
+    share = VERDICT.heldout_share * delta_chi2
+    return min(max(VERDICT.heldout_increase, share), VERDICT.heldout_most)
 
 
 def _nothing(found: SearchResult, best: Trial | None) -> Decision:

@@ -90,7 +90,19 @@ def _all_searched(
             break
         fits = {each.effects[0]: each.point for each in found.trials}
         found = _searched(nominal, better, {**known, **fits}, progress)
-    return with_further_effects(found, progress) if may_be_named(found) else found
+    return _with_further(found, progress) if may_be_named(found) else found
+
+
+def _with_further(found: SearchResult, progress: Progress) -> SearchResult:
+    """With further effects; single ones alone where the bound of work ends that search.
+
+    What judges and closes them then has some work of its own.
+    """
+    try:
+        return with_further_effects(found, progress)
+    except SearchEnded:
+        found.baseline.model.work.extended()
+        return replace(found, cut_short=True)
 
 
 def _leading(found: SearchResult) -> Trial | None:

@@ -112,6 +112,8 @@ def something_more(found: SearchResult, trial: Trial) -> str:
     rest, needed = found.remaining, max(SEARCH.name_limit, SEARCH.second_share * trial.delta_chi2)
     if rest is not None and rest.delta_chi2 / found.variance_factor > needed:
         return f"{_further(found, rest)}, so something else is there"
+    if found.cut_short:
+        return "the search for further effects was ended at its bound, so more may be there"
     if far := _far_from_prior(trial):
         ratio = f"{far.ratio:.1f} times as far as scatter allows"
         return f"it takes a machine whose values are off {ratio}: so they are, or hide something"

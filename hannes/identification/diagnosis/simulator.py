@@ -180,19 +180,19 @@ class Model:
         columns = self.space.columns(group, rows, effects) | dict(further)
         many = getattr(plant, "many", None)
         if many is not None:
-            return list(many(columns, group.recording, group.names, exact))
-        return [
-            _alone(plant, {name: float(column[k]) for name, column in columns.items()}, group)
-            for k in range(len(rows))
+            made = many(columns, group.recording, group.names, exact)
+            return self.work.taken(made, _duration(group), exact)
+        singly = [
+            {name: float(column[k]) for name, column in columns.items()} for k in range(len(rows))
         ]
+        return [_alone(plant, values, group) for values in singly]
 
     def apart(
         self, group: Group, x: np.ndarray, share: float
     ) -> dict[str, tuple[Channels, Channels]]:
         """Like part -> changes of a group's channels with it off by a share, up and down, at x.
 
-        {} where the plant has none. Raises ComputationFailed where no run nearby succeeds.
-        """
+        {} where the plant has none. Raises ComputationFailed where no run nearby succeeds."""
         apart = getattr(self.small, "apart", None)
         if apart is None:
             return {}
@@ -205,7 +205,7 @@ class Model:
         return found
 
     def _count(self, group: Group, runs: int, exact: bool) -> None:
-        self.work.add(runs, float(np.ptp(group.recording.time)), exact)
+        self.work.add(runs, _duration(group), exact)
 
     def vectors(
         self, group: Group, rows: np.ndarray, effects: bool, exact: bool = False
@@ -238,7 +238,8 @@ class Model:
         else:
             self._count(group, len(stacked), False)
             columns = self.space.columns(group, stacked, effects)
-            made = self._vectors(group, same_steps(columns, group.recording, group.names))
+            runs = same_steps(columns, group.recording, group.names)
+            made = self._vectors(group, self.work.taken(runs, _duration(group), False))
             made = self._corrected(group, made, stacked) if effects else made
         return made[1:] - made[0]
 
@@ -286,6 +287,10 @@ class Model:
         usual = {name: float(np.median([each[name] for each in recorded])) for name in group.names}
         deviations = (difference - mean) * np.sqrt(len(pairs) / (len(pairs) - 1.0))
         return DiscretisationError(mean, deviations, usual)
+
+
+def _duration(group: Group) -> float:
+    return float(np.ptp(group.recording.time))
 
 
 def _alone(plant: Plant, values: dict[str, float], group: Group) -> Channels | None:

@@ -1,7 +1,8 @@
 """How much one diagnosis may simulate: an answer always comes, and its cost is known before.
 
 Processor time would end a search elsewhere on another machine. So simulated time is counted, which
-is the same everywhere. A run with the sampled controller counts more, as it takes more steps.
+is the same everywhere. A run with the sampled controller counts more, as it takes more steps. So
+does a run whose plant says that it took more (a ripple, say, which the solver must follow).
 Everything counts: the choice of a controller, baseline fits, all starts, the search, hold-out, the
 final fit and the run proposed next; the shape of an unknown has a bound of its own. Whatever comes
 first must leave the rest less. Only what every verdict needs is made in any case: the machine as
@@ -10,8 +11,11 @@ given with its derivatives, and the closing.
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import TypeVar
 
 from hannes.identification.diagnosis.tuning import SEARCH, SHAPE
+
+T = TypeVar("T")
 
 
 class SearchEnded(Exception):
@@ -31,6 +35,19 @@ class Work:
             raise SearchEnded
         self.spent += cost
 
+    def taken(self, made: list[T], duration: float, exact: bool) -> list[T]:
+        """Runs once made, after counting what they took beyond what `add` counted.
+
+        A plant says that by `work` of the list, as seconds of ordinary runs.
+        """
+        known = len(made) * duration * (SEARCH.exact_weight if exact else 1.0)
+        self.spent += max(0.0, getattr(made, "work", 0.0) - known)
+        return made
+
+    def extended(self) -> None:
+        """Give what judges and closes a search that was cut short some work of its own."""
+        self.limit = self.spent + SEARCH.closing_simulated
+
     @contextmanager
     def in_any_case(self) -> Iterator[None]:
         """Within, runs are counted and made although the limit is reached."""
@@ -46,7 +63,8 @@ class Work:
         uncertain: number of parameters of the machine
         """
         needed = SEARCH.needed_runs + SEARCH.needed_per_parameter * uncertain
-        return self.limit + SHAPE.most_simulated + needed * sum(durations)
+        own = SEARCH.closing_simulated + SHAPE.most_simulated
+        return self.limit + own + needed * sum(durations)
 
     @property
     def ended(self) -> str:

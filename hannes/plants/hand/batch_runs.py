@@ -21,7 +21,16 @@ FIRMWARE += ("delayed_position", "delayed_current", "duty")
 FINEST = 32.0  # bits of an encoder that rounds to a nanoradian
 COUNTED = 1e-3  # of a step: rounding error of a number read from a file
 NOISE = "controller.current_noise"
+USUAL = 3500.0  # evaluations of the hand's equations for a second of an ordinary grasp
 Channels = dict[str, np.ndarray]
+
+
+class Runs(list[Channels | None]):
+    """Channels of runs; `work`: what they took, as seconds of an ordinary grasp."""
+
+    def __init__(self, made: Iterable[Channels | None], work: float) -> None:
+        super().__init__(made)
+        self.work = work
 
 
 def alike(
@@ -117,17 +126,18 @@ class _Runs:
         )
         return self._recorded(runs)
 
-    def _recorded(self, runs: Iterable[Grasp]) -> list[Channels | None]:
+    def _recorded(self, runs: Iterable[Grasp]) -> Runs:
         """At the recorded times."""
         since = self.recording.time - self.recording.time[0]
         if "reference" not in self.recording:
             since = self.recording.time
-        return [
-            {name: np.interp(since, run.time, run[name]) for name in self.channels}
-            if run.outcome is Outcome.COMPLETED
-            else None
-            for run in runs
-        ]
+        evaluations, made = 0, list[Channels | None]()
+        for run in runs:
+            evaluations += run.cost.evaluations
+            done = run.outcome is Outcome.COMPLETED
+            at = {name: np.interp(since, run.time, run[name]) for name in self.channels if done}
+            made.append(at or None)
+        return Runs(made, evaluations / USUAL)
 
     def near(self, columns: Mapping[str, np.ndarray]) -> list[Channels | None]:
         """The same for rows that differ little, fast.

@@ -10,10 +10,13 @@ class SearchTuning:
     """How the catalogue is searched."""
 
     most_simulated: float = constant(
-        60_000.0,
+        36_000.0,
         "s",
         "of simulated runs in one diagnosis, whose search then ends: about 120 s of a processor",
         COST,
+    )
+    closing_simulated: float = constant(
+        10_000.0, "s", "likewise, of what judges a search for further effects that was ended", COST
     )
     needed_runs: float = constant(
         130.0, "weighted runs", "of each command that every verdict needs, whatever was spent", COST
@@ -33,9 +36,9 @@ class SearchTuning:
     )
     likely_faults: int = constant(2, "1", "faults of like parts that are refitted, at most", COST)
     name_limit: float = constant(
-        12.0,
+        16.0,
         "chi2",
-        "reduction for which an effect is named: more than chance gives any of them",
+        "reduction for which an effect is named: chance gives any of the 53 that in 1 of 300",
         DEVELOPMENT,
     )
     parameter_price: float = constant(

@@ -35,10 +35,11 @@ class VerdictTuning:
         4.0, "chi2", "of the held-out runs, that a name may add: refits differ by that", DEVELOPMENT
     )
     heldout_share: float = constant(0.05, "1", "of its reduction, if that is more", DEVELOPMENT)
+    heldout_most: float = constant(12.0, "chi2", "that it may add in any case", DEVELOPMENT)
     doubt: float = constant(
-        10.5, "chi2", "reduction too small for a name, larger than chance", DEVELOPMENT
+        13.0, "chi2", "reduction too small for a name, larger than chance", DEVELOPMENT
     )
-    generic_limit: float = constant(11.0, "chi2", "the same of a generic disturbance", DEVELOPMENT)
+    generic_limit: float = constant(13.0, "chi2", "the same of a generic disturbance", DEVELOPMENT)
     remainder: float = constant(
         8.0, "chi2", "reduction of a further effect that is mentioned", DEVELOPMENT
     )
