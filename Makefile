@@ -43,8 +43,7 @@ docs: env  ## pictures of the README and generated pages of docs/reference anew
 	$(bin)/hannes reproduce --out results/reproduce
 	cp results/reproduce/figures/fig8.svg docs/grasp.svg
 	$(bin)/hannes hand --schematic > docs/hand.svg
-	$(bin)/python -m benchmarks.truth.closures --out results/closures --slack "3 mm" --runs 6 --seed 1
-	$(bin)/hannes diagnose results/closures/campaign.toml --out results/hidden-slack
+	$(bin)/hannes diagnose examples/closures/campaign.toml --out results/hidden-slack
 	$(bin)/python -m tools.diagnosis_picture results/hidden-slack/report.html docs/diagnosis.svg
 	$(bin)/python -m tools.reference
 
