@@ -6,6 +6,7 @@ import numpy as np
 
 from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.check import check, refuse_faults
+from hannes.campaigns.mixed_runs import mixed_runs
 from hannes.campaigns.periodicity import inputs
 from hannes.campaigns.quality.finding import Finding, warning
 
@@ -23,19 +24,21 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
     A fault (a wrong unit, a reversed sign, a dead channel) would be named as an effect.
     """
     found = [(each.name, check(each.recording, campaign.plant)) for each in campaign.entries]
-    refuse_faults(found)
+    across = across_runs(campaign)
+    refuse_faults([*found, ("the campaign", across)])
     kinds: dict[tuple[str, str], list[tuple[str, Finding]]] = {}
     for name, findings in found:
         for each in findings:
             if each.level == "warning":
                 kinds.setdefault((each.kind, each.channel), []).append((name, each))
     lines = [_line(group, len(found)) for group in kinds.values()]
-    return [*lines, *_units(campaign), *map(str, across_runs(campaign))]
+    return [*lines, *_units(campaign), *map(str, across)]
 
 
 def across_runs(campaign: Campaign) -> list[Finding]:
     """What only several recordings show: two machines mixed, a supply that falls."""
-    return [*_mixed(campaign), *_supply(campaign)]
+    faults = list(mixed_runs(campaign))
+    return [*(faults or _mixed(campaign)), *_supply(campaign)]
 
 
 def _supply(campaign: Campaign) -> Iterator[Finding]:
