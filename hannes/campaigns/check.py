@@ -16,6 +16,7 @@ from hannes.campaigns.quality import (
     magnitudes,
     motion,
     sensors,
+    winding,
 )
 from hannes.campaigns.quality.finding import LEVELS, Finding, note
 from hannes.campaigns.quality.one_line import one_line_each
@@ -49,7 +50,8 @@ def check(recording: Recording, plant: Plant | None = None) -> list[Finding]:
     others = undeclared(recording, plant) if plant is not None else ()
     recording = without(recording, others)
     needed = frozenset(plant.required) if plant is not None else frozenset()
-    subject = Subject(recording, expected, block, asked, _plan(recording), needed)
+    motor = winding.winding_of(plant) if plant is not None else None
+    subject = Subject(recording, expected, block, asked, _plan(recording), needed, motor)
     found = sorted(_found(subject), key=lambda each: LEVELS.index(each.level))
     unused = "is no channel of this plant, and is left out"
     return [*one_line_each(found, subject), *(note("other", name, unused) for name in others)]
@@ -75,6 +77,7 @@ def _single(subject: Subject) -> Iterator[Finding]:
     yield from disabled.inspect(subject)
     yield from sensors.inspect(subject)
     yield from magnitudes.inspect(subject)
+    yield from winding.inspect(subject)
     yield from motion.inspect(subject)
     if subject.plan is not None:
         yield from command.inspect(subject, subject.plan)
@@ -88,7 +91,8 @@ def _plan(recording: Recording) -> Plan | None:
         experiment = parse_experiment(recording.experiment)
     except BadInput:  # of another plant
         return None
-    return Plan(*experiment.reference.knots)
+    times, values = experiment.reference.knots
+    return Plan(times, values, experiment.object is not None)
 
 
 def subjects(

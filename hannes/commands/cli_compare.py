@@ -63,13 +63,14 @@ def _compare(chosen: argparse.Namespace) -> None:
 
 def table_2(result: "Compared") -> list[str]:
     """The comparison as lines for a terminal."""
+    from hannes.report.comparison import sentence
     from hannes.simulation.grasp_metrics import DEFINITIONS
 
-    lines = [f"{result.campaign.title}: error [%] = 100 (measured - simulated) / measured"]
+    lines = [sentence(result), *(f"caution: {each}" for each in result.cautions)]
+    lines.append(f"{result.campaign.title}: error [%] = 100 (measured - simulated) / measured")
     for condition in result.conditions:
         lines += _condition_lines(condition)
     lines += [f"  {name}: {DEFINITIONS[name]}" for name in result.metrics]
-    lines += [f"caution: {each}" for each in result.cautions]
     return [*lines, *(f"{each}." for each in result.notes)]
 
 

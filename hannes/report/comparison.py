@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from hannes.identification.comparison.comparison import Compared, Condition, Row
 
 NO_VALUE = "–"
+GROSS = 100.0  # %, of an error that no model of the right experiment has
 
 
 def page(result: "Compared") -> str:
@@ -46,10 +47,14 @@ def sentence(result: "Compared") -> str:
     if result.largest is None:
         return "None of the paper's metrics has a value for these recordings."
     condition, row = result.largest
+    doubt = (
+        " So far off is hardly a gap of the model: is this the experiment, and the hand, that was "
+        "recorded?"
+    )
     return (
         f"Largest relative error: {row.metric}, {signed(row.error)} % (measured "
         f"{number(row.measured.mean)}, simulated {number(row.simulated.mean)} {row.unit}; "
-        f"{condition.name})."
+        f"{condition.name}).{doubt if abs(row.error) > GROSS else ''}"
     )
 
 

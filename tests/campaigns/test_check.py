@@ -157,8 +157,9 @@ def test_a_clipped_drive(name, share):
     drive = "drive" if recording.plant == "axis" else "current"
     top = share * recording[drive].max()
     clipped = recording.with_channels({drive: np.minimum(recording[drive], top)}, {})
-    (finding,) = found(clipped, "saturated", drive, "warning")
     lasting = np.count_nonzero(recording[drive] >= top) / 1000.0
+    level = "fault" if lasting > 0.1 * len(recording) / 1000.0 else "warning"
+    (finding,) = found(clipped, "saturated", drive, level)
     assert finding.size == pytest.approx(lasting, rel=0.5) and "clips" in finding.text
 
 

@@ -21,6 +21,7 @@ FloatArray = NDArray[np.float64]
 SHARE = {"range": 0.8, "slip of winding": 0.75, "slip of controller": 0.95}
 LEFT = {"range": 0.03, "slip of winding": 0.08, "slip of controller": 0.08}
 CLEAR = 2.0  # times what is left, that a change of gain is
+SLIPPED = 6.0  # steps of the motion's sensor, that an encoder must slip by
 FEWEST = 80  # samples by which steps are compared
 LATTICE = 0.05  # of a step, by which a reading may lie beside it
 APART = 2e-3  # relative, by which two steps are different
@@ -34,7 +35,9 @@ def inspect(subject: Subject) -> Iterator[Finding]:
         if law.slips and pushes_away(law) and law.of not in done:
             yield _other_way_round(subject, law)
             return
-        found = [each for each in breaks_of(law) if _is_one(law, each)]
+        found = [
+            each for each in breaks_of(law) if _is_one(law, each) and _is_seen(subject, law, each)
+        ]
         if found and law.of not in done:
             best = max(found, key=lambda each: each.share)
             yield _ranged(subject, law, best) if best.kind == "range" else _slipped(
@@ -61,6 +64,15 @@ def _is_one(law: Relation, found: Break) -> bool:
         return True  # far, by either part alone
     clear = found.kind != "range" or abs(np.log(max(found.size, 1e-6))) > CLEAR * found.left
     return found.share > SHARE[kind] and found.left < LEFT[kind] and clear
+
+
+def _is_seen(subject: Subject, law: Relation, found: Break) -> bool:
+    """Whether a slip is more than what a coarse sensor hides of a slow motion."""
+    if found.kind != "slip":
+        return True
+    moved = abs(float(law.motion[found.end] - law.motion[found.place]))
+    step = quantum(subject.recording[subject.of(law.of).drives])
+    return abs(found.size) * moved > SLIPPED * step
 
 
 def _ranged(subject: Subject, law: Relation, found: Break) -> Finding:

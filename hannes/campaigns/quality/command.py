@@ -8,13 +8,16 @@ from numpy.typing import NDArray
 from hannes.campaigns.foreign.raw_values import usual_rate
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
-from hannes.campaigns.quality.motion import UNLIKE, begins_moving, found_lag, pace, timed, unlike
+from hannes.campaigns.quality.motion import UNLIKE, found_lag, pace, timed, unlike
 from hannes.campaigns.quality.retimed import pace_of
 from hannes.campaigns.quality.subject import Plan, Subject
+from hannes.campaigns.quality.zero import begins_moving
 
 FloatArray = NDArray[np.float64]
 
 SAME = 0.02  # of the range, that a command may differ from the plan and still be the same
+# RMS of a recorded command at its best pace, of its range, and that pace, that are another one's.
+OTHER_SHAPE, OTHER_PACE = 0.1, 0.1
 LEAST_DRIFT = 1e-3  # of the clock's rate
 GROSS_DRIFT = 1e-2  # beyond which a fit is misled
 GROSS_PACE = 0.06  # of the rate, by the motion alone, which lags its command
@@ -155,14 +158,31 @@ def _recorded(subject: Subject, plan: Plan, command: str) -> Iterator[Finding]:
             return
     rate, rest = _clock(time, values, plan)
     if rest > SAME * size:
-        yield note(
-            "command",
-            command,
-            "is not that of the experiment: what was recorded drives the simulation",
-            size=rest,
-        )
+        yield _another(subject, plan, command, rate, rest / size)
         return
     yield from _drifting(subject, command, rate)
+
+
+def _another(subject: Subject, plan: Plan, command: str, rate: float, rest: float) -> Finding:
+    """A recorded command of another shape; `rest`: RMS that is left at its best pace, of its range.
+
+    It drives the simulation, so alone it does no harm; an object of the experiment is then where
+    it was not, or not when it was.
+    """
+    text = "is not that of the experiment"
+    gross = rest > OTHER_SHAPE or abs(rate - 1.0) > OTHER_PACE
+    if not gross or not plan.touches:
+        text += ": what was recorded drives the simulation"
+        level = warning if gross else note
+        more = ", as a free closure; leave experiment out, or name the right one" if gross else ""
+        return level("command", command, text + more, size=rest)
+    asked, end = subject.recording[command], float(plan.times[-1])
+    moving = float(subject.time[np.flatnonzero(np.diff(asked) != 0.0)[-1] + 1])
+    text += f" (it ends at {moving:.4g} s and goes to {subject.with_unit(asked.max(), command)}, "
+    text += f"the experiment's at {end:.4g} s and {subject.with_unit(plan.values.max(), command)})"
+    text += ": another run, or the wrong experiment, whose object is not there; name the right "
+    text += "one, or write it with this command as its reference"
+    return fault("command", command, text, size=rest, mend=mends.NO_FILE)
 
 
 def _drifting(subject: Subject, command: str, rate: float) -> Iterator[Finding]:

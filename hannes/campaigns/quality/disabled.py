@@ -24,6 +24,9 @@ FURTHER = 2.0  # times the largest error before, at the end of a stretch in whic
 # Residuals of the controller's law, share of the largest drive, and steps, that are missing.
 CLEARLY, WANTED, COUNTS = 6.0, 0.1, 3.0
 UNUSUAL = 2.0  # times what the law leaves before over any stretch as long
+# Lags [s] and their number, with which a motion followed before, and how near, of its range.
+LONGEST, LAGS, NEAR = 0.3, 31, 0.12
+TENTHS = 10  # parts of a stretch, through one of which a machine is far from its command
 FEW = 3  # longest stretches of equal readings that are looked at
 LEAST_STOOD, MOST_STOOD = 14, 0.7  # equal readings of a motion, and of the recording at most
 STOOD, HOLDS = 0.2, 0.1  # of the drive that its law then misses, and that it leaves elsewhere
@@ -39,7 +42,8 @@ def inspect(subject: Subject) -> Iterator[Finding]:
     asked = subject.asked_of(moved) if moved else None
     if not drives or not moved or asked is None or np.ptp(asked) == 0.0:
         return
-    off = np.all([_idle(recording[name]) for name in drives], axis=0) & ~held_frames(subject)
+    off = np.all([_idle(recording[name]) for name in drives], axis=0)
+    off &= ~held_frames(subject) | np.all([recording[name] == 0.0 for name in drives], axis=0)
     used = np.any([_used(recording[name]) for name in drives], axis=0)
     long = [each for each in true_runs(off) if used[each[0]] and each[1] - each[0] + 1 >= SHORTEST]
     if not long:
@@ -49,10 +53,14 @@ def inspect(subject: Subject) -> Iterator[Finding]:
     runs = [
         each
         for each in long
-        if (follower.is_behind(*each) or any(one.is_wanted(*each) for one in answers))
-        and not all(_stands(recording[name], *each) for name in drives)
+        if follower.is_behind(*each)
+        or follower.is_away(*each)  # so it is the drive that stops, and not its sensor
+        or (
+            any(one.is_wanted(*each) for one in answers)
+            and (follower.strays(*each) or not all(_stands(recording[n], *each) for n in drives))
+        )
     ]
-    if not runs or _another_run(subject, moved, asked, runs[-1][1]):
+    if not runs or _another_run(subject, moved, asked, *runs[0]):
         return
     first = runs[0][0]
     lasting = float(sum(subject.time[b] - subject.time[a] for a, b in runs))
@@ -112,11 +120,23 @@ def _is_frozen(subject: Subject, moved: str, name: str, first: int, last: int) -
     )
 
 
-def _another_run(subject: Subject, moved: str, asked: FloatArray, last: int) -> bool:
-    """Whether a motion that is driven again does not follow this command anyway."""
-    driven_again = last < len(subject.recording) - BRIEF
+def _another_run(
+    subject: Subject, moved: str, asked: FloatArray, first: int, last: int
+) -> bool:  # fmt: skip
+    """Whether a motion does not follow this command anyway, and did not before it was off."""
     motion = subject.recording[moved]
-    return driven_again and found_lag(subject, motion, subject.time, asked) is None
+    if found_lag(subject, motion, subject.time, asked) is not None:
+        return False
+    size = float(np.ptp(asked[:first])) if first > SHORTEST else 0.0
+    if size < ASKED * float(np.ptp(asked)):
+        return last < len(subject.recording) - BRIEF  # it is driven again, and does not follow
+    shifts = np.unique(np.linspace(0.0, LONGEST / subject.interval, LAGS).astype(int))
+    apart = [
+        float(np.sqrt(np.mean((asked[: first - k] - motion[k:first]) ** 2)))
+        for k in shifts
+        if k < first // 2
+    ]
+    return min(apart) > NEAR * size
 
 
 def _idle(values: FloatArray) -> NDArray[np.bool_]:
@@ -163,6 +183,19 @@ class _Follower:
         self._motion, self._asked, self._size = motion, asked, float(np.ptp(asked))
         self._error = np.abs(asked - motion)
         self._largest = np.maximum.accumulate(self._error)
+
+    def is_away(self, first: int, last: int) -> bool:
+        """Whether the machine is for a while far from its command, as it never was before."""
+        if last - first + 1 < BRIEF:
+            return False
+        least = max(ASKED * self._size, FURTHER * float(self._largest[max(first - 1, 0)]))
+        parts = np.array_split(self._error[first : last + 1], TENTHS)
+        return any(each.size > 1 and float(each.min()) > least for each in parts)
+
+    def strays(self, first: int, last: int) -> bool:
+        """Whether the machine leaves its command further than it ever did before."""
+        before = float(self._largest[first - 1]) if first else 0.0
+        return float(self._error[first : last + 1].max()) > FURTHER * before
 
     def is_behind(self, first: int, last: int) -> bool:
         """Whether the command moves on in a stretch and the machine does not."""

@@ -7,25 +7,18 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, warning
-from hannes.campaigns.quality.law import zero_of
 from hannes.campaigns.quality.subject import Subject
+from hannes.campaigns.quality.zero import PLAUSIBLE, STANDS, away, begins_moving
 from hannes.core.errors import BadInput
 from hannes.core.recording.time_lag import Lag, best_lag, lag_behind, time_apart
 
 FloatArray = NDArray[np.float64]
 
 SEARCH = 0.45  # of the recording, the widest search for a lag
-PLAUSIBLE = (0.25, 4.0)  # gain of a motion over its command, a blocked one included
 NEAR = 1.4  # factor within which a gain counts as that of a known mistake
 SURE = 0.9  # correlation that makes a small gain more than a blocked motion
 BEFORE = 5e-3  # s, by which a motion cannot run ahead of its command
-IN_MOTION = 0.15  # of the fastest sustained speed, at the first sample
-ENDS = 0.3  # relative, by which a shifted zero may differ at the end
 HELD_BACK = 0.1  # of the time through its range, by which friction holds a motion back
-STARTS, AT_ONCE = 5, 5e-3  # samples by which a zero is taken, and the time [s] that they last
-LEAST_ZERO = 4e-3  # of its range, that a zero is shifted which a law shows, too
-STANDS = 0.01  # of its range, that a zero is shifted
-APART = 0.03  # of its range, that a command begins away from what follows it
 DEGREES = 57.29578
 FOLLOWED = 0.7  # correlation of a command that follows its motion
 SMOOTHER = 3.0  # times, that a command is smoother than what a sensor reads
@@ -68,13 +61,6 @@ def _started(subject: Subject, name: str) -> Iterator[Finding]:
         )
 
 
-def begins_moving(subject: Subject, name: str) -> bool:
-    """Whether a motion is under way in the first sample."""
-    speed = subject.speed(name)
-    fastest = float(np.abs(speed).max())
-    return fastest > 0.0 and abs(float(speed[0])) > IN_MOTION * fastest
-
-
 def _amid_the_plan(subject: Subject) -> bool:
     """Whether a recording begins when its experiment, which is simulated from its start, moves."""
     plan = subject.plan
@@ -115,40 +101,7 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
         return
     yield from _gain(subject, name, command, lag)
     yield from timed(subject, name, command, pace(subject.time, asked), lag)
-    first = slice(0, max(min(STARTS, round(AT_ONCE / subject.interval)), 1))
-    apart = float(np.median(motion[first] - asked[first]))
-    later = np.interp(subject.time - lag.value, subject.time, asked)
-    usual = motion - later
-    ends = min(abs(float(each) - apart) for each in (usual[-1], motion[-1] - asked[-1]))
-    size, zero = float(np.ptp(asked)), None
-    if abs(apart) > LEAST_ZERO * size:
-        zero = zero_of(subject, name)
-    known = zero is not None and abs(zero - apart) < ENDS * abs(apart)
-    shifted = known or ends < ENDS * abs(apart) or _wobbles(usual, apart)
-    least = (LEAST_ZERO if known else STANDS if shifted else APART) * size
-    if abs(apart) > least and PLAUSIBLE[0] < lag.gain < PLAUSIBLE[1]:
-        yield _apart(subject, name, command, apart, shifted)
-
-
-def _wobbles(usual: FloatArray, apart: float) -> bool:
-    """Whether a motion that ends on its way is off by the same at most times."""
-    return float(np.median(np.abs(usual - apart))) < 0.5 * ENDS * abs(apart)
-
-
-def _apart(subject: Subject, name: str, command: str, apart: float, shifted: bool) -> Finding:
-    """A motion that starts away from its command, and maybe ends as far from it."""
-    mend = mends.shifted(subject, name, -apart)
-    text = f"starts {subject.with_unit(apart, name)} away from {command}"
-    text += f" and ends as far: its zero is shifted; convert with {mend[0]}" if shifted else (
-        ": the recording begins after its command; start the logger earlier")  # fmt: skip
-    return warning(
-        "zero" if shifted else "late-start",
-        name,
-        text,
-        time=float(subject.time[0]),
-        size=apart,
-        mend=mend if shifted else mends.NO_FILE,
-    )
+    yield from away(subject, name, command, lag)
 
 
 def _implausible(subject: Subject, name: str, lag: Lag) -> bool:

@@ -16,14 +16,14 @@ EXPLAINS: tuple[tuple[str, bool, tuple[str, ...]], ...] = (
     ("dead", True, ("magnitude", "disabled", "sign", "unit", "held", "coarse", *MOTION)),
     ("clock", False, ("drift", *MOTION)),
     ("held", False, ("saturated", "frozen", "jump", "lost", "pace")),
-    ("frozen", True, ("saturated", "jump", "late-start", "pace")),
+    ("disabled", False, ("frozen", "saturated", "jump", "unlike", "drift", *MOTION)),
+    ("frozen", True, ("saturated", "jump", "unlike", "drift", *MOTION)),
     ("lost", False, ("jump", "drift", "late-start", "unlike", "pace")),
     ("jump", True, (*VALUES, "drift", *MOTION)),
     ("unit", True, (*VALUES, "drift", *MOTION)),
-    ("unlike", True, ("disabled", "sign", "drift", "frozen", "unit", *MOTION)),
+    ("unlike", True, ("sign", "drift", "frozen", "unit", *MOTION)),
     ("sign", True, ("sign", "disabled", "jump", "magnitude", "late-start", "zero", "command")),
     ("magnitude", True, ("sign", "coarse", "frozen", "disabled")),
-    ("disabled", False, ("frozen", "saturated", "held", "jump", *MOTION)),
     ("pace", True, ("late-start", "zero")),
     ("late-start", True, ("zero", "drift", "command")),
     ("drift", False, ("late-start", "zero", "pace")),
@@ -37,11 +37,18 @@ def one_line_each(found: Sequence[Finding], subject: Subject) -> list[Finding]:
     kept: list[Finding] = []
     for each in _by_rank(found):
         same = any((k.kind, k.channel) == (each.kind, each.channel) for k in kept)
+        same |= any(_is_same_stretch(k, each) for k in kept)
         if each.level == "note" or not (same or any(_explains(k, each, subject) for k in kept)):
             kept.append(each)
     if any(each.kind == "disabled" for each in kept):
         kept = [each for each in kept if each.kind not in STANDS]
     return [each for each in found if any(each is k for k in kept)]
+
+
+def _is_same_stretch(one: Finding, other: Finding) -> bool:
+    """Whether two channels stand for the same samples, which one line leaves out."""
+    stands = one.kind == other.kind == "frozen"
+    return stands and (one.level, one.time, one.size) == (other.level, other.time, other.size)
 
 
 def _by_rank(found: Sequence[Finding]) -> list[Finding]:

@@ -35,6 +35,9 @@ FEWEST_STUCK = 5  # equal readings of a position that moves
 LEAST_FROZEN = 14  # samples without any change, where there is noise otherwise
 REPEATS = 0.2  # share of repeated values from which a channel is at rest
 RARE = 4  # times longer than any other run of one value
+# RMS of what a motion went while its reading stood, of its range, and share of a recording that is
+# cut off: by which a fit is misled.
+GROSS_STUCK, GROSS_TOP = 0.015, 0.1
 WIDE = 1.5  # median intervals, over which a motion may go far
 COARSE = 50.0  # steps in the range, below which resolution is poor
 
@@ -97,7 +100,8 @@ def _clipped(subject: Subject, name: str, values: FloatArray) -> Iterator[Findin
             "widen the range, or leave these samples out (time.cut)"
         )
         mend = mends.cut(subject, true_runs(values == extreme), name)
-        yield warning("saturated", name, text, time=start, size=lasting, mend=mend)
+        found = fault if count > GROSS_TOP * values.size and expected.drives else warning
+        yield found("saturated", name, text, time=start, size=lasting, mend=mend)
 
 
 def _flat_tops(values: FloatArray, extreme: float) -> list[tuple[int, int]]:
@@ -187,7 +191,9 @@ def _stuck(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]
         return
     first, last = max(runs, key=lambda each: each[1] - each[0])
     lasting = float(subject.time[last] - subject.time[first])
-    yield warning(
+    missed = sum(_missed(values, *each) for each in runs) / values.size
+    found = fault if missed > (GROSS_STUCK * float(np.ptp(values))) ** 2 else warning
+    yield found(
         "frozen",
         name,
         f"stays at {subject.with_unit(float(values[first]), name)} for {lasting:.3g} s and then "
@@ -196,6 +202,11 @@ def _stuck(subject: Subject, name: str, values: FloatArray) -> Iterator[Finding]
         size=lasting,
         mend=mends.cut(subject, runs, name),
     )
+
+
+def _missed(values: FloatArray, first: int, last: int) -> float:
+    """Sum of squares of what a motion went meanwhile, taken as even."""
+    return float(values[last + 1] - values[first]) ** 2 * (last - first + 1) / 3.0
 
 
 def stuck_runs(subject: Subject, name: str, values: FloatArray) -> list[tuple[int, int]]:

@@ -18,6 +18,7 @@ FloatArray = NDArray[np.float64]
 __all__ = [
     "Plan",
     "Subject",
+    "Winding",
     "alone",
     "levels",
     "noise",
@@ -35,10 +36,23 @@ WINDOW = 9  # samples of a running median
 
 @dataclass(frozen=True)
 class Plan:
-    """The command of an experiment: `times` [s] and `values`, shape (m,), lines between."""
+    """The command of an experiment: `times` [s] and `values`, shape (m,), lines between.
+
+    touches: whether there is an object, which is there at that command alone.
+    """
 
     times: FloatArray
     values: FloatArray
+    touches: bool = False
+
+
+@dataclass(frozen=True)
+class Winding:
+    """Of a motor as stated: resistance [ohm], voltage [V], constant [V s/rad] of its motion."""
+
+    resistance: float
+    voltage: float
+    constant: float
 
 
 @dataclass(frozen=True)
@@ -46,7 +60,7 @@ class Subject:
     """`expected` by channel, empty where no plant is known; `block` [s] is 0 there.
 
     asked: commanded channels, as far as the plant declares them; plan: what the experiment asks;
-    needed: channels without which the plant cannot be used.
+    needed: channels without which the plant cannot be used; winding: of its motor, if known.
     """
 
     recording: Recording
@@ -55,6 +69,7 @@ class Subject:
     asked: frozenset[str] = frozenset()
     plan: "Plan | None" = None
     needed: frozenset[str] = frozenset()
+    winding: "Winding | None" = None
 
     @property
     def time(self) -> FloatArray:
