@@ -19,7 +19,7 @@ from hannes.core.errors import BadInput, NotTrusted, nearest
 from hannes.core.io.file_patterns import is_pattern, matching
 from hannes.core.io.inputs import is_file, note, noted
 from hannes.core.io.toml_table import Table, read_text
-from hannes.core.ranged import own_ranges, ranged
+from hannes.core.ranged import own_ranges, ranged, ranges_of_nothing
 from hannes.core.recording.recording import Recording
 from hannes.core.trust.consent import consenting
 from hannes.plants.plant_file import base_name, with_plant_file
@@ -156,6 +156,8 @@ def _effects(
         except BadInput as error:
             root.refuse("effects", f"cannot be used: {error}")
     found = {**effects(), **own_catalogue(plant), **own}
+    if strange := ranges_of_nothing(plant, found.values()):
+        root.refuse("plant", f"cannot be used: {strange}")
     found = {name: ranged(each, own_ranges(plant)) for name, each in found.items()}
     try:
         joined((), found.values())

@@ -1,9 +1,10 @@
 """Effects within a machine's own bounds: the ranges that ship are those of a hand."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from hannes.core.effect import Effect
+from hannes.core.errors import nearest
 from hannes.core.parameter import Parameter
 
 Bounds = tuple[float, float]
@@ -23,6 +24,15 @@ def ranged(effect: Effect, ranges: Mapping[str, Bounds]) -> Effect:
         _ranged(each, ranges.get(effect.full_name(each.name))) for each in effect.parameters
     )
     return effect if found == effect.parameters else replace(effect, parameters=found)
+
+
+def ranges_of_nothing(plant: object, effects: Iterable[Effect]) -> str:
+    """Which of a machine's bounds is of no effect at all, in words; "" where each has one."""
+    known = {each.full_name(parameter.name) for each in effects for parameter in each.parameters}
+    strange = [name for name in own_ranges(plant) if name not in known]
+    if not strange:
+        return ""
+    return f'its ranges have "{strange[0]}", which no effect has{nearest(strange[0], known)}'
 
 
 def _ranged(parameter: Parameter, bounds: Bounds | None) -> Parameter:

@@ -10,13 +10,18 @@ from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment, noise_floors
 from hannes.identification.diagnosis.baseline import COARSE
-from hannes.identification.diagnosis.experiment_design import Separation, proposed, separation
+from hannes.identification.diagnosis.experiment_design import (
+    Separation,
+    explanations,
+    proposed,
+    separation,
+)
 from hannes.identification.diagnosis.linearisation import first
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
-from hannes.identification.diagnosis.trials import SearchResult, Trial
+from hannes.identification.diagnosis.trials import Joint, SearchResult, Trial
 from hannes.plants.hand.candidate_runs import proposals
 from hannes.plants.hand.plant import HandPlant
 from hannes.simulation.catalogue import effects
@@ -63,6 +68,14 @@ def test_a_run_that_is_logged_as_all_others_asks_for_no_more():
 def test_channels_that_add_little_are_not_asked_for():
     found = proposed({"slow": Separation(3.0, 3.5, ("duty",))}, NAMES)
     assert found["also_log"] == [] and "without" not in found["why"]
+
+
+def test_several_effects_that_explain_together_are_one_explanation():
+    joint, other = Trial(("slack", "sag"), None, 90.0), Trial(("slack", "lag"), None, 85.0)
+    single = Trial(("slack",), None, 60.0)
+    found = SearchResult(None, None, [], [single], Joint(joint, others=(other,)), None, 1.0)
+    assert explanations(found) == [joint, other, single]
+    assert explanations(replace(found, joint=None)) == [single]
 
 
 @pytest.fixture(scope="module")

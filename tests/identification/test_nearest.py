@@ -8,7 +8,7 @@ import pytest
 from hannes.identification.diagnosis import nearest as module
 from hannes.identification.diagnosis.decision import Decision
 from hannes.identification.diagnosis.nearest import nearest
-from hannes.identification.diagnosis.trials import SearchResult, Trial
+from hannes.identification.diagnosis.trials import Joint, SearchResult, Trial
 
 NAMES = {name: name for name in ("slack", "ripple", "sag", "lag")}
 UNKNOWN = Decision("unknown", (), "none is believed", None)
@@ -44,3 +44,11 @@ def test_one_that_lowers_the_misfit_too_little_is_not_near(found):
 
 def test_every_other_verdict_has_none(found):
     assert nearest(found, Decision("recalibrated", (), "", None), NAMES) == []
+
+
+def test_a_single_one_is_not_judged_by_what_is_left_beside_several(found, monkeypatch):
+    joint = replace(found.trials[0], effects=("slack", "sag"), delta_chi2=510.0)
+    monkeypatch.setattr(module, "doubt_about", lambda _, each: "")
+    monkeypatch.setattr(module, "something_more", lambda known, each: str(known.joint is None))
+    rows = nearest(replace(found, joint=Joint(joint)), UNKNOWN, NAMES)
+    assert [each["why_not"] for each in rows] == ["False", "True", "True"]

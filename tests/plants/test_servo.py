@@ -208,6 +208,14 @@ def test_its_recordings_are_clean_and_its_ranges_reach_the_campaign(rubbing):
     assert bounds == [(0.0, 2e-3), (2.0, 300.0)]
 
 
+def test_a_range_of_what_no_effect_has_is_refused(rubbing, tmp_path):
+    folder = shutil.copytree(rubbing.parent, tmp_path / "servo")
+    plant = folder / "servo.py"
+    plant.write_text(plant.read_text().replace('"stribeck.torque"', '"stribeck.torqe"'))
+    with pytest.raises(BadInput, match=r'"stribeck.torqe", which no effect has.*stribeck.torque'):
+        read_campaign(folder / "campaign.toml", trust=True)
+
+
 @pytest.mark.slow
 def test_friction_under_load_is_named(rubbing, capsys):
     out = rubbing.parent / "out"

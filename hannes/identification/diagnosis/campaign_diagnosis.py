@@ -268,11 +268,9 @@ class _Closing:
             return None
         known = _entries(self.known)
         try:
-            run = next_run(self.campaign.plant, self.found, known)
+            return next_run(self.campaign.plant, self.found, known, self.names)
         except SearchEnded:
             return None
-        names = [self.names.get(name, name) for name in run["separates"]] if run else []
-        return run and {**run, "separates": names}
 
     def refitted(self) -> Plant:
         """The plant as given, refitted, or refitted with the effects found."""

@@ -28,6 +28,7 @@ from hannes.identification.diagnosis.tuning import NOISE, VERDICT
 from hannes.plants.protocol import Plant
 
 BRIEF = NoiseAccuracy(NOISE.fine_nonlinearity, NOISE.proposed_samples)
+AND = " with "  # between effects that explain together
 Proposals = Callable[[Mapping[str, Recording]], Mapping[str, Recording]]
 
 
@@ -43,14 +44,15 @@ class Separation:
     more: tuple[str, ...] = ()
 
 
-def next_run(plant: Plant, found: SearchResult, entries: Iterable[Entry]) -> dict | None:
+def next_run(
+    plant: Plant, found: SearchResult, entries: Iterable[Entry], names: Mapping[str, str]
+) -> dict | None:
     """The run to record next, what it separates, and why; None where none is worth it.
 
-    A plant may lack `proposals`.
+    A plant may lack `proposals`. names: effect -> name by which it can be found again
     """
     proposals: Proposals | None = getattr(plant, "proposals", None)
-    every = [*found.trials, *([found.generic] if found.generic else [])]
-    pair = sorted(every, key=lambda each: -each.delta_chi2)[:2]
+    pair = explanations(found)[:2]
     if proposals is None or len(pair) < 2:
         return None
     recorded: dict[str, Recording] = {}
@@ -60,7 +62,16 @@ def next_run(plant: Plant, found: SearchResult, entries: Iterable[Entry]) -> dic
         name: separation(found, plant, Entry(name, run, name), list(recorded.values()), *pair)
         for name, run in proposals(recorded).items()
     }
-    return proposed(separations, [trial.effects[0] for trial in pair])
+    best = proposed(separations, [AND.join(trial.effects) for trial in pair])
+    found_again = [AND.join(names.get(name, name) for name in trial.effects) for trial in pair]
+    return best and {**best, "separates": found_again}
+
+
+def explanations(found: SearchResult) -> list[Trial]:
+    """What may explain the recordings, best first: several effects together, single ones."""
+    joint = [found.joint.trial, *found.joint.others] if found.joint else []
+    every = [*joint, *found.trials, *([found.generic] if found.generic else [])]
+    return sorted(every, key=lambda each: -each.delta_chi2)
 
 
 def proposed(separations: Mapping[str, Separation], names: list[str]) -> dict | None:

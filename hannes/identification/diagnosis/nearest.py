@@ -1,6 +1,7 @@
 """Of an `unknown`: the candidates that come nearest, and why none of them is believed."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from hannes.identification.diagnosis.decision import Decision
@@ -42,6 +43,8 @@ def _share(found: SearchResult, trial: Trial) -> float:
 def _why_not(found: SearchResult, trial: Trial, best: Trial) -> str:
     if trial is not best and trial.delta_chi2 < VERDICT.explained_share * best.delta_chi2:
         return "it explains much less than the first"
+    if found.joint and trial is not found.joint.trial:  # what is left is that beside those others
+        found = replace(found, joint=None, remaining=None)
     return (
         doubt_about(found, trial)
         or something_more(found, trial)
