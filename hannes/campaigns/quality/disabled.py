@@ -57,7 +57,7 @@ def inspect(subject: Subject) -> Iterator[Finding]:
         or follower.is_away(*each)  # so it is the drive that stops, and not its sensor
         or (
             any(one.is_wanted(*each) for one in answers)
-            and (follower.strays(*each) or not all(_stands(recording[n], *each) for n in drives))
+            and (follower.departs(*each) or not all(_stands(recording[n], *each) for n in drives))
         )
     ]
     if not runs or _another_run(subject, moved, asked, *runs[0]):
@@ -192,7 +192,7 @@ class _Follower:
         parts = np.array_split(self._error[first : last + 1], TENTHS)
         return any(each.size > 1 and float(each.min()) > least for each in parts)
 
-    def strays(self, first: int, last: int) -> bool:
+    def departs(self, first: int, last: int) -> bool:
         """Whether the machine leaves its command further than it ever did before."""
         before = float(self._largest[first - 1]) if first else 0.0
         return float(self._error[first : last + 1].max()) > FURTHER * before
