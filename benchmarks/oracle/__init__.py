@@ -8,4 +8,5 @@ needs to name.
 from pathlib import Path
 
 FROZEN = Path(__file__).parent / "smallest_detectable.toml"  # of a release: what the study hides
+APART = Path(__file__).parent / "fingers_apart.toml"  # where each joint is off for itself
 FOLDER = Path(__file__).parent / "sizes"  # NAME.toml: an effect that came after that

@@ -13,7 +13,7 @@ from benchmarks.truth.parameters import NOMINAL, flat
 from benchmarks.truth.protocol import PROTOCOLS, Condition
 from benchmarks.truth.scatter import PLACES
 
-EXACTLY = Spread(0.0, "normal", 0.0, 0.0)
+EXACTLY, COMMON = Spread(0.0, "normal", 0.0, 0.0), Spread()
 EMPTY, HANDS, STILL = 1_000_000, 2_000_000, 3_000_000  # first seeds; no study has these
 STEP, PLACE_STEP, LATE = 0.02, 0.2e-3, 1e-3  # of a slope: relative; m; s
 NONE: Shape = {}
@@ -21,10 +21,10 @@ CARRIED = ("wire_creep.rate",)  # what a run leaves to the next: no repeat may b
 
 
 class Bench:
-    """Vectors of one protocol."""
+    """Vectors of one protocol, of hands with this spread."""
 
-    def __init__(self, protocol: str, store: Store) -> None:
-        self.name, self.store = protocol, store
+    def __init__(self, protocol: str, store: Store, spread: Spread = COMMON) -> None:
+        self.name, self.store, self.spread = protocol, store, spread
         self.whole = PROTOCOLS[protocol]
         conditions = tuple(replace(each, repeats=1) for each in self.whole.conditions)
         self.once = replace(self.whole, conditions=conditions)
@@ -36,9 +36,11 @@ class Bench:
 
     def empty(self, number: int) -> np.ndarray:
         """An empty campaign of a scattered hand."""
-        return self._kept(
-            f"empty-{number}", lambda: vector(make(self.whole, EMPTY + number), self.whole)
-        )
+
+        def run() -> np.ndarray:
+            return vector(make(self.whole, EMPTY + number, spread=self.spread), self.whole)
+
+        return self._kept(f"empty-{number}", run)
 
     def change(self, effect: str, size: float, number: int, shape: Shape = NONE) -> np.ndarray:
         """What an effect of this size changes in one hand's campaign, all noise the same."""
@@ -46,7 +48,7 @@ class Bench:
         kind = f"{'whole' if effect in CARRIED else 'once'}-{number}"
 
         def run(hidden: Mapping[str, float]) -> np.ndarray:
-            return vector(make(plan, HANDS + number, hidden), plan)
+            return vector(make(plan, HANDS + number, hidden, self.spread), plan)
 
         rounded = f"{size:.6g}"
         hidden = {effect: float(rounded), **shape}
@@ -85,7 +87,7 @@ class Bench:
     def _moved(self, name: str, of: Condition | None) -> np.ndarray:
         plan, hand = self.once, SHIPPED
         if of is None:
-            hand += f'[parameters]\n"{name}" = {_stepped(name, flat(NOMINAL)[name])!r}\n'
+            hand += f'[parameters]\n"{name}" = {_stepped(name, flat(NOMINAL).get(name, 1.0))!r}\n'
         else:
             key = name.partition(".")[2]
             moved = replace(of, thing={**of.thing, key: _stepped(name, of.thing[key])})
@@ -94,7 +96,8 @@ class Bench:
         return vector(make(plan, STILL, spread=EXACTLY, hand=hand), plan)
 
     def _kept(self, name: str, run: Callable[[], np.ndarray]) -> np.ndarray:
-        return self.store.kept(f"{self.name}/{name}", run)
+        apart = f"-fingers-{self.spread.finger:g}" if self.spread.finger else ""
+        return self.store.kept(f"{self.name}{apart}/{name}", run)
 
 
 def _stepped(name: str, value: float) -> float:

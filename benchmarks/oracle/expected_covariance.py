@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.features import BINS
 from benchmarks.truth.campaign import Spread
-from benchmarks.truth.parameters import FINGERS, GEOMETRY, NOMINAL, flat
+from benchmarks.truth.parameters import FINGERS, GEOMETRY, NOMINAL, OWN, flat
 from benchmarks.truth.scatter import EXACT, PLACES, RUN_PLACES, RUN_TO_RUN
 
 Column = tuple[np.ndarray, float]  # slope, and standard deviation of what moves along it
@@ -45,7 +45,14 @@ def of_hands(bench: Bench, spread: Spread) -> list[Column]:
         if _scatters(f"object.{key}", each.thing[key])
     ]
     columns = [(bench.derivative(name), _hand(name, spread)) for name in names]
-    return columns + [(bench.derivative(name, each), _hand(name, spread)) for name, each in own]
+    columns += [(bench.derivative(name, each), _hand(name, spread)) for name, each in own]
+    return columns + (of_joints(bench, spread) if spread.finger else [])
+
+
+def of_joints(bench: Bench, spread: Spread) -> list[Column]:
+    """What each joint has for itself, as a factor."""
+    names = [f"{finger}.{own.partition('.')[2]}" for finger in FINGERS for own in OWN]
+    return [(bench.derivative(name), spread.finger) for name in names]
 
 
 def of_runs(bench: Bench, spread: Spread) -> list[Column]:

@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import Discriminant, needed
 from benchmarks.oracle.shapes import Shape
-from benchmarks.truth.effects import SIZES
+from benchmarks.truth.hidden import SIZES
 from hannes.core.errors import ComputationFailed
 
 NEAR = 1.12  # ratio within which the effect is as good as proportional to its size
@@ -37,16 +37,14 @@ def smallest(
     name: str, shape: Shape, bench: Bench, test: Discriminant, hands: int, begin: float | None
 ) -> Smallest:
     """Search both signs where the effect has both; from `begin` where given."""
-    size = SIZES[name]
-    signs = {"plus": 1.0} | ({"minus": -1.0} if size.low < 0.0 else {})
-    middle = np.sqrt(max(size.low, 0.02 * size.high) * size.high)
     found = {}
-    for name_of_sign, sign in signs.items():
+    for name_of_sign, (sign, least, most) in SIZES[name].signs.items():
+        middle = np.sqrt(max(least, 0.02 * most) * most)
 
         def change(u: float, first: int, count: int, sign: float = sign) -> np.ndarray:
             return np.array([bench.change(name, sign * u, first + k, shape) for k in range(count)])
 
-        found[name_of_sign] = searched(change, test, size.high, begin or middle, hands)
+        found[name_of_sign] = searched(change, test, most, begin or middle, hands)
     return Smallest(found)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.stats import qmc
 
-from benchmarks.truth.effects import SIZES
+from benchmarks.truth.hidden import SIZES
 from benchmarks.truth.size import Size
 
 COUNT, SEED = 5, 43

@@ -20,13 +20,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.truth import bench
-from benchmarks.truth.effects import SIZES
 from benchmarks.truth.faults import Fault, broken
 from benchmarks.truth.fitness import fit
+from benchmarks.truth.hidden import SIZES, of_effects
 from benchmarks.truth.parameters import flat, parse_hand, to_si
 from benchmarks.truth.protocol import PROTOCOLS, Condition, Protocol
 from benchmarks.truth.record import checked, posed
 from benchmarks.truth.scatter import LAWS, finger_scatter, run_scatter, scatter
+from benchmarks.truth.settings import set_otherwise
 from benchmarks.truth.simulation import trace
 from benchmarks.truth.state import CREPT
 from hannes.core.errors import BadInput, ComputationFailed, HannesError
@@ -133,7 +134,7 @@ def make(
 ) -> Made:
     """Make a campaign in memory: some 1.5 s for a rich one.
 
-    hidden: sizes by full name (SI), such as {"leader_slack.length": 3e-3}; see `effects`.
+    hidden: sizes by full name (SI), such as {"leader_slack.length": 3e-3}; see `hidden`.
     hand: TOML of the nominal hand; that, and how far it may be off (`assumed`; by default the real
     spread), is all that the analyst gets. fault: of one finger, see `faults`.
     Raises BadInput for what cannot be made, ComputationFailed where a run does not end or no hand
@@ -144,12 +145,13 @@ def make(
     spread = spread or Spread()
     try:
         plan = PROTOCOLS[protocol] if isinstance(protocol, str) else protocol
-        checked(hidden or {})
+        checked(of_effects(hidden or {}))
         nominal = parse_hand(hand)
     except (KeyError, ValueError) as error:
         raise BadInput(str(error)) from None
     values, refused = real_hand(nominal, seed, spread)
     values = broken(values, fault) if fault else values
+    values = set_otherwise(values, hidden or {})
     objects = {c.name: real_object(values, c, seed, spread) for c in plan.conditions}
     made = Made(
         {}, {}, hand, _answer(seed, spread, hidden or {}, values, refused), assumed or spread
@@ -216,7 +218,7 @@ def _run(
             condition.points,
             object={"shape": thing["shape"]} if thing else None,
             duration=condition.duration,
-            effects=hidden,
+            effects=of_effects(hidden),
             current_noise=noise,
             shift=shift,
             crept=crept,

@@ -6,9 +6,11 @@ import numpy as np
 
 from benchmarks.truth import bench
 from benchmarks.truth.campaign import SHIPPED, Spread, real_hand, real_object
+from benchmarks.truth.hidden import of_effects
 from benchmarks.truth.parameters import parse_hand
 from benchmarks.truth.protocol import Condition, Protocol
 from benchmarks.truth.record import posed
+from benchmarks.truth.settings import set_otherwise
 from benchmarks.truth.simulation import trace
 
 STREAM = 3  # of random numbers
@@ -28,7 +30,7 @@ def expected(
     does not end.
     """
     spread = spread or Spread()
-    hand, _ = real_hand(parse_hand(SHIPPED), seed, spread)
+    hand = set_otherwise(real_hand(parse_hand(SHIPPED), seed, spread)[0], hidden)
     wanted = {each.name: each for each in plan.conditions}
     found: dict[str, list[dict[str, np.ndarray]]] = {}
     for name in names:
@@ -53,7 +55,7 @@ def _run(
         condition.points,
         object={"shape": thing["shape"]} if thing else None,
         duration=condition.duration,
-        effects=hidden,
+        effects=of_effects(hidden),
         current_noise=bench.CURRENT * rng.standard_normal(round(condition.duration * 1000) + 1),
     )
     return {name.rpartition("_")[0]: samples for name, samples in channels.items()}

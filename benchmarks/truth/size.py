@@ -17,3 +17,14 @@ class Size:
     high: float
     default: float = 0.0
     amplitude: bool = True
+
+    @property
+    def signs(self) -> dict[str, tuple[float, float, float]]:
+        """plus, minus, or both -> sign, and least and largest magnitude that the range has of it.
+
+        A range that holds 0 begins there.
+        """
+        plus, minus = (1.0, max(self.low, 0.0), self.high), (-1.0, max(-self.high, 0.0), -self.low)
+        return {
+            name: each for name, each in {"plus": plus, "minus": minus}.items() if each[2] > 0.0
+        }
