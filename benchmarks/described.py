@@ -15,6 +15,7 @@ or with a name, closes nothing.
 
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -90,7 +91,7 @@ def measured(kind: str, seed: int) -> dict[str, Any]:
 NOTHING = {"shape": "", "closes": 0.0, "elsewhere": 0.0, "shows": 0.0, "by_command": {}}
 
 
-def described(found: Diagnosis, whole: Made) -> dict[str, Any]:
+def described(found: Diagnosis, whole: Made, other: Sequence[str] = OTHER) -> dict[str, Any]:
     """The verdict, the shape, and the share closed under other commands, together and of each."""
     verdict = found.verdict
     row = {
@@ -104,12 +105,12 @@ def described(found: Diagnosis, whole: Made) -> dict[str, Any]:
     fresh = [
         Segment(Entry(n, whole.recordings[n], c), "", np.ones(len(whole.recordings[n]), bool))
         for n, c in whole.conditions.items()
-        if c in OTHER
+        if c in other
     ]
     stages = _elsewhere(found, fresh)
     before, after = (_raw(found, fresh, stages, stage) for stage in (1, 2))
     places = remainders(found.campaign.plant, fresh, before, after, found.noise_floors)
-    each = {c: _share([place for place in places if place.condition == c]) for c in OTHER}
+    each = {c: _share([place for place in places if place.condition == c]) for c in other}
     shows = max(place.before for place in places)
     return {**row, "shows": shows, "elsewhere": _share(places), "by_command": each}
 

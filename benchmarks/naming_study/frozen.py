@@ -9,7 +9,7 @@ from pathlib import Path
 
 from benchmarks.oracle import FOLDER, FROZEN
 
-ORACLE = {"poor": "poor", "poor, duty": "poor", "rich": "rich"}
+ORACLE = {"poor": "poor", "poor, duty": "poor", "rich": "rich", "naive": "poor"}
 
 
 @dataclass(frozen=True)

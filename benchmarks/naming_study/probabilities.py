@@ -16,6 +16,11 @@ RIGHT = {
     "empty": ("silent",),
     "outside": ("unknown",),
     "pair": ("both", "one"),
+    "triple": ("all",),
+    "fault": ("right", "class"),
+    "sound": ("silent",),
+    "opened": ("unknown",),
+    "sealed": ("unknown",),
 }
 
 

@@ -8,7 +8,7 @@ to be missing, or too little recorded to say, or the diagnosis failed.
 from collections.abc import Mapping
 from typing import Any
 
-from benchmarks.truth.effects import SIZES
+from benchmarks.truth.hidden import SIZES
 
 NAMING = ("named", "named_with_remainder")
 CLAIMS = (*NAMING, "one_of")

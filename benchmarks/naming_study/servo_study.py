@@ -16,6 +16,7 @@ from typing import Any
 from benchmarks import study
 from benchmarks.harness import Row, must_show
 from benchmarks.naming_study import servo_bench
+from benchmarks.naming_study.choice import Study
 from benchmarks.naming_study.score import CLAIMS
 from benchmarks.naming_study.servo_draw import RANGES, drawn
 from hannes.commands.diagnose import diagnose
@@ -93,3 +94,17 @@ def figures(done: Iterable[Mapping[str, Any]]) -> tuple[list[Row], list[Row]]:
         must_show("servo: wrong", every["wrong"], MOST_WRONG, every["wrong"] <= MOST_WRONG),
         must_show("servo: sound, called missing", called, MOST_CALLED, called <= MOST_CALLED),
     ]
+
+
+def named(chosen: str, quick: bool) -> str:
+    """Of the file of a set."""
+    return f"naming-servo-{chosen}{'-quick' if quick else ''}"
+
+
+def tables(done: list[dict[str, Any]]) -> tuple[dict[str, Any], Sequence[Sequence[Row]]]:
+    """What was found, and its tables."""
+    rows, bounds = figures(done)
+    return {"rows": rows, "must_show": bounds}, (rows, bounds)
+
+
+STUDY = Study(SETS, tuple(COUNTS), cases, measured, named, tables)

@@ -22,7 +22,8 @@ import numpy as np
 from benchmarks.truth import bench
 from benchmarks.truth.faults import Fault, broken
 from benchmarks.truth.fitness import fit
-from benchmarks.truth.hidden import SIZES, of_effects
+from benchmarks.truth.hidden import hidden_from, of_effects
+from benchmarks.truth.noise import current_noise
 from benchmarks.truth.parameters import flat, parse_hand, to_si
 from benchmarks.truth.protocol import PROTOCOLS, Condition, Protocol
 from benchmarks.truth.record import checked, posed
@@ -131,12 +132,14 @@ def make(
     progress: bool = False,
     assumed: Spread | None = None,
     fault: Fault | None = None,
+    bandwidth: float | None = None,
 ) -> Made:
     """Make a campaign in memory: some 1.5 s for a rich one.
 
     hidden: sizes by full name (SI), such as {"leader_slack.length": 3e-3}; see `hidden`.
     hand: TOML of the nominal hand; that, and how far it may be off (`assumed`; by default the real
     spread), is all that the analyst gets. fault: of one finger, see `faults`.
+    bandwidth: of the current sensor's noise (Hz), see `noise`.
     Raises BadInput for what cannot be made, ComputationFailed where a run does not end or no hand
     near the nominal one grasps.
     """
@@ -156,13 +159,14 @@ def make(
     made = Made(
         {}, {}, hand, _answer(seed, spread, hidden or {}, values, refused), assumed or spread
     )
-    if fault:
-        made.answer["fault"] = vars(fault)
+    made.answer.update({"fault": vars(fault)} if fault else {})
+    made.answer.update({"noise_bandwidth_hz": bandwidth} if bandwidth else {})
     crept = 0.0
     for k, condition in enumerate(tqdm(plan.runs, "runs", disable=not progress)):
         name = f"{k + 1:02d}_{condition.stem}"
         own = objects[condition.name]
-        run, facts, crept = _run(values, condition, own, hidden or {}, (seed, k), spread, crept)
+        state = (crept, bandwidth)
+        run, facts, crept = _run(values, condition, own, hidden or {}, (seed, k), spread, state)
         made.recordings[name] = bench.logged(
             run, condition, plan.channels, hand, np.random.default_rng([seed, SENSORS, k])
         )
@@ -205,13 +209,17 @@ def _run(
     hidden: Mapping[str, float],
     place: tuple[int, int],
     spread: Spread,
-    crept: float,
+    state: tuple[float, float | None],
 ) -> tuple[dict[str, np.ndarray], dict[str, Any], float]:
-    """One run: its channels, what the answer holds of it, and how long the leader is after."""
+    """One run: its channels, what the answer holds of it, and how long the leader is after.
+
+    place: seed and number of the run; state: how long the leader is, bandwidth of the noise
+    """
+    crept, bandwidth = state
     before = {**posed(hand, thing), "controller.current_step": bench.CURRENT_STEP}
     rng = np.random.default_rng([place[0], RUN, place[1]])
     values, shift = run_scatter(before, rng, spread.run, spread.timing)
-    noise = bench.CURRENT * rng.standard_normal(round(condition.duration * 1000) + 1)
+    noise = current_noise(rng, round(condition.duration * 1000) + 1, bandwidth)
     try:
         channels, states = trace(
             values,
@@ -249,20 +257,6 @@ def _answer(
         "seed": seed,
         "spread": vars(spread),
     }
-
-
-def hidden_from(words: Sequence[str]) -> dict[str, float]:
-    """ "leader_slack.length=3 mm" -> SI, by full name; BadInput otherwise."""
-    found = {}
-    for word in words:
-        name, sign, text = word.partition("=")
-        if not sign or name.strip() not in SIZES:
-            raise BadInput(f'"{word}": expected NAME=SIZE, NAME one of {", ".join(SIZES)}')
-        try:
-            found[name.strip()] = to_si(text.strip(), SIZES[name.strip()].unit)
-        except ValueError as error:
-            raise BadInput(f'"{word}": {error}') from None
-    return found
 
 
 def _arguments(words: Sequence[str] | None) -> argparse.Namespace:

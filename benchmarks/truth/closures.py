@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.truth.bench import experiment_text
-from benchmarks.truth.campaign import Spread, hidden_from, make
+from benchmarks.truth.campaign import Spread, make
+from benchmarks.truth.hidden import hidden_from
 from benchmarks.truth.protocol import closures
 from hannes.core.errors import HannesError
 from hannes.core.io.atomic_files import write_text

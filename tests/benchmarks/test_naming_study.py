@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import naming, study
-from benchmarks.naming_study import draw, frozen, plan, records, score, summary, work
+from benchmarks.naming_study import alike, draw, frozen, plan, records, score, summary, work
 from benchmarks.naming_study.probabilities import probabilities
 from benchmarks.oracle.shapes import shapes
 from benchmarks.truth.effects import CATALOGUE, OUTSIDE, SIZES
@@ -292,10 +292,11 @@ def test_records_of_the_quoted_set_are_never_begun_anew(monkeypatch, tmp_path):
     monkeypatch.setattr(
         study, "run", lambda file, *rest: asked.append((file.parent, rest[2])) or []
     )
-    for chosen in ("quoted", "development"):
-        monkeypatch.setattr("sys.argv", ["naming", "--set", chosen])
+    ways = ([], ["--study", "alike"], ["--machine", "servo"])
+    for chosen in (["--set", which, *way] for which in ("quoted", "development") for way in ways):
+        monkeypatch.setattr("sys.argv", ["naming", *chosen])
         naming.main()
-    assert asked == [(tmp_path, True), (naming.FOLDER, False)]
+    assert asked == [(tmp_path, True)] * 3 + [(naming.FOLDER, False)] * 3
 
 
 def test_lines_under_former_names_are_read_and_kept(tmp_path):
@@ -339,7 +340,7 @@ def test_a_case_of_the_study_is_one_line_of_json(monkeypatch):
         (out / "verdict.json").write_text(json.dumps(said("unknown", parameters={})))
 
     monkeypatch.setattr(work, "diagnosed", diagnose)
-    found = naming.measured("empty, poor", 5)
+    found = alike.measured("empty, poor", 5)
     assert found["outcome"] == "unknown" and found["effects"] == [] and found["times"] is None
     json.dumps(found, allow_nan=False)
 
@@ -369,22 +370,22 @@ def test_one_more_run_is_recorded_where_a_case_is_left_open(monkeypatch):
         plans.append(plan)
         return {"verdict": said("named", "leader_slack" if len(plans) == 1 else "capstan")}
 
-    monkeypatch.setattr(naming, "run_case", run_case)
+    monkeypatch.setattr(alike, "run_case", run_case)
     case = draw.Drawn({"leader_slack.length": 3e-3}, {"leader_slack.length": 2.0})
     next_run = {"experiment": "soft ball", "also_log": [], "separates": [], "why": ""}
     opened = {**said("unknown"), "next_run": next_run}
-    assert naming.one_more(case, 7, opened) == {"suggested": "right", "any": "wrong"}
+    assert alike.one_more(case, 7, opened) == {"suggested": "right", "any": "wrong"}
     poor = draw.PLANS["poor"].runs
     assert all(plan.runs[:-1] == poor and len(plan.runs) == 13 for plan in plans)
     assert plans[0].runs[-1].name == "soft ball" and plans[1].runs[-1].name == draw.any_run(7)
     assert not any(each.also for plan in plans for each in plan.runs)
     logged = {**said("unknown"), "next_run": {**next_run, "also_log": ["duty"]}}
     plans.clear()
-    ends = naming.one_more(case, 7, logged)
+    ends = alike.one_more(case, 7, logged)
     assert ends == {"suggested": "right", "any": "wrong", "same_channels": "wrong"}
     assert [plan.runs[-1].also for plan in plans] == [("duty_1",), (), ("duty_1",)]
-    assert naming.one_more(case, 7, said("unknown")) == {}
-    assert naming.one_more(case, 7, {**said("named", "capstan"), "next_run": next_run}) == {}
+    assert alike.one_more(case, 7, said("unknown")) == {}
+    assert alike.one_more(case, 7, {**said("named", "capstan"), "next_run": next_run}) == {}
 
 
 def test_the_next_run_is_worth_what_it_resolves_beyond_any_run():

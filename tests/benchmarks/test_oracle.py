@@ -1,15 +1,21 @@
 """The oracle: its test has the power it claims, and its search ends at that size."""
 
+from argparse import Namespace
+
 import numpy as np
 import pytest
 
+from benchmarks.oracle import search
+from benchmarks.oracle.__main__ import amplitudes
 from benchmarks.oracle.bench import Bench
 from benchmarks.oracle.discriminant import FALSE_ALARM, POWER, Discriminant, needed
-from benchmarks.oracle.expected_covariance import of_hands, of_runs
+from benchmarks.oracle.expected_covariance import of_hands, of_joints, of_runs
 from benchmarks.oracle.features import BINS, names, vector
 from benchmarks.oracle.search import NEAR, searched
 from benchmarks.oracle.store import Store, digest
 from benchmarks.truth.campaign import Spread, make
+from benchmarks.truth.effects import OUTSIDE
+from benchmarks.truth.hidden import SIZES
 from benchmarks.truth.protocol import DYNAMOMETER, POOR, Condition, Protocol
 from hannes.core.errors import ComputationFailed
 
@@ -111,3 +117,31 @@ def test_another_truth_is_another_folder(tmp_path):
     assert digest(tmp_path) == before
     (tmp_path / "one.py").write_text("A = 2\n")
     assert digest(tmp_path) != before
+
+
+def test_joints_that_are_off_for_themselves_scatter_too(tmp_path, monkeypatch):
+    monkeypatch.setattr("benchmarks.oracle.bench.PROTOCOLS", {"blink": BLINK})
+    apart = Spread(finger=0.01)
+    bench = Bench("blink", Store(tmp_path), apart)
+    joints = of_joints(bench, apart)
+    assert len(joints) == 60 and {deviation for _, deviation in joints} == {0.01}
+    assert sum(bool(np.any(slope)) for slope, _ in joints) > 30
+    alike = Bench("blink", Store(tmp_path))
+    assert not np.allclose(bench.empty(0), alike.empty(0))
+
+
+def test_effects_with_a_name_and_settings_are_searched_where_fingers_are_apart():
+    asked = Namespace(effect=None, fingers_apart=True)
+    names = amplitudes(asked)
+    assert {"guide_load.coefficient", "mounting.along_x", "current_limit.change"} <= set(names)
+    outside = {each.__name__.rpartition(".")[2] for each in OUTSIDE}
+    assert not outside & {name.partition(".")[0] for name in names}
+
+
+@pytest.mark.parametrize("name", ["current_limit.change", "firmware_gains.proportional"])
+def test_a_range_is_searched_by_sign_up_to_its_own_end(name, monkeypatch):
+    ends = []
+    monkeypatch.setattr(search, "searched", lambda *asked: ends.append(asked[2]) or asked[2])
+    found = search.smallest(name, {}, None, None, 1, 1.0)
+    assert list(found.found) == list(SIZES[name].signs)
+    assert ends == [most for _, _, most in SIZES[name].signs.values()]
