@@ -17,7 +17,7 @@ EXPLAINS: tuple[tuple[str, bool, tuple[str, ...]], ...] = (
     ("clock", False, ("drift", *MOTION)),
     ("held", False, ("saturated", "frozen", "jump", "lost", "pace")),
     ("disabled", False, ("frozen", "saturated", "jump", "unlike", "drift", *MOTION)),
-    ("frozen", True, ("saturated", "jump", "unlike", "drift", *MOTION)),
+    ("frozen", True, ("saturated", "jump", "unlike", "drift", "sign", *MOTION)),
     ("lost", False, ("jump", "drift", "late-start", "unlike", "pace")),
     ("jump", True, (*VALUES, "drift", *MOTION)),
     ("unit", True, (*VALUES, "drift", *MOTION)),

@@ -4,12 +4,12 @@ Voltage = resistance x current + constant x speed: with the duty recorded it giv
 gain, without it a bound, for a motor that drives has no more than the supply over its resistance.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from hannes.campaigns.quality import mends
-from hannes.campaigns.quality.finding import Finding, fault, warning
+from hannes.campaigns.quality.finding import Finding, fault
 from hannes.campaigns.quality.law import FEWEST, laws, speed_of
 from hannes.campaigns.quality.subject import Subject, Winding, noise, running_median
 from hannes.plants.protocol import Plant
@@ -22,7 +22,7 @@ NAMES = (
 )
 LEFT = 0.2  # of the current, that its law may leave
 CONSTANT = 1.4  # factor by which the law's back EMF may be another than stated
-WRONG, DOUBTFUL = 3.0, 2.0  # factors of the current that no machine as stated explains
+WRONG = 3.0  # factor of the current that no machine as stated explains
 ROUND = 0.15  # relative, about a power of ten that a mistake makes
 MARGIN, VOLTAGE = 1.15, 1.05  # times the bound, and the stated voltage, that may be exceeded
 FREE = 0.8  # of the voltage, that the back EMF has at most where the motion is in its unit
@@ -49,12 +49,11 @@ def inspect(subject: Subject) -> Iterator[Finding]:
     if gain is None:
         yield from _bounded(subject, winding, moved)
         return
-    size = max(gain, 1.0 / gain)
-    if size > DOUBTFUL:
+    if max(gain, 1.0 / gain) > WRONG:
         volts = "the supply" if "supply" in subject.recording else f"{winding.voltage:.4g} V"
         text = f"is {gain:.3g} times what duty and speed let {volts} drive through "
         text += f"{winding.resistance:.3g} ohm"
-        yield _finding(subject, text, gain, fault if size > WRONG else warning)
+        yield _finding(subject, text, gain)
 
 
 def gain_of(subject: Subject, winding: Winding) -> float | None:
@@ -96,18 +95,12 @@ def _bounded(subject: Subject, winding: Winding, moved: str) -> Iterator[Finding
     text += f"drives {subject.with_unit(float(most[worst]), 'current')} at most through "
     text += f"{winding.resistance:.3g} ohm"
     factor = 10.0 ** max(np.ceil(np.log10(float(size[worst] / most[worst]))), 1.0)
-    yield _finding(subject, text, factor, fault, float(subject.time[worst]))
+    yield _finding(subject, text, factor, float(subject.time[worst]))
 
 
-def _finding(
-    subject: Subject,
-    found: str,
-    gain: float,
-    level: Callable[..., Finding],
-    time: float | None = None,
-) -> Finding:
+def _finding(subject: Subject, found: str, gain: float, time: float | None = None) -> Finding:
     power = 10.0 ** round(np.log10(gain))
     factor = power if abs(gain / power - 1.0) < ROUND else gain
     mend = mends.scaled(subject, "current", factor)
     text = f"{found}: its unit or its scale; convert with {mend[0]}, or state motor.resistance"
-    return level("unit", "current", text, time=time, size=gain, mend=mend)
+    return fault("unit", "current", text, time=time, size=gain, mend=mend)
