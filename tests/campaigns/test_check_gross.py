@@ -81,6 +81,13 @@ def test_the_command_of_another_experiment(closed):
     assert "leave experiment out" in only(free, "command", "reference", "warning").text
 
 
+@pytest.mark.parametrize("name", ["dynamometer", "void-closure", "soft-ball"])
+def test_a_motion_of_another_experiment(closed, name):
+    wrong = replace(kept(closed, ALL[1:3]), experiment=(folder() / f"{name}.toml").read_text())
+    found = only(wrong, "unlike", "position")
+    assert "times as long as the experiment's command" in found.text
+
+
 @pytest.mark.parametrize("names", [ALL, ALL[:3], ALL[1:]])
 @pytest.mark.parametrize("noisy", [False, True])
 @pytest.mark.parametrize(

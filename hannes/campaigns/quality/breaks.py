@@ -20,8 +20,9 @@ FloatArray = NDArray[np.float64]
 # Share of a law's squared residual that a break explains, and what it leaves of the whole.
 SHARE = {"range": 0.8, "slip of winding": 0.75, "slip of controller": 0.95}
 LEFT = {"range": 0.03, "slip of winding": 0.08, "slip of controller": 0.08}
+ALL, BROKEN, HELD = 0.96, 0.6, 0.2  # the same where a law does not hold at all without a slip
 CLEAR = 2.0  # times what is left, that a change of gain is
-SLIPPED = 6.0  # steps of the motion's sensor, that an encoder must slip by
+FINE, SURELY = 200.0, 0.97  # steps of a motion's sensor in its range; share with fewer of them
 FEWEST = 80  # samples by which steps are compared
 LATTICE = 0.05  # of a step, by which a reading may lie beside it
 APART = 2e-3  # relative, by which two steps are different
@@ -63,16 +64,16 @@ def _is_one(law: Relation, found: Break) -> bool:
     if found.before == 1.0 and found.left < FAR_LEFT and found.kind == "range":
         return True  # far, by either part alone
     clear = found.kind != "range" or abs(np.log(max(found.size, 1e-6))) > CLEAR * found.left
+    if kind == "slip of controller" and found.share > ALL and found.before > BROKEN:
+        return found.left < HELD
     return found.share > SHARE[kind] and found.left < LEFT[kind] and clear
 
 
 def _is_seen(subject: Subject, law: Relation, found: Break) -> bool:
     """Whether a slip is more than what a coarse sensor hides of a slow motion."""
-    if found.kind != "slip":
-        return True
-    moved = abs(float(law.motion[found.end] - law.motion[found.place]))
-    step = quantum(subject.recording[subject.of(law.of).drives])
-    return abs(found.size) * moved > SLIPPED * step
+    motion = subject.recording[subject.of(law.of).drives]
+    coarse = found.kind == "slip" and law.slips and FINE * quantum(motion) > float(np.ptp(motion))
+    return not coarse or found.share > SURELY
 
 
 def _ranged(subject: Subject, law: Relation, found: Break) -> Finding:

@@ -12,6 +12,7 @@ from hannes.campaigns.quality.motion import UNLIKE, found_lag, pace, timed, unli
 from hannes.campaigns.quality.retimed import pace_of
 from hannes.campaigns.quality.subject import Plan, Subject
 from hannes.campaigns.quality.zero import begins_moving
+from hannes.core.recording.time_lag import Lag
 
 FloatArray = NDArray[np.float64]
 
@@ -22,6 +23,7 @@ LEAST_DRIFT = 1e-3  # of the clock's rate
 GROSS_DRIFT = 1e-2  # beyond which a fit is misled
 GROSS_PACE = 0.06  # of the rate, by the motion alone, which lags its command
 FITS = 0.08  # of the range, that a motion may be off the experiment's command and still be of it
+ROUGHLY = 0.12  # the same, of one that lags by more than it can, and at another pace
 FACTOR = 0.05  # relative, about a factor that a mistake would make
 LEAST_PACE = 3e-3  # of the rate of a recorded command, by which a motion may differ
 WHOLE = 0.85  # of the experiment's command, that a recording covers by which a rate is judged
@@ -59,7 +61,29 @@ def _unrecorded(subject: Subject, plan: Plan, name: str) -> Iterator[Finding]:
             return  # its sign is reversed, which its magnitude says
         yield from unlike(subject, name, what, plan.times, plan.values)
     else:
-        yield from timed(subject, name, what, pace(plan.times, plan.values), lag)
+        found = list(timed(subject, name, what, pace(plan.times, plan.values), lag))
+        instead = (*_paced(subject, name, plan), *_of_another(subject, name, plan, lag))
+        yield from instead[:1] if found and instead else found
+
+
+def _of_another(subject: Subject, name: str, plan: Plan, lag: Lag) -> Iterator[Finding]:
+    """A motion far from its experiment's command that follows it less far at another pace."""
+    motion, time = subject.recording[name], subject.time
+    if subject.time[-1] < WHOLE * float(plan.times[-1]) or begins_moving(subject, name):
+        return
+    few = slice(None, None, max(time.size // ENOUGH, 1))
+    as_far = Plan(plan.times, plan.values * float(np.ptp(motion) / np.ptp(plan.values)))
+    moved = motion[few] - motion[0] + as_far.values[0]
+    rate, rest = _clock(time[few], moved, as_far)
+    late = np.interp(time[few] - lag.value, as_far.times, as_far.values)
+    before = float(np.sqrt(np.mean((moved - late) ** 2)))
+    if abs(rate - 1.0) < OTHER_PACE or rest > min(ROUGHLY * float(np.ptp(motion)), before / 2.0):
+        return
+    text = f"takes {1.0 / rate:.3g} times as long as the experiment's command, and goes to "
+    text += f"{subject.with_unit(float(motion.max()), name)} "
+    text += f"({subject.with_unit(float(plan.values.max()), name)}): another experiment, or its "
+    text += "speed was another; name the right one, or write its command"
+    yield fault("unlike", name, text, size=1.0 / rate, mend=mends.NO_FILE)
 
 
 def _paced(subject: Subject, name: str, plan: Plan) -> Iterator[Finding]:
