@@ -14,7 +14,8 @@ ALIKE = 0.3  # relative, by which the steps before and after a leap may differ
 ROUNDED = 1.5  # counts, by which steps of a command in whole counts differ
 STEADY, CLEAR = 3.0, 6.0  # smallest counts, and noises, of a step of a measured motion
 MOVED_ON = 2.5  # steps before and after, of a motion: two samples at least
-FEW = 3  # times that both leap
+FEW = 3  # times that both leap, or a slow motion does
+WIDE, AHEAD = 20, 10.0  # samples on each side of such a leap, and counts that it goes on in them
 SKIPPED = 0.01  # share of intervals that are gaps, of a clock that shows itself what is lost
 LEAST = 1e-4  # of the command's range: smaller steps are no motion
 
@@ -37,7 +38,7 @@ def _moved(subject: Subject) -> Iterator[Finding]:
         values = subject.recording[name]
         steps, count = np.diff(values), quantum(values)
         least = max(STEADY * count, CLEAR * noise(values), LEAST * float(np.ptp(values)))
-        places = _leaps(steps, least, count)
+        places = _leaps(steps, least, count) or _slow_leaps(steps, least, count)
         even = [k for k in places if np.diff(subject.time[k : k + 2])[0] < 1.5 * subject.interval]
         even = [k for k in even if abs(steps[k]) > MOVED_ON * abs(_usual(steps, k))]
         together = _together(subject, name, steps, count)
@@ -111,8 +112,28 @@ def _finding(
     )
 
 
+def _slow_leaps(steps: np.ndarray, least: float, count: float) -> list[int]:
+    """Places where a motion of a count or so a sample leaps, and goes on as fast as before."""
+    found = []
+    for k in np.flatnonzero(alone(steps, 2.0 * least)):
+        before, after = steps[max(k - WIDE, 0) : k], steps[k + 1 : k + 1 + WIDE]
+        if min(before.size, after.size) < WIDE:
+            continue
+        speeds = float(before.mean()), float(after.mean())
+        usual = sum(speeds) / 2.0
+        even = abs(speeds[0] - speeds[1]) < 2.0 * ALIKE * abs(usual)
+        goes = abs(usual) * WIDE > AHEAD * count and steps[k] / usual > 2.0 * MOVED_ON
+        if even and goes and max(np.abs(before).max(), np.abs(after).max()) < abs(steps[k]) / 3.0:
+            found.append(int(k))
+    return found if len(found) <= FEW else []
+
+
 def _usual(steps: np.ndarray, place: int) -> float:
-    return float(np.median(np.r_[steps[place - AROUND : place], steps[place + 1 :][:AROUND]]))
+    near = np.r_[steps[max(place - WIDE, 0) : place], steps[place + 1 :][:WIDE]]
+    close = np.r_[steps[place - AROUND : place], steps[place + 1 :][:AROUND]]
+    usual = float(np.median(close))
+    slow = np.abs(usual) < 2.0 * np.median(np.abs(np.diff(near)))
+    return float(near.mean()) if slow else usual
 
 
 def _leaps(steps: np.ndarray, least: float, count: float) -> list[int]:
