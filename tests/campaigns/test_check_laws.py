@@ -6,6 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from benchmarks.intake.bases import Logger, base, logged
+from benchmarks.intake.case import case
+from benchmarks.intake.mapped import recordings, sound_mapping
 from benchmarks.intake.servo_plant import Servo
 from benchmarks.truth import servo
 from hannes.campaigns.begin.mapping_text import _expression
@@ -13,6 +16,7 @@ from hannes.campaigns.check import check
 from hannes.campaigns.convert import convert
 from hannes.campaigns.foreign.raw_values import disorder
 from hannes.core.recording.recording import Recording
+from hannes.plants.hand.plant import HandPlant
 
 TIME = np.arange(3000) / 1000.0
 UNITS = {"time": "s", "reference": "rad", "position": "rad", "current": "A"}
@@ -167,3 +171,35 @@ def test_a_clock_that_was_set_back_is_not_out_of_order():
     time = np.r_[TIME[:300], TIME[300:] - 0.1]
     assert disorder(time)[1] == 'time.sampling = "1000 Hz"'
     assert disorder(TIME[np.r_[:30, 31, 30, 32:600]])[1] == 'time.order = "sort"'
+
+
+@pytest.mark.parametrize("seed", [500013, 500020])
+def test_an_encoder_that_turns_not_at_all_for_a_while(seed):
+    row = case("encoder hub slips", "gross", seed)
+    assert row["size"] == 1.0 and row["found"] and row["named"]
+
+
+def hand(time, position):
+    """A hand's log without its command."""
+    channels = {"time": time, "position": 2.0 * np.pi / 4096 * np.round(position / (np.pi / 2048))}
+    return check(Recording(channels, {"time": "s", "position": "rad"}, "hand"), HandPlant())
+
+
+def test_samples_lost_from_a_slow_motion():
+    time = np.arange(6000) / 1000.0
+    position = np.interp(time, (0.0, 0.3, 2.9, 3.1, 5.7), (0.0, 0.0, 4.0, 4.0, 0.0))
+    assert [each for each in hand(time, position) if each.level != "note"] == []
+    left = np.delete(position, slice(1500, 1518))
+    found = [each for each in hand(time[: left.size], left) if each.level != "note"]
+    assert [each.kind for each in found] == ["lost"]
+    assert found[0].time == pytest.approx(1.5, abs=2e-3) and found[0].size == pytest.approx(
+        18, abs=2
+    )
+
+
+@pytest.mark.parametrize("run", [4, 10])
+def test_a_coarse_encoder_is_not_called_slipping(tmp_path, run):
+    machine = base("hand", run)
+    log = logged(machine, Logger(bits=8), True, np.random.default_rng(run))
+    (made,) = recordings(machine, log, sound_mapping(machine, log), tmp_path)
+    assert [each.kind for each in check(made.recording, HandPlant()) if each.level == "fault"] == []
