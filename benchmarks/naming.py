@@ -9,9 +9,10 @@ detectable size of a likelihood-ratio test that knows the effect (80 % power, 5 
 frozen in benchmarks/oracle/fingers_apart.toml. Users state nothing and name the shipped experiments
 (naive; u as for poor), or state all and record six void and six dynamometer runs (poor) or sixteen
 runs with duty and bus voltage (rich). 150 single effects and settings, 120 sound hands, a quarter
-of them with coloured noise of the current, 30 pairs, 12 triples, 24 faults of one finger, and 40 of
-kinds outside the catalogue, half of them kinds that no development case hides. No answer within
-120 s of processor time counts as wrong, and every case is in its denominator.
+of them with coloured noise of the current, 30 pairs, 12 triples, 24 faults of one finger, 40 of
+kinds outside the catalogue, half of them kinds that no development case hides, and 24 hands in
+MuJoCo's own laws of contact, wires and dry friction. No answer within 120 s of processor time
+counts as wrong, and every case is in its denominator.
 
 alike: the former study; fingers are alike, sizes half to five times u of smallest_detectable.toml.
 

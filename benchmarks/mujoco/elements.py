@@ -20,6 +20,7 @@ import mujoco
 
 from hannes.simulation.hand.anatomy import FINGERS
 from hannes.simulation.hand.hand import Hand
+from hannes.simulation.hand.joint_shares import joint_value
 from hannes.simulation.hand.mjcf_bodies import JOINTS, LINKS, skeleton
 
 STATES = 4  # of the controller
@@ -33,35 +34,47 @@ WAYS = {
 
 @dataclass(frozen=True)
 class Idiom:
-    """Choices that MuJoCo leaves open: impedance of all constraints; wires as limits or springs."""
+    """Choices that MuJoCo leaves open: impedance of all constraints; wires as limits or springs.
+
+    loose: length [m] by which the leader is longer than the hand's own
+    """
 
     impedance: float
     limits: bool
+    loose: float = 0.0
 
     def __str__(self) -> str:
         return "limits" if self.limits else "springs"
 
 
 class Writer:
-    """Writes the model of one hand; `weights` are MuJoCo's inverse inertias by element name."""
+    """Writes the model of one hand; `weights` are MuJoCo's inverse inertias by element name.
+
+    grasps: whether there is an object
+    """
 
     def __init__(
-        self, hand: Hand, idiom: Idiom, userdata: int, weights: Mapping[str, float]
+        self, hand: Hand, idiom: Idiom, userdata: int, weights: Mapping[str, float], grasps: bool
     ) -> None:
-        self.value, self.idiom = hand.parameters, idiom
+        self.value, self.idiom, self.grasps = hand.parameters, idiom, grasps
         self.userdata, self.weights = userdata, weights
         self.arms = {
             "motor": {"motor": self.value["gear.pulley_radius"] / self.value["gear.ratio"]},
             **{cart: {cart: 1.0} for cart in ("cart_a", "cart_b")},
-            **{f: {f"{f}_{j}": self.value[f"{j}.moment_arm"] for j in LINKS} for f in FINGERS},
+            **{f: {f"{f}_{j}": self.own(f"{f}_{j}", "moment_arm") for j in LINKS} for f in FINGERS},
         }
+
+    def own(self, joint: str, quantity: str) -> float:
+        """What a finger's joint has for itself."""
+        return joint_value(self.value, joint, quantity)
 
     def text(self, integrator: str) -> str:
         """The whole model; sensors are compiled in and switched off."""
         value, k = self.value, self.value["motor.torque_constant"]
         place = " ".join(str(value[f"object.{x}"]) for x in "xyz")
         wires = "".join(self.wire(name) for name in WAYS)
-        pairs = "".join(self.pair(f"{f}_{link}") for f in FINGERS for link in LINKS.values())
+        touching = FINGERS if self.grasps else ()
+        pairs = "".join(self.pair(f"{f}_{link}") for f in touching for link in LINKS.values())
         return f"""
             <mujoco><compiler angle="radian"/><size nuserdata="{self.userdata}"/>
             <option integrator="{integrator}" cone="elliptic"><flag gravity="disable"
@@ -91,11 +104,15 @@ class Writer:
         """Friction of every joint; spring and stops of a finger's."""
         if name == "motor":
             level, width = (self.value[f"motor.{x}"] for x in ("dry_friction", "friction_speed"))
+            viscous = self.value["motor.viscous_friction"]
+        elif name in JOINTS:
+            level = self.own(name, "coulomb_friction")
+            width = 0.1 * self.own(name, "breakaway_speed")
+            viscous = self.own(name, "viscous_friction")
         else:
-            place = name.split("_")[-1] if name in JOINTS else "cart"
-            level = self.value[f"{place}.coulomb_friction"]
-            width = 0.1 * self.value[f"{place}.breakaway_speed"]
-        viscous = self.value[f"{name if name == 'motor' else place}.viscous_friction"]
+            level = self.value["cart.coulomb_friction"]
+            width = 0.1 * self.value["cart.breakaway_speed"]
+            viscous = self.value["cart.viscous_friction"]
         text = f'damping="{viscous}" frictionloss="{level}" solimpfriction="{self.impedance}" '
         text += f'solreffriction="{self.soft(name, 1.0, level / width)}" '
         return text + (self.ends(name) if name in JOINTS else "")
@@ -103,8 +120,8 @@ class Writer:
     def ends(self, name: str) -> str:
         """Spring with preload, and stops of which the lower carries the preload at rest."""
         value, (finger, kind) = self.value, name.split("_")
-        spring, preload = (value[f"{kind}.spring_{x}"] for x in ("stiffness", "preload"))
-        stop, damping = (value[f"{kind}.stop_{x}"] for x in ("stiffness", "damping"))
+        spring, preload = (self.own(name, f"spring_{x}") for x in ("stiffness", "preload"))
+        stop, damping = (self.own(name, f"stop_{x}") for x in ("stiffness", "damping"))
         rest, end = value[f"{finger}.rest_{kind}"], value[f"{finger}.end_{kind}"]
         return (
             f'stiffness="{spring}" springref="{rest - preload / spring}" limited="true" '
@@ -141,6 +158,7 @@ class Writer:
             for joint, arm in self.arms[end].items()
         }
         slack = sum(arm * self.rest(joint) for joint, arm in parts.items())
+        slack += self.idiom.loose if name == "leader" else 0.0
         free = f"{slack - 10.0} {slack}"
         law = f'stiffness="{stiffness}" damping="{damping}" springlength="{free}"'
         if self.idiom.limits:
@@ -154,11 +172,13 @@ class Writer:
         return self.value[".rest_".join(joint.split("_"))] if joint in JOINTS else 0.0
 
 
-def model(hand: Hand, idiom: Idiom, integrator: str, userdata: int) -> mujoco.MjModel:
+def model(
+    hand: Hand, idiom: Idiom, integrator: str, userdata: int, grasps: bool = True
+) -> mujoco.MjModel:
     """MuJoCo's model; written twice, because MuJoCo first has to compute its inverse weights."""
-    first = Writer(hand, idiom, userdata, {}).text(integrator)
+    first = Writer(hand, idiom, userdata, {}, grasps).text(integrator)
     weights = _weights(mujoco.MjModel.from_xml_string(first))
-    written = Writer(hand, idiom, userdata, weights).text(integrator)
+    written = Writer(hand, idiom, userdata, weights, grasps).text(integrator)
     return mujoco.MjModel.from_xml_string(written)
 
 

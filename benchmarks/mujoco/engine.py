@@ -62,7 +62,7 @@ QPOS, QVEL, ACT, ACT_DOT, CTRL, USERDATA, QFRC_PASSIVE = (
     _place(_data, name)
     for name in ("qpos", "qvel", "act", "act_dot", "ctrl", "userdata", "qfrc_passive")
 )
-DOF_DAMPING = _place(_model, "dof_damping")
+DOF_DAMPING, DOF_FRICTIONLOSS = (_place(_model, x) for x in ("dof_damping", "dof_frictionloss"))
 
 
 @contextlib.contextmanager

@@ -17,6 +17,7 @@ from benchmarks.mujoco.engine import (
     ACT,
     ACT_DOT,
     CTRL,
+    DOF_FRICTIONLOSS,
     DYNAMICS,
     GENERIC,
     QPOS,
@@ -30,8 +31,8 @@ from benchmarks.mujoco.same import CONTROLLER, KNOTS, MEMORY, P, Y, places
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand
 
-SIZES = (P.size, 2 * KNOTS, MEMORY, Y.size, Y.size)
-VALUES, REFERENCE, HELD, STATE, RATE = range(len(SIZES))
+SIZES = (P.size, 2 * KNOTS, MEMORY, Y.size, Y.size, 2)
+VALUES, REFERENCE, HELD, STATE, RATE, LOAD = range(len(SIZES))
 BOUNDS = np.cumsum((0, *SIZES))
 USER = int(BOUNDS[-1])
 MOTOR = places("motor_angle", "motor_speed", "motor_current")
@@ -45,8 +46,12 @@ def part(user, row):
 
 
 @functools.cache
-def callbacks(fast: ModuleType) -> dict[str, Any]:
-    """`mjcb_control` and `mjcb_act_dyn` around the hand's own controller."""
+def callbacks(fast: ModuleType, loaded: bool = False) -> dict[str, Any]:
+    """`mjcb_control` and `mjcb_act_dyn` around the hand's own controller.
+
+    loaded: the motor's `frictionloss` grows with its torque, by row LOAD of userdata: level without
+    a load [N m], and N m per ampere.
+    """
     position_reference, sense, pids = fast.position_reference, fast.sense, fast.control
 
     @numba.njit(error_model="numpy")
@@ -65,6 +70,9 @@ def callbacks(fast: ModuleType) -> dict[str, Any]:
         for k in range(STATES):
             y[CONTROLLER[k]] = act[1 + k]
         carray(d[CTRL], 1)[0] = voltage(as_numbers(d)[TIME], user)
+        if loaded:
+            level, more = part(user, LOAD)
+            carray(m[DOF_FRICTIONLOSS], 1)[0] = level + more * abs(act[0])
 
     @numba.cfunc(DYNAMICS)
     def act_dyn(m, d, actuator):
@@ -76,21 +84,36 @@ def callbacks(fast: ModuleType) -> dict[str, Any]:
     return {"control": control, "act_dyn": act_dyn}
 
 
-def launch(hand: Hand, experiment: Experiment, idiom: Idiom, integrator: str, every: int) -> Launch:
-    """The experiment in MuJoCo's own elements, `every` steps between two samples."""
+def launch(
+    hand: Hand,
+    experiment: Experiment,
+    idiom: Idiom,
+    integrator: str,
+    every: int,
+    load: float = 0.0,
+) -> Launch:
+    """The experiment in MuJoCo's own elements, `every` steps between two samples.
+
+    load: share of the motor's torque by which its dry friction grows
+    """
     posed = hand.with_values(experiment.overrides())
     compiled = posed.compiled(())
     rows = (posed.vector(experiment.shape, ()), experiment.reference.knots, np.zeros(MEMORY))
     userdata = np.zeros(USER)
     userdata[: BOUNDS[STATE]] = np.concatenate([np.ravel(row) for row in rows])
-    m = model(posed, idiom, integrator, USER)
+    value = posed.parameters
+    more = load * value["motor.torque_constant"]
+    userdata[BOUNDS[LOAD] : BOUNDS[LOAD + 1]] = value["motor.dry_friction"], more
+    m = model(posed, idiom, integrator, USER, experiment.object is not None)
     m.opt.timestep = 1.0 / (experiment.sampling * every)
     angles = posed.rest(compiled)[Y["joint_angle"]]
-    return Launch(m, callbacks(compiled.fast), userdata, angles, experiment.times.size, every)
+    called = callbacks(compiled.fast, load > 0.0)
+    return Launch(m, called, userdata, angles, experiment.times.size, every)
 
 
 def traces(run: Launch, hand: Hand) -> dict[str, np.ndarray]:
-    """Current [A], sum of contact forces [N] and leader tension [N] at the sample times.
+    """Current [A], sum of contact forces [N] and leader tension [N] at the sample times; the
+    motor's angle [rad] beside them.
 
     The tension is that of the wire's law at its stretch and rate.
     """
@@ -103,6 +126,7 @@ def traces(run: Launch, hand: Hand) -> dict[str, np.ndarray]:
     tension = value["leader.stiffness"] * stretch + value["leader.damping"] * rate
     return {
         "current": rows[:, m.nq + m.nv],
+        "motor_angle": rows[:, 0],
         "force": force,
         "leader_tension": np.where(stretch > 0.0, tension, 0.0),
     }

@@ -21,6 +21,9 @@ RIGHT = {
     "sound": ("silent",),
     "opened": ("unknown",),
     "sealed": ("unknown",),
+    "MuJoCo sound": ("silent",),
+    "MuJoCo slack": ("right", "class"),
+    "MuJoCo load": ("right", "class"),
 }
 
 

@@ -42,6 +42,7 @@ def test_the_quoted_set_has_the_cases_of_its_table():
     assert counts["opened"] == counts["sealed"] == 20 and counts["coloured"] == 30
     assert [counts["single", p] for p in ("naive", "poor", "rich")] == [50, 50, 50]
     assert counts["sound", "naive"] == 30
+    assert [counts[f"MuJoCo {w}"] for w in ("sound", "slack", "load")] == [12, 6, 6]
 
 
 def test_seeds_of_the_sets_never_meet():
@@ -173,6 +174,14 @@ def test_the_answer_and_other_commands_are_out_of_reach(tmp_path, monkeypatch):
         ("triple", said("named_with_remainder", "a", "b"), ["c", "b", "a"], "two"),
         ("triple", said("named_with_remainder", "a"), ["c", "b", "a"], "one"),
         ("triple", said("named", "a", "b", "d"), ["c", "b", "a"], "wrong"),
+        ("MuJoCo sound", said("recalibrated"), [], "silent"),
+        ("MuJoCo sound", said("named", "stribeck"), [], "law"),
+        ("MuJoCo sound", said("named", "current_gain"), [], "wrong"),
+        ("MuJoCo slack", said("named", "leader_slack", "stribeck"), ["leader_slack"], "right"),
+        ("MuJoCo slack", said("named", "leader_slack", "force_lag"), ["leader_slack"], "wrong"),
+        ("MuJoCo slack", said("one_of", "leader_slack", "capstan"), ["leader_slack"], "class"),
+        ("MuJoCo load", said("named", "stribeck"), ["gear_load"], "wrong"),
+        ("MuJoCo load", said("unknown"), ["gear_load"], "unknown"),
     ],
 )
 def test_outcomes(what, verdict, effects, outcome):
@@ -198,7 +207,8 @@ def row(name, seed, outcome, seconds=10.0, named=("capstan",), **more):
     kind = NAMED[name]
     return {
         "kind": name, "seed": seed, "what": kind.what, "protocol": kind.protocol,
-        "outcome": outcome, "verdict": "named", "named": list(named), "effects": ["capstan"],
+        "outcome": outcome, "verdict": "named", "named": list(named),
+        "effects": [] if kind.what == "sound" else ["capstan"],
         "parameters": {}, "processor_seconds": seconds, "probability": None, **more,
     }  # fmt: skip
 
@@ -248,6 +258,16 @@ def test_rows_of_the_table():
     assert not found["coverage of 95 % intervals"]["holds"]
     json.dumps(summary.figures(done), allow_nan=False)
     assert {each["outcome"] for each in summary.missing(done)} == {"named"}
+
+
+def test_rows_of_mujocos_hands():
+    done = [row("MuJoCo sound, poor", k, "law") for k in range(11)]
+    done += [row("MuJoCo sound, poor", 11, "wrong"), row("MuJoCo slack, poor", 0, "unknown")]
+    done += [row("MuJoCo load, poor", k, "right") for k in range(2)]
+    found = shown(done)
+    assert found["MuJoCo, sound: a name that is no law it has otherwise"]["holds"]
+    missed = found["MuJoCo, slack or load: missed or wrong"]
+    assert missed["value"] == 1 and missed["bound"] == 1.0 and missed["holds"]
 
 
 def test_what_cannot_be_made_is_counted_apart():

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.guarding.plan import SHIPPED, SPREAD
-from benchmarks.naming_study.apart.draw import MOST_ATTEMPTS, Hidden, drawn
+from benchmarks.naming_study.apart import mujoco_bench
+from benchmarks.naming_study.apart.draw import MOST_ATTEMPTS, MUJOCO, Hidden, drawn
 from benchmarks.naming_study.apart.kinds import Kind
 from benchmarks.truth.campaign import Made, make
 from benchmarks.truth.protocol import (
@@ -48,6 +49,9 @@ def case(kind: Kind, seed: int) -> Case:
 
     Raises ComputationFailed after `MOST_ATTEMPTS`.
     """
+    if kind.what in MUJOCO:
+        hidden = drawn(kind, seed)
+        return Case(hidden, mujoco_bench.make(seed, hidden.sizes))
     plan = PLANS[kind.protocol]
     plan = replace(plan, conditions=(*plan.conditions, *_beside(kind)))
     sound = make(plan, seed, spread=SPREAD) if kind.what in MUST_SHOW else None

@@ -20,6 +20,11 @@ from benchmarks.truth.parameters import FINGERS
 
 SAME_THIRD, SAME_NAME = 4, 8  # attempts
 MOST_ATTEMPTS = 24
+MUJOCO = {  # what MuJoCo's own elements can hide
+    "MuJoCo sound": (),
+    "MuJoCo slack": ("leader_slack.length",),
+    "MuJoCo load": ("gear_load.coefficient",),
+}
 TOGETHER = {"single": 1, "pair": 2, "triple": 3}
 BANDWIDTHS = (30.0, 300.0)  # Hz, of coloured noise
 JOINTS = ("mcp", "pip")
@@ -53,12 +58,16 @@ def drawn(kind: Kind, seed: int, attempt: int = 0) -> Hidden:
         return Hidden(bandwidth=_log(rng, *BANDWIDTHS) if kind.coloured else None)
     if kind.what == "fault":
         return Hidden(fault=_fault(seed, attempt, rng))
+    if kind.what == "MuJoCo sound":
+        return Hidden()
     if kind.what == "sealed" and not is_quoted(seed):
         raise ValueError("sealed kinds are hidden by the quoted set alone")
     if kind.what in ("opened", "sealed"):
         known = sizes.outside(OPENED if kind.what == "opened" else SEALED)
     else:
         known = sizes.named(kind.protocol)
+    if kind.what in MUJOCO:
+        known = {name: known[name] for name in MUJOCO[kind.what]}
     return _several(known, TOGETHER.get(kind.what, 1), seed, attempt, rng)
 
 

@@ -65,6 +65,9 @@ KINDS = (
     Kind("opened", "rich", _counts(10)),
     Kind("sealed", "poor", {"development": 0, "quoted": 10, QUICK: 0}),
     Kind("sealed", "rich", {"development": 0, "quoted": 10, QUICK: 0}),
+    Kind("MuJoCo sound", "poor", _counts(12)),
+    Kind("MuJoCo slack", "poor", _counts(6)),
+    Kind("MuJoCo load", "poor", _counts(6)),
 )
 NAMED = {kind.name: kind for kind in KINDS}
 

@@ -14,6 +14,9 @@ from benchmarks.naming_study.score import CLAIMS, NAMING, pair, parameters, sing
 from benchmarks.truth.faults import Fault
 from benchmarks.truth.parameters import FINGERS
 
+# Laws that MuJoCo's own contact, wires and dry friction may well be.
+MUJOCO_LAWS = ("hunt_crossley", "viscoelastic_object", "leader_slack", "wire_compliance", "capstan",
+               "stribeck", "direction_friction", "gear_load", "guide_load")  # fmt: skip
 ABSENT = ("no_gap", "recalibrated")
 SECONDS = 120.0  # of a processor, for an answer
 Said = Mapping[str, Any]  # a verdict
@@ -54,10 +57,29 @@ def fault(verdict: Said, true: Fault) -> str:
     return "wrong" if found == "class" and not set(verdict["effects"]) <= alike else found
 
 
+def mujoco(verdict: Said, effects: list[str]) -> str:
+    """Of a hand with MuJoCo's laws: right where what is hidden is named, and all else that is named
+    is a law of contact, wire or dry friction; class; sound: silent, law (such names alone), called
+    something else, or wrong.
+    """
+    names = set(verdict["effects"]) - set(effects)
+    if verdict["verdict"] not in CLAIMS:
+        return sound(verdict) if not effects else single(verdict, effects[0])
+    if verdict["verdict"] == "one_of" and effects:
+        return single(verdict, effects[0])
+    if names - set(MUJOCO_LAWS):
+        return "wrong"
+    if not effects:
+        return "law"
+    return "right" if set(effects) <= set(verdict["effects"]) else "wrong"
+
+
 def outcome(what: str, verdict: Said, effects: list[str], true: Fault | None) -> str:
     """How a verdict counts."""
     if what == "sound":
         return sound(verdict)
+    if what.startswith("MuJoCo"):
+        return mujoco(verdict, effects)
     if what in ("opened", "sealed"):
         return outside(verdict)
     if true is not None:

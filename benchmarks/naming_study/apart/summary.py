@@ -28,7 +28,7 @@ def figures(done: Cases) -> tuple[list[Row], list[Row]]:
     made = [case for case in done if "outcome" in case]
     rows = [_row(kind.name, [c for c in done if c["kind"] == kind.name]) for kind in KINDS]
     parts: tuple[Callable[[Cases], list[Row]], ...] = (
-        singles, sound, several, faults, outside, sizes, probabilities,
+        singles, sound, several, faults, outside, mujoco, sizes, probabilities,
     )  # fmt: skip
     return [row for row in rows if row["cases"]], [row for part in parts for row in part(made)]
 
@@ -131,6 +131,21 @@ def outside(done: Cases) -> list[Row]:
     ]  # fmt: skip
 
 
+def mujoco(done: Cases) -> list[Row]:
+    """Hands in MuJoCo's own laws of contact, wire and dry friction."""
+    rows, sound, hiding = [], _of(done, "MuJoCo sound"), _of(done, "MuJoCo slack", "MuJoCo load")
+    if sound:
+        wrong = ended_or_late(sound, "wrong")
+        rows.append(
+            at_most("MuJoCo, sound: a name that is no law it has otherwise", wrong,
+                    len(sound), 1, 12)
+        )  # fmt: skip
+    if hiding:
+        missed = len(hiding) - ended(hiding, *RIGHT)
+        rows.append(at_most("MuJoCo, slack or load: missed or wrong", missed, len(hiding), 4, 12))
+    return rows
+
+
 def sizes(done: Cases) -> list[Row]:
     """Errors of named sizes, and how many intervals hold the truth."""
     some = _of(done, "single", "pair", "triple")
@@ -149,7 +164,7 @@ def sizes(done: Cases) -> list[Row]:
 
 def missing(done: Cases) -> list[Row]:
     """What is hidden and what was said instead, a line for each case that went otherwise."""
-    good = ("right", "class", "silent", "both", "all", "two")
+    good = ("right", "class", "silent", "both", "all", "two", "law")
     return [
         {
             "kind": case["kind"],
@@ -160,7 +175,7 @@ def missing(done: Cases) -> list[Row]:
         }
         for case in done
         if "outcome" in case and case["what"] not in OUTSIDE
-        if case["outcome"] not in good or (case["what"] != "sound" and case["outcome"] == "silent")
+        if case["outcome"] not in good or (case["effects"] and case["outcome"] == "silent")
     ]
 
 
