@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from benchmarks.oracle import FOLDER, FROZEN
+from benchmarks.oracle import APART, FOLDER, FROZEN
 
 ORACLE = {"poor": "poor", "poor, duty": "poor", "rich": "rich", "naive": "poor"}
 
@@ -42,8 +42,10 @@ def measured(effect: str) -> Path | None:
     own = FOLDER / f"{effect}.toml"
     if own.exists():
         return own
-    known = {name.partition(".")[0] for name in smallest("poor")}
-    return FROZEN if effect in known else None
+    for file in (FROZEN, APART):
+        if effect in {name.partition(".")[0] for name in smallest("poor", file)}:
+            return file
+    return None
 
 
 def digest(file: Path = FROZEN) -> str:
