@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from benchmarks.intake import sound
 from benchmarks.intake.bases import Logger, base, logged
 from benchmarks.intake.case import case
 from benchmarks.intake.mapped import recordings, sound_mapping
@@ -203,3 +204,7 @@ def test_a_coarse_encoder_is_not_called_slipping(tmp_path, run):
     log = logged(machine, Logger(bits=8), True, np.random.default_rng(run))
     (made,) = recordings(machine, log, sound_mapping(machine, log), tmp_path)
     assert [each.kind for each in check(made.recording, HandPlant()) if each.level == "fault"] == []
+
+
+def test_a_drive_at_rest_beside_a_gap_is_not_called_off():
+    assert sound.case(310344)["faults"] == []

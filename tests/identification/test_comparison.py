@@ -120,6 +120,17 @@ def test_equation_4_has_its_sign(result):
     assert right.error < -3.0 < left.error  # less friction than the hand of the campaign
 
 
+def test_an_error_that_no_model_has_is_doubted(result):
+    from hannes.report.comparison import sentence
+
+    compared = result[0]
+    assert "hardly a gap" not in sentence(compared)
+    condition = compared.conditions[0]
+    row = replace(condition.rows[0], error=-424.0)
+    far = replace(compared, conditions=(replace(condition, rows=(row,)),))
+    assert "hardly a gap of the model" in sentence(far)
+
+
 def test_spread_of_repeats_is_apart_from_that_of_units():
     found = spread({"left": [1.0, 3.0], "right": [7.0, 9.0]})
     assert found.mean == 5.0 and found.runs == 4
@@ -225,6 +236,7 @@ def test_the_command_prints_the_table_and_refuses_what_is_not_its_own(bench, tmp
     assert main(["compare", campaign, "--out", out]) == 0
     printed = capsys.readouterr().out
     assert re.search(r"I_max \[A\] +2\.\d+ +0\.\d+ +- +2\.\d+ +[+-]\d+\.\d", printed)
+    assert printed.startswith("Largest relative error: ")  # the worst first
     assert "closing time, right [s]" in printed and "without I_so: the object is soft" in printed
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("precious")

@@ -26,6 +26,7 @@ CLEARLY, WANTED, COUNTS = 6.0, 0.1, 3.0
 UNUSUAL = 2.0  # times what the law leaves before over any stretch as long
 # Lags [s] and their number, with which a motion followed before, and how near, of its range.
 LONGEST, LAGS, NEAR = 0.3, 31, 0.12
+WHOLE = 2.0  # times as long as its samples alone, that a stretch may last
 TENTHS = 10  # parts of a stretch, through one of which a machine is far from its command
 FEW = 3  # longest stretches of equal readings that are looked at
 LEAST_STOOD, MOST_STOOD = 14, 0.7  # equal readings of a motion, and of the recording at most
@@ -46,6 +47,7 @@ def inspect(subject: Subject) -> Iterator[Finding]:
     off &= ~held_frames(subject) | np.all([recording[name] == 0.0 for name in drives], axis=0)
     used = np.any([_used(recording[name]) for name in drives], axis=0)
     long = [each for each in true_runs(off) if used[each[0]] and each[1] - each[0] + 1 >= SHORTEST]
+    long = [each for each in long if _is_whole(subject, *each)]
     if not long:
         return
     follower = _Follower(recording[moved], asked)
@@ -73,6 +75,12 @@ def inspect(subject: Subject) -> Iterator[Finding]:
         size=lasting,
         mend=mends.rest(subject, first),
     )
+
+
+def _is_whole(subject: Subject, first: int, last: int) -> bool:
+    """Whether most of a stretch was logged: what a gap hides says nothing."""
+    lasting = float(subject.time[last] - subject.time[first])
+    return lasting < WHOLE * (last - first) * subject.interval
 
 
 def stood(subject: Subject) -> Iterator[Finding]:
