@@ -9,7 +9,7 @@ from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault
 from hannes.campaigns.quality.held import held_frames
 from hannes.campaigns.quality.law import answer, drives_of
-from hannes.campaigns.quality.motion import found_lag
+from hannes.campaigns.quality.motion import UNLIKE, found_lag
 from hannes.campaigns.quality.subject import Subject, noise, quantum, true_runs
 from hannes.core.recording.median_of_few import median_of_three
 
@@ -26,6 +26,7 @@ CLEARLY, WANTED, COUNTS = 6.0, 0.1, 3.0
 UNUSUAL = 2.0  # times what the law leaves before over any stretch as long
 # Lags [s] and their number, with which a motion followed before, and how near, of its range.
 LONGEST, LAGS, NEAR = 0.3, 31, 0.12
+USUAL = 0.1  # s, lag of a motion of which the plant says nothing
 WHOLE = 2.0  # times as long as its samples alone, that a stretch may last
 TENTHS = 10  # parts of a stretch, through one of which a machine is far from its command
 FEW = 3  # longest stretches of equal readings that are looked at
@@ -50,7 +51,8 @@ def inspect(subject: Subject) -> Iterator[Finding]:
     long = [each for each in long if _is_whole(subject, *each)]
     if not long:
         return
-    follower = _Follower(recording[moved], asked)
+    lag = (subject.of(moved).lag or USUAL) / subject.interval
+    follower = _Follower(recording[moved], asked, max(round(lag), 1))
     answers = [_Answer(recording[name], *answer(subject, name, ~off)) for name in drives]
     runs = [
         each
@@ -133,7 +135,8 @@ def _another_run(
 ) -> bool:  # fmt: skip
     """Whether a motion does not follow this command anyway, and did not before it was off."""
     motion = subject.recording[moved]
-    if found_lag(subject, motion, subject.time, asked) is not None:
+    lag = found_lag(subject, motion, subject.time, asked)
+    if lag is not None and lag.against <= UNLIKE:
         return False
     size = float(np.ptp(asked[:first])) if first > SHORTEST else 0.0
     if size < ASKED * float(np.ptp(asked)):
@@ -185,20 +188,31 @@ class _Answer:
 
 
 class _Follower:
-    """A motion and its command."""
+    """A motion and its command; `lag`: samples by which it may be late."""
 
-    def __init__(self, motion: FloatArray, asked: FloatArray) -> None:
+    def __init__(self, motion: FloatArray, asked: FloatArray, lag: int) -> None:
         self._motion, self._asked, self._size = motion, asked, float(np.ptp(asked))
         self._error = np.abs(asked - motion)
         self._largest = np.maximum.accumulate(self._error)
+        self._lag = min(lag, motion.size)
 
     def is_away(self, first: int, last: int) -> bool:
         """Whether the machine is for a while far from its command, as it never was before."""
         if last - first + 1 < BRIEF:
             return False
         least = max(ASKED * self._size, FURTHER * float(self._largest[max(first - 1, 0)]))
-        parts = np.array_split(self._error[first : last + 1], TENTHS)
+        parts = np.array_split(self._beyond(first, last), TENTHS)
         return any(each.size > 1 and float(each.min()) > least for each in parts)
+
+    def _beyond(self, first: int, last: int) -> FloatArray:
+        """How far the machine is from all that was asked of it lately."""
+        from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+        part, late = slice(first, last + 1), {"origin": (self._lag - 1) // 2, "mode": "nearest"}
+        low = minimum_filter1d(self._asked, self._lag, **late)[part]
+        high = maximum_filter1d(self._asked, self._lag, **late)[part]
+        motion = self._motion[part]
+        return np.asarray(np.maximum(np.maximum(low - motion, motion - high), 0.0))
 
     def departs(self, first: int, last: int) -> bool:
         """Whether the machine leaves its command further than it ever did before."""
