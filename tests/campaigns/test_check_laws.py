@@ -208,3 +208,17 @@ def test_a_coarse_encoder_is_not_called_slipping(tmp_path, run):
 
 def test_a_drive_at_rest_beside_a_gap_is_not_called_off():
     assert sound.case(310344)["faults"] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [
+        ("spikes of position", 600000),  # no wrong unit of time
+        ("probe range switched", 600000),  # no drive that is off
+        ("counter overflows", 600002),
+        ("motion of another run", 600002),
+    ],
+)
+def test_faults_that_were_taken_for_others(name, seed):
+    row = case(name, "gross", seed)
+    assert row["found"] and row["named"] and row["mended"]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
-from hannes.campaigns.quality.subject import Subject, noise, quantum, speeds, sustained
+from hannes.campaigns.quality.subject import Subject, noise, quantum, running_median, speeds
 
 FloatArray = NDArray[np.float64]
 
@@ -23,6 +23,7 @@ MOST_SET = 3  # times that a clock is set within a run
 EVEN = 0.3  # of what a gap would have missed, by which a motion that goes on may differ
 AROUND = 8  # samples on each side of a gap
 BEYOND = 3.0  # times the fastest plausible speed, that only a wrong clock gives
+OFTEN = 0.02  # of the samples, in which a motion in a wrong unit of time is too fast
 MILLI = 1000.0
 
 
@@ -167,8 +168,10 @@ def _unit(subject: Subject) -> Iterator[Finding]:
     for name, each in subject.expected.items():
         if not each.rate or name not in subject.recording:
             continue
-        fastest = sustained(speeds(subject.time, subject.recording[name]))
-        if fastest > BEYOND * each.rate and _plausible(subject, name):
+        size = running_median(np.abs(speeds(subject.time, subject.recording[name])))
+        fastest = float(size.max())
+        often = float(np.mean(size > BEYOND * each.rate)) > OFTEN  # outliers are rarer
+        if often and _plausible(subject, name):
             yield fault(
                 "unit",
                 "time",
