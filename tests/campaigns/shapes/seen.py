@@ -162,12 +162,12 @@ def hdf5_groups(folder: Path, samples: Samples) -> list[Path]:
 @shape(
     answers={
         'unit = "?"  # raw counts: the unit of one count, and how much it is\nscale = "?"':
-            'unit = "deg"\nscale = "0.087890625"',
+            'unit = "deg"\nscale = "0.087890625"\noffset = "-6.13592 rad"',
         'unit = "?"': 'unit = "rad"',
     }
 )  # fmt: skip
 def encoder_counts_that_wrap(folder: Path, samples: Samples) -> list[Path]:
-    """An encoder of 4096 counts a turn, a command without a unit."""
+    """An encoder of 4096 counts a turn whose zero is at 4000, a command without a unit."""
     counts = np.round(samples.position * 4096 / (2 * np.pi)).astype(int) + 4000
     rows = "".join(
         f"{t:.3f},{r:.6f},{c % 4096},{i:.4f}\n"
