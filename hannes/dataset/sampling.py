@@ -10,6 +10,8 @@ from hannes.dataset.spec import OWN, Group, Spec
 from hannes.simulation.experiment.clearance import DEEPEST, overlaps
 from hannes.simulation.experiment.experiment import Experiment, Reference, Target
 from hannes.simulation.hand.hand import Hand
+from hannes.simulation.sensors import noisy
+from hannes.simulation.trajectory import Grasp
 
 MOST_TRIES = 2000  # samples of a grasp until its object stands clear of the open hand
 SAMPLING, NOISE = 0, 1  # streams of random numbers
@@ -118,3 +120,9 @@ def _limited(knots: np.ndarray, knee: float, share: float) -> np.ndarray:
 def rounded(values: np.ndarray, step: float) -> np.ndarray:
     """The nearest multiples of a sensor's resolution; the values themselves where it is 0."""
     return step * np.round(values / step) if step > 0.0 else values
+
+
+def sensed(sampled: SampledGrasp, grasp: Grasp, name: str) -> np.ndarray:
+    """Values that the sensor of a channel logs: with noise, then with its resolution."""
+    values = noisy(sampled.experiment, name, grasp[name])
+    return rounded(values, sampled.values.get(f"resolution.{name}", 0.0))

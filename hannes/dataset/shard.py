@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from hannes.core.recording.recording import Recording
-from hannes.dataset.sampling import SampledGrasp, rounded, sample_grasp
+from hannes.dataset.sampling import SampledGrasp, rounded, sample_grasp, sensed
 from hannes.dataset.spec import ROLES, Spec, read_spec
 from hannes.dataset.touch_limit import is_limited, limited
 from hannes.simulation.batch.simulate_many import simulate_many
-from hannes.simulation.sensors import CHANNELS, logged, noisy
+from hannes.simulation.sensors import CHANNELS, logged
 from hannes.simulation.trajectory import Grasp, Outcome
 
 SIZE = 100  # grasps of a shard, and rows of a chunk of the file
@@ -131,7 +131,7 @@ def grasps(spec: Spec, sampled: list[SampledGrasp], channels: tuple[str, ...]) -
 def as_closed(spec: Spec, sampled: list[SampledGrasp]) -> list[SampledGrasp]:
     """The same, where a command is limited after the touch with the command that results."""
     some = [each for each in sampled if is_limited(each)]
-    free = _simulated(spec, some, ("position", "force")) if some else []
+    free = _simulated(spec, some, ("position", "current", "force")) if some else []
     known = {each.number: each for each in limited(some, free)}
     return [known.get(each.number, each) for each in sampled]
 
@@ -141,12 +141,6 @@ def _simulated(spec: Spec, sampled: list[SampledGrasp], channels: tuple[str, ...
     how: dict[str, Any] = {"rtol": spec.rtol, "effects": spec.hand.effects, "workers": 1}
     how["progress"] = False  # that of the whole data set is shown
     return list(simulate_many(pairs, channels=channels, **how))
-
-
-def sensed(sampled: SampledGrasp, grasp: Grasp, name: str) -> np.ndarray:
-    """Values that the sensor of a channel logs: with noise, then with its resolution."""
-    values = noisy(sampled.experiment, name, grasp[name])
-    return rounded(values, sampled.values.get(f"resolution.{name}", 0.0))
 
 
 def _row(spec: Spec, sampled: SampledGrasp, grasp: Grasp) -> tuple[Any, ...]:

@@ -46,6 +46,7 @@ OWN: dict[str, tuple[str, float, float, float]] = {
     "command.touch_share": ("1", 0.0, 1.0, 1.0),
     "command.press_share": ("1", 0.0, 1.0, 0.0),
     "command.touch_delay": ("s", 0.0, 1.0, 0.0),
+    "command.touch_seen": ("1", 0.0, 1.0, 0.0),
     **{f"noise.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
     **{f"resolution.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
 }

@@ -4,6 +4,9 @@ When a hand touches its object is known from the grasp alone. So such a grasp is
 closed by the whole command, and then by one of which a share counts from the touch on. After a
 while that share rises slowly, and the hand presses on. Set points are held for a while, as a link
 sends them.
+
+The touch is the true one, known after a delay; or, as a policy has it, that which the sensors show,
+once the window that shows it is over.
 """
 
 from collections.abc import Sequence
@@ -11,7 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from hannes.dataset.sampling import SampledGrasp
+from hannes.dataset.sampling import SampledGrasp, sensed
+from hannes.dataset.touch_seen import seen_touch
 from hannes.simulation.experiment.experiment import Reference
 from hannes.simulation.trajectory import Grasp
 
@@ -20,6 +24,8 @@ SETTLE, SPEED = 0.15, 2.0  # s until the share rises; rad/s at which the limit t
 BACK = 12.0  # rad/s at most by which the command goes back at the touch
 FREE, CREEP = 8.6, 0.25  # rad to which the command passes without a touch; rad/s beyond
 STEP, LATE = 5e-3, 1e-3  # s between two set points; from the command to its set point
+HOP = 10e-3  # s between two windows of recognition
+NEVER = (np.inf, 0.0)
 
 
 def is_limited(sampled: SampledGrasp) -> bool:
@@ -33,24 +39,42 @@ def limited(sampled: Sequence[SampledGrasp], free: Sequence[Grasp]) -> list[Samp
 
 
 def _limited(sampled: SampledGrasp, free: Grasp) -> SampledGrasp:
-    touched = np.flatnonzero(free["force"] > TOUCH)
-    if not touched.size:
-        return sampled
     values, known = sampled.values, sampled.experiment
-    seen = float(free.time[touched[0]]) + values.get("command.touch_delay", 0.0)
+    seen, angle = (_seen if values.get("command.touch_seen") else _true)(sampled, free)
     times = np.arange(0.0, known.duration + STEP, STEP)
     now = np.maximum(times - LATE, 0.0)
     wanted = np.interp(now, *known.reference.knots)
-    angle = float(free["position"][touched[0]])
     beyond = np.maximum(wanted - angle, 0.0)
     first = values["command.touch_share"]
-    last = max(values.get("command.press_share", first), first)
+    most = max(values.get("command.press_share", first), first)
     share = first + np.maximum(now - seen - SETTLE, 0.0) * SPEED / np.maximum(beyond, 0.1)
-    limit = np.where(wanted > angle, angle + np.minimum(share, last) * beyond, wanted)
+    limit = np.where(wanted > angle, angle + np.minimum(share, most) * beyond, wanted)
     passed = np.minimum(wanted, _passing(now, wanted))
-    back = passed - BACK * np.maximum(now - seen, 0.0)
+    last = min(seen, known.duration) - LATE  # tick of the last set point that no touch limits
+    back = np.interp(last, now, passed) - BACK * np.maximum(now - last, 0.0)
     asked = np.where(now < seen, passed, np.maximum(limit, back))
     return replace(sampled, experiment=replace(known, reference=_held(times, asked)))
+
+
+def _true(sampled: SampledGrasp, free: Grasp) -> tuple[float, float]:
+    """When the true touch is known [s], never where nothing is touched, and where it was [rad]."""
+    touched = np.flatnonzero(free["force"] > TOUCH)
+    if not touched.size:
+        return NEVER
+    delay = sampled.values.get("command.touch_delay", 0.0)
+    return float(free.time[touched[0]]) + delay, float(free["position"][touched[0]])
+
+
+def _seen(sampled: SampledGrasp, free: Grasp) -> tuple[float, float]:
+    """The same of the touch that the sensors show: at the end of the window with that sample."""
+    current, position = (sensed(sampled, free, name) for name in ("current", "position"))
+    step = float(free.time[1] - free.time[0])
+    found = seen_touch(current, position, step)
+    if found is None:
+        return NEVER
+    hop = round(HOP / step)
+    end = -(-(found[0] + 1) // hop) * hop - 1
+    return end * step, float(position[found[1]])
 
 
 def _passing(times: np.ndarray, wanted: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from hannes.core.kernels.jit import entry, kernel
+from hannes.dataset.touch_seen import MEMORY, MOVED, SMOOTH, STARTING, least_before, rise_began
 
 CHANNELS = ("current", "position", "reference")
 LEVELS = (0.25, 0.5, 1.0, 1.5)  # rad beyond the touch, at the output shaft
@@ -42,12 +43,6 @@ NAMES = (
     "rise_at_3",
     "rise_at_4",
 )
-MEMORY = 0.15  # s in which the least current counts as free
-SMOOTH = 0.01  # s, of the current that finds the touch
-STEP = 0.06  # A of rise that detect a touch
-BACK = 0.02  # A of rise from which the travel counts
-STARTING = 0.06  # s after the first motion in which the current only accelerates the hand
-MOVED = 0.05  # rad
 # Places of what is known since the touch.
 START, FREE, FREE_SPEED, PEAK, FARTHEST, WORK, STEEPEST, LAST = range(8)
 BEGUN, TOUCH, ROW = range(3)  # places of: sample from which a touch counts, of the touch, next row
@@ -69,15 +64,6 @@ def _line(values, end, size, dt):
 def _tangent(slope, speed):
     """Slope of current over position (A/rad) where the shaft moves, bounded where it stands."""
     return slope / math.copysign(max(abs(speed), 0.3), speed)
-
-
-@kernel
-def _rest(level, first, end):
-    """Least of the smoothed current from sample `first` to `end`, which counts as free."""
-    least = level[first]
-    for k in range(first, end):
-        least = min(least, level[k])
-    return least
 
 
 @kernel
@@ -138,11 +124,9 @@ def _of_grasp(known, passed, position, since, whole, out):
 @kernel
 def _look(position, level, n, first, places, known, size, dt):
     """Look for the touch at sample n, not before sample `first`; return what counts as free."""
-    least = _rest(level, first, n)
-    if level[n] > least + STEP:
-        touch = n
-        while touch > first and level[touch] > least + BACK:
-            touch -= 1
+    least = least_before(level, first, n)
+    touch = rise_began(level, least, first, n)
+    if touch >= 0:
         places[TOUCH] = touch
         _begin(known, least, position, touch, size, dt)
     return least
