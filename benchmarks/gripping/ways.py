@@ -158,12 +158,12 @@ def in_the_loop(trained_model: str, numbers: Sequence[int]) -> np.ndarray:
 def learned(data: str, parts: Sequence[int]) -> list[Row]:
     """Errors of networks that every so many grasps of the data set trained."""
     given = read(data)
-    rows, known = inputs_of(given, model(trained(False)[0]).windowing)
+    rows, known, others = inputs_of(given, model(trained(False)[0]).windowing)
     made = []
     for part in parts:
-        some = rows[::part], known[::part]
-        error = float(fitted(*some, float(np.log(given.border)), 0).error[0])
-        made.append(_row(f"networks of {some[1].size} grasps", error))
+        border = float(np.log(given.border))
+        made_of = fitted(rows[::part], known[::part], border, 0, others[::part])
+        made.append(_row(f"networks of {known[::part].size} grasps", float(made_of.error[0])))
     return made
 
 

@@ -19,6 +19,7 @@ from hannes.bench.live import LONGEST, NORMAL_95
 from hannes.bench.policy import GripSettings
 from hannes.bench.release import RETREAT, TURN
 from hannes.core.errors import BadInput
+from hannes.dataset import touch_seen
 from hannes.recognition import features
 from hannes.recognition.model import EXTREME, FADE, HELD, LATER, NO_CONTACT, Band, Model
 
@@ -91,7 +92,7 @@ def _sizes(model: Model) -> dict[str, str]:
     period = 1.0 / windowing.sampling
     if (hop := round(windowing.hop * windowing.sampling)) < 1:
         raise BadInput(f"a hop of {windowing.hop:g} s is less than a sample")
-    smooth, memory = max(1, round(features.SMOOTH / period)), round(features.MEMORY / period)
+    smooth, memory = max(1, round(touch_seen.SMOOTH / period)), round(touch_seen.MEMORY / period)
     reach = max(2 * windowing.size, memory + windowing.size, smooth) + 1
     longest = int(LONGEST * windowing.sampling + 1e-6)
     held = min(longest // hop // 2 + 1, LATER)
@@ -101,7 +102,7 @@ def _sizes(model: Model) -> dict[str, str]:
         "HOP": f"{hop}",
         "SMOOTH": f"{smooth}",
         "MEMORY": f"{memory}",
-        "STARTING": f"{round(features.STARTING / period)}",
+        "STARTING": f"{round(touch_seen.STARTING / period)}",
         "KEPT": f"{1 << (reach - 1).bit_length()}u",
         "LONGEST": f"{longest}u",
         "HELD": f"{held}u",
@@ -119,9 +120,9 @@ def _constants(model: Model) -> dict[str, str]:
     """Numbers of the file, in SI units."""
     values = {
         "PERIOD": 1.0 / model.windowing.sampling,
-        "MOVED": features.MOVED,
-        "STEP": features.STEP,
-        "BACK": features.BACK,
+        "MOVED": touch_seen.MOVED,
+        "STEP": touch_seen.STEP,
+        "BACK": touch_seen.BACK,
         "HOLD": HELD,
         "NO_CONTACT": NO_CONTACT,
         "EXTREME": EXTREME,

@@ -47,7 +47,8 @@ def _limited(sampled: SampledGrasp, free: Grasp) -> SampledGrasp:
     beyond = np.maximum(wanted - angle, 0.0)
     first = values["command.touch_share"]
     most = max(values.get("command.press_share", first), first)
-    share = first + np.maximum(now - seen - SETTLE, 0.0) * SPEED / np.maximum(beyond, 0.1)
+    pressed = np.where(now >= seen + SETTLE, SPEED * STEP, 0.0)  # rad of each set point
+    share = first + np.cumsum(pressed / np.maximum(beyond, 0.1))
     limit = np.where(wanted > angle, angle + np.minimum(share, most) * beyond, wanted)
     passed = np.minimum(wanted, _passing(now, wanted))
     last = min(seen, known.duration) - LATE  # tick of the last set point that no touch limits

@@ -8,8 +8,8 @@ again.
 
 import numpy as np
 
+from hannes.dataset.touch_seen import SMOOTH
 from hannes.recognition.features import NAMES as OF_WINDOW
-from hannes.recognition.features import SMOOTH
 from hannes.recognition.windowing import Windowing
 
 SHORT = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5)  # rad before the farthest, at the output shaft

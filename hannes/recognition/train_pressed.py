@@ -1,4 +1,8 @@
-"""Training of the stiffness by traces, on grasps that press on in doubt."""
+"""Training of the stiffness by traces, on grasps that press on in doubt.
+
+The networks learn the other values of hand and object too, which a simulated grasp knows: what they
+find of these helps to distinguish a soft object from a weak hand. Only the stiffness is kept.
+"""
 
 from typing import Any
 
@@ -23,27 +27,33 @@ from hannes.recognition.windowing import Windowing
 
 FEWEST = 500  # grasps
 POINTS, POWER = 70, 0.25  # principal components; share of their variance that stays
-NETS, UNITS = 4, (64, 32)
-ROUNDS, BATCH, RATE, PENALTY = 80, 64, 3e-3, 1e-2
+NETS, UNITS = 4, (128, 64)
+ROUNDS, BATCH, RATE, PENALTY = 80, 64, 3e-3, 1e-3
+BESIDE = 0.02  # weight of the square of each other value of a grasp, beside that of the stiffness
 APART = 8  # one in so many grasps is unseen by a network
 MIDDLE, SIZE = 8.6, 0.7  # of the log stiffness: targets are less the one, over the other
 NEAR = 1.5  # factor about the border within which the error is taken
+KNOWN = "object.stiffness"
+STATED = ("noise.", "resolution.", "gravity.")  # of the sensors and of the place
 CURRENT, ANGLE, OTHER = 2.2e-3, 1e-4, 1e-3  # A, rad, rad or s: what noise leaves of a mean
 
 
 def train_pressed(data: DataSet, windowing: Windowing, seed: int) -> PressedStiffness | None:
     """Train on the grasps of the role "pressed"; None where there are too few of them."""
-    rows, target = inputs_of(data, windowing)
+    rows, target, others = inputs_of(data, windowing)
     if target.size < FEWEST:
         return None
-    return fitted(rows, target, float(np.log(data.border)), seed)
+    return fitted(rows, target, float(np.log(data.border)), seed, others)
 
 
-def inputs_of(data: DataSet, windowing: Windowing) -> tuple[np.ndarray, np.ndarray]:
-    """Inputs (n, INPUTS) and log stiffness (n,) of the grasps that show their touch in time."""
+def inputs_of(data: DataSet, windowing: Windowing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Inputs (n, INPUTS), log stiffness (n,), other values (n, k) of grasps with a touch in time.
+
+    The other values are what else of hand and object varies, each less its mean, of size 1.
+    """
     size = bin_size(windowing.sampling)
     if "pressed" not in data.roles or not size:
-        return np.zeros((0, INPUTS)), np.zeros(0)
+        return np.zeros((0, INPUTS)), np.zeros(0), np.zeros((0, 0))
     held = data.usable & (data.table["peak_force"] > WEAKEST)
     which = np.flatnonzero(held & data.role("pressed"))
     rows: list[np.ndarray] = []
@@ -54,9 +64,22 @@ def inputs_of(data: DataSet, windowing: Windowing) -> tuple[np.ndarray, np.ndarr
             if needed is not None and needed <= len(samples):
                 rows.append(trace_inputs(samples.T, touch, windowing.sampling))
             used.append(len(rows))
-    taken = np.diff(used, prepend=0) > 0
-    known = np.log(data.table["object.stiffness"][which[taken]])
-    return np.array(rows).reshape(-1, INPUTS), known
+    taken = which[np.diff(used, prepend=0) > 0]
+    known = np.log(data.table[KNOWN][taken])
+    return np.array(rows).reshape(-1, INPUTS), known, _others(data, taken)
+
+
+def _others(data: DataSet, which: np.ndarray) -> np.ndarray:
+    """What else of hand and object varies in grasps `which` (n,), of size 1; shape (n, k)."""
+    names = [name for name in data.table.dtype.names or () if "." in name]
+    names = [name for name in names if name != KNOWN and not name.startswith(STATED)]
+    if not names or not which.size:
+        return np.zeros((which.size, 0))
+    values = np.stack([data.table[name][which].astype(float) for name in names], axis=1)
+    with np.errstate(all="ignore"):  # a damaged column is left out
+        spread = values.std(axis=0)
+        varied = np.isfinite(spread) & (spread > 1e-9 * np.abs(values).max(axis=0))
+    return (values[:, varied] - values[:, varied].mean(axis=0)) / spread[varied]
 
 
 def _touches(block: np.ndarray, windowing: Windowing) -> list[int]:
@@ -67,19 +90,27 @@ def _touches(block: np.ndarray, windowing: Windowing) -> list[int]:
     return [int(each) for each in np.where(since > 0.0, found, 0)]
 
 
-def fitted(rows: np.ndarray, target: np.ndarray, border: float, seed: int) -> PressedStiffness:
-    """Networks for inputs (n, INPUTS) and log stiffness (n,); `border`: that of the classes."""
+def fitted(
+    rows: np.ndarray, target: np.ndarray, border: float, seed: int, others: np.ndarray | None = None
+) -> PressedStiffness:
+    """Networks for inputs (n, INPUTS) and log stiffness (n,); `border`: that of the classes.
+
+    others: what the networks learn beside it (n, k), of size 1.
+    """
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):  # sums of many threads end on other bits
         centre, mix = _mixed(rows)
         points = ((rows - centre) @ mix.T).astype(np.float32)
-        wanted, fold = (target - MIDDLE) / SIZE, np.arange(target.size) % APART
+        beside = np.zeros((target.size, 0)) if others is None else np.sqrt(BESIDE) * others
+        wanted = np.column_stack([(target - MIDDLE) / SIZE, beside]).astype(np.float32)
+        fold = np.arange(target.size) % APART
         made, unseen = [], np.full(target.size, np.nan)
         for net in progress_bar(range(NETS), "training networks", NETS, delay=2.0, leave=False):
             apart = fold == net
             trained = _network(points[~apart], wanted[~apart], seed + net)
-            unseen[apart] = trained.predict(points[apart]) * SIZE + MIDDLE
+            found = trained.predict(points[apart]).reshape(apart.sum(), -1)[:, 0]
+            unseen[apart] = found * SIZE + MIDDLE
             made.append(_arrays(trained))
     first, second, last = (np.stack(each) for each in zip(*made, strict=True))
     near = np.isfinite(unseen) & (np.abs(target - border) < np.log(NEAR))
@@ -118,18 +149,19 @@ def _network(points: np.ndarray, wanted: np.ndarray, seed: int) -> Any:
         hidden_layer_sizes=UNITS, alpha=PENALTY, batch_size=BATCH, learning_rate_init=RATE,
         random_state=seed,
     )  # fmt: skip
+    wanted = wanted[:, 0] if wanted.shape[1] == 1 else wanted
     for k in range(ROUNDS):
-        net.partial_fit(points, wanted.astype(np.float32))
+        net.partial_fit(points, wanted)
         net._optimizer.learning_rate_init = RATE * 0.5 * (1.0 + np.cos(np.pi * (k + 1) / ROUNDS))
     return net
 
 
 def _arrays(net: Any) -> list[np.ndarray]:
-    """Weights of a network's layers with their constants, targets in log stiffness again."""
+    """Weights of a network's layers with their constants; of the last the log stiffness alone."""
     layers = [
         np.concatenate([w.T, b[:, np.newaxis]], axis=1).astype(float)
         for w, b in zip(net.coefs_, net.intercepts_, strict=True)
     ]
-    layers[-1] *= SIZE
+    layers[-1] = SIZE * layers[-1][:1]
     layers[-1][:, -1] += MIDDLE
     return [each.astype(np.float32) for each in layers]

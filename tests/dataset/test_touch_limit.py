@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
-from hannes.bench.policy import GripSettings
+from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
 from hannes.core.io.toml_table import Table
-from hannes.dataset.sampling import sample_grasp
+from hannes.dataset.sampling import sample_grasp, sensed
 from hannes.dataset.shard import grasps, recorded
 from hannes.dataset.spec import read_spec
 from hannes.dataset.touch_limit import BACK, CREEP, FREE, SETTLE, SPEED, _passing
+from hannes.dataset.touch_seen import seen_touch
+from hannes.recognition.windowing import GrowingFeatures, Windowing
 from hannes.simulation.experiment.reader import KEYS, read_experiment
 
 SPEC = """
@@ -31,15 +33,28 @@ shape = "cylinder"
 "command.touch_share" = "0.5"
 "command.press_share" = "0.65"
 "command.touch_delay" = "40 ms"
+[[grasps]]
+name = "pressed, as the sensors show the touch"
+shape = "cylinder"
+[grasps.values]
+"command.touch_share" = "0.5"
+"command.press_share" = "0.75"
+"command.touch_seen" = "1"
+"noise.current" = "10 mA"
+"resolution.position" = "1.534 mrad"
 """
 
 
 @pytest.fixture(scope="module")
 def pair():
     """The same object closed on by the whole command, and by a limited one."""
+    return simulated(0, 1)
+
+
+def simulated(*numbers):
     spec = read_spec(SPEC)
-    sampled = [sample_grasp(spec, number) for number in (0, 1)]
-    return grasps(spec, sampled, ("reference", "position", "force"))
+    sampled = [sample_grasp(spec, number) for number in numbers]
+    return grasps(spec, sampled, ("reference", "position", "current", "force"))
 
 
 def test_the_command_passes_until_the_touch_is_seen(pair):
@@ -62,6 +77,31 @@ def test_then_a_share_of_its_travel_counts_which_rises_slowly(pair):
     assert share[-1] == pytest.approx(0.65, abs=1e-3)
     assert np.diff(pressed["reference"]).max() <= 5.01 * 9.84 / 637
     assert 0.5 < pressed["force"][-1] / closed["force"][-1] < 0.75
+
+
+def test_a_touch_that_the_sensors_show_limits_as_the_policy_does(pair):
+    (found,), sampled = simulated(2), sample_grasp(read_spec(SPEC), 2)
+    current, position = (sensed(sampled, pair[0], name) for name in ("current", "position"))
+    shown, touch = seen_touch(current, position, 1e-3)
+    memory, points = GripMemory(), []
+    for tick in range(shown + 450):
+        wanted = float(np.interp(tick * 1e-3, [0.0, 0.637], [0.0, 9.84]))
+        touched = tick + 1 >= 10 * np.ceil((shown + 1) / 10)  # once a window with it is over
+        said = GripSample(1e-3, wanted, 0.0, touched, position[touch], 0.5, 0.0, 0.0, 0.0)
+        memory, point = grip(GripSettings(), memory, said)
+        points.append(point)
+    sent = np.arange(5, len(points), 5)  # a set point every 5 ms, of the tick before
+    assert found["reference"][sent] == pytest.approx(np.array(points)[sent - 1], abs=8e-3)
+    assert found["reference"][sent + 4] == pytest.approx(found["reference"][sent], abs=1e-9)
+
+
+def test_the_touch_is_the_one_that_recognition_counts_from(pair):
+    current, position = pair[0]["current"], pair[0]["position"]
+    growing = GrowingFeatures(Windowing())
+    growing.take(list(np.stack([current, position, pair[0]["reference"]], axis=1)))
+    shown, touch = seen_touch(current, position, 1e-3)
+    assert touch == growing.touch
+    assert seen_touch(current[:shown], position[:shown], 1e-3) is None
 
 
 def test_what_is_never_touched_is_closed_on_slowly_at_the_end():

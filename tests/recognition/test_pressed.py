@@ -103,6 +103,14 @@ def test_networks_learn_a_curve_and_say_how_well(learned):
     assert known.error[0] == pytest.approx(off, rel=0.7)
 
 
+def test_what_is_learned_beside_the_stiffness_is_not_kept(learned):
+    known, rows, target = learned
+    alone = fitted(rows, target, 8.6, 0, np.zeros((target.size, 0)))
+    beside = fitted(rows, target, 8.6, 0, np.random.default_rng(1).normal(size=(target.size, 3)))
+    assert beside.last.shape == alone.last.shape == known.last.shape
+    assert not np.array_equal(beside.first, alone.first)
+
+
 def test_the_same_rows_give_the_same_networks(learned):
     known, rows, _ = learned
     again = fitted(rows, rows[:, 0] + 8.6, 8.6, 1)
