@@ -9,8 +9,8 @@ touch on the command's further travel counts for a share only: `soft_share` at f
 the object is surely soft. While doubt remains the hand goes on squeezing, slowly, up to
 `probe_share`: pressed on, an object shows its stiffness. Once it did, that decides, and a soft one
 gets its first share again. All of the travel counts once the object was recognised as rigid for
-`dwell`, or is stiff and rigid by `decide_from`. Where no stiffness is known, that probability
-decides alone, once `patience` is over. A late hold gets a little more: what is pressed on from rest
+`dwell`, or is stiff and not surely soft. Where no stiffness is known, that probability decides
+alone, once `patience` is over. A late hold gets a little more: what is pressed on from rest
 gets less of the force.
 A force set point closes or opens within that limit instead.
 """
@@ -36,7 +36,7 @@ class GripSettings:
     dwell: float = 0.03  # s for which that probability must last
     stiff_from: float = 1.0  # stiffness over the border from which an object is held firmly
     patience: float = 0.55  # s from the touch until doubt is decided without a stiffness
-    decide_from: float = 0.4  # probability of rigid from which it is then, or as stiff, held firmly
+    decide_from: float = 0.4  # probability of rigid from which it is then held firmly
     averaging: float = 0.1  # s over which that probability is averaged
     late: float = 0.1  # more of the travel for each second from `settle` to a firm hold
     late_most: float = 0.06  # the most of that
@@ -93,7 +93,7 @@ def grip(
     mean = memory.mean + min(sample.period / settings.averaging, 1.0) * (sample.rigid - memory.mean)
     known = memory.uncertain and sample.stiffness > 0.0
     if known:
-        firm = sample.stiffness >= settings.stiff_from and mean > settings.decide_from
+        firm = sample.stiffness >= settings.stiff_from and mean > settings.doubt_from
     else:
         firm = _firm(settings, memory.firm, mean, certain + half, since + half)
     doubt = since >= settings.settle and sample.rigid > settings.doubt_from
