@@ -69,8 +69,8 @@ def test_the_stiffness_of_an_object_pressed_on_in_doubt_decides():
     assert rigid[-1] > FULL - 0.01
     sure = closed(0.01, seconds=1.5, stiffness=1.1)  # never pressed on, so the traces say nothing
     assert sure[-1] == pytest.approx(limit(SETTINGS.soft_share))
-    doubted = closed(0.3, seconds=1.5, stiffness=1.1)  # the trees have it for soft, in doubt
-    assert doubted[-1] > FULL - 0.01
+    likely = closed(0.3, seconds=1.5, stiffness=1.1)  # the trees have it for soft, in doubt
+    assert likely[-1] > FULL - 0.01
     soft_then = closed(lambda time: 0.3 if time < 0.7 else 0.01, seconds=1.5, stiffness=1.1)
     assert soft_then[-1] < FULL - 1.0
     firm = closed(0.97, seconds=1.5, stiffness=0.5)  # held by all of the command before
