@@ -15,7 +15,7 @@ from hannes.identification.diagnosis import (
     work_bound,
 )
 from hannes.identification.diagnosis.campaign_diagnosis import command_durations, diagnose_campaign
-from hannes.identification.diagnosis.observed_controller import _said
+from hannes.identification.diagnosis.observed_controller import Apart, _nearer, _said
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.shape import likeliest
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work
@@ -137,3 +137,19 @@ def test_what_could_not_have_fired_is_said_of_what_it_holds(groups, simulated, s
     baseline = SimpleNamespace(model=SimpleNamespace(groups=groups), noise=noise)
     found = untested.untested(SimpleNamespace(baseline=baseline, guesses=[1]), "recalibrated")
     assert any(said in each for each in found)
+
+
+@pytest.mark.parametrize(
+    ("distance", "deviance", "counted", "taken"),
+    [
+        (0.85, 9.0, False, True),  # nearer
+        (1.2, 9.0, False, False),  # farther: how far the machine is off does not decide alone
+        (1.2, 50.0, True, True),  # firmware's whole counts, about as near
+        (1.5, 9.0, True, True),  # whole counts, and a machine much nearer to its values
+        (1.5, 50.0, True, False),
+    ],
+)
+def test_a_sampled_controller_is_taken_where_it_or_its_machine_is_nearer(
+    distance, deviance, counted, taken
+):
+    assert _nearer(Apart(distance, deviance), Apart(1.0, 40.0), counted) is taken

@@ -4,7 +4,8 @@ Who names a shipped experiment takes its continuous controller along, and hardly
 one. Firmware's ticks and rounding shift currents by more than noise; read as parameters, they make
 a sound hand look wrong. So both are simulated as the machine runs, as given and refitted coarsely,
 and the controller that is nearer to the means of repeats is taken. Where something large is
-missing neither is near; whole encoder counts then speak for firmware.
+missing neither is near; whole encoder counts then speak for firmware. A machine can follow ticks
+that are not simulated, by values far from those given: with whole counts that speaks for them too.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -42,6 +43,17 @@ class Controller:
     period: float = 0.0
 
 
+@dataclass(frozen=True)
+class Apart:
+    """How far a controller leaves the simulation from the recordings.
+
+    distance: RMS in noise floors;  deviance: that and the machine's distance from its prior
+    """
+
+    distance: float = float("inf")
+    deviance: float = float("inf")
+
+
 def as_recorded(
     campaign: Campaign,
     settings: Settings,
@@ -62,13 +74,20 @@ def as_recorded(
         apart = [_apart(each, levels, settings, seed, work) for each in (stated, *others)]
     except SearchEnded:
         return campaign, UNTESTED
-    nearest, counted = int(np.argmin(apart[1:])), _counted(campaign)
-    needed = NOISE.counted_controller if counted else NOISE.nearer_controller
-    if not apart[1:][nearest] < needed * apart[0]:
+    best, counted = min(range(len(others)), key=lambda k: apart[1 + k].distance), _counted(campaign)
+    if not _nearer(apart[1 + best], apart[0], counted):
         return campaign, ""
-    taken = others[nearest]
-    said = _said(taken.period, apart[0] / apart[1:][nearest], counted)
+    taken = others[best]
+    said = _said(taken.period, apart[0].distance / apart[1 + best].distance, counted)
     return replace(campaign, plant=taken.plant, entries=taken.entries), said
+
+
+def _nearer(other: Apart, stated: Apart, counted: bool) -> bool:
+    """Whether another controller is taken for the stated one."""
+    if not counted:
+        return other.distance < NOISE.nearer_controller * stated.distance
+    near = other.distance < NOISE.counted_controller * stated.distance
+    return near or other.deviance < stated.deviance
 
 
 def _said(period: float, times: float, counted: bool) -> str:
@@ -123,7 +142,7 @@ def _apart(
     settings: Settings,
     seed: int,
     work: Work,
-) -> float:
+) -> Apart:
     """RMS of simulated minus mean recorded in noise floors, geometric mean over channels.
 
     As given or refitted, whichever is nearer; infinite where it cannot be simulated.
@@ -136,9 +155,12 @@ def _apart(
         given = first(model, COARSE, seed)
         places = np.array([given.x, fitted(given, 5, restarts=1).x])
     except ComputationFailed:
-        return float("inf")
+        return Apart()
     made = [model.vectors(group, places, False, exact=True) for group in groups]
-    return min(_between(groups, [each[k] for each in made], levels) for k in range(len(places)))
+    distances = [_between(groups, [each[k] for each in made], levels) for k in range(len(places))]
+    off = np.sum((space.prior * places) ** 2, axis=1)
+    deviances = 2.0 * NOISE.independent_values * np.log(distances) + off
+    return Apart(min(distances), float(np.min(deviances)))
 
 
 def _between(

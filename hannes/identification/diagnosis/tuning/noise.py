@@ -69,6 +69,12 @@ class NoiseTuning:
     counted_controller: float = constant(
         1.25, "1", "the same where positions are whole encoder counts, which firmware reads"
     )
+    independent_values: float = constant(
+        16.0,
+        "1",
+        "that such a distance is worth beside a machine's distance from its prior",
+        DEVELOPMENT,
+    )
     known_mean: float = constant(
         0.05, "squared noise floors", "to which a mean of repeats is known at most"
     )
