@@ -7,6 +7,7 @@ import pytest
 
 from hannes.identification.diagnosis.decision import allowed
 from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
+from hannes.identification.diagnosis.trials import Trial, near
 
 
 @pytest.mark.parametrize(
@@ -25,3 +26,15 @@ def test_gains_count_in_the_noise_that_is_there_within_limits(simulated_noise, p
 )
 def test_runs_held_out_may_fit_worse_by_a_share_of_the_gain_within_limits(delta_chi2, most):
     assert allowed(delta_chi2) == most
+
+
+@pytest.mark.parametrize(("left", "rivals"), [(40.0, 0), (2000.0, 1)])
+def test_a_law_that_leaves_little_has_no_rival_that_leaves_much_more(left, rivals):
+    """Of 100,000 explained, 2,000 less are 2 %: near where the best law is that inexact itself."""
+
+    def trial(name, more):
+        space = SimpleNamespace(effects={})
+        point = SimpleNamespace(chi2=700.0 + left + more, residual=np.zeros(700), space=space)
+        return Trial((name,), point, 1e5 - more)
+
+    assert len(near(trial("capstan", 0.0), [trial("guide_load", 2000.0)])) == rivals

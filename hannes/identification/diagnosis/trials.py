@@ -124,36 +124,39 @@ def best_first(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
-    """The trials that these recordings do not separate from the best one.
-
-    Laws are inexact by a share of what they explain; the same fault of two parts is one law.
-    """
-    far = max(SEARCH.rival, SEARCH.rival_share * best.delta_chi2)
+    """The trials that these recordings do not separate from the best one."""
     return [
-        t
-        for t in trials
-        if t.effects != best.effects
-        and best.delta_chi2 - t.delta_chi2 < (SEARCH.rival if _same_laws(best, t) else far)
+        each
+        for each in trials
+        if each.effects != best.effects
+        and best.delta_chi2 - each.delta_chi2 < _far(best, each, best.delta_chi2)
     ]
 
 
 def joint_rivals(joint: Joint) -> list[Trial]:
     """The other sets of effects that these recordings do not separate from the joint ones.
 
-    What counts is what those effects explain in which the two sets differ. Where the best set
-    leaves little, its laws are right, and a set that leaves much more is another one.
+    What counts is what those effects explain in which the two sets differ.
     """
     best, found = joint.trial, list[Trial]()
-    left = SEARCH.left_again * max(0.0, best.point.chi2 - best.point.residual.size)
     for each in joint.others:
         apart = set(best.effects) - set(each.effects)
         explained = sum(joint.losses.get(name, best.delta_chi2) for name in apart)
-        far = max(SEARCH.rival, min(SEARCH.rival_share * explained, left))
-        if apart and best.delta_chi2 - each.delta_chi2 < (
-            SEARCH.rival if _same_laws(best, each) else far
-        ):
+        if apart and best.delta_chi2 - each.delta_chi2 < _far(best, each, explained):
             found.append(each)
     return found
+
+
+def _far(best: Trial, other: Trial, explained: float) -> float:
+    """Reduction of chi-squared by which another trial is separated from the best one.
+
+    Laws are inexact by a share of what they explain. Where the best one leaves little, its law is
+    right, and one that leaves much more is another; the same fault of two parts is one law.
+    """
+    if _same_laws(best, other):
+        return SEARCH.rival
+    left = SEARCH.left_again * max(0.0, best.point.chi2 - best.point.residual.size)
+    return max(SEARCH.rival, min(SEARCH.rival_share * explained, left))
 
 
 def _same_laws(one: Trial, other: Trial) -> bool:

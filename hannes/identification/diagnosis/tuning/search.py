@@ -74,7 +74,7 @@ class SearchTuning:
     left_again: float = constant(
         4.0,
         "1",
-        "times what several effects leave above noise: a set that leaves so much more is none",
+        "times what the best one leaves above noise: a rival that leaves so much more is none",
     )
     second_share: float = constant(
         0.04, "1", "of the reduction, for what else is indicated to count", DEVELOPMENT

@@ -39,7 +39,7 @@ class VerdictTuning:
     doubt: float = constant(
         13.0, "chi2", "reduction too small for a name, larger than chance", DEVELOPMENT
     )
-    generic_limit: float = constant(13.0, "chi2", "the same of a generic disturbance", DEVELOPMENT)
+    generic_limit: float = constant(20.0, "chi2", "the same of a generic disturbance", DEVELOPMENT)
     remainder: float = constant(
         8.0, "chi2", "reduction of a further effect that is mentioned", DEVELOPMENT
     )
