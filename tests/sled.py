@@ -93,7 +93,7 @@ def suction(size, speed):
 @kernel
 def nearly_turbulence(size, speed):
     """Quadratic drag until it is fast [N]."""
-    return -size * speed * min(abs(speed), 2.26)
+    return -size * speed * min(abs(speed), 2.255)
 
 
 @kernel
