@@ -110,3 +110,26 @@ def test_the_table_of_few_runs_is_what_its_command_prints():
         number = re.findall(r"\d+(?:\.\d+)?", figure)[0]
         digits = len(number.partition(".")[2])
         assert f"{100.0 * row['value']:.{digits}f}" == number, row["name"]
+
+
+def test_the_table_of_guards_is_what_its_command_prints():
+    from benchmarks import study
+    from benchmarks.guards import figures
+
+    (record,) = set(re.findall(r"benchmarks/records/guards[\w.-]+", text(EVIDENCE)))
+    kinds, bounds = figures(list(study.read(ROOT / record)))
+    large, sound = ([r for r in kinds if r["campaigns"].startswith(n)] for n in ("large", "sound"))
+
+    def total(some, key):
+        return sum(row[key] for row in some)
+
+    missed = total(large, "cases") - total(large, "called_missing")
+    (rows,) = (r for _, r, _ in tables(EVIDENCE) if r[0][0].strip().startswith("30 diagnoses"))
+    assert [list(map(int, re.findall(r"\d+", row[1]))) for row in rows[2:]] == [
+        [bounds[0]["value"]],
+        [bounds[1]["value"]],
+        [total(large, "right_name")],
+        [total(large, "class_with_it"), total(large, "wrong_name")],
+        [total(large, "unknown"), missed],
+        [total(sound, "wrong_name"), total(sound, "unknown")],
+    ]
