@@ -3,9 +3,11 @@
 import json
 from collections import Counter
 
+import numpy as np
 import pytest
+from scipy.linalg import cho_factor
 
-from benchmarks.naming_study.apart import bench, kinds, score, summary, work
+from benchmarks.naming_study.apart import bench, kinds, parting, score, summary, work
 from benchmarks.naming_study.apart.draw import BANDWIDTHS, Hidden, drawn
 from benchmarks.naming_study.apart.kinds import KINDS, NAMED, SETS, cases, first_seed
 from benchmarks.truth.campaign import make
@@ -283,3 +285,25 @@ def test_a_case_is_one_line_of_json(blink, monkeypatch):
     found = work.measured("sound, naive, coloured noise", 5, ask)
     assert found["outcome"] == "called" and found["verdict"] == "failed" and found["bandwidth_hz"]
     json.dumps(found, allow_nan=False)
+
+
+def test_fingers_are_parted_by_what_no_size_of_theirs_explains():
+    rng = np.random.default_rng(3)
+    one, other, rest = rng.standard_normal((3, 30))
+    factor = cho_factor(0.25 * np.eye(30))
+    sizes = np.linspace(0.0, 1.0, 5)
+    tables = [(sizes, np.outer(sizes, one)), (sizes, np.outer(sizes, other))]
+    assert parting.least(0.6 * one + 0.3 * other, tables, factor) == pytest.approx(0.0, abs=1e-4)
+    apart = rest - np.linalg.lstsq(np.array([one, other]).T, rest, rcond=None)[0] @ [one, other]
+    wanted = 0.6 * one + 0.3 * other + apart
+    assert parting.least(wanted, tables, factor) == pytest.approx(4.0 * apart @ apart, rel=1e-3)
+
+
+def test_a_class_of_fingers_that_can_be_parted_is_too_wide(monkeypatch):
+    for chi2, outcome in ((11.0, "class"), (13.0, "wide")):
+        monkeypatch.setattr(work, "parted", lambda *given, chi2=chi2: {"index": chi2})
+        case = bench.Case(Hidden(fault=TURN), None)
+        row = {"outcome": "class", "named": ["ring_weak_spring", "index_weak_spring"]}
+        found = work._fingers(NAMED["fault, naive"], 7, case, row)
+        assert found == {"parted": {"index": chi2}, "outcome": outcome}
+    assert work._fingers(NAMED["fault, naive"], 7, case, {**row, "outcome": "right"}) == {}

@@ -3,7 +3,8 @@
 right: exactly what is hidden, with a remainder or without; class: one of several, what is hidden
 among them; wrong: any name that is not hidden, clean or with a remainder, or a class without what
 is hidden; one: of several, with a remainder; part: of several, none wrong and not all named;
-unknown: something is missing; silent: nothing is said to be missing, or too little recorded, or
+wide: a class of fingers with one that the true model's likelihood parts; unknown: something is
+missing; silent: nothing is said to be missing, or too little recorded, or
 the diagnosis failed.
 """
 
@@ -49,8 +50,7 @@ def triple(verdict: Said, effects: list[str]) -> str:
 def fault(verdict: Said, true: Fault) -> str:
     """Of a fault of one finger: kind and finger, or a class of fingers with that kind.
 
-    A class counts however far the recordings part its fingers: what a likelihood of the true model
-    could part is not asked yet.
+    Whether the class is too wide is asked apart, see `parting`.
     """
     found = single(verdict, f"{true.finger}_{true.kind}")
     alike = {f"{finger}_{true.kind}" for finger in FINGERS}

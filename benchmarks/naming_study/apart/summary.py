@@ -99,7 +99,7 @@ def several(done: Cases) -> list[Row]:
 
 
 def faults(done: Cases) -> list[Row]:
-    """Faults of one finger; a likelihood that parts the fingers of a class is not asked yet."""
+    """Faults of one finger."""
     some = _of(done, "fault")
     if not some:
         return []

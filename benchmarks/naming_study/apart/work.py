@@ -11,6 +11,7 @@ from benchmarks import study
 from benchmarks.described import NOTHING, described
 from benchmarks.naming_study.apart.bench import OTHER, OUTSIDE, Case, case, written
 from benchmarks.naming_study.apart.kinds import NAMED, Kind
+from benchmarks.naming_study.apart.parting import PARTED, parted
 from benchmarks.naming_study.apart.score import scores
 from hannes.commands.diagnose import Diagnosis, diagnose
 from hannes.core.errors import HannesError
@@ -43,7 +44,8 @@ def measured(name: str, seed: int, ask: Diagnose = diagnosed) -> dict[str, Any]:
     }
     verdict, found, seconds = answered(one, kind.stated, ask)
     scored = scores(kind.what, verdict, hidden.effects, hidden.sizes, hidden.fault)
-    return {**row, **scored, "processor_seconds": seconds, **_elsewhere(kind, one, found)}
+    row |= {**scored, "processor_seconds": seconds}
+    return {**row, **_fingers(kind, seed, one, row), **_elsewhere(kind, one, found)}
 
 
 def answered(
@@ -59,6 +61,18 @@ def answered(
             verdict = {"verdict": "failed", "effects": [], "reason": str(failed)}
             return verdict, None, time.process_time() - spent
         return json.loads(found.verdict.json()), found, time.process_time() - spent
+
+
+def _fingers(kind: Kind, seed: int, one: Case, row: Mapping[str, Any]) -> dict[str, Any]:
+    """Of a class of fingers: what parts each from the true one; "wide" where that is too much."""
+    true = one.hidden.fault
+    if true is None or row["outcome"] != "class":
+        return {}
+    others = [name.partition("_")[0] for name in row["named"]]
+    others = [finger for finger in others if finger != true.finger]
+    chi2 = parted("rich" if kind.protocol == "rich" else "poor", seed, true, others)
+    wide = any(each >= PARTED for each in chi2.values())
+    return {"parted": chi2, "outcome": "wide" if wide else "class"}
 
 
 def _elsewhere(kind: Kind, one: Case, found: Diagnosis | None) -> dict[str, Any]:
