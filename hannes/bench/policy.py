@@ -9,7 +9,7 @@ touch on the command's further travel counts for a share only: `soft_share` at f
 the object is surely soft. While doubt remains the hand goes on squeezing, slowly, up to
 `probe_share`: pressed on, an object shows its stiffness. Once it did, that decides, and a soft one
 gets its first share again. All of the travel counts once the object was recognised as rigid for
-`dwell`, or is stiff and not surely soft. Where no stiffness is known, that probability decides
+`dwell`, or is stiff and not likely soft. Where no stiffness is known, that probability decides
 alone, once `patience` is over. A late hold gets a little more: what is pressed on from rest
 gets less of the force.
 A force set point closes or opens within that limit instead.
@@ -31,7 +31,7 @@ class GripSettings:
     probe_speed: float = 2.0  # rad/s, by which the limit goes from one to the other
     settle: float = 0.15  # s from the touch until that may begin
     doubt_from: float = 0.065  # probability of rigid from which there is doubt
-    rigid_from: float = 0.95  # probability of rigid from which it may be held firmly
+    rigid_from: float = 0.975  # probability of rigid from which it may be held firmly
     soft_below: float = 0.25  # probability of rigid below which a firm hold ends
     dwell: float = 0.03  # s for which that probability must last
     stiff_from: float = 1.0  # stiffness over the border from which an object is held firmly
@@ -93,7 +93,7 @@ def grip(
     mean = memory.mean + min(sample.period / settings.averaging, 1.0) * (sample.rigid - memory.mean)
     known = memory.uncertain and sample.stiffness > 0.0
     if known:
-        firm = sample.stiffness >= settings.stiff_from and mean > settings.doubt_from
+        firm = sample.stiffness >= settings.stiff_from and mean >= settings.soft_below
     else:
         firm = _firm(settings, memory.firm, mean, certain + half, since + half)
     doubt = since >= settings.settle and sample.rigid > settings.doubt_from

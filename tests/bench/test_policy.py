@@ -49,11 +49,11 @@ def test_a_soft_object_gets_its_share_of_the_travel():
 
 
 def test_a_rigid_object_is_held_firmly():
-    assert closed(0.97)[-1] == pytest.approx(FULL)
+    assert closed(0.99)[-1] == pytest.approx(FULL)
 
 
 def test_a_moment_of_certainty_is_not_enough():
-    blink = closed(lambda time: 0.97 if 0.40 < time < 0.42 else 0.6, seconds=0.7)
+    blink = closed(lambda time: 0.99 if 0.40 < time < 0.42 else 0.6, seconds=0.7)
     assert blink[-1] < FULL - 1.0
 
 
@@ -73,7 +73,7 @@ def test_the_stiffness_of_an_object_pressed_on_in_doubt_decides():
     assert likely[-1] > FULL - 0.01
     soft_then = closed(lambda time: 0.3 if time < 0.7 else 0.01, seconds=1.5, stiffness=1.1)
     assert soft_then[-1] < FULL - 1.0
-    firm = closed(0.97, seconds=1.5, stiffness=0.5)  # held by all of the command before
+    firm = closed(0.99, seconds=1.5, stiffness=0.5)  # held by all of the command before
     assert firm[-1] == pytest.approx(FULL)
 
 
@@ -88,7 +88,7 @@ def test_a_moment_of_another_opinion_decides_nothing():
 
 def test_the_later_a_firm_hold_comes_the_farther_it_presses():
     shares = [
-        (closed(lambda time, at=at: 0.97 if time > at else 0.3, seconds=2.0)[-1] - TOUCH) / 4.0
+        (closed(lambda time, at=at: 0.99 if time > at else 0.3, seconds=2.0)[-1] - TOUCH) / 4.0
         for at in (0.35, 0.65, 0.75, 1.5)
     ]
     assert shares[0] == pytest.approx(1.0, abs=0.01)
@@ -106,7 +106,7 @@ def test_in_doubt_it_squeezes_slowly_on_and_goes_back_where_the_object_proves_so
 
 
 def test_a_firm_hold_ends_where_the_object_proves_soft():
-    points = closed(lambda time: 0.97 if time < 0.9 else 0.01, seconds=2.0)
+    points = closed(lambda time: 0.99 if time < 0.9 else 0.01, seconds=2.0)
     assert max(points) == pytest.approx(FULL)
     assert points[-1] == pytest.approx(TOUCH + SETTINGS.soft_share * (FULL - TOUCH))
 

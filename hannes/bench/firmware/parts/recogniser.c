@@ -553,7 +553,7 @@ double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, dou
     double mean = g->mean + (rate < 1.0 ? rate : 1.0) * (g->rigid - g->mean);
     bool was_firm = g->firm, known = g->uncertain && g->stiffness > 0.0;
     bool doubt = since >= HANNES_SETTLE && g->rigid > HANNES_DOUBT_FROM;
-    if (known) g->firm = g->stiffness >= HANNES_STIFF_FROM && mean > HANNES_DOUBT_FROM;
+    if (known) g->firm = g->stiffness >= HANNES_STIFF_FROM && mean >= HANNES_SOFT_BELOW;
     else g->firm = g_firm(g, mean, certain + half, since + half);
     g->uncertain = known || (!g->firm && (g->uncertain || doubt));
     if (beyond <= 0.0) return g_free(g, wanted, since, certain, mean); /* command to open */
