@@ -72,10 +72,10 @@ def test_channels_that_add_little_are_not_asked_for():
 
 def test_several_effects_that_explain_together_are_one_explanation():
     joint, other = Trial(("slack", "sag"), None, 90.0), Trial(("slack", "lag"), None, 85.0)
-    single = Trial(("slack",), None, 60.0)
-    found = SearchResult(None, None, [], [single], Joint(joint, others=(other,)), None, 1.0)
+    part, single = Trial(("slack",), None, 60.0), Trial(("drag",), None, 50.0)
+    found = SearchResult(None, None, [], [part, single], Joint(joint, others=(other,)), None, 1.0)
     assert explanations(found) == [joint, other, single]
-    assert explanations(replace(found, joint=None)) == [single]
+    assert explanations(replace(found, joint=None)) == [part, single]
 
 
 @pytest.fixture(scope="module")

@@ -304,6 +304,13 @@ def test_a_sampled_controller_is_read_from_the_recordings(controller, taken):
     found, said = as_recorded(campaign, Settings(0.03, 0.01, 0.01), 0, lambda text: None)
     assert bool(said) == taken
     assert all('"sampled"' in e.recording.experiment for e in found.entries) == taken
+    bare = tuple(
+        replace(e, recording=replace(e.recording, experiment="")) for e in campaign.entries
+    )
+    alone = replace(campaign, entries=bare)
+    same, why = as_recorded(alone, Settings(0.03, 0.01, 0.01), 0, lambda text: None)
+    assert ("no experiment says" in why) == taken
+    assert all('"sampled"' in e.recording.experiment for e in same.entries) == taken
     if taken:
         assert "one sampled every 1 ms" in said
         again, nothing = as_recorded(found, Settings(), 0, lambda text: None)

@@ -146,6 +146,7 @@ def test_what_could_not_have_fired_is_said_of_what_it_holds(groups, simulated, s
         (1.2, 9.0, False, False),  # farther: how far the machine is off does not decide alone
         (1.2, 50.0, True, True),  # firmware's whole counts, about as near
         (1.5, 9.0, True, True),  # whole counts, and a machine much nearer to its values
+        (2.5, 9.0, True, False),  # too far
         (1.5, 50.0, True, False),
     ],
 )

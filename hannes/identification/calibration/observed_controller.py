@@ -10,8 +10,8 @@ from dataclasses import replace
 from hannes.campaigns.campaign import Campaign
 
 SAID = (
-    "the experiments say a continuous controller, and the recorded positions are whole counts of "
-    "the encoder: firmware's sampled controller was taken"
+    "experiments say a continuous controller, or there are none, and the recorded positions are "
+    "whole counts of the encoder: firmware's sampled controller was taken"
 )
 
 

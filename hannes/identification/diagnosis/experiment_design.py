@@ -68,10 +68,15 @@ def next_run(
 
 
 def explanations(found: SearchResult) -> list[Trial]:
-    """What may explain the recordings, best first: several effects together, single ones."""
+    """What may explain the recordings, best first: several effects together, single ones.
+
+    A part of the best one is no other explanation.
+    """
     joint = [found.joint.trial, *found.joint.others] if found.joint else []
     every = [*joint, *found.trials, *([found.generic] if found.generic else [])]
-    return sorted(every, key=lambda each: -each.delta_chi2)
+    every.sort(key=lambda each: -each.delta_chi2)
+    parts = [set(each.effects) < set(every[0].effects) for each in every]
+    return [each for each, part in zip(every, parts, strict=True) if not part]
 
 
 def proposed(separations: Mapping[str, Separation], names: list[str]) -> dict | None:

@@ -78,7 +78,9 @@ def as_recorded(
     if not _nearer(apart[1 + best], apart[0], counted):
         return campaign, ""
     taken = others[best]
-    said = _said(taken.period, apart[0].distance / apart[1 + best].distance, counted)
+    times = apart[0].distance / apart[1 + best].distance
+    stated = all(each.recording.experiment for each in campaign.entries)
+    said = _said(taken.period, times, counted, stated)
     return replace(campaign, plant=taken.plant, entries=taken.entries), said
 
 
@@ -86,13 +88,17 @@ def _nearer(other: Apart, stated: Apart, counted: bool) -> bool:
     """Whether another controller is taken for the stated one."""
     if not counted:
         return other.distance < NOISE.nearer_controller * stated.distance
-    near = other.distance < NOISE.counted_controller * stated.distance
-    return near or other.deviance < stated.deviance
+    if other.distance < NOISE.counted_controller * stated.distance:
+        return True
+    near_enough = other.distance < NOISE.farthest_controller * stated.distance
+    return near_enough and other.deviance < stated.deviance
 
 
-def _said(period: float, times: float, counted: bool) -> str:
+def _said(period: float, times: float, counted: bool, stated: bool = True) -> str:
     """What was taken and why; times: how much nearer it comes than the controller as stated."""
     text = "experiments say a continuous controller; "
+    if not stated:
+        text = "no experiment says what controller there was, so a continuous one was assumed; "
     sampled = f"one sampled every {1e3 * period:.3g} ms"
     if not np.isfinite(times):
         return f"{text}with it the machine cannot be simulated: {sampled} is taken"
@@ -100,9 +106,12 @@ def _said(period: float, times: float, counted: bool) -> str:
         counts = "whole encoder counts and " if counted else ""
         nearer = f"which comes {times:.2g} times as near: that is taken"
         return f"{text}the recordings show {counts}{sampled}, {nearer}"
+    why = "which alone would not decide it"
+    if times * NOISE.counted_controller <= 1.0:
+        why = "but by values of the machine that are nearer to those given"
     return (
         f"{text}the recordings are whole encoder counts, which firmware reads, so {sampled} is "
-        f"taken. It comes {times:.2g} times as near, which alone would not decide it"
+        f"taken. It comes {times:.2g} times as near, {why}"
     )
 
 

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from hannes.identification.diagnosis.gauss_newton import settled
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.linearisation import Linearisation
@@ -151,11 +153,13 @@ def _far(best: Trial, other: Trial, explained: float) -> float:
     """Reduction of chi-squared by which another trial is separated from the best one.
 
     Laws are inexact by a share of what they explain. Where the best one leaves little, its law is
-    right, and one that leaves much more is another; the same fault of two parts is one law.
+    right, and one that leaves much more is another; the same fault of two parts is one law. What
+    noise leaves is known to its standard deviation alone.
     """
     if _same_laws(best, other):
         return SEARCH.rival
-    left = SEARCH.left_again * max(0.0, best.point.chi2 - best.point.residual.size)
+    bins = best.point.residual.size
+    left = max(SEARCH.left_again * (best.point.chi2 - bins), float(np.sqrt(2.0 * bins)))
     return max(SEARCH.rival, min(SEARCH.rival_share * explained, left))
 
 

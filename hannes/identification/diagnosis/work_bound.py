@@ -46,7 +46,7 @@ class Work:
 
     def extended(self) -> None:
         """Give what judges and closes a search that was cut short some work of its own."""
-        self.limit = self.spent + SEARCH.closing_simulated
+        self.limit = max(self.limit, self.spent) + SEARCH.closing_simulated
 
     @contextmanager
     def in_any_case(self) -> Iterator[None]:
@@ -70,7 +70,7 @@ class Work:
     def ended(self) -> str:
         """What a verdict says where it ended the search."""
         return (
-            f"the search was ended at its bound, {self.limit:,.0f} s of simulated runs: "
+            f"the search was ended at its bound, {SEARCH.most_simulated:,.0f} s of simulated runs: "
             "nothing is named by half a search"
         )
 

@@ -245,7 +245,7 @@ class HandPlant(ByValue):
     quantities = staticmethod(axes.quantities)
 
     def sampled(self, recording: Recording) -> Recording | None:
-        """The recording under firmware's ticks; None where its experiment has them, or none."""
+        """The recording under firmware's ticks; None where its experiment has them already."""
         return with_sampled_controller(recording)
 
     def unrounded(self, count: int) -> dict[str, np.ndarray]:

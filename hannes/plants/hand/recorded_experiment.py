@@ -40,15 +40,25 @@ def experiment_of(recording: Recording) -> Experiment:
 def with_sampled_controller(recording: Recording) -> Recording | None:
     """The same with a sampled controller in its experiment; None where it has one already.
 
-    None too where it has no experiment: the continuous controller stands for it then.
+    One without an experiment gets that of a free run under its own recorded reference.
     """
     import tomli_w
 
     planned = _planned(recording)
-    if planned is None or planned.controller == "sampled":
+    if planned is not None and planned.controller == "sampled":
         return None
-    content = {**parsed(recording.experiment), "controller": "sampled"}
-    return replace(recording, experiment=tomli_w.dumps(content))
+    if planned is None and "reference" not in recording:
+        return None
+    content = parsed(recording.experiment) if planned is not None else _unplanned(recording)
+    return replace(recording, experiment=tomli_w.dumps({**content, "controller": "sampled"}))
+
+
+def _unplanned(recording: Recording) -> dict[str, object]:
+    """What an experiment must say; duration, sampling and reference are those recorded."""
+    duration = f"{float(np.ptp(recording.time))!r} s"
+    points = [["0 s", "0 rad"], [duration, "0 rad"]]
+    reference = {"kind": "ramp", "points": points}
+    return {"title": "recorded", "duration": duration, "sampling": "1 kHz", "reference": reference}
 
 
 def _planned(recording: Recording) -> Experiment | None:

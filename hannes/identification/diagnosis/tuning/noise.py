@@ -69,6 +69,9 @@ class NoiseTuning:
     counted_controller: float = constant(
         1.25, "1", "the same where positions are whole encoder counts, which firmware reads"
     )
+    farthest_controller: float = constant(
+        2.0, "1", "the same where the machine's values are nearer to those given, too", DEVELOPMENT
+    )
     independent_values: float = constant(
         16.0,
         "1",
