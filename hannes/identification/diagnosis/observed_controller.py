@@ -79,8 +79,8 @@ def as_recorded(
         return campaign, ""
     taken = others[best]
     times = apart[0].distance / apart[1 + best].distance
-    stated = all(each.recording.experiment for each in campaign.entries)
-    said = _said(taken.period, times, counted, stated)
+    planned = all(each.recording.experiment for each in campaign.entries)
+    said = _said(taken.period, times, counted, planned)
     return replace(campaign, plant=taken.plant, entries=taken.entries), said
 
 
@@ -94,10 +94,10 @@ def _nearer(other: Apart, stated: Apart, counted: bool) -> bool:
     return near_enough and other.deviance < stated.deviance
 
 
-def _said(period: float, times: float, counted: bool, stated: bool = True) -> str:
+def _said(period: float, times: float, counted: bool, planned: bool = True) -> str:
     """What was taken and why; times: how much nearer it comes than the controller as stated."""
     text = "experiments say a continuous controller; "
-    if not stated:
+    if not planned:
         text = "no experiment says what controller there was, so a continuous one was assumed; "
     sampled = f"one sampled every {1e3 * period:.3g} ms"
     if not np.isfinite(times):
