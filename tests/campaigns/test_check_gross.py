@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from hannes.campaigns.check import check
+from hannes.core.recording.recording import Recording
+from hannes.plants.axis.plant import Axis
 from hannes.plants.hand.plant import HandPlant
 from hannes.simulation.experiment.load import load_experiment
 from hannes.simulation.experiment.shipped import folder
@@ -129,3 +131,35 @@ def test_a_current_that_is_cut_off_for_long(closed):
         kept(closed, ALL, current=np.minimum(closed["current"], top)), "saturated", "current"
     )
     assert found.size > 0.2
+
+
+@pytest.mark.parametrize("share", [0.28, 0.35])
+def test_a_log_that_ends_on_its_way_has_no_other_pace(closed, share):
+    """Of a ramp alone a late start is as a pace."""
+    count = round(share * len(closed))
+    cut = {name: closed[name][:count] for name in ("time", *ALL)}
+    assert serious(kept(closed, ALL, **cut)) == []
+
+
+@pytest.fixture(scope="module")
+def shivering():
+    """A sound axis whose controller answers to its encoder's noise, volts in a drive of four."""
+    rng, dt, count = np.random.default_rng(1), 1e-3, 4000
+    time = dt * np.arange(count)
+    reference = 0.03 * (1.0 - np.cos(2.0 * np.pi * time / 2.0))
+    place = speed = error = 0.0
+    position, drive = np.empty(count), np.empty(count)
+    for k in range(count):
+        position[k] = 5e-6 * np.round((place + 2e-6 * rng.standard_normal()) / 5e-6)
+        last, error = error, reference[k] - position[k]
+        drive[k] = np.clip(800.0 * error + 20.0 * (error - last) / dt, -10.0, 10.0)
+        force = 20.0 * drive[k] - 60.0 * speed - 6.0 * np.tanh(speed / 1e-3)
+        speed += dt * force / 2.0
+        place += dt * speed
+    units = {"time": "s", "reference": "m", "position": "m", "drive": "V"}
+    channels = {"time": time, "reference": reference, "position": position, "drive": drive}
+    return Recording(channels, units)
+
+
+def test_a_controller_that_answers_to_noise_is_no_fault(shivering):
+    assert [each.text for each in check(shivering, Axis()) if each.level == "fault"] == []

@@ -121,8 +121,17 @@ def paces(subject: Subject) -> Iterator[Finding]:
         if size == 0.0 or still or begins_moving(subject, name):
             continue
         rate, rest = _paced_as(subject, name, plan)
-        if rest < FITS * size and abs(rate - 1.0) > max(LEAST_PACE, OWN_LAG * rest / size):
+        least = OTHER_PACE if _ends_on_its_way(plan) else LEAST_PACE
+        if rest < FITS * size and abs(rate - 1.0) > max(least, OWN_LAG * rest / size):
             yield _pace(name, command, rate)
+
+
+def _ends_on_its_way(plan: Plan) -> bool:
+    """Whether a command goes one way to its last sample: there a late start looks like a pace."""
+    steps = np.diff(plan.values)
+    one_way = bool((steps >= 0.0).all() or (steps <= 0.0).all())
+    last = steps[-max(steps.size // 20, 1) :]
+    return one_way and abs(float(np.mean(last))) > 0.5 * abs(float(np.mean(steps)))
 
 
 def _paced_as(subject: Subject, name: str, plan: Plan) -> tuple[float, float]:

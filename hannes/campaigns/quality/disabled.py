@@ -49,6 +49,7 @@ def inspect(subject: Subject) -> Iterator[Finding]:
     used = np.any([_used(recording[name]) for name in drives], axis=0)
     long = [each for each in true_runs(off) if used[each[0]] and each[1] - each[0] + 1 >= SHORTEST]
     long = [each for each in long if _is_whole(subject, *each)]
+    long = [each for each in long if all(_averages_zero(recording[n], *each) for n in drives)]
     if not long:
         return
     lag = (subject.of(moved).lag or USUAL) / subject.interval
@@ -77,6 +78,14 @@ def inspect(subject: Subject) -> Iterator[Finding]:
         size=lasting,
         mend=mends.rest(subject, first),
     )
+
+
+def _averages_zero(values: FloatArray, first: int, last: int) -> bool:
+    """Whether a stretch has no mean: of a small drive its noise hides the values, not the mean."""
+    part = values[first : last + 1]
+    chance = 4.0 * noise(values) / np.sqrt(part.size)
+    least = max(NOTHING * float(np.abs(values).max()), chance, quantum(values))
+    return abs(float(np.mean(part))) <= least
 
 
 def _is_whole(subject: Subject, first: int, last: int) -> bool:
