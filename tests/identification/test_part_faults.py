@@ -113,7 +113,9 @@ def guess(name, delta_chi2=100.0):
 
 def trial(*effects, delta_chi2=1000.0):
     """Effects fitted together."""
-    return Trial(effects, SimpleNamespace(space=SimpleNamespace(effects=KNOWN)), delta_chi2)
+    space, residual = SimpleNamespace(effects=KNOWN), np.zeros(100)
+    point = SimpleNamespace(space=space, chi2=1000.0, residual=residual)  # that leaves much
+    return Trial(effects, point, delta_chi2)
 
 
 def test_alike_faults_leave_the_laws_their_places():

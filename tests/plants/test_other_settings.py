@@ -49,7 +49,7 @@ def test_a_setting_is_the_same_in_the_truth(name):
     from benchmarks.truth.settings import RANGES, changed
 
     setting, _, amplitude = name.partition(".")
-    size = RANGES[name][1]
+    size = RANGES[name].high
     moved = moved_by(SETTINGS[setting], amplitude)
     mine = named({at: Hand().parameters[at] + by * size for at, by in moved.items()})
     theirs = changed(NOMINAL, name, size)
