@@ -278,6 +278,29 @@ def test_lists_in_cells_of_two_files_on_two_clocks(tmp_path):
     assert set(made.recording["supply"]) == {12.0}
 
 
+@pytest.mark.parametrize(
+    "clock", ['offset = "-3600 s"', "from_zero = true"], ids=["offset", "from zero"]
+)
+def test_another_files_clock_is_put_on_that_of_the_first(tmp_path, clock):
+    (tmp_path / "run_state.csv").write_text(rows([TIME, POSITION, CURRENT], "t,pos,cur"))
+    asked = rows([TIME + 3600.0, 2.0 * TIME], "t,asked")
+    (tmp_path / "run_command.csv").write_text(asked)
+    text = (
+        '[time]\ncolumn = "t"\nunit = "s"\n'
+        '[channels.position]\ncolumn = "pos"\nunit = "rad"\n'
+        '[channels.current]\ncolumn = "cur"\nunit = "A"\n'
+        '[channels.reference]\ncolumn = "asked"\nunit = "rad"\nfrom = "command"\n'
+        '[files.command]\nreplace = "_state"\nby = "_command"\n'
+        '[files.command.time]\ncolumn = "t"\nunit = "s"\n'
+    )
+    (tmp_path / "map.toml").write_text(text)
+    with pytest.raises(BadInput, match=r'never meet; set files.command.time.offset = "-3600 s"'):
+        convert([tmp_path / "run_state.csv"], tmp_path / "map.toml")
+    (tmp_path / "map.toml").write_text(text + clock + "\n")
+    (made,) = convert([tmp_path / "run_state.csv"], tmp_path / "map.toml")
+    assert made.recording["reference"] == pytest.approx(2.0 * TIME, abs=0.05)
+
+
 def test_supply_current_becomes_motor_current(tmp_path):
     duty = np.round(0.5 * np.cos(3.0 * TIME), 9)
     (tmp_path / "log.csv").write_text(rows([TIME, POSITION, CURRENT * duty, duty], "t,pos,cur,pwm"))

@@ -150,12 +150,31 @@ def _beside(
     raw = _raw(other, source, mapping, name)
     own = times_of(source, further.time, next(iter(raw.values())).size)
     known = np.isfinite(own)
+    own = own + further.time.offset
+    if further.time.from_zero and not further.time.iso:  # both begin at once
+        own += np.nanmin(time, initial=np.inf) - np.nanmin(own, initial=np.inf)
+    _require_overlap(path, other, name, time, own)
     order = np.argsort(own[known], kind="stable")
     place = np.searchsorted(own[known][order], time, side="right") - 1
     return {
         channel: np.where(place >= 0, values[known][order][np.maximum(place, 0)], np.nan)
         for channel, values in raw.items()
     }
+
+
+def _require_overlap(path: Path, other: Path, name: str, time: FloatArray, own: FloatArray) -> None:
+    """Refuse two files whose clocks have no time in common."""
+    (first, last), (begin, end) = ((np.nanmin(each), np.nanmax(each)) for each in (time, own))
+    if begin <= last and first <= end:
+        return
+    key = f"files.{name}.time"
+    mend = f'{key}.offset = "{first - begin:.6g} s"'
+    raise BadInput(
+        f"{other}: its clock runs from {begin:.6g} to {end:.6g} s, that of {path.name} from "
+        f"{first:.6g} to {last:.6g} s: they never meet; set {mend}, or {key}.from_zero = true "
+        "where both began at once",
+        (mend,),
+    )
 
 
 def _parts(source: Source, mapping: ColumnMap, time: FloatArray) -> list[NDArray[np.intp]]:
