@@ -133,6 +133,11 @@ def test_a_current_that_is_cut_off_for_long(closed):
     assert found.size > 0.2
 
 
+def test_a_command_that_is_the_motion_once_more(closed):
+    found = only(kept(closed, ALL, reference=closed["position"]), "swapped", "position")
+    assert "equals reference in every sample" in found.text and found.mend
+
+
 @pytest.mark.parametrize("share", [0.28, 0.35])
 def test_a_log_that_ends_on_its_way_has_no_other_pace(closed, share):
     """Of a ramp alone a late start is as a pace."""

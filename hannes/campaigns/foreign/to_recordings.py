@@ -170,8 +170,8 @@ def _require_overlap(path: Path, other: Path, name: str, time: FloatArray, own: 
     key = f"files.{name}.time"
     mend = f'{key}.offset = "{first - begin:.6g} s"'
     raise BadInput(
-        f"{other}: its clock runs from {begin:.6g} to {end:.6g} s, that of {path.name} from "
-        f"{first:.6g} to {last:.6g} s: they never meet; set {mend}, or {key}.from_zero = true "
+        f"{other}: its clock runs from {begin:.12g} to {end:.12g} s, that of {path.name} from "
+        f"{first:.12g} to {last:.12g} s: they never meet; set {mend}, or {key}.from_zero = true "
         "where both began at once",
         (mend,),
     )

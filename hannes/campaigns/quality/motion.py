@@ -80,6 +80,11 @@ def _follows(subject: Subject, name: str, command: str) -> Iterator[Finding]:
     motion, asked = subject.recording[name], subject.recording[command]
     if np.ptp(asked) == 0.0:
         return
+    if np.array_equal(motion, asked):
+        text = f"equals {command} in every sample, as no machine follows: one column was taken "
+        text += f"twice, or logged twice; map the other one, or leave {command} out"
+        yield fault("swapped", name, text, mend=mends.without(subject, command))
+        return
     lag = found_lag(subject, motion, subject.time, asked)
     if lag is None or _implausible(subject, name, lag) or lag.correlation < SURE:
         against = found_lag(subject, -motion, subject.time, asked)
