@@ -9,7 +9,7 @@ from real_finger import rh56_files
 
 from hannes.campaigns import third_party
 from hannes.campaigns.check import check, subjects
-from hannes.campaigns.quality import sensors
+from hannes.campaigns.quality import clock, sensors
 from hannes.campaigns.quality.finding import KINDS
 from hannes.commands.cli import main
 from hannes.core.errors import MissingRecording
@@ -307,6 +307,15 @@ def test_milliseconds_and_seconds(name):
     assert "milliseconds taken for seconds" in finding.text
     (finding,) = found(retimed(recording, 1e-3 * recording.time), "unit", "time", "fault")
     assert "seconds taken for milliseconds" in finding.text
+
+
+def test_seconds_for_milliseconds_before_a_long_rest():
+    beyond = np.zeros(101_000, dtype=bool)
+    beyond[50:950] = True  # a closing
+    assert clock._too_fast(beyond)
+    spikes = np.zeros(101_000, dtype=bool)
+    spikes[::1000] = spikes[1::1000] = True  # outliers of the position
+    assert not clock._too_fast(spikes)
 
 
 @pytest.mark.parametrize("name", MOVING)

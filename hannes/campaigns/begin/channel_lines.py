@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hannes.campaigns.begin.channel_words import plain, surely_from_supply, words_of
 from hannes.campaigns.begin.column_guess import Guess
 from hannes.campaigns.begin.mapping_draft import FILL_IN, Draft
 from hannes.campaigns.begin.text_layout import TextLayout
@@ -57,11 +58,15 @@ def channel_lines(
 
 def _at_the_supply(made: Draft, guess: Guess, duty: bool) -> None:
     """A current whose name says that the supply gives it: the motor's is that over the duty."""
-    if duty:
+    words = [plain(word) for word in words_of(str(guess.column))]
+    if duty and surely_from_supply(words):
         made.lines.append('kind = "supply"  # its name says so: it is divided by the duty')
         made.seen.append(f'"{guess.column}" is drawn from the supply: divided by the duty')
         return
     made.lines.append(f'kind = "{FILL_IN}"  # "motor"; "supply" needs [channels.duty]')
+    if duty:
+        made.ask(f'is "{guess.column}" of the supply (kind = "supply") or the motor ("motor")?')
+        return
     made.ask(
         f'"{guess.column}" is drawn from the supply, so it needs the column of the duty; or is it '
         'the motor\'s (kind = "motor")?'

@@ -65,6 +65,8 @@ OF_SUPPLY = (
     "bateria", "batterie", "alimentation", "alimentazione", "alimentacion", "akku", "netzteil",
 )  # fmt: skip
 OF_SUPPLY_STARTS = ("versorgung", "batterie", "zwischenkreis", "netzteil", "akku", "busstrom")
+# Words of it that may as well be of a motor (a DC motor, its input): asked about.
+PERHAPS_OF_SUPPLY = ("dc", "input")
 MEASURED = ("current", "supply", "force", "sensor")  # never a command
 
 
@@ -97,6 +99,11 @@ def from_supply(words: Sequence[str]) -> bool:
     if set(words) & {"motor", "phase", "winding"}:
         return False
     return any(word in OF_SUPPLY or word.startswith(OF_SUPPLY_STARTS) for word in words)
+
+
+def surely_from_supply(words: Sequence[str]) -> bool:
+    """Whether a current is of the supply by a word that has no other meaning."""
+    return from_supply([word for word in words if word not in PERHAPS_OF_SUPPLY])
 
 
 def _likeness(word: str, spellings: Sequence[str]) -> float:

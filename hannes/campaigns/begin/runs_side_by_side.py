@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from hannes.campaigns.begin.channel_words import plain, words_of
 from hannes.campaigns.begin.column_guess import LABELS, Guess, Seen, guesses
-from hannes.campaigns.foreign.side_by_side import STAR
+from hannes.campaigns.foreign.side_by_side import STAR, in_order
 
 FEWEST = 2  # fields that several runs share
 SHOWN = 6  # names of runs, as they are listed
@@ -17,7 +17,19 @@ PARTS = (
     *("left", "right", "channel", "ch", "signal", "signals", "sensor", "topic", "cell", "state"),
     *("gelenk", "achse", "kanal", "links", "rechts", "doigt", "axe", "dito", "giunto", "dedo"),
 )
-RUNS = (*LABELS, "runs", "trials", "reps", "repeats", "episodes", "grasps", "demo", "test", "exp")
+RUNS = (
+    *LABELS,
+    "runs",
+    "trials",
+    "reps",
+    "repeats",
+    "episodes",
+    "grasps",
+    "demo",
+    "test",
+    "exp",
+    "subject",
+)
 
 
 @dataclass(frozen=True)
@@ -77,7 +89,10 @@ def _families(columns: Sequence[Seen]) -> list[Alike]:
     for (kind, root), runs in sorted(found.items(), key=lambda pair: -pair[0][1].count("/")):
         common = [t for t in next(iter(runs.values())) if all(t in own for own in runs.values())]
         if len(runs) > 1 and len(common) >= FEWEST:
-            fields = {t: {run: runs[run][t] for run in sorted(runs, key=_order)} for t in common}
+            fields = {
+                t: {run: runs[run][t] for run in sorted(runs, key=lambda run: in_order((run,)))}
+                for t in common
+            }
             families.append(Alike(fields, kind, root))
     return families
 
@@ -92,17 +107,12 @@ def _places(name: str) -> Iterator[tuple[str, str, str, str]]:
         template = "/".join([*before, STAR, *after])
         if after:
             yield "part", "/".join(before), part, template
-        if part.isdigit() and k:
+        if part.isdecimal() and k:
             yield "number", parts[0], part, template  # a structure of arrays, number last
         elif not after:
             for found in re.finditer(r"\d+", part):
                 own = f"{part[: found.start()]}{STAR}{part[found.end() :]}"
                 yield "digits", "/".join(before), found[0], "/".join([*before, own])
-
-
-def _order(run: str) -> list[tuple[int, str]]:
-    pieces = re.split(r"(\d+)", run)
-    return [(int(each), "") if each.isdigit() else (-1, each) for each in pieces]
 
 
 def _evident(family: Alike, columns: Sequence[Seen]) -> bool:
@@ -113,9 +123,21 @@ def _evident(family: Alike, columns: Sequence[Seen]) -> bool:
     numbers = [re.sub(r"\d+", "", run) for run in family.runs]
     counted = len(set(numbers)) == 1 and all(re.search(r"\d", run) for run in family.runs)
     each = [_words(run) for run in numbers]
-    words = set.union(*each) | _words(family.root)
-    named = all(own & set(RUNS) for own in each) or bool(counted and words & set(RUNS))
-    return named or (counted and not words & set(PARTS))
+    words = set.union(*each) | _words(family.root) | _before_the_number(family)
+    if all(own & set(RUNS) for own in each) or (counted and words & set(RUNS)):
+        return True
+    # Counting alone is no evidence: j1, m1 or hand1 may be parts or machines.
+    letters = any(map(bool, each)) or _before_the_number(family)
+    return counted and not letters and not {w.removesuffix("s") for w in words} & set(PARTS)
+
+
+def _before_the_number(family: Alike) -> set[str]:
+    """The word before a number inside the names of columns, where all fields share it."""
+    if family.kind != "digits":
+        return set()
+    before = [t.rpartition("/")[2].partition(STAR)[0] for t in family.fields]
+    last = {(["", *filter(None, words_of(each))])[-1] for each in before}
+    return {plain(word) for word in last if word} if len(last) == 1 else set()
 
 
 def _at_once(family: Alike, columns: Sequence[Seen], clock: str) -> bool:

@@ -46,7 +46,7 @@ class SideBySide:
     def _found(self, columns: list[Column]) -> list[Run]:
         """What the stars stand for; each run must have every column."""
         found = [_matches(str(each.name), self.source.names) for each in columns]
-        every = sorted({run for runs in found for run in runs}, key=_in_order)
+        every = sorted({run for runs in found for run in runs}, key=in_order)
         if not every:
             raise BadInput(f'{self.path}: holds nothing like "{columns[0].name}"')
         for column, runs in zip(columns, found, strict=True):
@@ -116,7 +116,7 @@ def _matches(name: str, names: Sequence[str]) -> set[Run]:
     return runs if runs or path == name else _matches(path, names)
 
 
-def _in_order(run: Run) -> list[tuple[int, str]]:
+def in_order(run: Run) -> list[tuple[int, str]]:
     """Sort key: numbers by their size, within names too."""
     pieces = [piece for each in run for piece in re.split(r"(\d+)", each)]
-    return [(int(each), "") if each.isdigit() else (-1, each) for each in pieces]
+    return [(int(each), "") if each.isdecimal() else (-1, each) for each in pieces]

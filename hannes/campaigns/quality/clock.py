@@ -24,6 +24,7 @@ EVEN = 0.3  # of what a gap would have missed, by which a motion that goes on ma
 AROUND = 8  # samples on each side of a gap
 BEYOND = 3.0  # times the fastest plausible speed, that only a wrong clock gives
 OFTEN = 0.02  # of the samples, in which a motion in a wrong unit of time is too fast
+LASTS = 20  # samples in a row, for which no outlier of the position is that fast
 MILLI = 1000.0
 
 
@@ -170,8 +171,7 @@ def _unit(subject: Subject) -> Iterator[Finding]:
             continue
         size = running_median(np.abs(speeds(subject.time, subject.recording[name])))
         fastest = float(size.max())
-        often = float(np.mean(size > BEYOND * each.rate)) > OFTEN  # outliers are rarer
-        if often and _plausible(subject, name):
+        if _too_fast(size > BEYOND * each.rate) and _plausible(subject, name):
             yield fault(
                 "unit",
                 "time",
@@ -181,6 +181,13 @@ def _unit(subject: Subject) -> Iterator[Finding]:
                 size=1.0 / MILLI,
                 mend=('time.unit = "ks"',),
             )
+
+
+def _too_fast(beyond: NDArray[np.bool_]) -> bool:
+    """Whether speeds are too fast often, or for long beside a long rest; outliers are neither."""
+    ends = np.flatnonzero(np.diff(beyond, prepend=False, append=False))
+    longest = int(np.max(ends[1::2] - ends[::2], initial=0))
+    return float(np.mean(beyond)) > OFTEN or longest > LASTS
 
 
 def _plausible(subject: Subject, name: str) -> bool:
