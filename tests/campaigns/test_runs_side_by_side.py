@@ -8,6 +8,7 @@ import pytest
 
 from hannes.campaigns.begin.begin import MAPPING, begin
 from hannes.campaigns.convert import convert
+from hannes.campaigns.foreign.json_columns import open_json
 from hannes.campaigns.foreign.side_by_side import in_order
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
@@ -204,6 +205,12 @@ def test_counters_of_runs_are_put_right_each_by_itself(tmp_path):
     made = convert([tmp_path / "a.npz"], tmp_path / "map.toml")
     assert [each.recording["position"][0] for each in made] == [0.0, 0.0]
     assert [each.recording["position"][-1] for each in made] == pytest.approx([9.0, 9.0])
+
+
+def test_json_nested_too_deep_is_refused_in_one_line(tmp_path):
+    (tmp_path / "a.json").write_text("[" + '{"a":' * 900 + "1" + "}" * 900 + "]")
+    with pytest.raises(BadInput, match="no numbers in it"):
+        open_json(tmp_path / "a.json", ())
 
 
 def test_records_with_lists_stay_records(tmp_path):

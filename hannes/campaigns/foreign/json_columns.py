@@ -144,20 +144,20 @@ def _listed(items: Iterable[Any], path: Path, decoded: int, depth: int = 0) -> d
     return found
 
 
-def _samples(item: Any) -> int:
+def _samples(item: Any, depth: int = 0) -> int:
     """How many samples a run has: lists of numbers or of records; 0 for what is no run."""
     if isinstance(item, list):
         return len(item) if len(item) >= FEWEST and all(isinstance(x, dict) for x in item) else 0
-    if not isinstance(item, dict):
+    if not isinstance(item, dict) or depth > DEEPEST:
         return 0
-    sizes = [_samples(each) if isinstance(each, dict) else len(each)
+    sizes = [_samples(each, depth + 1) if isinstance(each, dict) else len(each)
              for each in item.values() if isinstance(each, dict | list)]  # fmt: skip
     alike = bool(sizes) and min(sizes) == max(sizes) >= FEWEST
     return sizes[0] if alike and _lists(item) > 1 else 0
 
 
-def _lists(item: Any) -> int:
-    """How many lists there are in a run."""
-    if isinstance(item, dict):
-        return sum(map(_lists, item.values()))
+def _lists(item: Any, depth: int = 0) -> int:
+    """How many lists there are in a run, as deep as columns are looked for."""
+    if isinstance(item, dict) and depth <= DEEPEST:
+        return sum(_lists(each, depth + 1) for each in item.values())
     return int(isinstance(item, list))
