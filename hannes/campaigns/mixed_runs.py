@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.periodicity import inputs
-from hannes.campaigns.quality.finding import Finding, fault
+from hannes.campaigns.quality.finding import Finding, fault, warning
 from hannes.plants.protocol import expectations
 
 FloatArray = NDArray[np.float64]
@@ -49,6 +49,15 @@ def mixed_runs(campaign: Campaign) -> Iterator[Finding]:
             yield _finding(condition, found)
 
 
+def several_units(campaign: Campaign) -> Iterator[Finding]:
+    """A warning where a fit would take the recordings of several units as one machine."""
+    units = list(dict.fromkeys(each.unit for each in campaign.entries))
+    if len(units) > 1:
+        names = ", ".join(each or "unnamed" for each in units)
+        text = f"recordings of {len(units)} units ({names}) would be fitted as one machine: "
+        yield warning("mixed", "unit", text + "calibrate each by a campaign of its own")
+
+
 def _finding(condition: str, found: _Groups) -> Finding:
     names = ", ".join(each.name for each in found.other)
     return fault(
@@ -56,8 +65,8 @@ def _finding(condition: str, found: _Groups) -> Finding:
         found.channel,
         f"the repeats of {condition} fall into two groups, {100.0 * found.between:.2g} % apart "
         f"where runs of one group differ by {100.0 * found.within:.2g} % at most: {names} are of "
-        "another machine than the others, or from after a change; give these recordings "
-        'unit = "other", or a condition of their own',
+        "another machine than the others, or from after a change; leave them out, or give them a "
+        'campaign of their own (unit = "other" keeps them apart for `hannes compare` alone)',
         size=found.between,
     )
 

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from hannes.campaigns.campaign import Campaign, Entry
-from hannes.campaigns.mixed_runs import mixed_runs
+from hannes.campaigns.mixed_runs import mixed_runs, several_units
 from hannes.campaigns.warnings import campaign_warnings
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
+from hannes.identification.calibration.data_check import data_issues
 from hannes.plants.hand.plant import HandPlant
 
 TIME = np.arange(900) / 500.0
@@ -50,8 +51,12 @@ def test_two_hands_under_one_command_are_named(channels):
     runs = [run(rng, 0.003, channels=channels, **hand) for hand in hands]
     (found,) = mixed_runs(campaign(runs))
     assert (found.level, found.kind) == ("fault", "mixed")
-    assert "1.csv, 3.csv are of another machine" in found.text and 'unit = "other"' in found.text
-    assert not list(mixed_runs(campaign(runs, ["", "other", "", "other"])))
+    assert "1.csv, 3.csv are of another machine" in found.text
+    assert "a campaign of their own" in found.text
+    apart = campaign(runs, ["", "other", "", "other"])
+    assert not list(mixed_runs(apart)) and not list(several_units(campaign(runs)))
+    with pytest.raises(BadInput, match="would be fitted as one machine"):
+        data_issues(apart, ("saturated",))
     assert not list(mixed_runs(campaign(runs[:3])))
 
 

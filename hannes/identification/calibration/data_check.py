@@ -2,7 +2,7 @@
 
 from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.check import check
-from hannes.campaigns.mixed_runs import mixed_runs
+from hannes.campaigns.mixed_runs import mixed_runs, several_units
 from hannes.campaigns.quality.finding import Finding
 from hannes.core.errors import BadInput
 
@@ -21,7 +21,8 @@ def data_issues(campaign: Campaign, accepted: tuple[str, ...]) -> DataIssues:
         for each in check(entry.recording, campaign.plant)
         if each.level != "note"
     )
-    found += tuple(("the campaign", each) for each in mixed_runs(campaign))
+    across = (*mixed_runs(campaign), *several_units(campaign))
+    found += tuple(("the campaign", each) for each in across)
     refused = [(name, each) for name, each in found if each.kind not in accepted]
     if refused:
         name, first = refused[0]
