@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from hannes.identification.comparison.comparison import Compared, Condition, Row
 
 NO_VALUE = "–"
-GROSS = 100.0  # %, of an error that no model of the right experiment has
+GROSS = 2.0  # times, either way, by which no model of the right experiment is off
 
 
 def page(result: "Compared") -> str:
@@ -48,14 +48,20 @@ def sentence(result: "Compared") -> str:
         return "None of the paper's metrics has a value for these recordings."
     condition, row = result.largest
     doubt = (
-        " So far off is hardly a gap of the model: is this the experiment, and the hand, that was "
-        "recorded?"
+        " That far off it may be no gap of the model: is this the experiment, and the hand, that "
+        "was recorded?"
     )
     return (
         f"Largest relative error: {row.metric}, {signed(row.error)} % (measured "
         f"{number(row.measured.mean)}, simulated {number(row.simulated.mean)} {row.unit}; "
-        f"{condition.name}).{doubt if abs(row.error) > GROSS else ''}"
+        f"{condition.name}).{doubt if _gross(row.measured.mean, row.simulated.mean) else ''}"
     )
+
+
+def _gross(measured: float, simulated: float) -> bool:
+    """Whether two values are of opposite sign, or one is some times the other."""
+    small, large = sorted((abs(measured), abs(simulated)))
+    return measured * simulated < 0.0 or large > GROSS * small
 
 
 def _tables(condition: "Condition", place: int) -> list[Table]:

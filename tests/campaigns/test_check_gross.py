@@ -72,7 +72,10 @@ def test_a_gain_that_machines_have_is_no_fault(closed):
 
 def test_a_current_beyond_what_the_supply_can_drive(closed):
     found = only(kept(closed, ALL[:3], current=15.0 * closed["current"]), "unit", "current")
-    assert "the supply drives" in found.text and found.mend
+    assert "the supply drives" in found.text and found.mend == ("leave out channels.current",)
+    assert 1.0 < found.size < 3.0  # a bound alone: how much too large is not known
+    found = only(kept(closed, ALL[:3], current=1000.0 * closed["current"]), "unit", "current")
+    assert found.mend == ('channels.current.unit = "mA"',)
 
 
 def test_the_command_of_another_experiment(closed):

@@ -124,11 +124,14 @@ def test_an_error_that_no_model_has_is_doubted(result):
     from hannes.report.comparison import sentence
 
     compared = result[0]
-    assert "hardly a gap" not in sentence(compared)
+    assert "no gap of the model" not in sentence(compared)
     condition = compared.conditions[0]
-    row = replace(condition.rows[0], error=-424.0)
-    far = replace(compared, conditions=(replace(condition, rows=(row,)),))
-    assert "hardly a gap of the model" in sentence(far)
+    for factor in (5.24, 0.1, -1.0):  # too large, too small, the other way
+        row = condition.rows[0]
+        simulated = replace(row.simulated, mean=factor * row.measured.mean)
+        row = replace(row, simulated=simulated, error=100.0 * (1.0 - factor))
+        far = replace(compared, conditions=(replace(condition, rows=(row,)),))
+        assert "may be no gap of the model" in sentence(far)
 
 
 def test_spread_of_repeats_is_apart_from_that_of_units():

@@ -94,8 +94,14 @@ def _bounded(subject: Subject, winding: Winding, moved: str) -> Iterator[Finding
     text = f"reaches {subject.with_unit(float(current[worst]), 'current')}, where the supply "
     text += f"drives {subject.with_unit(float(most[worst]), 'current')} at most through "
     text += f"{winding.resistance:.3g} ohm"
-    factor = 10.0 ** max(np.ceil(np.log10(float(size[worst] / most[worst]))), 1.0)
-    yield _finding(subject, text, factor, float(subject.time[worst]))
+    ratio, since = float(size[worst] / most[worst]), float(subject.time[worst])
+    if ratio > WRONG:
+        yield _finding(subject, text, 10.0 ** np.ceil(np.log10(ratio)), since)
+        return
+    text += ": check its unit and its scale, state motor.resistance and supply.voltage, or leave "
+    text += "the current out"
+    mend = mends.without(subject, "current")
+    yield fault("unit", "current", text, time=since, size=ratio, mend=mend)
 
 
 def _finding(subject: Subject, found: str, gain: float, time: float | None = None) -> Finding:
