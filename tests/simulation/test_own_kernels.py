@@ -67,7 +67,7 @@ def test_run_reports_it_in_one_line(tmp_path, capsys):
 @pytest.mark.parametrize("fault", REFUSED)
 def test_diagnose_reports_it_in_one_line(tmp_path, capsys, fault):
     t = np.arange(0.0, 0.4, 1e-3)
-    rows = np.column_stack([t, 0.1 * t**2, 0.1 * t**2, t])
+    rows = np.column_stack([t, 0.1 * t**2, 0.099 * t**2, t])
     head = "time_s,reference_m,position_m,drive_V"
     np.savetxt(tmp_path / "run.csv", rows, delimiter=",", header=head, comments="")
     file = with_effect(tmp_path, fault, "campaign.toml", CAMPAIGN)
