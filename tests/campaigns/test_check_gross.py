@@ -141,6 +141,16 @@ def test_a_command_that_is_the_motion_once_more(closed):
     assert "equals reference in every sample" in found.text and found.mend
 
 
+def test_a_current_of_which_little_is_within_the_range(closed):
+    """Coarse and slow: its tops are long and not abrupt, and as far both ways."""
+    coarse = 5e-3 * np.round(closed["current"] / 5e-3)
+    found = serious(kept(closed, ALL, current=np.clip(coarse, -0.15, 0.15)))
+    assert {(each.kind, each.channel) for each in found if each.level == "fault"} == {
+        ("saturated", "current")
+    }
+    assert serious(kept(closed, ALL, current=coarse)) == []
+
+
 @pytest.mark.parametrize("share", [0.28, 0.35])
 def test_a_log_that_ends_on_its_way_has_no_other_pace(closed, share):
     """Of a ramp alone a late start is as a pace."""

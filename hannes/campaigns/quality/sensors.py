@@ -84,7 +84,7 @@ def _clipped(subject: Subject, name: str, values: FloatArray) -> Iterator[Findin
     if levels(values) < FEWEST_LEVELS:
         return
     for side, extreme in (("largest", values.max()), ("smallest", values.min())):
-        tops = _flat_tops(values, float(extreme))
+        tops = _flat_tops(values, float(extreme)) or _as_far_both_ways(values, float(extreme))
         if not tops:
             continue
         count = sum(last - first + 1 for first, last in tops)
@@ -124,6 +124,17 @@ def _flat_tops(values: FloatArray, extreme: float) -> list[tuple[int, int]]:
         return true_runs(np.abs(values - extreme) <= 1e-9 * span)
     step = max(step, 1e-9 * span)
     return [(first, last) for first, last in tops if _abrupt(values, first, last, step)]
+
+
+def _as_far_both_ways(values: FloatArray, extreme: float) -> list[tuple[int, int]]:
+    """Long runs at an extreme that is as far the other way, and long there too: a range ends."""
+    if abs(float(values.max() + values.min())) > 0.5 * quantum(values):
+        return []
+    runs = true_runs(np.abs(values) >= abs(extreme) - 1e-9 * float(np.ptp(values)))
+    long = [each for each in runs if each[1] - each[0] + 1 >= LONG_TOP]
+    there = [each for each in long if values[each[0]] * extreme > 0.0]
+    many = sum(last - first + 1 for first, last in long) > GROSS_TOP * values.size
+    return there if many and 0 < len(there) < len(long) else []
 
 
 def _long_tops(values: FloatArray, tops: list[tuple[int, int]]) -> list[tuple[int, int]]:
