@@ -23,8 +23,7 @@ PARTS = 40  # of a run
 SAME = 1e-2  # of its range, by which a command may differ from that of its repeats
 AS_LONG = 0.2  # by which the lengths of repeats may differ
 # Nearest two of different groups: relative to the channels, and over the farthest two of one
-# group, for four runs and for more. Of 2,700 sets of 4 to 8 repeats of the hand, whose friction,
-# springs and winding scatter by 0.5, 1 and 2 % (linearised) and start by 10 ms, none had both.
+# group, for four runs and for more. Sound sets that scatter by up to 2 % have not both: see tests.
 APART, CLEAR = 0.03, (5.0, 4.0)
 
 

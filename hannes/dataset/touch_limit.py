@@ -73,7 +73,7 @@ def _seen(sampled: SampledGrasp, free: Grasp) -> tuple[float, float]:
     found = seen_touch(current, position, step)
     if found is None:
         return NEVER
-    hop = round(HOP / step)
+    hop = max(1, round(HOP / step))
     end = -(-(found[0] + 1) // hop) * hop - 1
     return end * step, float(position[found[1]])
 

@@ -299,6 +299,13 @@ def test_another_files_clock_is_put_on_that_of_the_first(tmp_path, clock):
     (tmp_path / "map.toml").write_text(text + clock + "\n")
     (made,) = convert([tmp_path / "run_state.csv"], tmp_path / "map.toml")
     assert made.recording["reference"] == pytest.approx(2.0 * TIME, abs=0.05)
+    (tmp_path / "run_command.csv").write_text(rows([TIME + 1772563392.25, 2.0 * TIME], "t,asked"))
+    (tmp_path / "map.toml").write_text(text)
+    with pytest.raises(BadInput, match=r'offset = "-1772563392.25 s"'):
+        convert([tmp_path / "run_state.csv"], tmp_path / "map.toml")
+    (tmp_path / "run_command.csv").write_text("t,asked\n,1.0\n,2.0\n")
+    with pytest.raises(BadInput, match="its clock has no known time"):
+        convert([tmp_path / "run_state.csv"], tmp_path / "map.toml")
 
 
 def test_supply_current_becomes_motor_current(tmp_path):

@@ -150,9 +150,11 @@ def _beside(
     raw = _raw(other, source, mapping, name)
     own = times_of(source, further.time, next(iter(raw.values())).size)
     known = np.isfinite(own)
+    if not (known.any() and np.isfinite(time).any()):
+        raise BadInput(f"{path if known.any() else other}: its clock has no known time")
     own = own + further.time.offset
     if further.time.from_zero and not further.time.iso:  # both begin at once
-        own += np.nanmin(time, initial=np.inf) - np.nanmin(own, initial=np.inf)
+        own += np.nanmin(time) - np.nanmin(own)
     _require_overlap(path, other, name, time, own)
     order = np.argsort(own[known], kind="stable")
     place = np.searchsorted(own[known][order], time, side="right") - 1
@@ -168,7 +170,7 @@ def _require_overlap(path: Path, other: Path, name: str, time: FloatArray, own: 
     if begin <= last and first <= end:
         return
     key = f"files.{name}.time"
-    mend = f'{key}.offset = "{first - begin:.6g} s"'
+    mend = f'{key}.offset = "{first - begin:.12g} s"'
     raise BadInput(
         f"{other}: its clock runs from {begin:.12g} to {end:.12g} s, that of {path.name} from "
         f"{first:.12g} to {last:.12g} s: they never meet; set {mend}, or {key}.from_zero = true "

@@ -74,11 +74,13 @@ def as_recorded(
         apart = [_apart(each, levels, settings, seed, work) for each in (stated, *others)]
     except SearchEnded:
         return campaign, UNTESTED
-    best, counted = min(range(len(others)), key=lambda k: apart[1 + k].distance), _counted(campaign)
-    if not _nearer(apart[1 + best], apart[0], counted):
+    stated_apart, counted = apart[0], _counted(campaign)
+    pairs = list(zip(others, apart[1:], strict=True))
+    nearer = [each for each in pairs if _nearer(each[1], stated_apart, counted)]
+    if not nearer:
         return campaign, ""
-    taken = others[best]
-    times = apart[0].distance / apart[1 + best].distance
+    taken, left = min(nearer, key=lambda each: each[1].distance)
+    times = stated_apart.distance / left.distance
     planned = all(each.recording.experiment for each in campaign.entries)
     said = _said(taken.period, times, counted, planned)
     return replace(campaign, plant=taken.plant, entries=taken.entries), said

@@ -25,7 +25,7 @@ USUAL = 3500.0  # evaluations of the hand's equations for a second of an ordinar
 Channels = dict[str, np.ndarray]
 
 
-class Runs(list[Channels | None]):
+class MadeRuns(list[Channels | None]):
     """Channels of runs; `work`: what they took, as seconds of an ordinary grasp."""
 
     def __init__(self, made: Iterable[Channels | None], work: float) -> None:
@@ -126,7 +126,7 @@ class _Runs:
         )
         return self._recorded(runs)
 
-    def _recorded(self, runs: Iterable[Grasp]) -> Runs:
+    def _recorded(self, runs: Iterable[Grasp]) -> MadeRuns:
         """At the recorded times."""
         since = self.recording.time - self.recording.time[0]
         if "reference" not in self.recording:
@@ -137,7 +137,7 @@ class _Runs:
             done = run.outcome is Outcome.COMPLETED
             at = {name: np.interp(since, run.time, run[name]) for name in self.channels if done}
             made.append(at or None)
-        return Runs(made, evaluations / USUAL)
+        return MadeRuns(made, evaluations / USUAL)
 
     def near(self, columns: Mapping[str, np.ndarray]) -> list[Channels | None]:
         """The same for rows that differ little, fast.
