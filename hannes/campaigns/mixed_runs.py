@@ -39,7 +39,10 @@ class _Groups:
 
 
 def mixed_runs(campaign: Campaign) -> Iterator[Finding]:
-    """A fault for each condition whose repeats are of two machines, by all that was measured."""
+    """A finding for each condition whose repeats are of two machines, by all that was measured.
+
+    A fault where they are far apart, a warning where many repeats show that they are two at all.
+    """
     places = dict.fromkeys((each.condition, each.unit) for each in campaign.entries)
     for condition, unit in places:
         entries = [e for e in campaign.entries if (e.condition, e.unit) == (condition, unit)]
@@ -53,13 +56,14 @@ def several_units(campaign: Campaign) -> Iterator[Finding]:
     units = list(dict.fromkeys(each.unit for each in campaign.entries))
     if len(units) > 1:
         names = ", ".join(each or "unnamed" for each in units)
-        text = f"recordings of {len(units)} units ({names}) would be fitted as one machine: "
-        yield warning("mixed", "unit", text + "calibrate each by a campaign of its own")
+        text = f"recordings of {len(units)} units ({names}) are fitted as one machine: "
+        yield warning("mixed", "unit", text + "give each a campaign of its own")
 
 
 def _finding(condition: str, found: _Groups) -> Finding:
     names = ", ".join(each.name for each in found.other)
-    return fault(
+    gross = found.between >= APART
+    return (fault if gross else warning)(
         "mixed",
         found.channel,
         f"the repeats of {condition} fall into two groups, {100.0 * found.between:.2g} % apart "
@@ -131,7 +135,8 @@ def _groups(campaign: Campaign, entries: list[Entry]) -> _Groups | None:
         return None
     between = float(apart[np.ix_(one, other)].min())
     within = max(float(apart[np.ix_(each, each)].max()) for each in (one, other))
-    if between < APART or between < CLEAR[len(entries) > FEWEST] * within:
+    many = len(entries) > FEWEST
+    if between < CLEAR[many] * within or (between < APART and not many):
         return None
     moved = np.mean((runs[one].mean(axis=0) - runs[other].mean(axis=0)) ** 2, axis=1)
     return _Groups(

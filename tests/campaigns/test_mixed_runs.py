@@ -55,7 +55,7 @@ def test_two_hands_under_one_command_are_named(channels):
     assert "a campaign of their own" in found.text
     apart = campaign(runs, ["", "other", "", "other"])
     assert not list(mixed_runs(apart)) and not list(several_units(campaign(runs)))
-    with pytest.raises(BadInput, match="would be fitted as one machine"):
+    with pytest.raises(BadInput, match="are fitted as one machine"):
         data_issues(apart, ("saturated",))
     assert not list(mixed_runs(campaign(runs[:3])))
 

@@ -51,7 +51,7 @@ def test_a_channel_off_by_a_factor_is_said_before_any_effect_is_named(tmp_path):
 def test_recordings_of_two_machines_give_a_warning(tmp_path):
     runs = [swing(seed, 96.0 if seed < 3 else 99.0, noise=0.002) for seed in range(6)]
     (warning,) = campaign_warnings(read_campaign(campaign(tmp_path, runs)))
-    assert "two machines" in warning and "0.h5, 1.h5, 2.h5 and 3.h5, 4.h5, 5.h5" in warning
+    assert "two groups" in warning and "3.h5, 4.h5, 5.h5 are of another machine" in warning
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.3])

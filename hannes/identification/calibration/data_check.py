@@ -21,7 +21,8 @@ def data_issues(campaign: Campaign, accepted: tuple[str, ...]) -> DataIssues:
         for each in check(entry.recording, campaign.plant)
         if each.level != "note"
     )
-    across = (*mixed_runs(campaign), *several_units(campaign))
+    gross = (each for each in mixed_runs(campaign) if each.level == "fault")
+    across = (*gross, *several_units(campaign))
     found += tuple(("the campaign", each) for each in across)
     refused = [(name, each) for name, each in found if each.kind not in accepted]
     if refused:
