@@ -1,7 +1,7 @@
 """Parts of a step: nanoseconds of the rates, of the Jacobian, of its factors and of a solution.
 
-Along the states of a dynamometer grasp, of the hand alone and with its whole catalogue at small
-amplitudes; processor time, medians over turns and the distance of their quartiles. An accepted
+Along the states of a dynamometer grasp, of the hand alone, with its whole catalogue at small
+amplitudes, and with all of it in the model but at off; processor time, medians over turns and the distance of their quartiles. An accepted
 step takes one Jacobian, and by Rodas4P2 six rates and solutions, by Rodas3 three and four; each
 attempt takes new factors.
 """
@@ -80,10 +80,12 @@ def spent(ran: Trajectory, repeats: int) -> np.ndarray:
 def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     """A row for each hand; no bound is asked for."""
     known = tuple(each for each in effects().values() if not EQUATIONS.accepts(each))
-    hands = {"0 effects": Hand(), f"{len(known)} effects": with_effects(known, SMALL)}
+    hands = {"0 effects": Hand()}
+    hands |= {f"{len(known)} effects": with_effects(known, SMALL)}
+    hands |= {f"{len(known)} effects, at off": with_effects(known, 0.0)}
     rows = []
     for name, hand in hands.items():
-        ran = simulate(hand, grasp(), rtol=1e-3).require()
+        ran = simulate(hand, grasp(), rtol=1e-3, effects=hand.effects).require()
         row: Row = {"hand": name, "states": ran.states.shape[1]}
         for part, took in zip(PARTS, spent(ran, 5 if quick else 50), strict=True):
             low, middle, high = np.percentile(took, (25, 50, 75))

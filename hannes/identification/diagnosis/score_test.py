@@ -130,20 +130,20 @@ def secants(
     stacked, per_step = np.array(rows), np.array(steps)[:, np.newaxis]
     changes = []
     for group in model.groups:
-        made = _changes(model, group, x, stacked, float(np.abs(per_step).max()))
+        made = _changes(model, group, x, stacked)
         changes.append(np.nan_to_num(made / per_step, posinf=0.0, neginf=0.0))
     whole = point.noise.together(changes)
     return np.split(whole, np.cumsum(spans)[:-1])
 
 
-def _changes(
-    model: Model, group: Group, x: np.ndarray, rows: np.ndarray, most: float
-) -> np.ndarray:
-    """Changes at rows; distant ones are simulated as runs of their own."""
-    if most <= max(SMALL):
-        return model.changes(group, x, rows, True)
-    made = model.vectors(group, np.vstack([x, rows]), True)
-    return made[1:] - made[0]
+def _changes(model: Model, group: Group, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Changes at rows; one that strays from the steps of the run at x is a run of its own."""
+    made = model.changes(group, x, rows, True)
+    lost = ~np.isfinite(made).all(axis=1)
+    if lost.any():
+        apart = model.vectors(group, np.vstack([x, rows[lost]]), True)
+        made[lost] = apart[1:] - apart[0]
+    return made
 
 
 def amplitude_names(effect: Effect) -> list[str]:

@@ -2,15 +2,16 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
 
 import numpy as np
 
 from hannes.core.effect import Effect
 from hannes.core.errors import ComputationFailed
 from hannes.core.recording.white_noise import roughness
+from hannes.identification.diagnosis.known_vectors import KnownVectors
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
+from hannes.identification.diagnosis.sampling_error import DiscretisationError, SamplingCorrection
 from hannes.identification.diagnosis.tuning import NOISE
 from hannes.identification.diagnosis.work_bound import Work
 from hannes.plants.part_fault import compiled_effects
@@ -21,54 +22,6 @@ NOWHERE = (
 )
 NOTHING: Mapping[str, np.ndarray] = {}
 Unrounded = Callable[[int], Mapping[str, np.ndarray]]  # of a Plant, see there
-
-
-@dataclass(frozen=True)
-class DiscretisationError:
-    """What the sampled controller adds to a group's run.
-
-    mean: shape (n,), the systematic part
-    deviations: shape (samples, n), of each run from that mean, as any run may deviate: friction
-                keeps them as long as the machine moves one way
-    roughness: of each channel's samples
-    """
-
-    mean: np.ndarray
-    deviations: np.ndarray
-    roughness: dict[str, float]
-
-
-@dataclass(frozen=True)
-class SamplingCorrection:
-    """What the controller's sampling does to a group's run, at sizes of one effect.
-
-    sizes: of its amplitude, shape (k,), in its steps;  rows: shape (k, n)
-    """
-
-    sizes: np.ndarray
-    rows: np.ndarray
-
-    def at(self, sizes: np.ndarray) -> np.ndarray:
-        """Interpolated at sizes of shape (m,), constant beyond the last, shape (m, n)."""
-        at = np.interp(sizes, self.sizes, np.arange(self.sizes.size))
-        low = np.floor(at).astype(int)
-        high = np.minimum(low + 1, self.sizes.size - 1)
-        share = (at - low)[:, np.newaxis]
-        return (1.0 - share) * self.rows[low] + share * self.rows[high]
-
-    @staticmethod
-    def of(
-        place: int, tried: Sequence[tuple[int, float]], rows: np.ndarray
-    ) -> "SamplingCorrection":
-        """Of the effect at a place; rows: of none, and of each place and size tried."""
-        known = [(0.0, np.nan_to_num(rows[0]))]  # all are unknown where the run without it fails
-        for (at, size), row in zip(tried, rows[1:], strict=True):
-            if at == place and np.isfinite(row).all():
-                known.append((size, row))
-        known.sort(key=lambda each: each[0])
-        return SamplingCorrection(
-            np.array([size for size, _ in known]), np.array([row for _, row in known])
-        )
 
 
 class Model:
@@ -92,6 +45,7 @@ class Model:
         self._corrections: dict[int, dict[int, SamplingCorrection]] = {}  # group, place
         self.work = work or Work()  # of this model and all made of it
         self._held = False  # whether effects are a fixed part of the machine
+        self._known = KnownVectors()
 
     def with_sampling_correction(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
         """The same, quick simulations corrected for the controller's sampling near x.
@@ -212,8 +166,14 @@ class Model:
     ) -> np.ndarray:
         """Bin means for rows of x, shape (m, n); nan where a run fails."""
         effects = effects or self._held
-        found = self._vectors(group, self.simulated(group, rows, effects, exact))
-        return self._corrected(group, found, rows) if effects and not exact else found
+        if exact:
+            return self._vectors(group, self.simulated(group, rows, effects, exact))
+
+        def made(fresh: np.ndarray) -> np.ndarray:
+            return self._vectors(group, self.simulated(group, fresh, effects))
+
+        found = self._known.of(group, effects, rows, made)
+        return self._corrected(group, found, rows) if effects else found
 
     def changes(
         self,

@@ -17,6 +17,7 @@ from hannes.simulation.hand.hand import Hand
 from hannes.simulation.trajectory import Grasp
 
 MOST = 32  # grasps of one window: long against its overhead, short against a batch
+FOLLOWERS = 4  # of a run that is made once in each window, at least
 BYTES = 2**24  # that the results of one window may take
 
 Effects = tuple[Effect, ...]
@@ -125,7 +126,8 @@ class Table:
         plan = asked.plan(self.hand, effects, self.experiment)
         if not self.count:
             return
-        for rows in np.array_split(np.arange(1, self.count), max(1, min(windows, self.count - 1))):
+        parts = max(1, min(windows, (self.count - 1) // FOLLOWERS))
+        for rows in np.array_split(np.arange(1, self.count), parts):
             part = self._part(plan, effects, np.concatenate(([0], rows)))
             yield [replace(part, alike=True)]
 

@@ -100,9 +100,19 @@ class Layouts:
             added = [f"added_{n}" for n in range(len(places))]
             body = [f"{', '.join(added + rates)} = {call}"]
             body += [f"{place} += {value}" for place, value in zip(places, added, strict=True)]
-        if not axis:
-            return body
-        return [f"for k in range({self.c.slot(target).size}):", *("    " + row for row in body)]
+        still = [f"{rate} = 0.0" for rate in rates]
+        if axis:
+            loop = f"for k in range({self.c.slot(target).size}):"
+            body, still = ([loop, *map(_indented, each)] if each else [] for each in (body, still))
+        otherwise = ["else:", *map(_indented, still)] if still else []
+        return [f"if {self.present(effect)}:", *map(_indented, body), *otherwise]
+
+    def present(self, effect: Effect) -> str:
+        """Condition, as text, that an effect does not vanish; its kernels need not run else."""
+        return " or ".join(
+            f"p{self.p.text(effect.full_name(each.name))} != {each.off!r}"
+            for each in effect.amplitudes
+        )
 
     def argument(self, name: str, effect: Effect, axis: str) -> str:
         """Text of what one of the kernels of `effect` is given in a loop over `axis`."""
@@ -130,6 +140,10 @@ class Layouts:
         if slot.axis == "finger":
             return "[k // 2]"
         return ""
+
+
+def _indented(line: str) -> str:
+    return "    " + line
 
 
 def _flat(text: str) -> str:

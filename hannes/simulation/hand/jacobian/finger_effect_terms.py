@@ -89,7 +89,7 @@ def text(
         "def joint_effects(t, y, p, c, blocks):",
         '    """Torque of a joint by its own motion and states, these by each other."""',
         *[f"    blocks[2:4, 4:{size}] = 0.0", f"    blocks[4:{size}] = 0.0"] * (size > 4),
-        *_loop(10, _of_joints(_Loop([each for each in terms if each.of_joint], layouts, names))),
+        *_of_joints(_Loop([each for each in terms if each.of_joint], layouts, names)),
         "",
         "",
         "def contact_effects(t, y, p, c, blocks):",
@@ -126,6 +126,10 @@ class _Loop:
         self.terms, self._layouts, self._found = terms, layouts, Differentiation({}, names, WRITTEN)
         self.lines = self._found.lines
 
+    def present(self, part: DifferentiatedTerm) -> str:
+        """Condition that the effect of a kernel does not vanish."""
+        return self._layouts.present(part.effect)
+
     def differentiated(
         self, part: DifferentiatedTerm
     ) -> tuple[Mapping[str, str], dict[str, Mapping[str, str]]]:
@@ -148,20 +152,25 @@ class _Loop:
 
 
 def _of_joints(loop: _Loop) -> list[str]:
+    """A loop over the joints for each kernel, which runs where its effect is present."""
+    found = []
     for part in loop.terms:
-        added, rates = loop.differentiated(part)
-        for by, slope in added.items():
-            target = f"c.own_{by}_slope[k]" if by not in part.rows else ""
-            loop.lines.append(
-                f"{target or f'blocks[2 + link, {part.rows[by]} + link, f]'} -= {slope}"
-            )
-        for state, derivatives in rates.items():
-            for by, slope in derivatives.items():
-                column = {"angle": 0, "speed": 2}.get(by, part.rows.get(by))
-                loop.lines.append(
-                    f"blocks[{part.rows[state]} + link, {column} + link, f] = {slope}"
-                )
-    return without_dead_code(loop.lines)
+        lines = _loop(10, without_dead_code(_of_joint(loop, part))) or ["    pass"]
+        found += [f"    if {loop.present(part)}:", *("    " + line for line in lines)]
+    return found
+
+
+def _of_joint(loop: _Loop, part: DifferentiatedTerm) -> list[str]:
+    loop.lines.clear()
+    added, rates = loop.differentiated(part)
+    for by, slope in added.items():
+        target = f"c.own_{by}_slope[k]" if by not in part.rows else ""
+        loop.lines.append(f"{target or f'blocks[2 + link, {part.rows[by]} + link, f]'} -= {slope}")
+    for state, derivatives in rates.items():
+        for by, slope in derivatives.items():
+            column = {"angle": 0, "speed": 2}.get(by, part.rows.get(by))
+            loop.lines.append(f"blocks[{part.rows[state]} + link, {column} + link, f] = {slope}")
+    return list(loop.lines)
 
 
 def _of_phalanges(loop: _Loop, terms: Sequence[DifferentiatedTerm]) -> list[str]:
@@ -178,7 +187,10 @@ def _of_phalanges(loop: _Loop, terms: Sequence[DifferentiatedTerm]) -> list[str]
         "on_sensor = faces * (c.normal_x[k] + drag * c.normal_y[k])",
     ]
     for each in loop.terms:
+        before = len(loop.lines)
         _press(loop, each, logged)
+        pressed = loop.lines[before:] or ["pass"]
+        loop.lines[before:] = [f"if {loop.present(each)}:", *("    " + line for line in pressed)]
     loop.lines += [
         "ramp = smoothstep(c.penetration[k] / p.object_onset)",
         "rise = pushes * p.object_damping * ramp + c.pressing[k]",
@@ -223,13 +235,19 @@ def _press(loop: _Loop, part: DifferentiatedTerm, logged: Sequence[Differentiate
 
 def _of_sensors(loop: _Loop, terms: Sequence[DifferentiatedTerm]) -> list[str]:
     for each in loop.terms:
+        before, columns = len(loop.lines), [2, 3, *_pressed(terms)]
         (state, row), (_, rates) = *each.rows.items(), loop.differentiated(each)
-        columns = [2, 3, *_pressed(terms)]
-        loop.lines += [
-            f"blocks[{row}, {column}, k] *= {rates[state].get('logged', '0.0')}"
-            for column in columns
+        places = [f"blocks[{row}, {column}, k]" for column in columns]
+        own = f"blocks[{row}, {row}, k] = "
+        loop.lines += [f"{place} *= {rates[state].get('logged', '0.0')}" for place in places]
+        loop.lines.append(own + rates[state].get(state, "0.0"))
+        still = [*(f"{place} = 0.0" for place in places), own + "0.0"]
+        loop.lines[before:] = [
+            f"if {loop.present(each)}:",
+            *("    " + line for line in loop.lines[before:]),
+            "else:",
+            *("    " + line for line in still),
         ]
-        loop.lines.append(f"blocks[{row}, {row}, k] = {rates[state].get(state, '0.0')}")
     return without_dead_code(loop.lines)
 
 
