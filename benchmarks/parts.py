@@ -1,9 +1,9 @@
 """Parts of a step: nanoseconds of the rates, of the Jacobian, of its factors and of a solution.
 
 Along the states of a dynamometer grasp, of the hand alone, with its whole catalogue at small
-amplitudes, and with all of it in the model but at off; processor time, medians over turns and the distance of their quartiles. An accepted
-step takes one Jacobian, and by Rodas4P2 six rates and solutions, by Rodas3 three and four; each
-attempt takes new factors.
+amplitudes, and with all of it in the model but at off; processor time, medians over turns and the
+distance of their quartiles. An accepted step takes one Jacobian, and by Rodas4P2 six rates and
+solutions, by Rodas3 three and four; each attempt takes new factors.
 """
 
 import time
