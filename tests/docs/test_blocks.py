@@ -7,10 +7,11 @@ import sys
 import pytest
 from pages import PAGES, ROOT, blocks, name, run
 
+README = "README.md"  # reads the examples of the project
 CHECKOUT = "docs/how-to/add-an-effect.md"  # writes into a copy of the project
 # What takes the model with all effects, or training, or models of one's own: by `make test-all`.
 SLOW = {
-    "README.md",
+    README,
     "docs/how-to/calibrate.md",
     "docs/how-to/hold-and-move-objects.md",
     "docs/tutorials/classifier.md",
@@ -29,6 +30,8 @@ def test_every_code_block_runs(page, tmp_path, monkeypatch, capsys):
     if name(page) == CHECKOUT:
         copied(tmp_path)
         monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    if name(page) == README:
+        shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)  # as where `python` is typed
     try:
