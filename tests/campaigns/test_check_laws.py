@@ -12,6 +12,8 @@ from benchmarks.intake.case import case
 from benchmarks.intake.mapped import recordings, sound_mapping
 from benchmarks.intake.servo_plant import Servo
 from benchmarks.truth import servo
+from benchmarks.truth.campaign import make
+from benchmarks.truth.protocol import DYNAMOMETER, PAPER, RICH, Condition, Protocol
 from hannes.campaigns.begin.mapping_text import _expression
 from hannes.campaigns.check import check
 from hannes.campaigns.convert import convert
@@ -222,3 +224,12 @@ def test_a_drive_at_rest_beside_a_gap_is_not_called_off():
 def test_faults_that_were_taken_for_others(name, seed):
     row = case(name, "gross", seed)
     assert row["found"] and row["named"] and row["mended"]
+
+
+def test_a_current_that_is_clipped_is_no_slipping_encoder():
+    grasp = Condition("dynamometer", PAPER, 1, DYNAMOMETER, sensor=True)
+    hidden = {"clipped_current.inverse_range": 1.15, "current_offset.offset": -0.024}
+    made = make(Protocol((grasp,), RICH), 5, hidden)
+    (recording,) = made.recordings.values()
+    found = check(recording, HandPlant())
+    assert "slip" not in [each.kind for each in found]

@@ -21,6 +21,7 @@ FloatArray = NDArray[np.float64]
 SHARE = {"range": 0.8, "slip of winding": 0.75, "slip of controller": 0.95}
 LEFT = {"range": 0.03, "slip of winding": 0.08, "slip of controller": 0.08}
 ALL, BROKEN, HELD = 0.96, 0.6, 0.2  # the same where a law does not hold at all without a slip
+END, MOSTLY = 0.05, 0.8  # of a drive's range, and of a slip, in which it is there
 CLEAR = 2.0  # times what is left, that a change of gain is
 FINE, SURELY = 200.0, 0.97  # steps of a motion's sensor in its range; share with fewer of them
 FEWEST = 80  # samples by which steps are compared
@@ -70,10 +71,22 @@ def _is_one(law: Relation, found: Break) -> bool:
 
 
 def _is_seen(subject: Subject, law: Relation, found: Break) -> bool:
-    """Whether a slip is more than what a coarse sensor hides of a slow motion."""
+    """Whether a slip is more than what a coarse sensor hides of a slow motion, or a clipped one."""
+    if found.kind == "slip" and _at_its_end(law, found):
+        return False
     motion = subject.recording[subject.of(law.of).drives]
     coarse = found.kind == "slip" and law.slips and FINE * quantum(motion) > float(np.ptp(motion))
     return not coarse or found.share > SURELY
+
+
+def _at_its_end(law: Relation, found: Break) -> bool:
+    """Whether the drive stands at an end of its range: clipped or limited, it says nothing there.
+
+    A sensor that clips has the law ask for less than the machine had, as a slip would.
+    """
+    there, reach = law.drive[found.place : found.end + 1], END * float(np.ptp(law.drive))
+    ends = there > law.drive.max() - reach, there < law.drive.min() + reach
+    return max(float(np.mean(each)) for each in ends) > MOSTLY
 
 
 def _ranged(subject: Subject, law: Relation, found: Break) -> Finding:
