@@ -54,6 +54,7 @@ class Plant(Protocol):
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, fast
                 (`exact`: with the sampled controller); None for a row that fails. The list may
                 have `work`: what the runs took, as seconds of ordinary ones, for the bound of work
+    longest_counted: what a run counts [s] for that bound, at most, however slow its command is
     alike(columns, recording, channels): as `many` for rows near the first one, with its solver
                 steps; differences between them are smooth, and derivatives come from them
     noisy(recording, rows):        columns for `many` by which the controller of each row reads its

@@ -18,7 +18,8 @@ from hannes.identification.diagnosis.campaign_diagnosis import command_durations
 from hannes.identification.diagnosis.observed_controller import Apart, _nearer, _said
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.shape import likeliest
-from hannes.identification.diagnosis.work_bound import SearchEnded, Work
+from hannes.identification.diagnosis.work_bound import SearchEnded, Work, ordinary_time
+from hannes.plants.hand.plant import HandPlant
 
 
 def spent(monkeypatch, limit):
@@ -39,12 +40,12 @@ def spent(monkeypatch, limit):
     return sum(whole), bound, found.verdict
 
 
-@pytest.mark.parametrize("limit", [1.0, 40.0, 36_000.0])
+@pytest.mark.parametrize("limit", [1.0, 40.0, 44_000.0])
 def test_all_stages_together_keep_the_bound_that_was_said(monkeypatch, limit):
     made, bound, verdict = spent(monkeypatch, limit)
     assert made <= bound
     ended = "the search was ended at its bound" in verdict.reason
-    assert ended == (limit < 36_000.0)
+    assert ended == (limit < 44_000.0)
     assert verdict.verdict == ("unknown" if ended else "named")
 
 
@@ -85,6 +86,12 @@ def test_runs_that_took_more_than_ordinary_ones_count_by_what_they_took():
     assert work.taken([None, None], 1.0, False) == [None, None] and work.spent == 2.0
     work.taken(Made([None, None]), 1.0, False)
     assert work.spent == 7.0
+
+
+def test_a_slow_command_counts_no_more_than_the_longest_that_counts():
+    assert ordinary_time(HandPlant(), 1.2) == 1.2
+    assert ordinary_time(HandPlant(), 7.0) == HandPlant.longest_counted < 7.0
+    assert ordinary_time(Sled(), 7.0) == 7.0  # it says nothing of that
 
 
 def test_a_single_effect_stands_with_a_remainder_where_the_search_beside_it_is_ended(monkeypatch):

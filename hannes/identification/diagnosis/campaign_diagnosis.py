@@ -31,7 +31,7 @@ from hannes.identification.diagnosis.shape.shape import Shape, shape_of
 from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import VERDICT
 from hannes.identification.diagnosis.untested import untested
-from hannes.identification.diagnosis.work_bound import SearchEnded, Work, said
+from hannes.identification.diagnosis.work_bound import SearchEnded, Work, ordinary_time, said
 from hannes.identification.pattern.goes_with import by_stage
 from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
@@ -71,10 +71,11 @@ def uncertain(plant: Plant) -> Mapping[str, float]:
 
 
 def command_durations(campaign: Campaign) -> list[float]:
-    """Duration [s] of each command that is simulated."""
-    found = {}
+    """What a run of each command that is simulated counts [s]."""
+    plant, found = campaign.plant, {}
     for each in campaign.entries:
-        found[campaign.plant.same_run(each.recording)] = float(np.ptp(each.recording.time))
+        lasts = float(np.ptp(each.recording.time))
+        found[plant.same_run(each.recording)] = ordinary_time(plant, lasts)
     return list(found.values())
 
 

@@ -13,7 +13,7 @@ from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.sampling_error import DiscretisationError, SamplingCorrection
 from hannes.identification.diagnosis.tuning import NOISE
-from hannes.identification.diagnosis.work_bound import Work
+from hannes.identification.diagnosis.work_bound import Work, ordinary_time
 from hannes.plants.part_fault import compiled_effects
 from hannes.plants.protocol import Plant
 
@@ -135,7 +135,7 @@ class Model:
         many = getattr(plant, "many", None)
         if many is not None:
             made = many(columns, group.recording, group.names, exact)
-            return self.work.taken(made, _duration(group), exact)
+            return self.work.taken(made, self._duration(group), exact)
         singly = [
             {name: float(column[k]) for name, column in columns.items()} for k in range(len(rows))
         ]
@@ -158,8 +158,11 @@ class Model:
         self._count(group, 1 + 2 * len(found), False)
         return found
 
+    def _duration(self, group: Group) -> float:
+        return ordinary_time(self.small, float(np.ptp(group.recording.time)))
+
     def _count(self, group: Group, runs: int, exact: bool) -> None:
-        self.work.add(runs, _duration(group), exact)
+        self.work.add(runs, self._duration(group), exact)
 
     def vectors(
         self, group: Group, rows: np.ndarray, effects: bool, exact: bool = False
@@ -199,7 +202,7 @@ class Model:
             self._count(group, len(stacked), False)
             columns = self.space.columns(group, stacked, effects)
             runs = same_steps(columns, group.recording, group.names)
-            made = self._vectors(group, self.work.taken(runs, _duration(group), False))
+            made = self._vectors(group, self.work.taken(runs, self._duration(group), False))
             made = self._corrected(group, made, stacked) if effects else made
         return made[1:] - made[0]
 
@@ -247,10 +250,6 @@ class Model:
         usual = {name: float(np.median([each[name] for each in recorded])) for name in group.names}
         deviations = (difference - mean) * np.sqrt(len(pairs) / (len(pairs) - 1.0))
         return DiscretisationError(mean, deviations, usual)
-
-
-def _duration(group: Group) -> float:
-    return float(np.ptp(group.recording.time))
 
 
 def _alone(plant: Plant, values: dict[str, float], group: Group) -> Channels | None:

@@ -2,7 +2,8 @@
 
 Processor time would end a search elsewhere on another machine. So simulated time is counted, which
 is the same everywhere. A run with the sampled controller counts more, as it takes more steps. So
-does a run whose plant says that it took more (a ripple, say, which the solver must follow).
+does a run whose plant says that it took more (a ripple, say, which the solver must follow). Of a
+slow command a plant may count less: its solver takes long steps there.
 Everything counts: the choice of a controller, baseline fits, all starts, the search, hold-out, the
 final fit and the run proposed next; the shape of an unknown has a bound of its own. Whatever comes
 first must leave the rest less. Only what every verdict needs is made in any case: the machine as
@@ -16,6 +17,11 @@ from typing import TypeVar
 from hannes.identification.diagnosis.tuning import SEARCH, SHAPE
 
 T = TypeVar("T")
+
+
+def ordinary_time(plant: object, duration: float) -> float:
+    """What a run of a duration [s] counts by the clock of an ordinary one [s]."""
+    return min(duration, float(getattr(plant, "longest_counted", duration)))
 
 
 class SearchEnded(Exception):

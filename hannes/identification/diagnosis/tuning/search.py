@@ -10,7 +10,7 @@ class SearchTuning:
     """How the catalogue is searched."""
 
     most_simulated: float = constant(
-        36_000.0,
+        44_000.0,
         "s",
         "of simulated runs in one diagnosis, whose search then ends: about 120 s of a processor",
         COST,
