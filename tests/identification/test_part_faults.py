@@ -8,7 +8,7 @@ import pytest
 from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.faults import Fault
 from hannes.commands.diagnose import diagnose
-from hannes.identification.diagnosis import effect_search
+from hannes.identification.diagnosis import effect_search, trials
 from hannes.identification.diagnosis import like_faults as module
 from hannes.identification.diagnosis.like_faults import varied, with_like_faults
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
@@ -190,3 +190,13 @@ def test_a_fault_of_one_of_like_parts_costs_more_than_a_law():
         baseline = SimpleNamespace(chi2=100.0, active=np.arange(3))
         reductions.append(priced(baseline, Trial((name,), point, 0.0), 1.0).delta_chi2)
     assert reductions == [30.0, 30.0 - SEARCH.fault_price]
+
+
+@pytest.mark.parametrize(("lost", "paid"), [(2.0, 2.0), (50.0, SEARCH.parameter_price)])
+def test_a_fault_of_one_joint_pays_nothing_for_the_other_that_does_nothing(monkeypatch, lost, paid):
+    space = SimpleNamespace(effects=KNOWN, place=str)
+    point = SimpleNamespace(chi2=60.0, active=np.arange(5), space=space)
+    baseline = SimpleNamespace(chi2=100.0, active=np.arange(3))
+    monkeypatch.setattr(trials, "wald", lambda point, places: lost if "mcp" in places[0] else 200.0)
+    found = priced(baseline, Trial(("ring_slipped_wire",), point, 0.0), 1.0)
+    assert found.delta_chi2 == 40.0 - SEARCH.fault_price - paid

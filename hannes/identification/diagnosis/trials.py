@@ -5,14 +5,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from hannes.identification.diagnosis.gauss_newton import settled
+from hannes.identification.diagnosis.gauss_newton import settled, wald
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.noise_scale import (
     chi2_reduction,
     estimated_variance_factor,
 )
-from hannes.identification.diagnosis.score_test import Guess, cosine_similarity
+from hannes.identification.diagnosis.score_test import Guess, amplitude_names, cosine_similarity
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.part_fault import like_faults, part_faults
 
@@ -90,9 +90,20 @@ def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Tri
     """The trial with its reduction of chi-squared, less the price of its parameters."""
     further = trial.point.active.size - baseline.active.size - len(trial.effects)
     price = SEARCH.generic_price if trial.effects[0] in GENERIC else SEARCH.parameter_price
-    faults = len(part_faults(trial.point.space.effects, trial.effects))
-    paid = price * further + SEARCH.fault_price * faults
+    faults = part_faults(trial.point.space.effects, trial.effects)
+    paid = price * further + SEARCH.fault_price * len(faults)
+    paid -= sum(_spared(trial.point, name, variance_factor) for name in faults)
     return replace(trial, delta_chi2=chi2_reduction(baseline, trial.point, variance_factor) - paid)
+
+
+def _spared(point: Linearisation, fault: str, variance_factor: float) -> float:
+    """What a fault need not pay for its second joint: by the first alone less may be lost."""
+    space = point.space
+    own = [space.place(each) for each in amplitude_names(space.effects[fault])]
+    if len(own) < 2:
+        return 0.0
+    lost = min(wald(point, [place]) for place in own) / variance_factor
+    return max(0.0, SEARCH.parameter_price - lost)
 
 
 def converged(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
