@@ -73,25 +73,29 @@ class Plan:
         vectors: np.ndarray,
         starts: np.ndarray,
         stop: np.ndarray | None = None,
-        alike: bool = False,
+        path: np.ndarray | None = None,
+        first: int = 0,
+        counts: np.ndarray | None = None,
     ) -> Ran:
-        """Run one grasp for each row of `vectors`; `starts` (m, states) are used up.
+        """Run one grasp for each row of `vectors`; `starts` (m, states) become those at the end.
 
-        alike: all by the steps of the first one, see `grasps` in entry_points.py
+        path: all by the steps of the first one, or from step `first` on by those that it holds, see
+        `grasps` in entry_points.py; counts (m, 6) go on from what they are.
         """
         size, count = self.times.size, vectors.shape[0]
         ran = Ran(
             np.empty((size, starts.shape[1])),
             np.zeros((size, MEMORY)),
             np.empty((count, self.columns.size, size)),
-            np.zeros((count, 6), np.int64),
+            np.zeros((count, 6), np.int64) if counts is None else counts,
             time.perf_counter(),
         )
         given = (vectors, starts, self.knots, self.bounds, self.periods(vectors), self.times)
         stop = np.zeros(1, np.bool_) if stop is None else stop
+        path = np.zeros(1) if path is None else path
         with np.errstate(all="ignore"):  # where nothing is compiled
             self.compiled.fast.grasps(
-                *given, self.columns, self.needed, self.rtol, self.atol, stop, alike,
+                *given, self.columns, self.needed, self.rtol, self.atol, stop, path, first,
                 ran.rows, ran.memories, ran.kept, ran.counts,
             )  # fmt: skip
         return replace(ran, seconds=time.perf_counter() - ran.seconds)

@@ -35,7 +35,17 @@ def ran(times):
     model.fast.grasps(
         *(np.array([[3.0, 100.0]]), np.array([[1.0, 0.0]]), np.array([[0.0, 1.0], [0.0, 2.0]])),
         *(times[-1:], np.zeros(1), times, np.zeros(1, np.int64), model.needed.by([0])),
-        *(1e-4, np.full(2, 1e-7), np.zeros(1, np.bool_), False, rows, memories, kept, counts),
+        *(
+            1e-4,
+            np.full(2, 1e-7),
+            np.zeros(1, np.bool_),
+            np.zeros(1),
+            0,
+            rows,
+            memories,
+            kept,
+            counts,
+        ),
     )
     assert counts[0, 4] == 0
     return model.fast.grasps, rows

@@ -13,6 +13,7 @@ import numpy as np
 
 from hannes.core.errors import ComputationFailed
 from hannes.core.recording.recording import Recording
+from hannes.simulation.batch.in_step import run_alike
 from hannes.simulation.compiled_call import Plan, ended
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand import variables
@@ -153,7 +154,7 @@ class _Runs:
         """Value along each way -> channels, where that can be simulated; here first."""
         vectors = np.array([self.base, *(v for way in ways.values() for v in way.ends.values())])
         rests = self.posed.rests(self.plan.compiled, vectors)
-        ran = self.plan.run(vectors, rests, alike=True)
+        ran = run_alike(self.plan, vectors, rests)
         done = [
             self.plan.named(kept) if ended(counts)[0] is Outcome.COMPLETED else {}
             for kept, counts in zip(ran.kept, ran.counts, strict=True)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.parameter import Parameter
+from hannes.simulation.batch.in_step import run_alike
 from hannes.simulation.compiled_call import Plan, ended
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand
@@ -36,7 +37,8 @@ class Part:
 
     def run(self, stop: np.ndarray) -> list[Grasp]:
         """Run them; where `stop` is set meanwhile, what comes back is of no use."""
-        ran = self.plan.run(self.vectors, self.starts, stop, self.alike)
+        given = self.plan, self.vectors, self.starts, stop
+        ran = run_alike(*given) if self.alike else Plan.run(*given)
         share = ran.seconds / len(self.numbers)
         rows = zip(self.numbers, self.titles, ran.counts, ran.kept, self.vectors, strict=True)
         return [

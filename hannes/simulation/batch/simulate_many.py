@@ -85,7 +85,8 @@ def simulate_alike(
     What grasps differ by is then smooth at a wide tolerance too: no solver chose other steps for
     each (internal differentiation, Bock 1981). A step too long for a grasp is cut; one that takes
     20 times as many as the first has another outcome, as one that fails. Where the first one
-    itself fails, each takes its own steps. `values`: columns as of `simulate_many`. Raises BadInput
+    itself fails, each takes its own steps. Several go side by side in the lanes of vector
+    registers; bits do not depend on which. `values`: columns as of `simulate_many`. Raises BadInput
     as that does.
     """
     check_tolerance(rtol)

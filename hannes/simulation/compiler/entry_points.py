@@ -119,13 +119,15 @@ def look_up(times, ends, pieces, rows):
 
 def grasps(
     vectors, starts, reference, bounds, periods, times, columns, needed,
-    rtol, atol, stop, alike, rows, memories, kept, counts,
+    rtol, atol, stop, path, first, rows, memories, kept, counts,
 ):  # fmt: skip
     """Run one grasp for each row of `vectors` (m, parameters), from `starts` (m, states).
 
-    Where `alike`, all go by the steps of the first one (with the continuous controller), cut
-    where a grasp needs shorter ones: what differs between them is then nearly as smooth as it is
-    without steps. Where the first one fails, or takes too many, each takes its own.
+    path (n,): where it has room, all go by the steps of the first one (with the continuous
+    controller), cut where a grasp needs shorter ones: what differs between them is then nearly as
+    smooth as it is without steps. Where the first one fails, or takes too many, each takes its own.
+    It holds how many steps there are, and their ends; where it does so already the first one
+    follows too, after `first` of them. `starts` become the states at the end.
 
     bounds (b,) [s]: ends of the smooth parts, the last one that of the grasp; periods (m,) [s]
     of the sampled controller, 0 for the continuous one. Samples at `times` (n,) go into `rows`
@@ -138,7 +140,7 @@ def grasps(
     for column in columns:
         wanted |= column < OUTPUTS
     outputs = np.zeros((times.size if wanted else 0, OUTPUTS))
-    path, none = np.zeros(PATH if alike else 1), np.zeros(1)
+    none = np.zeros(1)
     room, prompt = np.zeros(1, WORKSPACE), np.zeros((1, STATES))
     for k in range(vectors.shape[0]):
         if stop[0]:
@@ -150,7 +152,7 @@ def grasps(
                 seen = np.ones((int(age / periods[k]) + 2, 1)) * starts[k]
         reached = grasp(
             room, starts[k], vectors[k], reference, bounds, periods[k], times, seen,
-            rtol, atol, stop, way, rows, memories, own,
+            rtol, atol, stop, way, first, rows, memories, own,
         )  # fmt: skip
         counts[k, 5] = finite(rows, reached)
         if counts[k, 5] < reached:
@@ -171,13 +173,13 @@ def reading_age(room, y, p, reference):
 
 def grasp(
     room, y, p, reference, bounds, period, times, seen,
-    rtol, atol, stop, path, rows, memories, counts,
+    rtol, atol, stop, path, first, rows, memories, counts,
 ):  # fmt: skip
     """Smooth part after smooth part, or tick after tick; returns how many samples were reached.
 
     seen (m, states): what the firmware reads at ticks to come, where its readings are old.
     path (n,): how many steps another grasp took, and their ends, which are followed; where none
-    is known the grasp's own are noted there, as far as there is room.
+    is known the grasp's own are noted there, as far as there is room. `first` were taken before.
     """
     data = room[0]
     data.everything[:] = 0.0
@@ -186,9 +188,9 @@ def grasp(
     work = shaped(pointer(data.work), (WORK, unknown(STATES)))
     pieces = shaped(pointer(data.pieces), (RUN + 1, 3, unknown(STATES)))
     last, end, filled = bounds[bounds.size - 1], 0.0, 0
-    clock[2], clock[3], clock[4] = bounds[0], LONGEST, 1.0
+    clock[2], clock[3], clock[4], clock[0] = bounds[0], LONGEST, 1.0, path[first] * (first > 0)
     data.turn[:] = 1.0
-    place, follow, goal = 0, path[0] > 0.0 and period == 0.0, bounds
+    place, follow, goal = first, path[0] > 0.0 and period == 0.0, bounds
     parts = 1 if period == 0.0 else int(np.ceil(last / period - 1e-9))
     for part in range(parts):
         start, end = end, last if period == 0.0 else min((part + 1) * period, last)
@@ -217,7 +219,7 @@ def grasp(
     for row in range(filled, times.size):
         copy_to(rows[row], y)
         copy_to(memories[row], memory)
-    path[0] = place if place < path.size else 0.0
+    path[0] = path[0] if follow else place * (place < path.size)
     return times.size
 
 

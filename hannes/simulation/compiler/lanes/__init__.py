@@ -1,0 +1,1 @@
+"""Several grasps in the lanes of vector registers: the same text, compiled for vectors."""

@@ -1,0 +1,211 @@
+"""The steps and outputs of a model for several grasps at once."""
+
+import ast
+import ctypes
+import functools
+import hashlib
+import inspect
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+
+from hannes.core.kernels.pointers import numbers_at
+from hannes.simulation.compiler.assemble import Compiled
+from hannes.simulation.compiler.lanes import machine, values
+from hannes.simulation.compiler.lanes.arrays import POINTER
+from hannes.simulation.compiler.lanes.emitter import Emitter
+from hannes.simulation.compiler.lanes.values import Field, NotInLanes, Text
+from hannes.simulation.compiler.lanes.ways import HEAVY, weight
+from hannes.simulation.rodas import lockstep
+
+LINE = 64  # bytes, of a cache line, at whose beginning each array lies
+UNUSED = ("pieces", "ends", "turn", "ahead", "clock", "everything")
+# What text of which nothing is known may end in.
+ODD = (AttributeError, LookupError, OverflowError, RecursionError, TypeError, ValueError)
+APART = ("linearise_at", "factor_border_at")  # written once, and called
+_SAMPLES = """
+def in_samples(data, times, rows, kept, first, last):
+    for k in range(first, last):
+        data.out[:] = 0.0
+        reference = numbers_at(data.reference[0], (data.reference[1], data.reference[2]))
+        equations(
+            times[k], rows[k], data.dy, data.p, data.c, reference, data.memory, data.out, {needed}
+        )
+{kept}
+    return last
+"""
+
+
+class Kernels:
+    """Of one model, for `width` lanes; `columns` among outputs, then states, are sampled."""
+
+    def __init__(self, compiled: Compiled, columns: Sequence[int], width: int) -> None:
+        self.compiled, self.columns, self.width = compiled, tuple(map(int, columns)), width
+        self.fields, self.size = _layout(compiled.fast, width)
+        at, whole, real = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+        steps, samples = _origins(compiled, self.columns, width)
+        self._steps = machine.loaded(steps, self._written_steps)
+        given = (at, whole, real, at, at, whole, whole, at, whole, whole, at)
+        self.in_step = self._steps.function("in_step", given)
+        self._samples = machine.loaded(samples, self._written_samples)
+        self.in_samples = self._samples.function("in_samples", (at, at, at, at, whole, whole))
+
+    @functools.cached_property
+    def switches(self) -> tuple[int, ...]:
+        """Parameters of the plant that say which stages run: the same in all lanes."""
+        found = {k for text in self._texts_of_steps().values() for k in _switches(text.tree)}
+        own = sum(len(effect.parameters) for effect in self.compiled.effects)
+        return tuple(sorted(k for k in found if k < self.compiled.parameters.size - own))
+
+    def _texts_of_steps(self) -> dict[str, Text]:
+        own = re.sub(r"\bproblem(\.|, )", "", _functions(lockstep))
+        fast = self.compiled.fast
+        return _texts(Path(str(fast.__file__)).read_text() + own, vars(fast) | vars(lockstep))
+
+    def _texts_of_samples(self) -> dict[str, Text]:
+        seen, outputs = self.compiled.observed, self.compiled.outputs.size
+        kept = [
+            f"    kept[k, {n}] = "
+            + (f"data.out[{k}]" if k < outputs else f"rows[k, {k - outputs}]")
+            for n, k in enumerate(self.columns)
+        ]
+        needed = tuple(bool(each) for each in self.compiled.needed.by(self.columns))
+        own = _SAMPLES.format(needed=needed, kept="\n".join(f"    {each}" for each in kept))
+        names = {**vars(seen), "numbers_at": numbers_at}
+        return _texts(Path(str(seen.__file__)).read_text() + own, names)
+
+    def _written_steps(self) -> ir.Module:
+        states, whole = self.compiled.states.size, _number("whole")
+        keys = [self._record(), whole, _number("real"), _array(states), _array(1), whole, whole,
+                _array(None), whole, _array(1, states, lanes=True)]  # fmt: skip
+        return self._write(self._texts_of_steps(), "in_step", keys)
+
+    def _written_samples(self) -> ir.Module:
+        rows = _array(1, self.compiled.states.size, lanes=True)
+        kept, whole = _array(1, len(self.columns), lanes=True), _number("whole")
+        keys = [self._record(), _array(1), rows, kept, whole, whole]
+        return self._write(self._texts_of_samples(), "in_samples", keys)
+
+    def _record(self) -> Any:
+        return ("record", tuple(self.fields.items()))
+
+    def _write(self, texts: Mapping[str, Text], name: str, keys: list[Any]) -> ir.Module:
+        module = ir.Module()
+        made = Emitter(module, self.width, texts, self.switches)
+        types = [each for key in keys for each in _types(key)]
+        try:
+            made.written(texts[name], keys, types, name)
+        except ODD as error:
+            raise NotInLanes(f"{type(error).__name__}: {error}") from error
+        return module
+
+    def room(self) -> np.ndarray:
+        """An empty workspace."""
+        return aligned(self.size // 8)
+
+    def field(self, room: np.ndarray, name: str) -> np.ndarray:
+        """One of its arrays, shape (..., width), or (...) of what is the same for all lanes."""
+        offset, shape, kind, lanes = self.fields[name]
+        shape = (*shape, self.width) if lanes else shape
+        part = room[offset // 8 : offset // 8 + int(np.prod(shape))]
+        return (part if kind == "real" else part.view(np.int64)).reshape(shape)
+
+
+def is_kept(compiled: Compiled, columns: tuple[int, ...], width: int) -> bool:
+    """Whether the steps' machine code, which takes long to make, is on disk."""
+    return machine.is_kept(_origins(compiled, columns, width)[0])
+
+
+def _origins(compiled: Compiled, columns: tuple[int, ...], width: int) -> tuple[str, str]:
+    """What makes the code of steps and of samples what it is."""
+    steps = (compiled.fast.__name__, _own_digest(), width)
+    return repr(steps), repr((*steps, compiled.observed.__name__, columns))
+
+
+def aligned(size: int) -> np.ndarray:
+    """Zeros from the beginning of a cache line on."""
+    whole = np.zeros(size + LINE // 8)
+    start = -whole.ctypes.data % LINE // 8
+    return whole[start : start + size]
+
+
+def _number(kind: str, known: float | None = None) -> Any:
+    return ("number", kind, False, known)
+
+
+def _array(*sizes: int | None, lanes: bool = False) -> Any:
+    """An array in C order, of which one size may not be known."""
+    strides, step = list[Any](), 1
+    for size in reversed(sizes):
+        strides.insert(0, _number("whole", step if step else None))
+        step *= size or 0
+    return ("array", tuple(_number("whole", n) for n in sizes), tuple(strides), "real", lanes, 0)
+
+
+def _types(key: Any) -> list[ir.Type]:
+    match key:
+        case ("number", kind, _, known):
+            return [] if known is not None else [values.TYPES[kind]]
+        case ("array", shape, strides, *_):
+            return [POINTER, *(t for part in (*shape, *strides) for t in _types(part))]
+    return [POINTER]
+
+
+def _layout(fast: ModuleType, width: int) -> tuple[dict[str, Field], int]:
+    """Fields of the workspace, and its bytes."""
+    known = {name: fast.WORKSPACE.fields[name][0] for name in fast.WORKSPACE.names}
+    states, parameters = fast.STATES, fast.PARAMETERS
+    shapes = {n: (each.shape, each.base.kind) for n, each in known.items() if n not in UNUSED}
+    shapes |= {"state": ((1, states), "f"), "piece": ((3, states), "f"), "error": ((1,), "f")}
+    shapes |= {"alive": ((1,), "f"), "p_over": ((parameters,), "f")}
+    fields, at = dict[str, Field](), 0
+    for name, (shape, kind) in shapes.items():
+        lanes = kind == "f"
+        fields[name] = (at, shape, "real" if lanes else "whole", lanes)
+        at += -(-8 * int(np.prod(shape)) * (width if lanes else 1) // LINE) * LINE
+    return fields, at
+
+
+def _switches(tree: ast.AST) -> set[int]:
+    """Places of parameters that heavy statements wait for."""
+    return {
+        part.slice.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and max(weight(node.body), weight(node.orelse)) > HEAVY
+        for part in ast.walk(node.test)
+        if isinstance(part, ast.Subscript) and ast.unparse(part.value) == "p"
+        if isinstance(part.slice, ast.Constant) and isinstance(part.slice.value, int)
+    }
+
+
+@functools.cache
+def _own_digest() -> str:
+    """Of all that writes instructions."""
+    digest = hashlib.sha256(inspect.getsource(lockstep).encode())
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def _functions(module: ModuleType) -> str:
+    text = inspect.getsource(module)
+    return text[text.index("\ndef ") :]
+
+
+def _stays(node: ast.FunctionDef) -> bool:
+    """Whether it stays a function of its own."""
+    return node.name in APART or "routine" in map(ast.unparse, node.decorator_list)
+
+
+def _texts(source: str, names: Mapping[str, Any]) -> dict[str, Text]:
+    """Functions of a text by name; long ones that are called from several places stay functions."""
+    return {
+        node.name: Text(node, names, _stays(node))
+        for node in ast.parse(source).body
+        if isinstance(node, ast.FunctionDef)
+    }

@@ -1,0 +1,111 @@
+"""Instructions to machine code: for how many lanes, optimised, kept on disk."""
+
+import ctypes
+import functools
+import hashlib
+import os
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding as llvm
+from llvmlite import ir
+
+from hannes.core.errors import BadInput
+from hannes.core.io.atomic_files import write_bytes
+from hannes.core.kernels.jit import cache_folder, compiles
+
+LEVEL = 2  # of LLVM
+_WIDE = ('"prefer-vector-width"="512"', '"min-legal-vector-width"="512"', '"stackrealign"')
+_WIDTHS = (("avx512f", 8), ("avx2", 4), ("avx", 4), ("sse2", 2), ("neon", 2))
+
+
+@functools.cache
+def width() -> int:
+    """How many grasps go side by side on this processor; HANNES_LANES says otherwise."""
+    asked = os.environ.get("HANNES_LANES", "")
+    if asked not in ("", "1", "2", "4", "8"):
+        raise BadInput(f"HANNES_LANES = {asked}: expected 1, 2, 4 or 8")
+    if not compiles():
+        return 1
+    features = llvm.get_host_cpu_features()
+    own = next((lanes for name, lanes in _WIDTHS if features.get(name)), 1)
+    return int(asked) if asked else own
+
+
+def _target() -> Any:
+    """What machine code is made for; whoever loads code owns it."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm.Target.from_default_triple().create_target_machine(
+        cpu=llvm.get_host_cpu_name(),
+        features=llvm.get_host_cpu_features().flatten(),
+        opt=LEVEL,
+        reloc="pic",
+        codemodel="small",
+        jit=True,
+    )
+
+
+@functools.cache
+def processor() -> str:
+    """What machine code is for."""
+    return f"{llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+
+
+class Loaded:
+    """Machine code in memory."""
+
+    def __init__(self, code: bytes) -> None:
+        self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target())
+        self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+        self._engine.finalize_object()
+
+    def function(self, name: str, given: Iterable[Any]) -> Callable[..., int]:
+        """A function by name, callable from Python without the interpreter's lock."""
+        return ctypes.CFUNCTYPE(ctypes.c_int64, *given)(self._engine.get_function_address(name))
+
+
+def loaded(origin: str, make: Callable[[], ir.Module]) -> Loaded:
+    """Machine code of a module that is made where it is not yet kept under its `origin`."""
+    path = _path(origin)
+    code = _kept(path)
+    if code is None:
+        code = _compiled(make())
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_bytes(path, hashlib.sha256(code).digest() + code)
+    return Loaded(code)
+
+
+def is_kept(origin: str) -> bool:
+    """Whether there is such code on disk."""
+    return _path(origin).exists()
+
+
+def _path(origin: str) -> Path:
+    digest = hashlib.sha256(f"{origin} {processor()} {llvm.llvm_version_info}".encode()).hexdigest()
+    return cache_folder() / f"lanes_{digest[:16]}.o"
+
+
+def _kept(path: Path) -> bytes | None:
+    """What a file holds, None where it is missing or damaged."""
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return None
+    return data[32:] if hashlib.sha256(data[32:]).digest() == data[:32] else None
+
+
+def _compiled(module: ir.Module) -> bytes:
+    target = _target()
+    for each in module.functions:
+        if not each.is_declaration:
+            each.attributes._known = frozenset({*each.attributes._known, *_WIDE})
+            for attribute in _WIDE:
+                each.attributes.add(attribute)
+    parsed = llvm.parse_assembly(str(module))
+    tuning = llvm.create_pipeline_tuning_options(LEVEL)
+    tuning.loop_vectorization = tuning.slp_vectorization = False
+    builder = llvm.create_pass_builder(target, tuning)
+    builder.getModulePassManager().run(parsed, builder)
+    return target.emit_object(parsed)
