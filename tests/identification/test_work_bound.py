@@ -10,6 +10,7 @@ from sled import HARDENING, Described, Sled, campaign
 from hannes.identification.diagnosis import (
     campaign_diagnosis,
     effect_search,
+    final_fit,
     observed_controller,
     untested,
     work_bound,
@@ -18,6 +19,7 @@ from hannes.identification.diagnosis.campaign_diagnosis import command_durations
 from hannes.identification.diagnosis.observed_controller import Apart, _nearer, _said
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.shape import likeliest
+from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work, ordinary_time
 from hannes.plants.hand.plant import HandPlant
 
@@ -102,6 +104,25 @@ def test_a_single_effect_stands_with_a_remainder_where_the_search_beside_it_is_e
     found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
     assert found.verdict.verdict == "named_with_remainder"
     assert "search for further effects was ended" in found.verdict.reason
+
+
+def test_sizes_are_those_of_the_search_where_the_final_fit_does_not_end(monkeypatch):
+    def ended(*arguments):
+        raise SearchEnded
+
+    monkeypatch.setattr(final_fit, "_refined", ended)
+    found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
+    assert found.verdict.verdict == "named"
+    (size,) = found.verdict.parameters.values()
+    assert size["low"] < 900.0 < size["high"]
+
+
+def test_what_closes_a_search_has_work_of_its_own_once():
+    work = Work(bounded=True)
+    before = work.limit
+    work.extended()
+    work.extended()
+    assert work.limit == before + SEARCH.closing_simulated
 
 
 def silent(text):

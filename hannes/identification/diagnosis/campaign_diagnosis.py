@@ -117,6 +117,7 @@ def _decided(
     try:
         if found.ended:
             raise SearchEnded
+        work.extended()
         decision = decide(found, *(_masks(found, role) for role in ("fit", "select")))
         return with_sizes(decision, seed, found.variance_factor, progress)
     except SearchEnded:

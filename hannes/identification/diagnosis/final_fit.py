@@ -18,6 +18,7 @@ from hannes.identification.diagnosis.profile_likelihood import held_at, profile
 from hannes.identification.diagnosis.pruning import pruned
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.tuning import FIT
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 
 @dataclass(frozen=True)
@@ -37,18 +38,31 @@ def final_fit(
 ) -> FinalFit:
     """The fit in finer bins, at the minimum of its profiles; unchanged where these fail.
 
-    variance_factor: by which chi-squared is divided
+    So it is where the bound of work ends them. variance_factor: by which chi-squared is divided
     """
+    try:
+        return _refined(point, effects, accuracy, seed, variance_factor)
+    except SearchEnded:
+        return FinalFit(point, _linear(point))
+
+
+def _linear(point: Linearisation) -> dict[int, float]:
+    """Standard deviation of each fitted parameter by the linearisation, widened."""
+    widened = FIT.linear_widening * standard_deviations(point)
+    return dict(zip(point.active.tolist(), widened.tolist(), strict=True))
+
+
+def _refined(
+    point: Linearisation,
+    effects: Sequence[str],
+    accuracy: NoiseAccuracy,
+    seed: int,
+    variance_factor: float,
+) -> FinalFit:
     fine = _finer(point, effects, accuracy, seed)
     if fine is not point:
         fine = pruned(fine, effects, variance_factor)
-    spread = dict(
-        zip(
-            fine.active.tolist(),
-            (FIT.linear_widening * standard_deviations(fine)).tolist(),
-            strict=True,
-        )
-    )
+    spread = _linear(fine)
     places = np.intersect1d(fine.space.of(*effects), fine.active)
     if fine is point or not places.size:
         return FinalFit(point, spread)

@@ -33,6 +33,7 @@ class Work:
 
     def __init__(self, bounded: bool = False) -> None:
         self.limit, self.spent, self.bounded = SEARCH.most_simulated, 0.0, bounded
+        self._closing = False
 
     def add(self, runs: int, duration: float, exact: bool) -> None:
         """Count runs before they are made; SearchEnded where that is more than the limit."""
@@ -51,8 +52,10 @@ class Work:
         return made
 
     def extended(self) -> None:
-        """Give what judges and closes a search that was cut short some work of its own."""
-        self.limit = max(self.limit, self.spent) + SEARCH.closing_simulated
+        """Give what judges and closes a search some work of its own, once."""
+        if not self._closing:
+            self.limit = max(self.limit, self.spent) + SEARCH.closing_simulated
+        self._closing = True
 
     @contextmanager
     def in_any_case(self) -> Iterator[None]:
