@@ -32,7 +32,7 @@ from hannes.bench.policy import GripSettings
 from hannes.bench.simulated_board import SimulatedBoard, grasped
 from hannes.dataset.read import read
 from hannes.dataset.sampling import SampledGrasp
-from hannes.dataset.touch_limit import limited
+from hannes.dataset.touch_limit import approaching, limited
 from hannes.recognition.train_pressed import fitted, inputs_of
 from hannes.simulation.experiment.experiment import Reference
 
@@ -78,7 +78,7 @@ def pressed(sampled: Sequence[SampledGrasp], release: float = 0.0) -> list[Sampl
     share = GripSettings().probe_share
     asked = {"touch_share": 0.5, "press_share": share, "touch_delay": 0.04}
     asked = {f"command.{name}": value for name, value in asked.items()}
-    free = ran(sampled)
+    free = ran([approaching(each) for each in sampled])
     slowed = [replace(s, values={**s.values, **asked}) for s in sampled]
     made = []
     for each, grasp in zip(limited(slowed, free), free, strict=True):

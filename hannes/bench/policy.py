@@ -3,15 +3,16 @@
 A pure, causal function of one tick: settings, memory and a sample give new memory and a set point.
 Plain arithmetic on fixed numbers, so that it is the same in C (`hannes export-c`).
 
-Until something is touched, the command passes as far as `free_to`, and slowly beyond: a weak touch
-is seen late or never, and the whole command would squeeze most of all what shows least. From the
-touch on the command's further travel counts for a share only: `soft_share` at first, and as long as
-the object is surely soft. While doubt remains the hand goes on squeezing, slowly, up to
-`probe_share`: pressed on, an object shows its stiffness. Once it did, that decides, and a soft one
-gets its first share again. All of the travel counts once the object was recognised as rigid for
-`dwell`, or is stiff and not likely soft. Where no stiffness is known, that probability decides
-alone, once `patience` is over. A late hold gets a little more: what is pressed on from rest
-gets less of the force.
+Until something is touched, the command passes as far as `approach_from`, more slowly to `free_to`,
+and hardly beyond. Fingers strike an object before its touch is seen, and push it against the palm:
+the faster, the harder. And a weak touch is seen late or never, so that the whole command would
+squeeze most of all what shows least. From the touch on the command's further travel counts for a
+share only: `soft_share` at first, and as long as the object is surely soft. While doubt remains the
+hand goes on squeezing, slowly, up to `probe_share`: pressed on in time, an object shows its
+stiffness. Once it did, that decides, and a soft one gets its first share again. All of the travel
+counts once the object was recognised as rigid for `dwell`, or is stiff and not likely soft. Where
+no stiffness is known, that probability decides alone, once `patience` is over. A late hold gets a
+little more: what is pressed on from rest gets less of the force.
 A force set point closes or opens within that limit instead.
 """
 
@@ -24,12 +25,15 @@ from typing import NamedTuple
 class GripSettings:
     """What the policy goes by; times in s, angles in rad at the output shaft, force in N."""
 
-    free_to: float = 8.6  # rad to which the command passes where nothing is touched
+    approach_from: float = 5.0  # rad to which the command passes where nothing is touched
+    approach_speed: float = 9.0  # rad/s, most by which the set point goes on from there
+    free_to: float = 8.6  # rad to which it does so
     free_speed: float = 0.25  # rad/s, by which the set point goes on from there
     soft_share: float = 0.5  # of the commanded travel beyond the touch, for a soft object
     probe_share: float = 0.75  # the same while doubt remains
     probe_speed: float = 2.0  # rad/s, by which the limit goes from one to the other
     settle: float = 0.15  # s from the touch until that may begin
+    doubt_until: float = 0.2  # s from the touch until which it must begin to show the stiffness
     doubt_from: float = 0.065  # probability of rigid from which there is doubt
     rigid_from: float = 0.975  # probability of rigid from which it may be held firmly
     soft_below: float = 0.25  # probability of rigid below which a firm hold ends
@@ -38,7 +42,7 @@ class GripSettings:
     patience: float = 0.55  # s from the touch until doubt is decided without a stiffness
     decide_from: float = 0.4  # probability of rigid from which it is then held firmly
     averaging: float = 0.1  # s over which that probability is averaged
-    late: float = 0.1  # more of the travel for each second from `settle` to a firm hold
+    late: float = 0.2  # more of the travel for each second from `settle` to a firm hold
     late_most: float = 0.06  # the most of that
     speed: float = 12.0  # rad/s, most by which the limit changes
     force_gain: float = 0.15  # rad/s for each newton that is missing to a force set point
@@ -76,7 +80,7 @@ class GripMemory(NamedTuple):
     firm: bool = False  # held as a rigid object
     offset: float = 0.0  # rad from the touch to the set point, under force control
     set_point: float = 0.0  # rad, of the last tick
-    uncertain: bool = False  # pressed on in doubt, so that the stiffness counts
+    uncertain: bool = False  # pressed on in doubt in time, so that the stiffness counts
 
 
 def grip(
@@ -84,8 +88,7 @@ def grip(
 ) -> tuple[GripMemory, float]:
     """Go on by one tick; returns the new memory, and the set point [rad] for the board."""
     if not sample.touched:
-        free = max(settings.free_to, memory.set_point + settings.free_speed * sample.period)
-        set_point = min(sample.wanted, free)
+        set_point = min(sample.wanted, _free(settings, memory.set_point, sample.period))
         return GripMemory(set_point=set_point), set_point
     since = memory.since + sample.period
     half = 0.5 * sample.period
@@ -97,7 +100,8 @@ def grip(
     else:
         firm = _firm(settings, memory.firm, mean, certain + half, since + half)
     doubt = since >= settings.settle and sample.rigid > settings.doubt_from
-    uncertain = known or (not firm and (memory.uncertain or doubt))
+    in_time = doubt and since < settings.doubt_until
+    uncertain = known or (not firm and (memory.uncertain or in_time))
     beyond = sample.wanted - sample.touch_position
     if beyond <= 0.0:  # the command is to open
         opened = GripMemory(since, certain, mean, 0.0, firm, 0.0, sample.wanted, uncertain)
@@ -115,6 +119,12 @@ def grip(
     set_point = min(max(target, memory.set_point - most), memory.set_point + most)
     memory = GripMemory(since, certain, mean, share, firm, offset, set_point, uncertain)
     return memory, set_point
+
+
+def _free(settings: GripSettings, last: float, period: float) -> float:
+    """How far the command passes [rad] where nothing is touched; `last`: set point of before."""
+    slowly = min(last + settings.approach_speed * period, settings.free_to)
+    return max(settings.approach_from, slowly, last + settings.free_speed * period)
 
 
 def _firm(settings: GripSettings, firm: bool, mean: float, certain: float, since: float) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 from hannes.core.recording.recording import Recording
 from hannes.dataset.sampling import SampledGrasp, rounded, sample_grasp, sensed
 from hannes.dataset.spec import ROLES, Spec, read_spec
-from hannes.dataset.touch_limit import is_limited, limited
+from hannes.dataset.touch_limit import approaching, is_limited, limited
 from hannes.simulation.batch.simulate_many import simulate_many
 from hannes.simulation.sensors import CHANNELS, logged
 from hannes.simulation.trajectory import Grasp, Outcome
@@ -131,7 +131,8 @@ def grasps(spec: Spec, sampled: list[SampledGrasp], channels: tuple[str, ...]) -
 def as_closed(spec: Spec, sampled: list[SampledGrasp]) -> list[SampledGrasp]:
     """The same, where a command is limited after the touch with the command that results."""
     some = [each for each in sampled if is_limited(each)]
-    free = _simulated(spec, some, ("position", "current", "force")) if some else []
+    closing = [approaching(each) for each in some]
+    free = _simulated(spec, closing, ("position", "current", "force")) if some else []
     known = {each.number: each for each in limited(some, free)}
     return [known.get(each.number, each) for each in sampled]
 

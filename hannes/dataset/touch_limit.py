@@ -1,9 +1,9 @@
 """Commands that are limited from the touch on, as a grip policy limits them.
 
 When a hand touches its object is known from the grasp alone. So such a grasp is simulated twice:
-closed by the whole command, and then by one of which a share counts from the touch on. After a
-while that share rises slowly, and the hand presses on. Set points are held for a while, as a link
-sends them.
+closed as a policy closes where nothing is touched, and then by a command of which a share counts
+from the touch on. After a while that share rises slowly, and the hand presses on. Set points are
+held for a while, as a link sends them.
 
 The touch is the true one, known after a delay; or, as a policy has it, that which the sensors show,
 once the window that shows it is over.
@@ -21,8 +21,9 @@ from hannes.simulation.trajectory import Grasp
 
 TOUCH = 1.0  # N of force, from which it is touched
 SETTLE, SPEED = 0.15, 2.0  # s until the share rises; rad/s at which the limit then does
-BACK = 12.0  # rad/s at most by which the command goes back at the touch
-FREE, CREEP = 8.6, 0.25  # rad to which the command passes without a touch; rad/s beyond
+TURN = 12.0  # rad/s at most by which the command goes to its limit from the touch on
+NEAR, APPROACH = 5.0, 9.0  # rad to which the command passes without a touch; rad/s at most beyond
+FREE, CREEP = 8.6, 0.25  # rad to which it does so; rad/s beyond
 STEP, LATE = 5e-3, 1e-3  # s between two set points; from the command to its set point
 HOP = 10e-3  # s between two windows of recognition
 NEVER = (np.inf, 0.0)
@@ -33,28 +34,37 @@ def is_limited(sampled: SampledGrasp) -> bool:
     return sampled.values.get("command.touch_share", 1.0) < 1.0
 
 
+def approaching(sampled: SampledGrasp) -> SampledGrasp:
+    """The grasp with the command that a policy passes where nothing is touched."""
+    times = _times(sampled)
+    passed = _passing(times, np.interp(_known(times), *sampled.experiment.reference.knots))
+    return replace(sampled, experiment=replace(sampled.experiment, reference=_held(times, passed)))
+
+
 def limited(sampled: Sequence[SampledGrasp], free: Sequence[Grasp]) -> list[SampledGrasp]:
-    """The grasps with their commands limited; `free`: the same, simulated by the whole command."""
+    """The grasps with their commands limited; `free`: they, simulated as `approaching`."""
     return [_limited(each, grasp) for each, grasp in zip(sampled, free, strict=True)]
 
 
 def _limited(sampled: SampledGrasp, free: Grasp) -> SampledGrasp:
     values, known = sampled.values, sampled.experiment
     seen, angle = (_seen if values.get("command.touch_seen") else _true)(sampled, free)
-    times = np.arange(0.0, known.duration + STEP, STEP)
-    now = np.maximum(times - LATE, 0.0)
+    times = _times(sampled)
+    now = _known(times)
     wanted = np.interp(now, *known.reference.knots)
     beyond = np.maximum(wanted - angle, 0.0)
     first = values["command.touch_share"]
     most = max(values.get("command.press_share", first), first)
-    pressed = np.where(now >= seen + SETTLE, SPEED * STEP, 0.0)  # rad of each set point
+    pressed = SPEED * np.clip(times - seen - SETTLE, 0.0, STEP)  # rad of each set point
     share = first + np.cumsum(pressed / np.maximum(beyond, 0.1))
     limit = np.where(wanted > angle, angle + np.minimum(share, most) * beyond, wanted)
-    passed = np.minimum(wanted, _passing(now, wanted))
+    passed = _passing(times, wanted)
     last = min(seen, known.duration) - LATE  # tick of the last set point that no touch limits
-    back = np.interp(last, now, passed) - BACK * np.maximum(now - last, 0.0)
-    asked = np.where(now < seen, passed, np.maximum(limit, back))
-    return replace(sampled, experiment=replace(known, reference=_held(times, asked)))
+    turned = TURN * np.maximum(now - last, 0.0)
+    from_there = np.interp(last, now, passed)
+    asked = np.clip(limit, from_there - turned, from_there + turned)
+    reference = _held(times, np.where(now < seen, passed, asked))
+    return replace(sampled, experiment=replace(known, reference=reference))
 
 
 def _true(sampled: SampledGrasp, free: Grasp) -> tuple[float, float]:
@@ -78,11 +88,24 @@ def _seen(sampled: SampledGrasp, free: Grasp) -> tuple[float, float]:
     return end * step, float(position[found[1]])
 
 
+def _times(sampled: SampledGrasp) -> np.ndarray:
+    """When set points arrive [s]."""
+    return np.arange(0.0, sampled.experiment.duration + STEP, STEP)
+
+
+def _known(times: np.ndarray) -> np.ndarray:
+    """Of which moments the command is, that set points at `times` were made of [s]."""
+    return np.maximum(times - LATE, 0.0)
+
+
 def _passing(times: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """How far the command passes where nothing was touched [rad]."""
-    beyond = np.flatnonzero(wanted > FREE)
-    first = times[beyond[0]] if beyond.size else np.inf
-    return FREE + CREEP * np.maximum(times - first, 0.0)
+    """What passes of set points `wanted` at `times` where nothing was touched [rad]."""
+    passed = np.zeros(times.size)
+    for k in range(1, times.size):
+        step, last = times[k] - times[k - 1], passed[k - 1]
+        slowly = max(min(last + APPROACH * step, FREE), last + CREEP * step)
+        passed[k] = min(wanted[k], max(NEAR, slowly))
+    return passed
 
 
 def _held(times: np.ndarray, asked: np.ndarray) -> Reference:

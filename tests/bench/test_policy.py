@@ -32,11 +32,17 @@ def limit(share):
     return TOUCH + share * (FULL - TOUCH)
 
 
-def test_an_empty_hand_follows_its_command_and_ends_slowly():
+def test_an_empty_hand_follows_its_command_then_more_slowly_and_ends_hardly_moving():
     points = closed(0.0, touched=False, seconds=4.0)
-    freely = round(1000 * SETTINGS.free_to / 15.0)
-    assert points[freely - 10] == pytest.approx(15.0 * (freely - 10) / 1000.0)
-    assert points[freely + 500] == pytest.approx(
+    near = round(1000 * SETTINGS.approach_from / 15.0)
+    assert points[near - 10] == pytest.approx(15.0 * (near - 10) / 1000.0)
+    assert points[near + 200] == pytest.approx(
+        SETTINGS.approach_from + 0.2 * SETTINGS.approach_speed, abs=0.01
+    )
+    there = near + round(
+        1000 * (SETTINGS.free_to - SETTINGS.approach_from) / SETTINGS.approach_speed
+    )
+    assert points[there + 500] == pytest.approx(
         SETTINGS.free_to + 0.5 * SETTINGS.free_speed, abs=0.01
     )
     assert points[-1] == FULL
@@ -77,6 +83,17 @@ def test_the_stiffness_of_an_object_pressed_on_in_doubt_decides():
     assert firm[-1] == pytest.approx(FULL)
 
 
+def test_a_stiffness_of_traces_without_the_press_decides_nothing():
+    """Doubt that begins late presses on late: the traces are then other than what was learned."""
+    since = TOUCH / 15.0
+    early, late = (
+        closed(lambda time, at=at: 0.3 if time > since + at else 0.05, seconds=1.5, stiffness=1.5)
+        for at in (0.17, 0.35)
+    )
+    assert early[-1] > FULL - 0.01
+    assert late[-1] == pytest.approx(limit(SETTINGS.probe_share))
+
+
 def test_a_moment_of_another_opinion_decides_nothing():
     """The mean of a tenth of a second counts, before a firm hold and while it lasts."""
     late = TOUCH / 15.0 + SETTINGS.patience + 0.2
@@ -89,7 +106,7 @@ def test_a_moment_of_another_opinion_decides_nothing():
 def test_the_later_a_firm_hold_comes_the_farther_it_presses():
     shares = [
         (closed(lambda time, at=at: 0.99 if time > at else 0.3, seconds=2.0)[-1] - TOUCH) / 4.0
-        for at in (0.35, 0.65, 0.75, 1.5)
+        for at in (0.35, 0.55, 0.65, 1.5)
     ]
     assert shares[0] == pytest.approx(1.0, abs=0.01)
     assert shares[0] < shares[1] < shares[2] < shares[3] == pytest.approx(1.0 + SETTINGS.late_most)

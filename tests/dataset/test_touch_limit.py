@@ -3,12 +3,23 @@
 import numpy as np
 import pytest
 
+from hannes import simulate
 from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
 from hannes.core.io.toml_table import Table
 from hannes.dataset.sampling import sample_grasp, sensed
 from hannes.dataset.shard import grasps, recorded
 from hannes.dataset.spec import read_spec
-from hannes.dataset.touch_limit import BACK, CREEP, FREE, SETTLE, SPEED, _passing
+from hannes.dataset.touch_limit import (
+    APPROACH,
+    CREEP,
+    FREE,
+    NEAR,
+    SETTLE,
+    SPEED,
+    TURN,
+    _passing,
+    approaching,
+)
 from hannes.dataset.touch_seen import seen_touch
 from hannes.recognition.windowing import GrowingFeatures, Windowing
 from hannes.simulation.experiment.reader import KEYS, read_experiment
@@ -57,31 +68,35 @@ def simulated(*numbers):
     return grasps(spec, sampled, ("reference", "position", "current", "force"))
 
 
-def test_the_command_passes_until_the_touch_is_seen(pair):
+def test_the_command_passes_until_fingers_may_touch_and_then_slowly(pair):
     closed, pressed = pair
-    seen = int(np.argmax(closed["force"] > 1.0)) + 40
-    sent = np.arange(5, seen - 5, 5)  # a set point every 5 ms, of what was wanted a tick before
+    near = int(np.argmax(closed["reference"] > NEAR))
+    sent = np.arange(5, near - 5, 5)  # a set point every 5 ms, of what was wanted a tick before
     assert pressed["reference"][sent] == pytest.approx(closed["reference"][sent - 1], abs=1e-9)
     assert pressed["reference"][sent + 4] == pytest.approx(pressed["reference"][sent], abs=1e-9)
-    before = slice(0, seen - 8)  # on average, it comes 3 ms later
-    late = pressed["position"][3 : seen - 5] - closed["position"][before]
+    before = slice(0, near - 8)  # on average, it comes 3 ms later
+    late = pressed["position"][3 : near - 5] - closed["position"][before]
     assert np.abs(late).max() < 0.01
+    seen = int(np.argmax(pressed["force"] > 1.0)) + 40
+    sent = np.arange(5 * (near // 5) + 10, seen - 10, 5)
+    assert np.diff(pressed["reference"][sent]) == pytest.approx(5e-3 * APPROACH)
 
 
 def test_then_a_share_of_its_travel_counts_which_rises_slowly(pair):
     closed, pressed = pair
-    touch = float(closed["position"][np.argmax(closed["force"] > 1.0)])
+    first = int(np.argmax(pressed["force"] > 1.0))
+    touch, seen = float(pressed["position"][first]), first + 40
     share = (pressed["reference"] - touch) / (9.84 - touch)
-    seen = int(np.argmax(closed["force"] > 1.0)) + 40
     assert share[max(seen + 140, 645)] == pytest.approx(0.5, abs=0.12)
     assert share[-1] == pytest.approx(0.65, abs=1e-3)
     assert np.diff(pressed["reference"]).max() <= 5.01 * 9.84 / 637
     assert 0.5 < pressed["force"][-1] / closed["force"][-1] < 0.75
 
 
-def test_a_touch_that_the_sensors_show_limits_as_the_policy_does(pair):
+def test_a_touch_that_the_sensors_show_limits_as_the_policy_does():
     (found,), sampled = simulated(2), sample_grasp(read_spec(SPEC), 2)
-    current, position = (sensed(sampled, pair[0], name) for name in ("current", "position"))
+    free = simulate(sampled.hand, approaching(sampled).experiment).require()
+    current, position = (sensed(sampled, free, name) for name in ("current", "position"))
     shown, touch = seen_touch(current, position, 1e-3)
     memory, points = GripMemory(), []
     for tick in range(shown + 450):
@@ -107,14 +122,18 @@ def test_the_touch_is_the_one_that_recognition_counts_from(pair):
 def test_what_is_never_touched_is_closed_on_slowly_at_the_end():
     times = np.arange(0.0, 1.3, 0.01)
     passing = _passing(times, np.minimum(15.4 * times, 9.84))
-    assert np.minimum(15.4 * times, passing)[50] == pytest.approx(7.7)
-    assert passing[-1] == pytest.approx(8.6 + 0.25 * (times[-1] - 0.56))
+    near = NEAR / 15.4
+    assert passing[30] == pytest.approx(4.62)
+    assert passing[50] == pytest.approx(NEAR + APPROACH * (0.5 - near), abs=0.09)
+    there = near + (FREE - NEAR) / APPROACH
+    assert passing[-1] == pytest.approx(FREE + CREEP * (times[-1] - there), abs=0.005)
 
 
 def test_the_policy_and_the_data_set_go_by_the_same_numbers():
     known = GripSettings()
+    assert (NEAR, APPROACH) == (known.approach_from, known.approach_speed)
     assert (FREE, CREEP) == (known.free_to, known.free_speed)
-    assert (SETTLE, SPEED, BACK) == (known.settle, known.probe_speed, known.speed)
+    assert (SETTLE, SPEED, TURN) == (known.settle, known.probe_speed, known.speed)
 
 
 def test_one_grasp_alone_is_that_of_the_data_set(pair):

@@ -9,6 +9,7 @@ import pytest
 from hannes.bench.c_vectors import drawn
 from hannes.bench.live import warm_up
 from hannes.core.errors import BadInput
+from hannes.dataset.spec import load_spec
 from hannes.recognition import model_file
 from hannes.recognition.pressed import (
     AFTER,
@@ -91,6 +92,17 @@ def learned():
     rows += chance.normal(0.0, 1e-5, rows.shape)
     target = 8.6 + 0.5 * hidden[:, 0] + 0.1 * hidden[:, 1] ** 2
     return fitted(rows[:1200], target[:1200], 8.6, 0), rows[1200:], target[1200:]
+
+
+def test_the_shipped_set_presses_on_objects_as_weak_and_as_stiff_as_any():
+    groups = [group for group in load_spec("held").groups if group.role == "pressed"]
+    rng = np.random.default_rng(0)
+    found = [
+        group.distributions["object.stiffness"].value(0, 0.0, rng)
+        for group in groups
+        for _ in range(2000)
+    ]
+    assert min(found) < 500.0 and max(found) > 40e3
 
 
 def test_networks_learn_a_curve_and_say_how_well(learned):

@@ -515,6 +515,14 @@ static double g_free(struct HannesGrip *g, double set_point, double since, doubl
     return g->set_point = set_point;
 }
 
+static double g_passing(double last, double period)
+{
+    double slowly = last + HANNES_APPROACH_SPEED * period;
+    if (slowly > HANNES_FREE_TO) slowly = HANNES_FREE_TO;
+    slowly = h_more(slowly, last + HANNES_FREE_SPEED * period);
+    return h_more(HANNES_APPROACH_FROM, slowly);
+}
+
 static bool g_firm(const struct HannesGrip *g, double mean, double certain, double since)
 {
     if (g->firm) return mean >= HANNES_SOFT_BELOW;
@@ -542,7 +550,7 @@ double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, dou
 {
     g_hold(g, fresh, position);
     if (!g->held) {
-        double free = h_more(HANNES_FREE_TO, g->set_point + HANNES_FREE_SPEED * period);
+        double free = g_passing(g->set_point, period);
         g->firm = g->uncertain = false;
         return g_free(g, free < wanted ? free : wanted, 0.0, 0.0, 0.5);
     }
@@ -555,7 +563,7 @@ double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, dou
     bool doubt = since >= HANNES_SETTLE && g->rigid > HANNES_DOUBT_FROM;
     if (known) g->firm = g->stiffness >= HANNES_STIFF_FROM && mean >= HANNES_SOFT_BELOW;
     else g->firm = g_firm(g, mean, certain + half, since + half);
-    g->uncertain = known || (!g->firm && (g->uncertain || doubt));
+    g->uncertain = known || (!g->firm && (g->uncertain || (doubt && since < HANNES_DOUBT_UNTIL)));
     if (beyond <= 0.0) return g_free(g, wanted, since, certain, mean); /* command to open */
     if (g->firm) share = g_firm_share(g, was_firm, since);
     else share = g_soft_share(g, !known && (doubt || (g->uncertain && since < HANNES_PATIENCE)), beyond, period);
