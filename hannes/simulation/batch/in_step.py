@@ -22,6 +22,8 @@ from hannes.simulation.compiler.lanes.values import NotInLanes
 from hannes.simulation.rodas.coefficients import FRESH, LOOSE, STAGES
 
 COMPILING = 6.0  # s, that code for lanes takes to compile, at most
+FULL = 0.6  # of the lanes: a group that fills fewer is as quick one by one
+ASTRAY = 0.5  # steps taken alone in a group, over those of the path: others like it are quicker so
 TURN = 64  # steps between two looks at whether to stop
 # Of a step by each method: evaluations, Jacobians, factorings.
 COSTS = np.array([[1 + np.count_nonzero(FRESH[m, 1 : STAGES[m]]), 1, 1] for m in range(2)])
@@ -44,16 +46,17 @@ def run_alike(
     if made is not None:
         switches = list(made.switches)
         together = (vectors[1:, switches] == vectors[0, switches]).all(axis=1)
-    parts = [(np.zeros(1, int), first)]
-    if (alone := followers[~together]).size:
+    parts, alone = [(np.zeros(1, int), first)], followers[~together]
+    if made is not None and together.any():
+        lanes, rows = Lanes(plan, made, path, stop), followers[together]
+        while rows.size >= FULL * made.width and not lanes.astray:
+            chosen, rows = rows[: made.width], rows[made.width :]
+            parts.append((chosen, lanes.run(vectors[chosen], starts[chosen])))
+        alone = np.concatenate((alone, rows))
+    if alone.size:
         followed = path if path[0] > 0.0 else None  # where it failed, each takes its own steps
         parts.append((alone, plan.run(vectors[alone], starts[alone], stop, followed)))
         _spent[plan.compiled] = _spent.get(plan.compiled, 0.0) + parts[-1][1].seconds
-    if made is not None and together.any():
-        lanes, rows = Lanes(plan, made, path, stop), followers[together]
-        for at in range(0, rows.size, made.width):
-            chosen = rows[at : at + made.width]
-            parts.append((chosen, lanes.run(vectors[chosen], starts[chosen])))
     order = np.argsort(np.concatenate([rows for rows, _ in parts]))
     kept, counts = (
         np.concatenate([getattr(ran, name) for _, ran in parts])[order]
@@ -88,6 +91,7 @@ class Lanes:
 
     def __init__(self, plan: Plan, made: Kernels, path: np.ndarray, stop: np.ndarray) -> None:
         self.plan, self.made, self.path, self.stop = plan, made, path, stop
+        self.astray = False  # whether the last group mostly went its own ways
         self.places = np.concatenate(([0.0], path[1 : int(path[0]) + 1]))
         self.until = plan.times.searchsorted(self.places, "left")  # samples before each of them
         self.until[-1] = plan.times.size
@@ -122,6 +126,7 @@ class Lanes:
             counts[:, :3] += taken[:, np.newaxis] * COSTS[int(self.plan.rtol >= LOOSE)]
             for lane in np.flatnonzero(missed).tolist():
                 apart.append(self._alone(lane, place - 1, vectors[lane : lane + 1], counts))
+        self.astray = len(apart) > ASTRAY * count
         return self._sampled(size, counts, apart)
 
     def _steps(self, place: int) -> int:
