@@ -7,9 +7,11 @@ killed    the recorder's process killed (kill -9) at random times: what of the f
 cable     the cable out at random times: how soon the board stops, and what the recording has
 rate      ten minutes a row at 1 kHz, idle and beside four busy processes, with and without
           real-time priority of reader and deciding process: lost frames, time from a sample to its
-          decision, clock map, processor share of both. The board stands for hardware, so its
-          process has real-time priority in every row that allows it. Rows that are done are kept
-          in results/link-rows.jsonl: start it again, and it goes on with those that are missing
+          decision, clock map, processor share of both, and the share of all processors that the
+          host of a virtual machine gave to others, which no priority here can help. The board
+          stands for hardware, so its process has real-time priority in every row that allows it.
+          Rows that are done are kept in results/link-rows.jsonl: start it again, and it goes on
+          with those that are missing
 """
 
 import gc
@@ -342,7 +344,7 @@ def _row(minutes: float, load: int, real_time: bool) -> Row:
 
 def _measured(link: Link, log: Path, minutes: float, what: str) -> Row:
     heard: list[tuple[float, float]] = []
-    spent = time.process_time() + _of_children()
+    spent, stolen = time.process_time() + _of_children(), _stolen()
     gc.collect()
     gc.disable()
     with session(link, log) as talk:
@@ -355,7 +357,9 @@ def _measured(link: Link, log: Path, minutes: float, what: str) -> Row:
             time.sleep(5e-4)
         notes = "; ".join(talk.reader.notes)
         talk.close()
-        share = (time.process_time() + _of_children() - spent) / (time.monotonic() - began)
+        lasted = time.monotonic() - began
+        share = (time.process_time() + _of_children() - spent) / lasted
+        stolen = (_stolen() - stolen) / (lasted * (os.cpu_count() or 1))
     gc.enable()
     rows = read_rows(log)
     clock = rows.clock()
@@ -374,6 +378,7 @@ def _measured(link: Link, log: Path, minutes: float, what: str) -> Row:
         "decision worst [ms]": float(delays.max()),
         "clock [ms]": float(1e3 * abs(clock.drift - true) * (rows.board[-1] - rows.board[0]) / 2),
         "processor share": share,
+        "taken by the host": stolen,
         "notes": notes,
     }
 
@@ -382,6 +387,15 @@ def _of_children() -> float:
     """Processor time of the processes that have ended: here the reader's [s]."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
+
+
+def _stolen() -> float:
+    """Processor time that the host of a virtual machine gave to others since the start [s]."""
+    stat = Path("/proc/stat")
+    if not stat.exists():
+        return 0.0
+    jiffies = int(stat.read_text().splitlines()[0].split()[8])
+    return jiffies / float(os.sysconf("SC_CLK_TCK"))
 
 
 def measure(quick: bool, only: Sequence[str]) -> tuple[list[Row], list[Row]]:
