@@ -74,20 +74,18 @@ class Plan:
         starts: np.ndarray,
         stop: np.ndarray | None = None,
         path: np.ndarray | None = None,
-        first: int = 0,
-        counts: np.ndarray | None = None,
     ) -> Ran:
         """Run one grasp for each row of `vectors`; `starts` (m, states) become those at the end.
 
-        path: all by the steps of the first one, or from step `first` on by those that it holds, see
-        `grasps` in entry_points.py; counts (m, 6) go on from what they are.
+        path: all by the steps of the first one, or by those that it holds, see `grasps` in
+        entry_points.py.
         """
         size, count = self.times.size, vectors.shape[0]
         ran = Ran(
             np.empty((size, starts.shape[1])),
             np.zeros((size, MEMORY)),
             np.empty((count, self.columns.size, size)),
-            np.zeros((count, 6), np.int64) if counts is None else counts,
+            np.zeros((count, 6), np.int64),
             time.perf_counter(),
         )
         given = (vectors, starts, self.knots, self.bounds, self.periods(vectors), self.times)
@@ -95,7 +93,7 @@ class Plan:
         path = np.zeros(1) if path is None else path
         with np.errstate(all="ignore"):  # where nothing is compiled
             self.compiled.fast.grasps(
-                *given, self.columns, self.needed, self.rtol, self.atol, stop, path, first,
+                *given, self.columns, self.needed, self.rtol, self.atol, stop, path, 0,
                 ran.rows, ran.memories, ran.kept, ran.counts,
             )  # fmt: skip
         return replace(ran, seconds=time.perf_counter() - ran.seconds)

@@ -2,6 +2,7 @@
 
 import tomllib
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,9 @@ from hannes.campaigns.begin.mapping_text import _expression
 from hannes.campaigns.check import check
 from hannes.campaigns.convert import convert
 from hannes.campaigns.foreign.raw_values import disorder
+from hannes.campaigns.quality.breaks import _is_seen
+from hannes.campaigns.quality.law import Relation
+from hannes.campaigns.quality.law_break import Break
 from hannes.core.recording.recording import Recording
 from hannes.plants.hand.plant import HandPlant
 
@@ -233,3 +237,14 @@ def test_a_current_that_is_clipped_is_no_slipping_encoder():
     (recording,) = made.recordings.values()
     found = check(recording, HandPlant())
     assert "slip" not in [each.kind for each in found]
+
+
+@pytest.mark.parametrize(("of", "seen"), [("current", False), ("duty", True)])
+def test_a_duty_at_its_end_hides_no_slip(of, seen):
+    drive = np.concatenate([np.linspace(0.0, 1.0, 50), np.ones(100)])
+    columns, time = np.zeros((150, 2)), np.arange(150) / 150.0
+    law = Relation("controller", of, drive, columns, time, True, time, np.arange(150))
+    found = Break("slip", 60, 90, 0.2, 0.99, 0.01, 0.2)
+    drives = SimpleNamespace(drives="position")
+    subject = SimpleNamespace(of=lambda name: drives, recording={"position": time})
+    assert _is_seen(subject, law, found) is seen

@@ -37,9 +37,20 @@ SIZES = {"object.radius": np.linspace(0.02, 0.03, COUNT)}
 
 @pytest.fixture
 def lanes(monkeypatch):
-    """Sets how many lanes there are; their code is compiled at once."""
+    """Sets how many lanes there are, notes which ran; their code is compiled at once."""
     monkeypatch.setattr(in_step, "COMPILING", -1.0)
-    return lambda width: monkeypatch.setattr(machine, "width", lambda: width)
+    ran, group = set(), in_step.Lanes.run
+
+    def noted(self, *given):
+        ran.add(self.made.width)
+        return group(self, *given)
+
+    def chosen(width):
+        monkeypatch.setattr(machine, "width", lambda: width)
+
+    monkeypatch.setattr(in_step.Lanes, "run", noted)
+    chosen.ran = ran
+    return chosen
 
 
 def bits(found):
@@ -68,6 +79,7 @@ def test_lanes_have_the_bits_of_one_at_a_time(lanes, columns, rtol):
     for width in (8, 4):
         lanes(width)
         assert bits(run(columns, rtol=rtol)) == expected
+    assert lanes.ran == {8, 4}
 
 
 def test_bits_do_not_depend_on_what_shares_the_registers(lanes, monkeypatch):
@@ -79,6 +91,7 @@ def test_bits_do_not_depend_on_what_shares_the_registers(lanes, monkeypatch):
         monkeypatch.setattr("hannes.simulation.batch.simulate_many._cores", lambda n=cores: n)
         for row, found in zip(rows, bits(run(mixed)), strict=True):
             assert found[1:] == expected[int(row)][1:]
+    assert lanes.ran == {8}
 
 
 def test_the_whole_catalogue_has_the_bits_of_one_at_a_time(lanes):
@@ -90,6 +103,7 @@ def test_the_whole_catalogue_has_the_bits_of_one_at_a_time(lanes):
     assert expected[0][1] is Outcome.COMPLETED
     lanes(8)
     assert bits(run(columns, EVERYTHING, grasp(duration=0.2))) == expected
+    assert lanes.ran == {8}
 
 
 def test_a_lane_that_breaks_is_named_and_touches_no_other(lanes):
@@ -100,7 +114,7 @@ def test_a_lane_that_breaks_is_named_and_touches_no_other(lanes):
     for width in (1, 8):
         lanes(width)
         found[width] = run(columns, EVERYTHING, grasp(duration=0.2))
-    assert bits(found[8]) == bits(found[1])
+    assert bits(found[8]) == bits(found[1]) and lanes.ran == {8}
     broken = [each.outcome is not Outcome.COMPLETED for each in found[8]]
     assert broken == (way != 0.0).tolist()
 
@@ -164,3 +178,12 @@ def test_a_number_of_lanes_that_there_is_not_is_refused(monkeypatch):
         machine.width.__wrapped__()
     monkeypatch.setenv("HANNES_LANES", "2")
     assert machine.width.__wrapped__() == 2
+
+
+def test_code_that_cannot_be_kept_is_used_and_said(tmp_path, monkeypatch, capsys):
+    def full(path, data):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(machine, "write_bytes", full)
+    machine._keep(tmp_path / "lanes.o", b"code")
+    assert "cannot be kept (No space left on device)" in capsys.readouterr().err

@@ -72,7 +72,7 @@ def _is_one(law: Relation, found: Break) -> bool:
 
 def _is_seen(subject: Subject, law: Relation, found: Break) -> bool:
     """Whether a slip is more than what a coarse sensor hides of a slow motion, or a clipped one."""
-    if found.kind == "slip" and _at_its_end(law, found):
+    if found.kind == "slip" and law.of == "current" and _at_its_end(law, found):
         return False
     motion = subject.recording[subject.of(law.of).drives]
     coarse = found.kind == "slip" and law.slips and FINE * quantum(motion) > float(np.ptp(motion))
@@ -80,9 +80,10 @@ def _is_seen(subject: Subject, law: Relation, found: Break) -> bool:
 
 
 def _at_its_end(law: Relation, found: Break) -> bool:
-    """Whether the drive stands at an end of its range: clipped or limited, it says nothing there.
+    """Whether a sensed drive stands at an end of its range: clipped or limited.
 
-    A sensor that clips has the law ask for less than the machine had, as a slip would.
+    A sensor that clips has the law ask for less than the machine had, as a slip would. A duty has
+    no sensor, and stands at its end in any steady motion.
     """
     there, reach = law.drive[found.place : found.end + 1], END * float(np.ptp(law.drive))
     ends = there > law.drive.max() - reach, there < law.drive.min() + reach

@@ -74,7 +74,7 @@ def _class() -> type[Any]:
                 self._write(self._data_path(name), (key, data))
                 self._save_index({**index, key: name})
             except OSError as error:  # a full disk: it is compiled anew next time
-                _warn_not_kept(error)
+                warn_not_kept(error)
 
         def load(self, key: Any) -> Any:
             name = self._load_index().get(key)
@@ -98,9 +98,11 @@ def _class() -> type[Any]:
 
 
 @functools.cache
-def _warn_not_kept(error: OSError) -> None:
+def warn_not_kept(error: Exception) -> None:
+    """Say that code is compiled anew next time, and why."""
+    why = getattr(error, "strerror", None) or error
     print(
-        f"hannes: compiled code cannot be kept ({error.strerror or error}): it is compiled anew "
+        f"hannes: compiled code cannot be kept ({why}): it is compiled anew "
         "next time; free some space or set HANNES_CACHE",
         file=sys.stderr,
     )

@@ -18,6 +18,7 @@ from hannes.identification.diagnosis.score_test import amplitude_names
 from hannes.identification.diagnosis.tuning import FIT
 
 NORMAL = 1.96  # standard deviations on each side of a normal 95 % interval
+COARSE = "; the final fit was ended at its bound: sizes are those of the search"
 Progress = Callable[[str], None]
 
 
@@ -44,7 +45,8 @@ def with_sizes(
             kept = tuple(name for name in decision.effects if name != other)
             left = Decision("named_with_remainder", kept, reason, point)
             return with_sizes(left, seed, variance_factor, progress)
-    return replace(decision, point=fit.point), fit.deviations
+    reason = f"{decision.reason}{COARSE if fit.cut_short else ''}"
+    return replace(decision, point=fit.point, reason=reason), fit.deviations
 
 
 def _surely(

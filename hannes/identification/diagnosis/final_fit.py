@@ -23,10 +23,14 @@ from hannes.identification.diagnosis.work_bound import SearchEnded
 
 @dataclass(frozen=True)
 class FinalFit:
-    """A fit, and the standard deviation of each fitted parameter, by index, in steps."""
+    """A fit, and the standard deviation of each fitted parameter, by index, in steps.
+
+    cut_short: whether it is that of the search, as the bound of work ended a finer one
+    """
 
     point: Linearisation
     deviations: dict[int, float]
+    cut_short: bool = False
 
 
 def final_fit(
@@ -43,7 +47,7 @@ def final_fit(
     try:
         return _refined(point, effects, accuracy, seed, variance_factor)
     except SearchEnded:
-        return FinalFit(point, _linear(point))
+        return FinalFit(point, _linear(point), cut_short=True)
 
 
 def _linear(point: Linearisation) -> dict[int, float]:

@@ -80,7 +80,7 @@ def kernels(plan: Plan, followers: int, width: int | None = None) -> Kernels | N
         if key not in _made and (_spent.get(compiled, 0.0) > COMPILING or is_kept(*key)):
             try:
                 _made[key] = Kernels(*key)
-            except NotInLanes as why:
+            except (NotInLanes, RuntimeError, ArithmeticError) as why:  # these two: of LLVM
                 print(f"hannes: grasps run one by one, for {why}", file=sys.stderr, flush=True)
                 _made[key] = None
         return _made.get(key)

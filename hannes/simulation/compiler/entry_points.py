@@ -142,6 +142,7 @@ def grasps(
     outputs = np.zeros((times.size if wanted else 0, OUTPUTS))
     none = np.zeros(1)
     room, prompt = np.zeros(1, WORKSPACE), np.zeros((1, STATES))
+    followed = path[0] > 0.0
     for k in range(vectors.shape[0]):
         if stop[0]:
             return
@@ -157,7 +158,7 @@ def grasps(
         counts[k, 5] = finite(rows, reached)
         if counts[k, 5] < reached:
             counts[k, 4] = NOT_FINITE
-            path[0] = path[0] if k > 0 else 0.0
+            path[0] = path[0] if k > 0 or followed else 0.0
         asked, filled = (columns, needed), counts[k, 5]
         keep(vectors[k], reference, times, asked, rows, memories, outputs, kept[k], filled)
 

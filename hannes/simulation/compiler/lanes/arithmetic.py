@@ -132,8 +132,9 @@ class Arithmetic(ABC):
     def quotient(self, a: Number, b: Number, per: ir.Value) -> Number:
         """a / b by the rounded reciprocal of b: rounded as a division is (Markstein 1990).
 
-        Where b or the quotient is 0 or infinite the product is right as it is. A b below 1e-308,
-        whose reciprocal is infinite, may give no number: the step then fails and is taken alone.
+        Where b or the quotient is 0 or infinite the product is right as it is. That holds for
+        |a| and |b| above 1e-290; below, the last digit may differ, and that of a denormal b, whose
+        reciprocal is infinite, may be infinite or no number. No quantity of a hand is so small.
         """
         build = self.builder
         about = build.fmul(a.ir, per)

@@ -14,6 +14,7 @@ from llvmlite import ir
 from hannes.core.errors import BadInput
 from hannes.core.io.atomic_files import write_bytes
 from hannes.core.kernels.jit import cache_folder, compiles
+from hannes.core.kernels.kept_code import warn_not_kept
 
 LEVEL = 2  # of LLVM
 _WIDE = ('"prefer-vector-width"="512"', '"min-legal-vector-width"="512"', '"stackrealign"')
@@ -29,7 +30,8 @@ def width() -> int:
     if not compiles():
         return 1
     features = llvm.get_host_cpu_features()
-    own = next((lanes for name, lanes in _WIDTHS if features.get(name)), 1)
+    fuses = features.get("fma") or features.get("neon")  # else a quotient calls the library
+    own = next((lanes for name, lanes in _WIDTHS if fuses and features.get(name)), 1)
     return int(asked) if asked else own
 
 
@@ -72,9 +74,17 @@ def loaded(origin: str, make: Callable[[], ir.Module]) -> Loaded:
     code = _kept(path)
     if code is None:
         code = _compiled(make())
+        _keep(path, code)
+    return Loaded(code)
+
+
+def _keep(path: Path, code: bytes) -> None:
+    """Write it for the next time; where that cannot be, say so and go on."""
+    try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_bytes(path, hashlib.sha256(code).digest() + code)
-    return Loaded(code)
+    except (OSError, BadInput) as error:
+        warn_not_kept(error)
 
 
 def is_kept(origin: str) -> bool:
