@@ -21,7 +21,7 @@ from hannes.simulation.compiler.lanes.kernels import Kernels, aligned, is_kept
 from hannes.simulation.compiler.lanes.values import NotInLanes
 from hannes.simulation.rodas.coefficients import FRESH, LOOSE, STAGES
 
-COMPILING = 6.0  # s, that code for lanes takes to compile, at most
+COMPILING = 6.0  # s, that grasps take one by one before code for lanes is compiled
 FULL = 0.6  # of the lanes: a group that fills fewer is as quick one by one
 ASTRAY = 0.5  # steps taken alone in a group, over those of the path: others like it are quicker so
 TURN = 64  # steps between two looks at whether to stop

@@ -29,8 +29,8 @@ from hannes.simulation.rodas.step import DOUBT, HOPELESS, MOST_STAGES, keep_piec
 def in_step(problem, data, method, rtol, atol, path, first, last, times, filled, rows):
     """Take steps `first` + 1 to `last` of `path`, up to one that some lane misses.
 
-    `data.error` is that of the last one; where
-    it is 1 or more, that step is not the lane's, whose state before it is in `data.piece[0]`.
+    `data.error` is that of the last one; where it is 1 or more, that step is not the lane's, whose
+    state before it is in `data.piece[0]`.
     path (n,): number of steps, and their ends; rows (samples, states) from `filled` on.
     """
     y, piece, taken = data.state[0], data.piece, first

@@ -46,7 +46,10 @@ class Ways(Arrays, ABC):
             return self._both(test, env, ways, weights)
         first = weights[0] > HEAVY  # mostly all lanes go one way
         others = self.any_of(self.opposite(test) if first else test)
-        both = lambda own: self._both(test, own, ways, weights)  # noqa: E731
+
+        def both(own: Env) -> Any:
+            return self._both(test, own, ways, weights)
+
         return self.parted(others, env, (both, ways[not first]))
 
     def _both(self, test: Number, env: Env, ways: tuple[Way, Way], weights: tuple[int, int]) -> Any:
