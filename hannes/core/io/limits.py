@@ -21,7 +21,7 @@ class Limit:
 LIMITS = {
     "BYTES": Limit(512 * MIB, "bytes", "of any file, and of what it unpacks to"),
     "SHEET_BYTES": Limit(256 * MIB, "bytes", "of all that a spreadsheet unpacks to"),
-    "TOML_BYTES": Limit(1_000_000, "bytes", "of a TOML file"),
+    "TOML_BYTES": Limit(400_000, "bytes", "of a TOML file"),
     "TOML_PARTS": Limit(100, "parts", "of one dotted key in TOML"),
     "VALUES": Limit(50_000_000, "numbers", "of a file, all columns together (400 MB)"),
     "COLUMNS": Limit(2000, "columns", "of a file"),
