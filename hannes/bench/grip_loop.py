@@ -110,6 +110,11 @@ class GripLoop:
         return tuple(self._places)
 
     @property
+    def begun(self) -> bool:
+        """Whether a sample came: before, nothing is known of where the hand is."""
+        return self._last is not None
+
+    @property
     def firm(self) -> bool:
         """Whether the policy holds the object firmly."""
         return self._grip.firm

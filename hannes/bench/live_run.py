@@ -81,8 +81,8 @@ class Moment:
 class _Following:
     """Feeds events to the loop, and gathers moments."""
 
-    def __init__(self, loop: GripLoop) -> None:
-        self.loop, self.wanted = loop, 0.0
+    def __init__(self, loop: GripLoop, wanted: float = 0.0) -> None:
+        self.loop, self.wanted = loop, wanted
         self.moments: deque[Moment] = deque()
         self.heard, self.time = time.monotonic(), 0.0  # of the last row: host and board [s]
         self._decision: Decision | None = None
@@ -119,7 +119,8 @@ def live(link: Link, model: Model, log: str | Path, order: LiveOrder) -> Iterato
                  "hand": hand_toml(order.variant.hand)}  # fmt: skip
     warm_up(model)
     observer = order.observer() if order.observer else None
-    following = _Following(GripLoop(model, order.plan, observer))
+    command, _ = _command(order)
+    following = _Following(GripLoop(model, order.plan, observer), command(0.0) if command else 0.0)
     with session(link, log, about) as talk:
         talk.watch = following.feed
         board = talk.hello()
@@ -144,7 +145,7 @@ def _moments(talk: Session, following: _Following, order: LiveOrder) -> Iterator
             _require_pace(talk)
             _require_rows(talk, following)
             yield from _passed_on(talk, following, order)
-            if command and since - sent >= STREAM:
+            if command and following.loop.begun and since - sent >= STREAM:
                 talk.reader.send(talk.speaker.set_point(following.loop.set_point))
                 sent = since
     finally:

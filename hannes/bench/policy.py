@@ -79,7 +79,7 @@ class GripMemory(NamedTuple):
     share: float = 0.0  # of the travel beyond the touch that is given; 0 before the touch
     firm: bool = False  # held as a rigid object
     offset: float = 0.0  # rad from the touch to the set point, under force control
-    set_point: float = 0.0  # rad, of the last tick
+    set_point: float | None = None  # rad, of the last tick; None: where the hand is
     uncertain: bool = False  # pressed on in doubt in time, so that the stiffness counts
 
 
@@ -87,8 +87,9 @@ def grip(
     settings: GripSettings, memory: GripMemory, sample: GripSample
 ) -> tuple[GripMemory, float]:
     """Go on by one tick; returns the new memory, and the set point [rad] for the board."""
+    last = sample.position if memory.set_point is None else memory.set_point
     if not sample.touched:
-        set_point = min(sample.wanted, _free(settings, memory.set_point, sample.period))
+        set_point = min(sample.wanted, _free(settings, last, sample.period))
         return GripMemory(set_point=set_point), set_point
     since = memory.since + sample.period
     half = 0.5 * sample.period
@@ -116,7 +117,7 @@ def grip(
         offset = _force_offset(settings, memory, sample, offset, firm)
     most = settings.speed * sample.period
     target = sample.touch_position + offset
-    set_point = min(max(target, memory.set_point - most), memory.set_point + most)
+    set_point = min(max(target, last - most), last + most)
     memory = GripMemory(since, certain, mean, share, firm, offset, set_point, uncertain)
     return memory, set_point
 

@@ -37,6 +37,7 @@ ROLES = ("train", "test", "pressed")
 CHANNELS = ("reference", "position", "current", "force")
 MOST_GRASPS = 10_000_000
 BORDER = "5.5 kN/m"  # about the geometric mean of the shipped dynamometer and of the soft ball
+TOUCH_SEEN, TOUCH_DELAY = "command.touch_seen", "command.touch_delay"
 # Quantities of a grasp besides parameters of hand and object: unit, bounds, default value.
 OWN: dict[str, tuple[str, float, float, float]] = {
     "command.speed": ("1", 0.05, 5.0, 1.0),
@@ -45,8 +46,8 @@ OWN: dict[str, tuple[str, float, float, float]] = {
     "command.share": ("1", 0.0, 1.0, 1.0),
     "command.touch_share": ("1", 0.0, 1.0, 1.0),
     "command.press_share": ("1", 0.0, 1.0, 0.0),
-    "command.touch_delay": ("s", 0.0, 1.0, 0.0),
-    "command.touch_seen": ("1", 0.0, 1.0, 0.0),
+    TOUCH_DELAY: ("s", 0.0, 1.0, 0.0),
+    TOUCH_SEEN: ("1", 0.0, 1.0, 0.0),
     **{f"noise.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
     **{f"resolution.{name}": (unit, 0.0, 1e3, 0.0) for name, unit in NOISE.items()},
 }
@@ -216,13 +217,28 @@ def _group(root: Table, k: int, hand: Hand, common: Mapping[str, Distribution]) 
         root.refuse("grasps", "must be tables: lines [[grasps]], keys below each")
     table = Table(given, root.where, GROUP, f"grasps[{k}].")
     shape = table.choice("shape", (*SHAPES, "none"))
+    varied = {**common, **_distributions(table.table("values"), hand)}
+    _require_one_touch(table, varied)
     return Group(
         table.text("name", f"group {k + 1}"),
         None if shape == "none" else shape,
         table.choice("role", ROLES, "train"),
         table.whole("draws", 1, MOST_GRASPS, 1),
-        dict(sorted({**common, **_distributions(table.table("values"), hand)}.items())),
+        dict(sorted(varied.items())),
     )
+
+
+def _require_one_touch(table: Table, varied: Mapping[str, Distribution]) -> None:
+    """Refuse a touch that the sensors show in part, or that comes after a delay too."""
+    seen = varied.get(TOUCH_SEEN, Distribution())
+    if seen.kind or not {0.0, 1.0}.issuperset(seen.levels):
+        table.refuse("values", f'have "{TOUCH_SEEN}", which is "0" or "1"')
+    if 1.0 in seen.levels and TOUCH_DELAY in varied:
+        table.refuse(
+            "values",
+            f'have "{TOUCH_SEEN}" of 1 and "{TOUCH_DELAY}": what the sensors show comes when it '
+            "does; leave one out",
+        )
 
 
 def _distributions(table: Table, hand: Hand) -> dict[str, Distribution]:

@@ -287,7 +287,8 @@ def drawn_policy_samples(count):
     """Rows of fresh, touched, touch, rigid, force, its upper end, command, position, force set,
     stiffness over the border."""
     chance = np.random.default_rng(5)
-    rows = np.zeros((count, 10))
+    rows, closed = np.zeros((count, 10)), np.zeros((100, 10))
+    closed[:, 6:8] = 9.0, 7.0  # a hand that begins closed, and touches nothing yet
     rigid, wanted, position = 0.5, 0.0, 0.0
     for k, row in enumerate(rows):
         rigid = min(max(rigid + chance.normal(0.0, 0.05), 0.0), 1.0)
@@ -299,7 +300,7 @@ def drawn_policy_samples(count):
             wanted, position, 15.0 if k // 1000 % 2 else 0.0,
             0.5 * (1 + k // 2000 % 4) if k % 1000 > 600 else 0.0,
         )  # fmt: skip
-    return rows
+    return np.concatenate([closed, rows])
 
 
 def test_the_grip_policy_has_the_bits_of_python(model, program, tmp_path):

@@ -181,6 +181,19 @@ def test_the_model_goes_on_beside_a_board_that_says_neither_state_nor_reference(
     assert model_position[-1] > 3.0
 
 
+def test_a_grasp_by_a_closed_hand_begins_where_it_is():
+    variant = read_board("void-closure").variant
+    traces = Traces(variant.hand, variant.experiment, drawn_model())
+    units = {"reference": "rad", "position": "rad", "current": "A"}
+    traces.see(About("x", units, 1000.0, 0.2), False, 0.0, 0.0)
+    for k in range(20):
+        traces.see(Row(k, 1e-3 * k, (0.0, 8.0, 0.0)), False, 0.0, 0.0)
+    traces.begin()
+    assert traces.set_point == 8.0
+    traces.see(Row(20, 0.02, (8.0, 8.0, 0.0)), True, 9.0, 8.0)
+    assert 8.0 < traces.set_point < 8.1
+
+
 def test_samples_after_a_reset_are_drawn():
     variant = read_board("void-closure").variant
     traces = Traces(variant.hand, variant.experiment, drawn_model())

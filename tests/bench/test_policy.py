@@ -48,6 +48,16 @@ def test_an_empty_hand_follows_its_command_then_more_slowly_and_ends_hardly_movi
     assert points[-1] == FULL
 
 
+@pytest.mark.parametrize("place", [7.0, 8.8])
+def test_a_hand_that_is_closed_already_goes_on_from_where_it_is(place):
+    memory, points = GripMemory(), []
+    for _ in range(50):
+        memory, point = grip(SETTINGS, memory, SAMPLE._replace(wanted=FULL, position=place))
+        points.append(point)
+    most = SETTINGS.approach_speed if place < SETTINGS.free_to else SETTINGS.free_speed
+    assert points == pytest.approx([place + 1e-3 * most * (k + 1) for k in range(50)])
+
+
 def test_a_soft_object_gets_its_share_of_the_travel():
     points = closed(0.05)
     assert points[-1] == pytest.approx(TOUCH + SETTINGS.soft_share * (FULL - TOUCH))

@@ -5,6 +5,7 @@ import pytest
 
 from hannes import simulate
 from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
+from hannes.core.errors import BadInput
 from hannes.core.io.toml_table import Table
 from hannes.dataset.sampling import sample_grasp, sensed
 from hannes.dataset.shard import grasps, recorded
@@ -141,3 +142,20 @@ def test_one_grasp_alone_is_that_of_the_data_set(pair):
     assert np.array_equal(alone["reference"], pair[1]["reference"])
     said = read_experiment(Table.parse(alone.experiment, "here", KEYS), None).reference
     assert np.interp(alone.time, *said.knots) == pytest.approx(alone["reference"], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("seen", "why"),
+    [
+        ('"0.5"', r"grasps\[2\]\.values .* is \"0\" or \"1\""),
+        ('{ uniform = ["0", "1"] }', 'is "0" or "1"'),
+        ('["0", "1"]', "leave one out"),
+        ('"1"', "leave one out"),
+    ],
+)
+def test_one_touch_is_meant(seen, why):
+    text = SPEC.replace('"command.touch_seen" = "1"', f'"command.touch_seen" = {seen}')
+    with pytest.raises(BadInput, match=why):
+        read_spec(text + '"command.touch_delay" = "40 ms"\n')
+    none = SPEC.replace('"command.touch_seen" = "1"', '"command.touch_seen" = "0"')
+    assert read_spec(none + '"command.touch_delay" = "40 ms"\n').count == 3

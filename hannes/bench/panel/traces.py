@@ -34,7 +34,7 @@ class Traces:
         self._loop: GripLoop | None = None
         self._about: About | None = None
         self._places: list[int] = []
-        self._last, self._count, self._reference = -1.0, 0, 0.0
+        self._last, self._count, self._reference, self._position = -1.0, 0, 0.0, 0.0
         self._rows: list[list[float]] = []
         self._decision: Decision | None = None
         self._lock = threading.Lock()
@@ -43,11 +43,10 @@ class Traces:
         """A new grasp: the model is at rest, nothing is known of an object."""
         self._beside = VirtualHand(self._hand, self._experiment)
         self._decision = None
-        point = self.set_point
         self._loop = GripLoop(self._trained) if self._trained else None
         if self._loop and self._about:
-            self._loop.set_point = point
-            self._loop.feed(self._about, point)
+            self._loop.set_point = self._position
+            self._loop.feed(self._about, self._position)
 
     @property
     def set_point(self) -> float:
@@ -81,6 +80,7 @@ class Traces:
         measured = [row.values[k] if k >= 0 else None for k in self._places]
         reference = measured[0]
         self._reference = sent if reference is None else reference
+        self._position = self._position if measured[1] is None else measured[1]
         model = self._stepped(row.time, moving)
         self._last, self._count = row.time, self._count + 1
         if self._count % EVERY == 0:

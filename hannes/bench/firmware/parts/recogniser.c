@@ -38,6 +38,7 @@ struct Hannes {
 struct HannesGrip {
     bool firm, held, uncertain; /* uncertain: pressed on in doubt, so that the stiffness counts */
     bool released;            /* let go of, and not yet closing again */
+    bool begun;               /* set_point is that of a tick */
     double lowest;            /* rad, since it was let go of */
     double since, certain;    /* s from the touch; s for which it was surely rigid */
     double mean;              /* probability of rigid, averaged */
@@ -549,6 +550,8 @@ double hannes_grip(struct HannesGrip *g, const struct HannesDecision *fresh, dou
                    double wanted, double position, double force_wanted)
 {
     g_hold(g, fresh, position);
+    if (!g->begun) g->set_point = position;
+    g->begun = true;
     if (!g->held) {
         double free = g_passing(g->set_point, period);
         g->firm = g->uncertain = false;
