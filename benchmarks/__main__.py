@@ -1,6 +1,7 @@
 """Run the benchmarks and write benchmarks/README.md: `python -m benchmarks [--quick] [NAME ...]`.
 
 Each runs in a process of its own. The page is written when all named by default have run whole.
+With --records none runs: the page's parts of those that run for long are written anew.
 """
 
 import argparse
@@ -20,6 +21,7 @@ NAMES = ("accuracy_work", "parts", "calls", "processors", "peers", "batch", "sta
 # These run for long: their `--json` is in records.
 RECORDED = ("kills", "hostile", "grip", "link", "intake", "guards", "few_runs")
 FOLDER = Path(__file__).parent
+PAGE = FOLDER / "README.md"
 HEAD = """# Benchmarks
 
 Written by `make bench`, on {machine}. One benchmark alone: `python -m benchmarks.NAME [--quick]
@@ -33,7 +35,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="fewer repeats; leaves the page")
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}")
+    parser.add_argument("--records", action="store_true", help="run none: write what is recorded")
     asked = parser.parse_args()
+    if asked.records:
+        write_text(PAGE, with_records(PAGE.read_text(encoding="utf-8")))
+        return 0
     found: dict[str, Any] = {}
     for name in asked.names or NAMES:
         print(f"\n== {name}", flush=True)
@@ -45,22 +51,38 @@ def main() -> int:
                 return status
             found[name] = json.loads(file.read_text())
     if not asked.quick and set(NAMES) <= found.keys():
-        write_text(FOLDER / "README.md", page(found))
+        write_text(PAGE, page(found))
     return 0
 
 
 def page(found: dict[str, Any]) -> str:
     """Text of the page: of each benchmark what it does, its bounds, its rows."""
-    parts = [HEAD.format(machine=processor())]
+    every = {**found, **recorded()}
+    parts = (section(name, tables) for name, tables in every.items())
+    return "\n".join([HEAD.format(machine=processor()), *parts])
+
+
+def recorded() -> dict[str, Any]:
+    """Rows and bounds of those that run for long, by name."""
     kept = {name: FOLDER / "records" / f"{name}.json" for name in RECORDED}
-    read = {name: json.loads(file.read_text()) for name, file in kept.items() if file.exists()}
-    for name, tables in {**found, **read}.items():
-        file = FOLDER / f"{name}.py"
-        file = file if file.exists() else FOLDER / name / "__main__.py"
-        doc = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8")))
-        parts += [f"## {name}\n\n{doc}\n", markdown(tables["must_show"])]
-        parts.append(f"```text\n{table(tables['rows'])}\n```\n")
-    return "\n".join(parts)
+    return {name: json.loads(file.read_text()) for name, file in kept.items() if file.exists()}
+
+
+def section(name: str, tables: dict[str, Any]) -> str:
+    """The page's part of one benchmark."""
+    file = FOLDER / f"{name}.py"
+    file = file if file.exists() else FOLDER / name / "__main__.py"
+    doc = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8")))
+    rows = f"```text\n{table(tables['rows'])}\n```\n"
+    return "\n".join([f"## {name}\n\n{doc}\n", markdown(tables["must_show"]), rows])
+
+
+def with_records(text: str) -> str:
+    """The page with its parts of those that run for long as their records have them."""
+    head, *parts = (part.rstrip("\n") for part in text.split("\n## "))
+    known = {part.partition("\n")[0]: f"## {part}\n" for part in parts}
+    known |= {name: section(name, tables) for name, tables in recorded().items()}
+    return "\n".join([f"{head}\n", *known.values()])
 
 
 def markdown(rows: Sequence[Row]) -> str:

@@ -69,17 +69,29 @@ def inputs_of(data: DataSet, windowing: Windowing) -> tuple[np.ndarray, np.ndarr
     return np.array(rows).reshape(-1, INPUTS), known, _others(data, taken)
 
 
-def _others(data: DataSet, which: np.ndarray) -> np.ndarray:
-    """What else of hand and object varies in grasps `which` (n,), of size 1; shape (n, k)."""
+def other_names(data: DataSet) -> list[str]:
+    """Names of what else of hand and object varies between the grasps of the role "pressed"."""
     names = [name for name in data.table.dtype.names or () if "." in name]
     names = [name for name in names if name != KNOWN and not name.startswith(STATED)]
+    pressed = data.role("pressed")
+    return [name for name in names if _spread(data.table[name][pressed].astype(float)) > 0.0]
+
+
+def _spread(values: np.ndarray) -> float:
+    """Standard deviation; 0 where rounding alone makes one, or the values are damaged."""
+    with np.errstate(all="ignore"):
+        spread, most = float(values.std()), float(np.abs(values).max(initial=0.0))
+    return spread if np.isfinite(spread) and spread > 1e-9 * most else 0.0
+
+
+def _others(data: DataSet, which: np.ndarray) -> np.ndarray:
+    """What else of hand and object varies in grasps `which` (n,), of size 1; shape (n, k)."""
+    names = other_names(data)
     if not names or not which.size:
         return np.zeros((which.size, 0))
     values = np.stack([data.table[name][which].astype(float) for name in names], axis=1)
-    with np.errstate(all="ignore"):  # a damaged column is left out
-        spread = values.std(axis=0)
-        varied = np.isfinite(spread) & (spread > 1e-9 * np.abs(values).max(axis=0))
-    return (values[:, varied] - values[:, varied].mean(axis=0)) / spread[varied]
+    spread = values.std(axis=0)
+    return (values - values.mean(axis=0)) / np.where(spread > 0.0, spread, 1.0)
 
 
 def _touches(block: np.ndarray, windowing: Windowing) -> list[int]:

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from benchmarks.__main__ import FOLDER, NAMES, RECORDED, page
+from benchmarks.__main__ import FOLDER, NAMES, PAGE, RECORDED, page, recorded, with_records
 from benchmarks.batch import columns, ratio, with_effects
 from benchmarks.harness import aligned, interval, must_show, peak_mib, processor, table
 from hannes.simulation.catalogue import effects
@@ -26,6 +26,14 @@ def test_the_page_has_every_benchmark_its_bounds_and_rows():
     assert text.count("| memory | 2000 |  | 1024 | **no** |") == len(NAMES)
     assert re.search(r"\d+ cores", processor()) and processor() in text
     assert "/home" not in text and "/tmp" not in text
+
+
+def test_the_page_says_of_long_runs_what_their_records_say():
+    text = PAGE.read_text(encoding="utf-8")
+    assert with_records(text) == text, "run `python -m benchmarks --records`"
+    name = next(iter(recorded()))
+    other = text.replace(f"\n## {name}\n", f"\n## {name}\n\nof before\n")
+    assert other != text and with_records(other) == text
 
 
 def test_rows_of_several_kinds_make_one_table():
