@@ -216,9 +216,12 @@ class _Loop:
         self._write(self.speaker.stop())
 
     def _look_for_stop(self, data: bytes, stamp: int) -> None:
-        """Boards that say no state have stopped as far as can be seen once they were asked."""
+        """Only STOPPED follows from a stop: IDLE may have been said before the board heard of it.
+
+        Boards that say no state have stopped as far as can be seen once they were asked.
+        """
         for event in self.listener.feed(data, stamp * NANO):
-            if isinstance(event, Status) and event.state not in (State.RUNNING, State.FOLLOWING):
+            if isinstance(event, Status) and event.state is State.STOPPED:
                 self.stopped = True
         if self.link.board != "hannes":
             self.stopped = True

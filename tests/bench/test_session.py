@@ -137,6 +137,15 @@ def test_a_stop_that_was_not_seen_is_said_on_ctrl_c(tmp_path):
     assert "not seen in the telemetry" in str(ended.value) and ended.value.exit_status == 130
 
 
+def test_what_a_board_said_before_it_heard_the_stop_is_no_sign_of_it(tmp_path):
+    with Running(Terminal()) as board:
+        with session(Link(board.far.address), tmp_path / "a") as talk:
+            talk.hello()
+            read, later = board.far.read, board.moment + 0.3
+            board.far.read = lambda: read() if board.moment > later else b""
+        assert board.logic.state is State.STOPPED
+
+
 def test_a_board_that_is_reset_is_named_and_its_samples_go_on(tmp_path):
     log = tmp_path / "run.rawlog"
     with Running(Terminal()) as board, pytest.raises(ComputationFailed, match="began anew"):
