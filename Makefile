@@ -1,6 +1,6 @@
 # Needs only make and a Python >= 3.11 with venv; everything else goes into .venv.
 .DEFAULT_GOAL := help
-.PHONY: help env env-test run test test-all lint format docs bench structure size audit lock release-check
+.PHONY: help env env-test byte-code run test test-all lint format docs bench structure size audit lock release-check
 
 bin := .venv/bin
 
@@ -23,10 +23,20 @@ env-test:  ## the same with what its tests and benchmarks need
 run: env  ## a first diagnosis, the paper's experiments, recognition: pages in results/
 	$(bin)/python -m tools.first_run
 
-test: lint  ## format, lint, types, direction of imports, the quick tests on all cores
+# pip compiles nothing (tools/bootstrap.sh), and a machine may forbid Python to keep what it compiles
+# (PYTHONDONTWRITEBYTECODE): else each of the tests' hundreds of processes compiles these anew.
+imported := numpy scipy numba llvmlite h5py sklearn joblib narwhals pandas pyarrow dateutil matplotlib \
+    mpl_toolkits PIL fontTools pyparsing pint flexparser jinja2 yaml tqdm rich pygments serial cobs \
+    dask toolz tlz psutil sortedcontainers packaging hypothesis pytest _pytest
+
+byte-code: env-test
+	@cd .venv/lib/python3*/site-packages && ../../../bin/python -m compileall -q -j 0 -x /tests/ $(imported)
+	@$(bin)/python -m compileall -q -j 0 hannes benchmarks
+
+test: lint byte-code  ## format, lint, types, direction of imports, the quick tests on all cores
 	$(bin)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m "not slow"
 
-test-all: lint  ## the same with the slow tests, for a release
+test-all: lint byte-code  ## the same with the slow tests, for a release
 	$(bin)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
 
 lint: env-test  ## all of `make test` but the tests

@@ -1,12 +1,15 @@
 """What all tests share."""
 
+import os
 import signal
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
-from hannes.core.kernels.jit import compiles
+# There is a worker on each core: further threads of the linear algebra would only wait beside it,
+# and they wait by spinning. numpy reads this when it is first imported: here nothing may before.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # A shell's background jobs start with Ctrl-C ignored, and so would all that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -29,6 +32,8 @@ def unflushed():
 @pytest.fixture(scope="session")
 def compiling():
     """For tests of compiled code, which there is none of with NUMBA_DISABLE_JIT."""
+    from hannes.core.kernels.jit import compiles
+
     if not compiles():
         pytest.skip("nothing is compiled here")
 

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hannes.core.errors import BadInput
+from hannes.core.io import unit_factors
 from hannes.core.io.units import quantity, text, unit_scale
 
 UNITS = ["m", "N m/rad", "kg m2", "kg m^2", "A s/rad", "1", "V/(A s)", "ohm", "K", "degC", "rad/s"]
@@ -193,14 +194,19 @@ def asked(folder):
     return json.loads(done.stdout)
 
 
-def test_what_a_unit_is_worth_is_asked_of_pint_once(tmp_path):
+def test_what_a_unit_is_worth_is_asked_of_pint_once(tmp_path, monkeypatch):
     values = [0.0031, 25.0]
     assert asked(tmp_path) == [values, True]
     assert asked(tmp_path) == [values, False]
     (kept,) = (tmp_path / "hannes").glob("units_*.json")
-    for damaged in ("", "{", "[1, 2]", '{"mm": 1}', '{"mm": ["x", []]}'):
-        kept.write_text(damaged)
-        assert asked(tmp_path) == [values, True]
+    with monkeypatch.context() as patch:
+        patch.setattr(unit_factors, "_path", lambda: kept)
+        assert unit_factors._kept.__wrapped__()
+        for damaged in ("", "{", "[1, 2]", '{"mm": ["x", []]}', '{"mm": 1}'):
+            kept.write_text(damaged)
+            assert unit_factors._kept.__wrapped__() == {}
+    assert asked(tmp_path) == [values, True]  # and it is mended
+    assert asked(tmp_path) == [values, False]
 
 
 def test_units_work_where_nothing_can_be_kept(tmp_path):
