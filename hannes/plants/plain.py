@@ -7,6 +7,7 @@ docs/tutorials/your-machine.md walks through one. For compiled equations see `Co
 
 import math
 from collections.abc import Callable, Mapping
+from operator import itemgetter
 from typing import Any, ClassVar
 
 import numpy as np
@@ -58,11 +59,16 @@ class PlainPlant(PlantWithEffects):
             if channel in term.writes
         ]
 
+        size = len(reads)
+
         def all_of(*now: float) -> float:
-            if len(now) != len(reads):
+            if len(now) != size:
                 what = f"the effects at {channel} are given {len(now)} values"
                 raise BadInput(f"{what}: expected {', '.join(reads)}, as `open` lists them")
-            return sum((call(now) for call in calls), 0.0)
+            total = 0.0  # a machine asks this at every step: no generator is made for it
+            for call in calls:
+                total += call(now)
+            return total
 
         return all_of
 
@@ -88,14 +94,13 @@ def _bound(
     """Return a term's share of one channel as a function of the quantities read."""
     function: Callable[..., Any] = plain(term.kernel)
     several, names = len(term.writes) > 1, term.arguments
-    given = [fixed.get(name) for name in names]
-    read_each_call = [(k, reads.index(name)) for k, name in enumerate(names) if name in reads]
+    constants = tuple(fixed.get(name) for name in names)
+    places = [reads.index(n) if n in reads else len(reads) + k for k, n in enumerate(names)]
+    chosen = itemgetter(*places) if len(places) > 1 else lambda known: [known[k] for k in places]
 
     def call(now: tuple[float, ...]) -> float:
-        for k, read in read_each_call:
-            given[k] = now[read]
         try:
-            found = function(*given)
+            found = function(*chosen(now + constants))
         except (ArithmeticError, ValueError):  # plain Python stops where compiled code goes on
             return math.nan
         return float(found[place] if several else found)

@@ -196,9 +196,10 @@ _SHARD: dict[int, bytes] = {}
 def test_a_killed_run_goes_on_where_it_was(spec, whole, tmp_path):
     (tmp_path / "set.toml").write_text(TEXT)
     command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
+    command += ["--workers", "1"]
     rng = np.random.default_rng(5)
     for _ in range(3):
-        run = subprocess.Popen([*command, "--workers", "1"], cwd=tmp_path)
+        run = subprocess.Popen(command, cwd=tmp_path)
         time.sleep(rng.uniform(0.5, 2.0))
         run.send_signal(signal.SIGKILL)
         run.wait()
@@ -225,14 +226,14 @@ def test_an_interrupted_run_says_so_and_leaves_nobody_at_work(whole, tmp_path):
 def test_a_full_disk_is_reported_and_the_run_resumes_after(whole, tmp_path):
     (tmp_path / "set.toml").write_text(TEXT)
     command = [sys.executable, "-m", "hannes", "dataset", "set.toml", "--out", "set.h5"]
+    command += ["--workers", "1"]
 
     def limited():
         resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))  # bytes of a file: a part's
 
     ended = subprocess.run(
-        [*command, "--workers", "1"], cwd=tmp_path, capture_output=True, text=True,
-        preexec_fn=limited,
-    )  # fmt: skip
+        command, cwd=tmp_path, capture_output=True, text=True, preexec_fn=limited
+    )
     assert ended.returncode == 2 and ended.stderr.count("\n") == 1
     assert "run the same again" in ended.stderr and "Traceback" not in ended.stderr
     assert not (tmp_path / "set.h5").exists() and list(tmp_path.glob(".shards*/*.shard"))

@@ -201,6 +201,7 @@ def test_standard_stiff_problems_against_radau(name, machine):
     assert not machine or worst[1] < 0.1 * worst[0]
 
 
+@pytest.mark.slow  # its solver is compiled each time; the hand's is held to stock methods below
 def test_interpreted_and_compiled_take_the_same_steps():
     fun, end, start, _ = STANDARD["hires"]
     scale = np.full(8, 1e-6 / 1e-4)
