@@ -10,6 +10,7 @@ import re
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
@@ -58,12 +59,19 @@ NO_READERS = {
 }
 
 
-def readers() -> Iterator[str]:
+def readers() -> tuple[str, ...]:
     """Functions of the package that open a file or are named as readers are, module:name."""
-    for path in sorted(PACKAGE.rglob("*.py")):
-        for name, node in _functions(ast.parse(path.read_text(encoding="utf-8"))):
-            if NAMED.fullmatch(node.name) or any(map(_opens, ast.walk(node))):
-                yield f"{_module(path)}:{name}"
+    return _readers_of(PACKAGE)
+
+
+@cache
+def _readers_of(package: Path) -> tuple[str, ...]:
+    return tuple(
+        f"{_module(path)}:{name}"
+        for path in sorted(package.rglob("*.py"))
+        for name, node in _functions(ast.parse(path.read_text(encoding="utf-8")))
+        if NAMED.fullmatch(node.name) or any(map(_opens, ast.walk(node)))
+    )
 
 
 def _functions(tree: ast.AST, above: str = "") -> Iterator[tuple[str, ast.FunctionDef]]:

@@ -81,7 +81,7 @@ def test_gaps_on_recordings_that_were_fitted_are_marked_as_such(tmp_path, capsys
 
 
 def test_show_recordings_alone_are_fitted_and_it_is_said(tmp_path):
-    verdict = diagnose(campaign(tmp_path, ["show", "show"])).verdict
+    verdict = diagnose(campaign(tmp_path, ["show"])).verdict
     assert verdict.verdict == "undecided" and "which were fitted too" in verdict.gap_on
 
 
