@@ -13,7 +13,7 @@ from hannes.core.errors import BadInput, nearest
 from hannes.core.kernels.jit import compiles
 from hannes.core.layout import Layout
 from hannes.simulation.compiler.assemble import Compiled
-from hannes.simulation.compiler.entry_points import ASTRAY, MOST
+from hannes.simulation.compiler.grasp_loop import ASTRAY, MOST
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.integrate import tolerances
 from hannes.simulation.rodas.step import NOT_FINITE, TOO_MANY
@@ -161,4 +161,4 @@ def ended(counts: np.ndarray) -> tuple[Outcome, str]:
 def say_when_compiling(compiled: Compiled, entry: str) -> None:
     """Say once on standard error that an entry point is about to be compiled."""
     if compiles() and not compiled.is_warm(entry):
-        print("hannes: compiling the model, once (10 s to a minute)", file=sys.stderr, flush=True)
+        print("hannes: compiling the model, once (5 to 20 s)", file=sys.stderr, flush=True)

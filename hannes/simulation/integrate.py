@@ -11,7 +11,7 @@ import numpy as np
 
 from hannes.control.firmware_memory import MEMORY, READING_AGE
 from hannes.simulation.compiler.assemble import Compiled
-from hannes.simulation.compiler.entry_points import LONGEST, MOST
+from hannes.simulation.compiler.grasp_loop import LONGEST, MOST
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.trajectory import Cost, Outcome, Trajectory
 

@@ -14,7 +14,7 @@ from hannes.core.by_value import ByValue
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput, ComputationFailed, nearest
 from hannes.simulation.compiler.assemble import Compiled
-from hannes.simulation.compiler.entry_points import LONGEST
+from hannes.simulation.compiler.grasp_loop import LONGEST
 from hannes.simulation.compiler.workspace import RUN
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand

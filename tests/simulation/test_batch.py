@@ -20,7 +20,7 @@ from hannes.core.errors import BadInput, ComputationFailed
 from hannes.simulation.batch import chunks
 from hannes.simulation.batch.simulate_many import simulate_alike, simulate_many
 from hannes.simulation.compiled_call import ended
-from hannes.simulation.compiler.entry_points import LONGEST, TOO_MANY
+from hannes.simulation.compiler.grasp_loop import LONGEST, TOO_MANY
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.integrate import tolerances
 from hannes.simulation.rodas.scipy_solver import Rodas

@@ -10,7 +10,7 @@ from runs import WAYS, grasp
 
 from hannes.core.errors import ComputationFailed
 from hannes.simulation.batch.simulate_many import simulate_alike, simulate_many
-from hannes.simulation.compiler import entry_points
+from hannes.simulation.compiler import grasp_loop
 from hannes.simulation.simulate import simulate
 from hannes.simulation.trajectory import Outcome
 
@@ -65,5 +65,5 @@ def test_a_grasp_that_takes_many_times_the_steps_of_the_first_ends_there():
     found = simulate_alike(hand, grasp(duration=0.3), table, **asked)
     assert [each.outcome for each in found[::2]] == [Outcome.COMPLETED] * 2
     assert found[1].outcome is Outcome.SOLVER_GAVE_UP and "Not near" in found[1].message
-    most = entry_points.APART * found[0].cost.jacobians
-    assert found[1].cost.jacobians <= most + entry_points.RUN
+    most = grasp_loop.APART * found[0].cost.jacobians
+    assert found[1].cost.jacobians <= most + grasp_loop.RUN

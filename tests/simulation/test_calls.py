@@ -18,8 +18,8 @@ def layout(*names):
     return Layout(tuple(Slot(name, "1", "of the test") for name in names))
 
 
-def ran(times):
-    """The entry `grasps` of a mass on a spring, compiled anew, and its states at `times`."""
+def ran(times, by_numba=True):
+    """Who runs a mass on a spring's `grasps`, compiled anew, and the states at `times`."""
     model = assemble(
         Equations(
             mass_on_spring,
@@ -32,7 +32,9 @@ def ran(times):
     )
     rows, memories = np.zeros((times.size, 2)), np.zeros((times.size, 1))
     kept, counts = np.zeros((1, 1, times.size)), np.zeros((1, 6), np.int64)
-    model.fast.grasps(
+    entry = model.fast.grasps
+    grasps = entry.by_numba if by_numba else entry.single.entry(model.fast, entry.py_func)
+    grasps(
         *(np.array([[3.0, 100.0]]), np.array([[1.0, 0.0]]), np.array([[0.0, 1.0], [0.0, 2.0]])),
         *(times[-1:], np.zeros(1), times, np.zeros(1, np.int64), model.needed.by([0])),
         *(
@@ -48,7 +50,7 @@ def ran(times):
         ),
     )
     assert counts[0, 4] == 0
-    return model.fast.grasps, rows
+    return grasps, rows
 
 
 TIMES = np.linspace(0.0, 1.0, 11)
@@ -75,6 +77,12 @@ def test_long_functions_are_called_not_written_out_again(by_address):
     made, _ = by_address
     found = {(call.caller, call.callee) for call in calls(made)}
     assert found >= {("grasp", "advance"), ("advance", "equations"), ("first_step", "equations")}
+
+
+def test_our_own_compiler_gives_the_same_bits(by_address, tmp_path, monkeypatch):
+    monkeypatch.setenv("HANNES_CACHE", str(tmp_path))
+    _, rows = ran(TIMES, by_numba=False)
+    assert rows.tobytes() == by_address[1].tobytes()
 
 
 @routine

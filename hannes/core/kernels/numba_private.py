@@ -91,7 +91,7 @@ def compiled(dispatcher: Any, method: Callable[..., Any], signature: Any) -> Any
         return method(signature)
     lock = pkgutil.resolve_name("numba.core.compiler_lock:global_compiler_lock")
     kept_code.checked(dispatcher)
-    with lock, kept_code.one_process(dispatcher), _no_collection():
+    with lock, kept_code.one_process(dispatcher), no_collection():
         level, generator = numba.config.OPT, _generator()
         library = generator._library_class
         numba.config.OPT = type(level)(min(int(level), LEVEL))
@@ -111,7 +111,7 @@ def _generator() -> Any:
 
 
 @contextmanager
-def _no_collection() -> Iterator[None]:
+def no_collection() -> Iterator[None]:
     """Garbage is not looked for inside, where it was before."""
     collects = gc.isenabled()
     gc.disable()

@@ -15,7 +15,7 @@ import numpy as np
 from hannes.control.firmware_memory import MEMORY
 from hannes.simulation.compiled_call import Plan, Ran
 from hannes.simulation.compiler.assemble import Compiled
-from hannes.simulation.compiler.entry_points import PATH
+from hannes.simulation.compiler.grasp_loop import PATH
 from hannes.simulation.compiler.lanes import machine
 from hannes.simulation.compiler.lanes.kernels import Kernels, aligned, is_kept
 from hannes.simulation.compiler.lanes.values import NotInLanes

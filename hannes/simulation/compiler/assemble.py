@@ -12,7 +12,6 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from pathlib import Path
 from types import ModuleType
 from typing import Any, Self
 
@@ -24,7 +23,13 @@ from hannes.core.errors import BadInput
 from hannes.core.kernels.pointers import address
 from hannes.core.layout import Layout, Slot
 from hannes.core.parameter import Parameter
-from hannes.simulation.compiler import dense_jacobian, implicit_steps, module_cache, workspace
+from hannes.simulation.compiler import (
+    dense_jacobian,
+    grasp_loop,
+    implicit_steps,
+    module_cache,
+    workspace,
+)
 from hannes.simulation.compiler import entry_points as entries
 from hannes.simulation.compiler import output_entry as observed
 from hannes.simulation.compiler.autodiff.rules import LANES
@@ -35,6 +40,7 @@ from hannes.simulation.compiler.expansion import (
     output_read_back,
     without_outputs,
 )
+from hannes.simulation.compiler.lanes import single
 from hannes.simulation.compiler.output_slice import ProgramSlice, guarded
 from hannes.simulation.compiler.own_names import require_own_names
 from hannes.simulation.rodas import source as method
@@ -204,9 +210,7 @@ class Compiled:
 
     def is_warm(self, entry: str = "rates") -> bool:
         """Whether machine code of a former run can be used for an entry point."""
-        folder = Path(str(self.fast.__file__)).parent / "__pycache__"
-        stem = Path(str(self.fast.__file__)).stem
-        return any(folder.glob(f"{stem}.{entry}*.nbi"))
+        return single.is_kept(getattr(self.fast, entry))
 
 
 def assemble(plant: Equations, effects: Iterable[Effect] = ()) -> Compiled:
@@ -233,7 +237,7 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
     sizes = layouts.sizes() | {"MEMORY": str(plant.memory)}
     solution, kind = _solution(plant, layouts, text)
     running = layouts.expanded("".join(map(_functions, solution.modules))) + solution.written
-    running += method.source() + _functions(entries) + plant.entries
+    running += method.source() + _functions(entries) + _functions(grasp_loop) + plant.entries
     require_own_names(plant.module, text, running + _functions(observed))
     names = _names(plant, solution.modules, effects)
     origin = module_cache.fingerprint(names)
@@ -243,12 +247,14 @@ def _assembled(plant: Equations, effects: tuple[Effect, ...]) -> Compiled:
         "observed", guarded(text) + _functions(observed), names, origin, sizes
     )
     quick = without_outputs(text) + running
-    names |= {name: value for name, value in vars(entries).items() if name.isupper()}
+    known = vars(entries) | vars(grasp_loop)
+    names |= {name: value for name, value in known.items() if name.isupper()}
     names["fill_outputs"] = seen.fill_outputs
     origin += seen.__name__
     sizes |= solution.constants
     sizes["WORKSPACE"] = workspace.text(solution.fields)
     fast = module_cache.module("fast", quick, names, origin, sizes)
+    single.offered(fast, seen)
     return Compiled(text, layouts.p, layouts.y, layouts.out, fast, seen, needed, kind, effects)
 
 

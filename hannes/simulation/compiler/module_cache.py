@@ -23,7 +23,7 @@ from hannes.simulation.compiler.calling import by_address
 OPEN = "rates|jacobian|differences|tick|steps_on|ticks_on|look_up|grasps|observe|held_steps"
 CLOSED = (
     "equations|resolve|contact|advance|advance_tick|first_step|sample_pieces|"
-    "fill_jacobian|step_on|tick_on|reading_age|grasp"
+    "fill_jacobian|step_on|tick_on|reading_ages|each_grasp|grasp"
 )
 PROVIDING = "fill_outputs"  # what allocates
 # Functions with one caller: a level of calls less is optimised once less.

@@ -13,6 +13,15 @@ def copy_to(target, row):
 
 
 @kernel
+def total(row):
+    """Sum, in order."""
+    found = 0.0
+    for i in range(row.size):
+        found += row[i]
+    return found
+
+
+@kernel
 def add_scaled(target, factor, row):
     """target += factor row."""
     if factor == 0.0:

@@ -39,6 +39,7 @@ from hannes.simulation.rodas.linear_algebra import (
     copy_to,
     interpolate_piece,
     scaled_size,
+    total,
     weigh,
 )
 
@@ -95,13 +96,13 @@ def step(problem, data, y, rtol, atol, clock, counts, piece, work):
     rates, drift, moved = work[MOST_STAGES], work[MOST_STAGES + 1], work[MOST_STAGES + 2]
     t, bound, method = clock[0], clock[2], int(rtol >= LOOSE)
     problem.slope(t, y, rates, data)
-    if not math.isfinite(np.sum(rates)):
+    if not math.isfinite(total(rates)):
         return NOT_FINITE
     problem.mark(y, data)
     problem.linearise(t, y, rates, drift, data)
     counts[0] += 1
     counts[1] += 1
-    failures, tried, failed = 0, 0.0, 0.0
+    failures, tried, failed, h, error = 0, 0.0, 0.0, 0.0, 0.0
     while True:
         h = clock[1]
         if abs(h) > clock[3]:

@@ -53,7 +53,7 @@ def whole_tick(problem, data, y, rtol, atol, clock, counts, piece, work):
     rates, drift, moved, error, value = work[6], work[7], work[8], work[9], work[10]
     t, h = clock[0], clock[1]
     per = 1.0 / (TICK_GAMMA * h)
-    stale = min(TICK_STALE_MOST, TICK_STALE / rtol)
+    stale, size = min(TICK_STALE_MOST, TICK_STALE / rtol), 0.0
     old = abs(clock[TICK_KEPT] - h) <= 1e-6 * h
     problem.slope(t, y, rates, data)
     counts[0] += 1

@@ -10,9 +10,14 @@ from llvmlite import ir
 
 from hannes.simulation.compiler.lanes.arithmetic import lane_of
 from hannes.simulation.compiler.lanes.library import Library
-from hannes.simulation.compiler.lanes.values import TYPES, Array, NotInLanes, Number, Record
-
-POINTER = ir.PointerType()
+from hannes.simulation.compiler.lanes.values import (
+    POINTER,
+    TYPES,
+    Array,
+    NotInLanes,
+    Number,
+    Record,
+)
 
 
 class Arrays(Library):
@@ -62,7 +67,10 @@ class Arrays(Library):
             place = places[n] if n < len(places) else (self.known(0), size)
             if isinstance(place, tuple):
                 start, stop = place[0] or self.known(0), place[1] or size
-                shape.append(self.binary(ast.Sub(), stop, start))
+                length = self.binary(ast.Sub(), stop, start)
+                if self.width == 1 and size.known is None and length.known is not None:
+                    length = Number(self.hidden(length.ir), "whole")  # see `unknown` in pointers.py
+                shape.append(length)
                 strides.append(array.strides[n])
             else:
                 start = self.as_kind(place, "whole")
@@ -76,12 +84,19 @@ class Arrays(Library):
             at = self.builder.gep(at, [offset.ir], source_etype=self._element(array))
         return Array(at, tuple(shape), tuple(strides), array.kind, array.lanes, array.over)
 
+    def hidden(self, value: ir.Value) -> ir.Value:
+        """The same value, of which the compiler knows nothing."""
+        kind = ir.FunctionType(value.type, [value.type])
+        return self.builder.asm(kind, "", "=r,0", [value], False)
+
     def _element(self, array: Array) -> ir.Type:
         return self.type_of(array.kind, array.lanes)
 
     def read(self, place: Array) -> Number:
         """The number there."""
         made = self.builder.load(place.at, typ=self._element(place))
+        if place.kind == "byte":  # a truth as numpy keeps it
+            return Number(self.builder.icmp_unsigned("!=", made, made.type(0)), "truth")
         over = None
         if place.over:
             step = ir.Constant(TYPES["whole"], place.over)

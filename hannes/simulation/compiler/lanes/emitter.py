@@ -8,16 +8,18 @@ import ast
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 
 from hannes.core.kernels.jit import fused, plain, power_of_two
-from hannes.core.kernels.pointers import numbers_at, pointer, shaped, unknown
+from hannes.core.kernels.pointers import address, numbers_at, pointer, shaped, unknown
 from hannes.simulation.compiler.autodiff.values import NotDifferentiable, tree
-from hannes.simulation.compiler.lanes.arrays import POINTER
 from hannes.simulation.compiler.lanes.expressions import Expressions
 from hannes.simulation.compiler.lanes.library import BUILTIN, of_library
 from hannes.simulation.compiler.lanes.loops import State, Turns
+from hannes.simulation.compiler.lanes.returns import body_of
 from hannes.simulation.compiler.lanes.values import (
+    POINTER,
     TYPES,
     Array,
     Env,
@@ -42,7 +44,8 @@ class Emitter(Expressions):
     ) -> None:
         super().__init__(module, width)
         self.texts, self.switches, self.constants = texts, frozenset(switches), {}
-        self.made: dict[Any, ir.Function] = {}
+        self.made: dict[Any, tuple[ir.Function, str]] = {}
+        self.single = width == 1
 
     def block(self, body: Sequence[ast.stmt], env: Env) -> Any:
         """Run statements in `env`; what they return, or None."""
@@ -51,7 +54,7 @@ class Emitter(Expressions):
                 case ast.Return(value):
                     return () if value is None else self.value(value, env)
                 case ast.If(test, then, other):
-                    ends = any(isinstance(x, ast.Return | ast.Break) for x in ast.walk(each))
+                    ends = _ends(each)
                     rest = body[n + 1 :] if ends else []
                     parts = [*then, *rest], [*other, *rest]
                     ways = tuple(lambda e, part=part: self.block(part, e) for part in parts)
@@ -116,6 +119,8 @@ class Emitter(Expressions):
                 text = self.texts.get(name)
                 if text is not None and (name not in names or names is text.names):
                     function = text
+                else:
+                    function = self.texts.get(_full_name(function), function)
             case ast.Attribute(ast.Name(module), name) if module in names:
                 function = getattr(names[module], name, None)
         return self.apply(function, self.all_of(node.args, env))
@@ -129,7 +134,11 @@ class Emitter(Expressions):
                 self.apart(function, values) if function.called else self.inline(function, values)
             )
         if function in _SAME:
-            return values[0]
+            return self.kept_from(function, values) if self.single else values[0]
+        if function is address:
+            return Number(self.builder.ptrtoint(values[0].at, TYPES["whole"]), "whole")
+        if function is np.zeros:
+            return self.room(values[0])
         if function is numbers_at:
             at = self.builder.inttoptr(values[0].ir, POINTER)
             return self.rows(at, values[1], "real", False)
@@ -153,13 +162,42 @@ class Emitter(Expressions):
         if len(names) != len(values):
             raise NotInLanes("arguments left out")
         env: Env = {"%names": text.names} | dict(zip(names, values, strict=True))
-        return self.block(text.tree.body, env)
+        return self.block(body_of(text.tree), env)
+
+    def kept_from(self, function: Any, values: Sequence[Any]) -> Any:
+        """What `pointers.py` keeps from the compiler, of a single grasp."""
+        if function is unknown:
+            return Number(self.hidden(values[0].ir), "whole")
+        place = values[0]
+        if function is pointer:
+            return Array(place.at, (), (), place.kind, place.lanes)
+        return self.rows(self.hidden(place.at), values[1], place.kind, place.lanes)
+
+    def room(self, shape: Any) -> Array:
+        """Zeros that live as long as the function."""
+        sizes = [n.known for n in (shape if isinstance(shape, tuple) else (shape,))]
+        if not self.single or None in sizes:
+            raise NotInLanes("an array made anew")
+        with self.builder.goto_entry_block():
+            at = self.builder.alloca(TYPES["real"], int(np.prod(sizes)))
+        made = self.rows(at, sizes, "real", False)
+        body = _FILL_ROW if len(sizes) == 1 else _FILL
+        env = {"place": made, "value": self.known(0.0), "%names": dict[str, Any]()}
+        self.turns("i", made.shape[:1], body, env)
+        return made
+
+    def forgotten(self, value: Any) -> Any:
+        """A single grasp's functions are one for all the numbers that they are given."""
+        if self.single and isinstance(value, Number):
+            return Number(value.ir, value.kind)
+        return value
 
     def apart(self, text: Text, values: Sequence[Any]) -> Any:
         """A call of a function of its own, written when it is first called so."""
         given: list[ir.Value] = []
+        values = [self.forgotten(each) for each in values]
         keys = [_key(each, given) for each in values]
-        key = (text.tree.name, tuple(keys), self.mask is not None)
+        key = (id(text.tree), tuple(keys), self.mask is not None)
         if self.mask is not None:
             given.append(self.mask.ir)
         if key not in self.made:
@@ -167,14 +205,17 @@ class Emitter(Expressions):
             self.made[key] = self.written(text, keys, [each.type for each in given])
             self.state, self.mask = state, mask
             self.builder.position_at_end(here)
-        self.builder.call(self.made[key], given)
-        return ()
+        function, kind = self.made[key]
+        word = Number(self.builder.call(function, given), "whole")
+        if kind == "real":
+            return Number(self.builder.bitcast(word.ir, TYPES["real"]), kind)
+        return word if kind == "whole" else self.as_kind(word, kind)
 
     def written(
         self, text: Text, keys: Sequence[Any], types: Sequence[ir.Type], name: str = ""
-    ) -> ir.Function:
-        """Write a function that returns nothing, or, by a `name`, a whole number."""
-        kind = ir.FunctionType(TYPES["whole"] if name else ir.VoidType(), types)
+    ) -> tuple[ir.Function, str]:
+        """Write a function that returns a number, of the kind that is found, in a word."""
+        kind = ir.FunctionType(TYPES["whole"], types)
         own = name or self.module.get_unique_name(text.tree.name)
         function, masked = ir.Function(self.module, kind, own), self.mask is not None
         if not name:
@@ -186,13 +227,14 @@ class Emitter(Expressions):
         values = [self._made(key, given) for key in keys]
         self.mask = Number(next(given), "truth", True) if masked else None
         found = self.inline(text, values)
-        if name:
-            self.builder.ret(self.as_kind(found, "whole").ir)
-        elif found in (None, ()):
-            self.builder.ret_void()
-        else:
-            raise NotInLanes(f"{text.tree.name} returns something")
-        return function
+        found = self.known(0) if found in (None, ()) else found
+        if not isinstance(found, Number) or found.varying:
+            raise NotInLanes(f"{text.tree.name} returns something else than a number")
+        word = found.ir
+        if found.kind == "real":
+            word = self.builder.bitcast(word, TYPES["whole"])
+        self.builder.ret(word if found.kind != "truth" else self.as_kind(found, "whole").ir)
+        return function, found.kind
 
     def _made(self, key: Any, given: Iterator[ir.Value]) -> Any:
         """What a function takes."""
@@ -212,6 +254,21 @@ class Emitter(Expressions):
             case ("tuple", parts):
                 return tuple(self._made(x, given) for x in parts)
         raise NotInLanes(str(key))
+
+
+def _ends(node: ast.stmt) -> bool:
+    """Whether a statement may return, or break out of the loop that it is in."""
+    if isinstance(node, ast.Return | ast.Break):
+        return True
+    inner = [*getattr(node, "body", []), *getattr(node, "orelse", [])]
+    if isinstance(node, ast.For | ast.While):
+        return any(isinstance(x, ast.Return) for x in ast.walk(node))
+    return any(map(_ends, inner))
+
+
+def _full_name(function: Any) -> str:
+    own = plain(function)
+    return f"{getattr(own, '__module__', '')}.{getattr(own, '__name__', '')}"
 
 
 def _key(value: Any, given: list[ir.Value]) -> Any:

@@ -152,6 +152,8 @@ class Expressions(Loops):
             if place is None:
                 raise NotInLanes(ast.unparse(node))
             return whole[int(place)]
+        if isinstance(whole, Record):  # the only one of its array
+            return whole
         array, places = self.places(node, env)
         if any(isinstance(x, Number) and x.varying for x in places):
             return self.gathered(array, places)

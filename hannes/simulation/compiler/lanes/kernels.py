@@ -3,8 +3,6 @@
 import ast
 import ctypes
 import functools
-import hashlib
-import inspect
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,17 +15,14 @@ from llvmlite import ir
 from hannes.core.kernels.pointers import numbers_at
 from hannes.simulation.compiler.assemble import Compiled
 from hannes.simulation.compiler.lanes import machine, values
-from hannes.simulation.compiler.lanes.arrays import POINTER
 from hannes.simulation.compiler.lanes.emitter import Emitter
-from hannes.simulation.compiler.lanes.values import Field, NotInLanes, Text
+from hannes.simulation.compiler.lanes.texts import ODD, by_name, functions_of, own_digest
+from hannes.simulation.compiler.lanes.values import POINTER, Field, NotInLanes, Text
 from hannes.simulation.compiler.lanes.ways import HEAVY, weight
 from hannes.simulation.rodas import lockstep
 
 LINE = 64  # bytes, of a cache line, at whose beginning each array lies
 UNUSED = ("pieces", "ends", "turn", "ahead", "clock", "everything")
-# What text of which nothing is known may end in.
-ODD = (AttributeError, LookupError, OverflowError, RecursionError, TypeError, ValueError)
-APART = ("linearise_at", "factor_border_at")  # written once, and called
 _SAMPLES = """
 def in_samples(data, times, rows, kept, first, last):
     for k in range(first, last):
@@ -63,9 +58,9 @@ class Kernels:
         return tuple(sorted(k for k in found if k < self.compiled.parameters.size - own))
 
     def _texts_of_steps(self) -> dict[str, Text]:
-        own = re.sub(r"\bproblem(\.|, )", "", _functions(lockstep))
+        own = re.sub(r"\bproblem(\.|, )", "", functions_of(lockstep))
         fast = self.compiled.fast
-        return _texts(Path(str(fast.__file__)).read_text() + own, vars(fast) | vars(lockstep))
+        return by_name(Path(str(fast.__file__)).read_text() + own, vars(fast) | vars(lockstep))
 
     def _texts_of_samples(self) -> dict[str, Text]:
         seen, outputs = self.compiled.observed, self.compiled.outputs.size
@@ -77,7 +72,7 @@ class Kernels:
         needed = tuple(bool(each) for each in self.compiled.needed.by(self.columns))
         own = _SAMPLES.format(needed=needed, kept="\n".join(f"    {each}" for each in kept))
         names = {**vars(seen), "numbers_at": numbers_at}
-        return _texts(Path(str(seen.__file__)).read_text() + own, names)
+        return by_name(Path(str(seen.__file__)).read_text() + own, names)
 
     def _written_steps(self) -> ir.Module:
         states, whole = self.compiled.states.size, _number("whole")
@@ -123,7 +118,7 @@ def is_kept(compiled: Compiled, columns: tuple[int, ...], width: int) -> bool:
 
 def _origins(compiled: Compiled, columns: tuple[int, ...], width: int) -> tuple[str, str]:
     """What makes the code of steps and of samples what it is."""
-    steps = (compiled.fast.__name__, _own_digest(), width)
+    steps = (compiled.fast.__name__, own_digest(), width)
     return repr(steps), repr((*steps, compiled.observed.__name__, columns))
 
 
@@ -180,32 +175,4 @@ def _switches(tree: ast.AST) -> set[int]:
         for part in ast.walk(node.test)
         if isinstance(part, ast.Subscript) and ast.unparse(part.value) == "p"
         if isinstance(part.slice, ast.Constant) and isinstance(part.slice.value, int)
-    }
-
-
-@functools.cache
-def _own_digest() -> str:
-    """Of all that writes instructions."""
-    digest = hashlib.sha256(inspect.getsource(lockstep).encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
-def _functions(module: ModuleType) -> str:
-    text = inspect.getsource(module)
-    return text[text.index("\ndef ") :]
-
-
-def _stays(node: ast.FunctionDef) -> bool:
-    """Whether it stays a function of its own."""
-    return node.name in APART or "routine" in map(ast.unparse, node.decorator_list)
-
-
-def _texts(source: str, names: Mapping[str, Any]) -> dict[str, Text]:
-    """Functions of a text by name; long ones that are called from several places stay functions."""
-    return {
-        node.name: Text(node, names, _stays(node))
-        for node in ast.parse(source).body
-        if isinstance(node, ast.FunctionDef)
     }

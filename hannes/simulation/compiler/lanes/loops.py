@@ -46,6 +46,12 @@ class Loops(Ways):
 
     state: State
 
+    @property
+    def blocks(self) -> list[ir.Block]:
+        """Those of the function that is being written."""
+        found: list[ir.Block] = self.state.function.blocks
+        return found
+
     def new_block(self) -> ir.Block:
         """One more block of the function that is being written."""
         return self.state.function.append_basic_block()
@@ -70,34 +76,57 @@ class Loops(Ways):
             env.pop(name, None)
 
     def loop(self, turns: Turns, body: Sequence[ast.stmt], env: Env) -> None:
-        """Body after body while the test holds."""
+        """Body after body while the test holds; written anew where it carries on other kinds."""
         names = sorted((_assigned(body) | {turns.count}) & env.keys())
-        kinds, parted = self._kinds(turns, body, env, names)
+        kinds, parted = {n: _kind(env[n]) for n in names}, False
+        build, mask, state, begun = self.builder, self.mask, self.state, dict(env)
+        while True:
+            here, done, blocks = build.block, len(build.block.instructions), len(self.blocks)
+            found = self._written_loop(turns, body, env, kinds, parted)
+            if found == (kinds, parted):
+                return
+            del self.blocks[blocks:], here.instructions[done:]
+            here.terminator = None
+            build.position_at_end(here)
+            self.mask, self.state = mask, state
+            env.clear()
+            env.update(begun)
+            kinds, parted = found
+
+    def _written_loop(
+        self, turns: Turns, body: Sequence[ast.stmt], env: Env, kinds: dict[str, Kind], parted: bool
+    ) -> tuple[dict[str, Kind], bool]:
+        """Write it for what it is thought to carry on; what it does, and whether lanes part."""
         build, mask = self.builder, self.mask
         slots = {n: self._slot(k) for n, k in kinds.items()}
         active = self._slot(("truth", True)) if parted else None
-        for n in names:
-            self._put(slots[n], env[n])
+        for n, slot in slots.items():
+            self._put(slot, env[n])
         self._put(active, mask or self.known(True))
         head, inside, after = (self.new_block() for _ in range(3))
         build.branch(head)
         build.position_at_end(head)
-        own = dict(env) | {n: self._get(slots[n]) for n in names}
+        own = dict(env) | {n: self._get(slot) for n, slot in slots.items()}
         before = dict(own)
         truth = turns.test(own)
         some, goes_on = self._lanes(truth, self._get(active) if parted else mask, parted)
         build.cbranch(goes_on.ir, inside, after)
         build.position_at_end(inside)
         self.mask = some
-        self._turn(Loop(after, slots, some, active), turns, body, own)
-        for n in names:
-            of_all = some is None or n == turns.count or not (truth.varying or parted)
-            value = own[n] if some is None or of_all else self.select(some, own[n], before[n])
-            self._put(slots[n], value)
+        loop = Loop(after, slots, some, active)
+        self._turn(loop, turns, body, own)
+        varies = truth.varying or loop.parted
+        found = {n: _wider(k, _kind(own[n]), varies and n != turns.count) for n, k in kinds.items()}
+        if (found, loop.parted) != (kinds, parted):
+            return found, loop.parted
+        for n, slot in slots.items():
+            of_all = some is None or n == turns.count or not varies
+            self._put(slot, own[n] if of_all else self.select(some or truth, own[n], before[n]))
         build.branch(head)
         build.position_at_end(after)
         self.mask = mask
-        env.update({n: self._get(slots[n]) for n in names})
+        env.update({n: self._get(slot) for n, slot in slots.items()})
+        return kinds, parted
 
     def _lanes(
         self, truth: Number, mask: Number | None, parted: bool
@@ -130,41 +159,6 @@ class Loops(Ways):
             self._put(slot, env[n])
         self.builder.branch(loop.left)
         self.builder.position_at_end(self.new_block())
-
-    def _kinds(
-        self, turns: Turns, body: Sequence[ast.stmt], env: Env, names: Sequence[str]
-    ) -> tuple[dict[str, Kind], bool]:
-        """Kinds of what a loop carries on, and whether lanes part: by trial, until they stay."""
-        kinds, parted = {n: _kind(env[n]) for n in names}, False
-        here, state, mask = self.builder.block, self.state, self.mask
-        while set(names) - {turns.count} or _breaks(body):
-            function = ir.Function(ir.Module(), ir.FunctionType(ir.VoidType(), []), "trial")
-            loop = Loop(function.append_basic_block(), {}, mask)
-            self.state = State(function, [*state.loops])
-            self.builder.position_at_end(function.append_basic_block())
-            trial = dict(env) | {n: self._some(k) for n, k in kinds.items()}
-            truth = turns.test(trial)
-            if truth.varying:
-                self.mask = loop.mask = truth
-            self._turn(loop, turns, body, trial)
-            varies = truth.varying or loop.parted
-            found = {
-                n: _wider(kinds[n], _kind(trial[n]), varies and n != turns.count) for n in names
-            }
-            self.builder.position_at_end(here)
-            self.state, self.mask = state, mask
-            if found == kinds and loop.parted == parted:
-                break
-            kinds, parted = found, loop.parted
-        return kinds, parted
-
-    def _some(self, kind: Kind) -> Any:
-        """A value of a kind."""
-        if isinstance(kind, list):
-            return tuple(map(self._some, kind))
-        if isinstance(kind, tuple):
-            return Number(ir.Constant(self.type_of(*kind), ir.Undefined), *kind)
-        return kind
 
     def _slot(self, kind: Kind) -> Any:
         if isinstance(kind, list):
@@ -212,7 +206,3 @@ def _assigned(body: Sequence[ast.stmt]) -> set[str]:
         for x in ast.walk(each)
         if isinstance(x, ast.Name) and isinstance(x.ctx, ast.Store)
     }
-
-
-def _breaks(body: Sequence[ast.stmt]) -> bool:
-    return any(isinstance(x, ast.Break) for each in body for x in ast.walk(each))

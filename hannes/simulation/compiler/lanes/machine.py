@@ -9,14 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import llvmlite.binding as llvm
+import numba
 from llvmlite import ir
 
 from hannes.core.errors import BadInput
 from hannes.core.io.atomic_files import write_bytes
+from hannes.core.io.locks import alone
+from hannes.core.kernels import numba_private
 from hannes.core.kernels.jit import cache_folder, compiles
 from hannes.core.kernels.kept_code import warn_not_kept
 
-LEVEL = 2  # of LLVM
 _WIDE = ('"prefer-vector-width"="512"', '"min-legal-vector-width"="512"', '"stackrealign"')
 _WIDTHS = (("avx512f", 8), ("avx2", 4), ("avx", 4), ("sse2", 2), ("neon", 2))
 
@@ -40,9 +42,9 @@ def _target() -> Any:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     return llvm.Target.from_default_triple().create_target_machine(
-        cpu=llvm.get_host_cpu_name(),
-        features=llvm.get_host_cpu_features().flatten(),
-        opt=LEVEL,
+        cpu=_made_for()[0],
+        features=_made_for()[1],
+        opt=_made_for()[2],
         reloc="pic",
         codemodel="small",
         jit=True,
@@ -50,9 +52,12 @@ def _target() -> Any:
 
 
 @functools.cache
-def processor() -> str:
-    """What machine code is for."""
-    return f"{llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+def _made_for() -> tuple[str, str, int]:
+    """Processor, its features and LLVM's level: this one's, or what numba's settings say."""
+    settings, features = numba.config, numba.config.CPU_FEATURES
+    own = llvm.get_host_cpu_features().flatten() if features is None else features
+    level = min(int(settings.OPT), numba_private.LEVEL)
+    return settings.CPU_NAME or llvm.get_host_cpu_name(), own, level
 
 
 class Loaded:
@@ -63,18 +68,32 @@ class Loaded:
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
 
+    def address(self, name: str) -> int:
+        """Where a function begins, as long as this lives."""
+        found: int = self._engine.get_function_address(name)
+        return found
+
     def function(self, name: str, given: Iterable[Any]) -> Callable[..., int]:
         """A function by name, callable from Python without the interpreter's lock."""
-        return ctypes.CFUNCTYPE(ctypes.c_int64, *given)(self._engine.get_function_address(name))
+        made = ctypes.CFUNCTYPE(ctypes.c_int64, *given)(self.address(name))
+        made.loaded = self  # type: ignore[attr-defined]  # whose memory it lies in
+        return made
 
 
-def loaded(origin: str, make: Callable[[], ir.Module]) -> Loaded:
-    """Machine code of a module that is made where it is not yet kept under its `origin`."""
+def loaded(origin: str, make: Callable[[], ir.Module], lanes: bool = True) -> Loaded:
+    """Machine code of a module that is made where it is not yet kept under its `origin`.
+
+    lanes: its numbers are vectors as they are; else loops work on several numbers at a time.
+    """
     path = _path(origin)
     code = _kept(path)
     if code is None:
-        code = _compiled(make())
-        _keep(path, code)
+        with alone(f"compile {path}", wait=True):  # who waits finds it
+            code = _kept(path)
+            if code is None:
+                with numba_private.no_collection():
+                    code = _compiled(make(), lanes)
+                _keep(path, code)
     return Loaded(code)
 
 
@@ -92,8 +111,13 @@ def is_kept(origin: str) -> bool:
     return _path(origin).exists()
 
 
+def kept(origin: str) -> bytes | None:
+    """Such code from the disk, None where it is missing or damaged."""
+    return _kept(_path(origin))
+
+
 def _path(origin: str) -> Path:
-    digest = hashlib.sha256(f"{origin} {processor()} {llvm.llvm_version_info}".encode()).hexdigest()
+    digest = hashlib.sha256(f"{origin} {_made_for()} {llvm.llvm_version_info}".encode()).hexdigest()
     return cache_folder() / f"lanes_{digest[:16]}.o"
 
 
@@ -106,16 +130,16 @@ def _kept(path: Path) -> bytes | None:
     return data[32:] if hashlib.sha256(data[32:]).digest() == data[:32] else None
 
 
-def _compiled(module: ir.Module) -> bytes:
+def _compiled(module: ir.Module, lanes: bool = True) -> bytes:
     target = _target()
     for each in module.functions:
-        if not each.is_declaration:
+        if lanes and not each.is_declaration:
             each.attributes._known = frozenset({*each.attributes._known, *_WIDE})
             for attribute in _WIDE:
                 each.attributes.add(attribute)
     parsed = llvm.parse_assembly(str(module))
-    tuning = llvm.create_pipeline_tuning_options(LEVEL)
-    tuning.loop_vectorization = tuning.slp_vectorization = False
+    tuning = llvm.create_pipeline_tuning_options(_made_for()[2])
+    tuning.loop_vectorization, tuning.slp_vectorization = not lanes, False
     builder = llvm.create_pass_builder(target, tuning)
     builder.getModulePassManager().run(parsed, builder)
     return target.emit_object(parsed)

@@ -8,8 +8,9 @@ from typing import Any
 from llvmlite import ir
 
 REAL, WHOLE, TRUTH = ir.DoubleType(), ir.IntType(64), ir.IntType(1)
-TYPES = {"real": REAL, "whole": WHOLE, "truth": TRUTH}
-RANKS = ("truth", "whole", "real")
+POINTER = ir.PointerType()
+TYPES = {"real": REAL, "whole": WHOLE, "truth": TRUTH, "byte": ir.IntType(8), "place": POINTER}
+RANKS = ("truth", "whole", "real", "place")
 
 
 class NotInLanes(Exception):

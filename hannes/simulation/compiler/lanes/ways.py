@@ -3,14 +3,22 @@
 import ast
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from llvmlite import ir
 
 from hannes.simulation.compiler.lanes.arrays import Arrays
 from hannes.simulation.compiler.lanes.library import BUILTIN
-from hannes.simulation.compiler.lanes.values import GONE, Env, Gone, NotInLanes, Number, wider
+from hannes.simulation.compiler.lanes.values import (
+    GONE,
+    Array,
+    Env,
+    Gone,
+    NotInLanes,
+    Number,
+    wider,
+)
 
 HEAVY = 40  # parts of a way that is left out where no lane goes it
 Way = Callable[[Env], Any]
@@ -92,6 +100,9 @@ class Ways(Arrays, ABC):
             ends.append(build.block)
             envs.append(own)
         skipped = results[1] is GONE
+        if self.width == 1 and not skipped:
+            for own, other in (envs, envs[::-1]):
+                own.update({n: self._unknown(x) for n, x in other.items() if n not in own})
         names = [n for n in envs[0] if n in envs[1] or skipped]
         merged = {n: self._common(envs[0][n], envs[1].get(n, GONE), skipped) for n in names}
         result = self._common(results[0], results[1], skipped)
@@ -106,6 +117,8 @@ class Ways(Arrays, ABC):
         if isinstance(a, tuple) and (isinstance(b, tuple) or (b is GONE and skipped)):
             others = b if isinstance(b, tuple) else [GONE] * len(a)
             return tuple(self._common(x, y, skipped) for x, y in zip(a, others, strict=True))
+        if isinstance(a, Array) and isinstance(b, Array) and a != b and _alike(a, b):
+            return self._common_array(a, b)
         if isinstance(a, Number) and b is GONE and skipped:
             none = ir.Constant(self.type_of(a.kind, a.varying), ir.Undefined)
             return Merged((a, Number(none, a.kind, a.varying)), a.kind, a.varying)
@@ -116,6 +129,20 @@ class Ways(Arrays, ABC):
         if a is None or b is None:
             return b if a is None else a
         return a if a == b else GONE
+
+    def _unknown(self, value: Any) -> Any:
+        """What stands for a value where it was not given: nobody looks at it."""
+        if isinstance(value, tuple):
+            return tuple(map(self._unknown, value))
+        if isinstance(value, Number):
+            return Number(ir.Constant(value.ir.type, ir.Undefined), value.kind, value.varying)
+        return value
+
+    def _common_array(self, a: Array, b: Array) -> Array:
+        """The one or the other."""
+        at = Merged((Number(a.at, "place"), Number(b.at, "place")), "place", False)
+        shape = self._common(a.shape, b.shape, False)
+        return replace(a, at=at, shape=shape, strides=self._common(a.strides, b.strides, False))
 
     def _joined(
         self, values: Sequence[Any], ends: Sequence[ir.Block], after: ir.Block
@@ -137,6 +164,11 @@ class Ways(Arrays, ABC):
         return [_filled(each, found) for each in values]
 
 
+def _alike(a: Array, b: Array) -> bool:
+    """Whether two arrays differ in nothing but their places and sizes."""
+    return (len(a.shape), a.kind, a.lanes, a.over) == (len(b.shape), b.kind, b.lanes, b.over)
+
+
 def _nothing(env: Env) -> Gone:
     return GONE
 
@@ -144,12 +176,17 @@ def _nothing(env: Env) -> Gone:
 def _places(value: Any) -> list[Merged]:
     if isinstance(value, tuple):
         return [m for each in value for m in _places(each)]
+    if isinstance(value, Array):
+        return _places((value.at, value.shape, value.strides))
     return [value] if isinstance(value, Merged) else []
 
 
 def _filled(value: Any, found: dict[int, Number]) -> Any:
     if isinstance(value, tuple):
         return tuple(_filled(each, found) for each in value)
+    if isinstance(value, Array) and isinstance(value.at, Merged):
+        shape, strides = _filled(value.shape, found), _filled(value.strides, found)
+        return replace(value, at=found[id(value.at)].ir, shape=shape, strides=strides)
     return found[id(value)] if isinstance(value, Merged) else value
 
 

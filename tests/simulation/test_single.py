@@ -1,0 +1,149 @@
+"""Functions of a model as our own compiler makes them, one grasp at a time."""
+
+import math
+
+import numpy as np
+import pytest
+from llvmlite import ir
+
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.layout import Layout, Slot
+from hannes.core.parameter import Parameter
+from hannes.simulation.compiler.assemble import Equations, assemble
+from hannes.simulation.compiler.autodiff.values import tree
+from hannes.simulation.compiler.lanes import handed, machine
+from hannes.simulation.compiler.lanes.emitter import Emitter
+from hannes.simulation.compiler.lanes.single import Entry
+from hannes.simulation.compiler.lanes.values import Text
+from tests import mass_on_spring
+
+pytestmark = pytest.mark.usefixtures("compiling")
+
+
+def first_above(times, y, p, memory):
+    """Returns from loops within loops, and arrays that a condition chooses."""
+    chosen = times if p[0] > 0.0 else y
+    for k in range(chosen.size):
+        if chosen[k] < 0.0:
+            memory[0] = k
+            return -1
+        place = 0
+        while True:
+            if chosen[k] * place > p[1]:
+                memory[1] = chosen[k] * place
+                return 10 * k + place
+            place += 1
+            if place > 4:
+                break
+        memory[2] += place
+    return 1000
+
+
+def cumulated(times, y, p, memory):
+    """Room of its own in each turn, parts of arrays, and a number that begins whole."""
+    total = 0
+    for k in range(times.size):
+        held = np.zeros(3)
+        held[:2] = y[k]
+        held[2] += times[k]
+        total = total + math.sqrt(abs(held[0] * held[1] + held[2]))
+        memory[:2] = total
+    memory[2] = row_sum(p[1:])
+    return times.size
+
+
+def row_sum(row):
+    found = 0.0
+    for i in range(row.size):
+        found += row[i]
+    return found
+
+
+def compiled(function):
+    """Machine code of a function of arrays, as Python calls it."""
+    made = Emitter(ir.Module(), 1, {})
+    handed.write(made, Text(tree(function), function.__globals__), {})
+    loaded = machine.Loaded(machine._compiled(made.module, lanes=False))
+    return handed.callable_from(loaded, function)
+
+
+GIVEN = [
+    (np.array([0.1, 0.2, 3.0]), np.array([1.0, -2.0, 5.0]), np.array([switch, most, 0.5]))
+    for switch in (1.0, -1.0)
+    for most in (0.3, 7.0, 1e3)
+]
+
+
+@pytest.mark.parametrize("function", [first_above, cumulated])
+def test_it_is_what_python_does(function):
+    run = compiled(function)
+    for given in GIVEN:
+        expected, found = np.zeros(3), np.zeros(3)
+        assert run(*given, found) == function(*given, expected)
+        assert found.tobytes() == expected.tobytes()
+
+
+def test_arrays_that_are_not_as_expected_are_copied_or_refused():
+    run, (times, y, p) = compiled(cumulated), GIVEN[0]
+    expected = np.zeros(3)
+    cumulated(times, y, p, expected)
+    every_other, held = np.zeros(6), np.zeros(6)
+    every_other[::2] = y
+    run(times.astype(">f8"), every_other[::2], p.astype(object), held[::2])
+    assert held[::2].tobytes() == expected.tobytes() and not held[1::2].any()
+    for other in (None, [1.0], 3.0, np.zeros((1, 3))):
+        with pytest.raises(TypeError, match="expected an array of 1 dim"):
+            run(times, y, p, other)
+
+
+def layout(*names):
+    return Layout(tuple(Slot(name, "1", "of the test") for name in names))
+
+
+def spring(*effects):
+    return assemble(
+        Equations(
+            mass_on_spring,
+            layout("stiffness", "level"),
+            layout("place", "speed"),
+            layout("push"),
+            layout("force"),
+            memory=1,
+        ),
+        effects,
+    )
+
+
+@kernel
+def by_error_function(place, share):
+    """Numba knows this function, our compiler does not."""
+    return share * math.erf(place)
+
+
+OWN = Effect(
+    "by_error_function", "It pushes.", "push += share place", "a test",
+    (Parameter("share", 0.0, "1", (0.0, 10.0), "share", off=0.0),),
+    (Term(by_error_function, ("push",)),),
+)  # fmt: skip
+AT = (0.0, np.array([1.0, 100.0]))
+HELD = np.array([[0.0, 1.0], [0.0, 2.0]]), np.zeros(1)
+
+
+def test_what_is_not_known_here_is_left_to_numba(tmp_path, monkeypatch):
+    monkeypatch.setenv("HANNES_CACHE", str(tmp_path))
+    model = spring(OWN)
+    given = *AT, np.array([3.0, 2.0, 0.5]), *HELD
+    found = model.fast.rates(*given)
+    assert model.fast.rates.run is model.fast.rates.by_numba
+    assert found.tolist() == [100.0, 0.5 * math.erf(1.0) - 3.0 - math.tanh(200.0)]
+    assert model.is_warm() and not model.is_warm("grasps")
+
+
+def test_errors_of_python_are_raised():
+    rates = spring().fast.rates
+    assert isinstance(rates, Entry)
+    with pytest.raises(TypeError):
+        rates("now", AT[1], np.array([3.0, 2.0]), *HELD)
+    with pytest.raises(TypeError):
+        rates(*AT, np.array([3.0, 2.0]), None, HELD[1])
