@@ -44,14 +44,15 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
     for name in sorted(missed, key=lambda each: missed[each]):
         known = without.get(name)
         losses[name] = min([missed[name], *([best.delta_chi2 - known.delta_chi2] if known else [])])
-        if missed[name] > max(SEARCH.surely_missed, SEARCH.missed_much * needed_beside(best)):
+        needed = needed_beside(best, found.variance_factor)
+        if missed[name] > max(SEARCH.surely_missed, SEARCH.missed_much * needed):
             continue
         less = left_out(found, best, name, progress)
         if less is not None and (known is None or less.delta_chi2 > known.delta_chi2):
             without[name] = known = less
         if known is not None:
             losses[name] = best.delta_chi2 - known.delta_chi2
-            if losses[name] < needed_beside(known):
+            if losses[name] < needed_beside(known, found.variance_factor):
                 return pruned_effects(found, Joint(known), progress)
     return replace(joint, losses=losses, without=without)
 

@@ -28,6 +28,7 @@ from hannes.identification.diagnosis.multistart import (
     refitted,
     without,
 )
+from hannes.identification.diagnosis.noise_at_best import with_noise_at_best
 from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.reservations import ends_reached
@@ -64,7 +65,7 @@ def search_effects(
     groups = grouped(plant, entries)
     nominal, baseline = based(plant, groups, settings, effects, seed, progress, work)
     try:
-        return _all_searched(nominal, baseline, effects, progress)
+        return _all_searched(nominal, baseline, effects, seed, progress)
     except SearchEnded:
         return SearchResult(nominal, baseline, [], [], None, None, 1.0, ended=work.ended)
 
@@ -73,6 +74,7 @@ def _all_searched(
     nominal: Linearisation,
     baseline: Linearisation,
     effects: Sequence[Effect],
+    seed: int,
     progress: Progress,
 ) -> SearchResult:
     """Single effects beside the best baseline, then further ones."""
@@ -90,6 +92,7 @@ def _all_searched(
             break
         fits = {each.effects[0]: each.point for each in found.trials}
         found = _searched(nominal, better, {**known, **fits}, progress)
+    found = with_noise_at_best(found, seed, progress)
     return _with_further(found, progress) if may_be_named(found) else found
 
 

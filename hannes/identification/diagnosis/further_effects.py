@@ -54,7 +54,7 @@ def with_further_effects(found: SearchResult, progress: Progress) -> SearchResul
 def leaves_much(found: SearchResult, trial: Trial) -> bool:
     """Whether a fit leaves more than a complete model does, and than its laws may be wrong by."""
     chi2, bins = trial.point.chi2, trial.point.residual.size
-    wrong = needed_beside(trial) * found.variance_factor
+    wrong = needed_beside(trial, found.variance_factor) * found.variance_factor
     return chi2 > max(SEARCH.biased_baseline * bins, bins + wrong)
 
 
@@ -88,7 +88,8 @@ def _selected(found: SearchResult, joint: Joint, progress: Progress) -> SearchRe
             return _with(found, joint, guesses[0] if guesses else None)
         met[effects] = best.delta_chi2
         larger = _enlarged(found, best, guesses, progress)
-        if not larger or larger[0].delta_chi2 - best.delta_chi2 < needed_beside(best):
+        needed = needed_beside(best, found.variance_factor)
+        if not larger or larger[0].delta_chi2 - best.delta_chi2 < needed:
             return _with(found, joint, _refuted(best, guesses, larger, found.variance_factor))
         larger[0] = converged(found.baseline, larger[0], found.variance_factor)
         found = scaled(found, larger[0].point)
@@ -130,8 +131,8 @@ def _enlarged(
     found: SearchResult, best: Trial, guesses: Sequence[Guess], progress: Progress
 ) -> list[Trial]:
     """One more effect beside some, all refitted, the best first."""
-    least = needed_beside(best) * found.variance_factor
-    enough = [each for each in guesses if each.delta_chi2 >= least]
+    needed = needed_beside(best, found.variance_factor)
+    enough = [each for each in guesses if each.delta_chi2 >= needed * found.variance_factor]
     larger: list[Trial] = []
     for guess in varied(best.point.space.effects, enough)[: SEARCH.further_starts]:
         gained = max((best.point.chi2 - each.point.chi2 for each in larger), default=0.0)
@@ -140,7 +141,7 @@ def _enlarged(
             break  # the first does what it promised, and this one promises far less
         larger += _beside(found, best, guess, progress)
     gain = max((each.delta_chi2 for each in larger), default=best.delta_chi2) - best.delta_chi2
-    if gain < needed_beside(best) and leaves_much(found, best):
+    if gain < needed and leaves_much(found, best):
         larger += _beside_globally(found, best, guesses, progress)
     return best_first(larger)
 

@@ -85,6 +85,12 @@ class Model:
         made.groups, made.small, made._corrections, made._held = list(groups), self.whole, {}, True
         return made
 
+    def as_machine(self) -> "Model":
+        """The same for its runs, with the effects as a fixed part of the machine."""
+        made = self.held(self.groups)
+        made._corrections = self._corrections
+        return made
+
     def in_loop(self, name: str) -> bool:
         """Whether an effect acts on what the firmware reads or writes, and has no shape."""
         effect, firmware = self.space.effects[name], getattr(self.small, "firmware", ())
@@ -150,7 +156,7 @@ class Model:
         apart = getattr(self.small, "apart", None)
         if apart is None:
             return {}
-        columns = self.space.columns(group, x[np.newaxis], False)
+        columns = self.space.columns(group, x[np.newaxis], self._held)
         values = {name: float(column[0]) for name, column in columns.items()}
         found: dict[str, tuple[Channels, Channels]] = apart(
             values, share, group.recording, group.names

@@ -111,9 +111,14 @@ def converged(baseline: Linearisation, trial: Trial, variance_factor: float) -> 
     return priced(baseline, replace(trial, point=settled(trial.point)), variance_factor)
 
 
-def needed_beside(trial: Trial) -> float:
-    """Reduction that one more effect needs beside these, whose laws are never quite right."""
-    return max(SEARCH.name_limit, SEARCH.further_share * trial.delta_chi2)
+def needed_beside(trial: Trial, variance_factor: float) -> float:
+    """Reduction that one more effect needs beside these, whose laws are never quite right.
+
+    What they leave bounds by how much they are wrong: one that explains most of it is there.
+    """
+    beyond = (trial.point.chi2 - trial.point.residual.size) / variance_factor
+    most = max(SEARCH.sure_beside, SEARCH.share_of_rest * beyond)
+    return max(SEARCH.name_limit, min(SEARCH.further_share * trial.delta_chi2, most))
 
 
 def scaled(found: SearchResult, least: Linearisation) -> SearchResult:

@@ -82,6 +82,15 @@ class SearchTuning:
     further_share: float = constant(
         0.0005, "1", "of what some effects explain, for one more: no law is right to more than that"
     )
+    share_of_rest: float = constant(
+        0.6,
+        "1",
+        "of what some effects leave above noise, for one more, where that is less",
+        DEVELOPMENT,
+    )
+    sure_beside: float = constant(
+        80.0, "chi2", "that one more needs at most, where they leave little", DEVELOPMENT
+    )
     most_effects: int = constant(4, "1", "effects that are named together", COST)
     further_starts: int = constant(3, "1", "further effects that are refitted at a time", COST)
     surely_missed: float = constant(
@@ -177,6 +186,15 @@ class SearchTuning:
         "chi2 per bin",
         "of a baseline beside which likely effects start globally too",
         DEVELOPMENT,
+    )
+    found_again: float = constant(
+        0.5,
+        "1",
+        "of such a baseline, below which an effect leads to a machine that noise is estimated at",
+        DEVELOPMENT,
+    )
+    further_from_best: float = constant(
+        2.0, "1", "times what the best one leaves: a fit with more is not refitted there", COST
     )
     likely_effects: int = constant(3, "1", "that do so", COST)
     likely_when_lost: int = constant(

@@ -1,0 +1,75 @@
+"""Noise estimated anew at the machine that the best effect leads to, where the baseline is lost.
+
+Noise is estimated at the baseline: what sensor noise makes the machine do, how runs and like parts
+differ. A baseline that takes a large missing effect upon itself is no machine that there is. Noise
+at it hides what a smaller effect does, and stands out by itself.
+"""
+
+from dataclasses import replace
+
+from hannes.core.errors import ComputationFailed
+from hannes.identification.diagnosis.baseline import FINE
+from hannes.identification.diagnosis.gauss_newton import fitted, settled
+from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
+from hannes.identification.diagnosis.multistart import Progress
+from hannes.identification.diagnosis.noise_covariance import NoiseCovariance, estimated_noise
+from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
+from hannes.identification.diagnosis.part_deviations import part_deviations
+from hannes.identification.diagnosis.trials import SearchResult, Trial, best_first, priced
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
+
+
+def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> SearchResult:
+    """The result with its noise estimated at the best trial; unchanged where that is not needed."""
+    if not found.trials or not _lost(found, found.trials[0].point):
+        return found
+    progress("noise, at the machine found")
+    best = found.trials[0].point
+    try:
+        noise = _noise_at(best, seed)
+    except ComputationFailed:
+        return found
+    nominal, baseline = (with_noise(each, noise) for each in (found.nominal, found.baseline))
+    baseline = fitted(baseline, FIT.steps_per_round)
+    far = SEARCH.further_from_best * best.chi2
+    points = [_again(each.point, noise, far) for each in found.trials]
+    variance_factor = estimated_variance_factor(
+        baseline, min(each.chi2 for each in (baseline, *points))
+    )
+
+    def again(trial: Trial, point: Linearisation) -> Trial:
+        return priced(baseline, replace(trial, point=point), variance_factor)
+
+    trials = [again(*each) for each in zip(found.trials, points, strict=True)]
+    generic = found.generic and again(found.generic, _again(found.generic.point, noise, far))
+    return replace(
+        found,
+        nominal=nominal,
+        baseline=baseline,
+        trials=best_first([each for each in trials if each.point.chi2 < baseline.chi2]),
+        generic=generic,
+        variance_factor=variance_factor,
+    )
+
+
+def _lost(found: SearchResult, best: Linearisation) -> bool:
+    """Whether the baseline leaves far too much, and the best effect most of that not, yet some."""
+    bins, baseline = found.bins, found.baseline.chi2
+    return (
+        baseline > SEARCH.lost_baseline * bins
+        and SEARCH.biased_baseline * bins < best.chi2 < SEARCH.found_again * baseline
+    )
+
+
+def _noise_at(point: Linearisation, seed: int) -> NoiseCovariance:
+    """Noise of the machine at a point, its effects a part of it."""
+    model = point.model
+    machine = model.as_machine()
+    parts = part_deviations(machine, point.x)
+    return replace(estimated_noise(machine, point.x, FINE, seed, parts), model=model)
+
+
+def _again(point: Linearisation, noise: NoiseCovariance, far: float) -> Linearisation:
+    """The fit under other noise; one that left more than `far` is not refitted."""
+    there = with_noise(point, noise)
+    return settled(fitted(there, 4)) if point.chi2 < far else there
