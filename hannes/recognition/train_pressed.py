@@ -74,6 +74,8 @@ def other_names(data: DataSet) -> list[str]:
     names = [name for name in data.table.dtype.names or () if "." in name]
     names = [name for name in names if name != KNOWN and not name.startswith(STATED)]
     pressed = data.role("pressed")
+    if not pressed.any():
+        return []
     return [name for name in names if _spread(data.table[name][pressed].astype(float)) > 0.0]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sled import HARDENING, KNOWN, TURBULENCE, Sled, recordings
 
-from hannes.identification.diagnosis import noise_at_best
+from hannes.identification.diagnosis import effect_search, noise_at_best
 from hannes.identification.diagnosis.baseline import FINE
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.noise_at_best import with_noise_at_best
@@ -14,6 +14,7 @@ from hannes.identification.diagnosis.noise_covariance import estimated_noise
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import Trial, needed_beside
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 
 @pytest.fixture(scope="module")
@@ -50,9 +51,18 @@ def test_a_baseline_is_lost_where_one_effect_explains_most_and_yet_something_is_
     assert noise_at_best._lost(found, SimpleNamespace(chi2=best)) is lost
 
 
-def test_an_ordinary_result_stays(one):
-    found = SimpleNamespace(trials=[], baseline=one.baseline)
-    assert with_noise_at_best(found, 0, print) is found
+def test_an_ordinary_result_stays(one, monkeypatch):
+    monkeypatch.setattr(noise_at_best, "_lost", lambda *given: False)
+    assert with_noise_at_best(one, 0, print) is one
+
+
+def test_single_effects_stand_where_the_bound_of_work_ends_it(one, monkeypatch):
+    def ended(*given):
+        raise SearchEnded
+
+    monkeypatch.setattr(effect_search, "with_noise_at_best", ended)
+    again = effect_search._with_further(one, 0, print)
+    assert again.cut_short and again.trials == one.trials
 
 
 @pytest.mark.parametrize(

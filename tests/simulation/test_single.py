@@ -14,9 +14,11 @@ from hannes.simulation.compiler.assemble import Equations, assemble
 from hannes.simulation.compiler.autodiff.values import tree
 from hannes.simulation.compiler.lanes import handed, machine
 from hannes.simulation.compiler.lanes.emitter import Emitter
-from hannes.simulation.compiler.lanes.single import Entry
-from hannes.simulation.compiler.lanes.values import Text
+from hannes.simulation.compiler.lanes.single import OF_MODEL, OF_OUTPUTS, Entry
+from hannes.simulation.compiler.lanes.values import NotInLanes, Text
+from hannes.simulation.hand.hand import Hand
 from tests import mass_on_spring
+from tools.compile_ahead import catalogue
 
 pytestmark = pytest.mark.usefixtures("compiling")
 
@@ -147,3 +149,60 @@ def test_errors_of_python_are_raised():
         rates("now", AT[1], np.array([3.0, 2.0]), *HELD)
     with pytest.raises(TypeError):
         rates(*AT, np.array([3.0, 2.0]), None, HELD[1])
+
+
+def by_name(times, y, p, memory):
+    held = np.zeros(3, dtype=np.int64)
+    held[0] = p[0]
+    return held[0]
+
+
+def of_many(times, y, p, memory):
+    held = np.zeros(1_000_000)
+    return held[0]
+
+
+def one_way(times, y, p, memory):
+    """An array that one way alone has, and looks at again."""
+    total = 0.0
+    for k in range(times.size):
+        if p[0] > 0.0:
+            row = y[1:]
+        total += times[k]
+        if p[0] > 0.0:
+            total += row[0]
+    memory[0] = total
+    return 1
+
+
+@pytest.mark.parametrize("function", [by_name, of_many])
+def test_what_would_be_another_number_or_too_large_is_refused(function):
+    with pytest.raises(NotInLanes):
+        compiled(function)
+
+
+def test_an_array_of_one_way_is_known_on_that_way():
+    run = compiled(one_way)
+    for given in GIVEN:
+        expected, found = np.zeros(3), np.zeros(3)
+        assert run(*given, found) == one_way(*given, expected)
+        assert found.tobytes() == expected.tobytes()
+
+
+def test_what_is_as_expected_is_never_copied():
+    """One that is not must not undo what another thread writes to the others."""
+    run, (times, y, p) = compiled(cumulated), GIVEN[0]
+    p.setflags(write=False)
+    found = np.zeros(3)
+    run(times[::-1], y, p, found)
+    assert found.any()
+
+
+@pytest.mark.parametrize("hand", [Hand, catalogue])
+def test_nothing_of_the_hand_is_left_to_numba(hand):
+    entry = hand().compiled().fast.grasps
+    assert isinstance(entry, Entry)
+    names = {each.name for each in entry.single.written().functions if not each.is_declaration}
+    assert names >= {
+        name for each in (OF_MODEL, OF_OUTPUTS) for own in each.values() for name in own
+    }

@@ -1,5 +1,8 @@
 """Where numba comes in: what a kernel is, and where its machine code is kept.
 
+The hand's own functions are compiled by `hannes/simulation/compiler/lanes`, which
+reads what is said here of kernels.
+
 Machine code is cached under digests of every source that enters it, because numba itself watches
 only the file of the outermost function and would run stale code after an edit of an inner one.
 """

@@ -92,17 +92,17 @@ def _all_searched(
             break
         fits = {each.effects[0]: each.point for each in found.trials}
         found = _searched(nominal, better, {**known, **fits}, progress)
-    found = with_noise_at_best(found, seed, progress)
-    return _with_further(found, progress) if may_be_named(found) else found
+    return _with_further(found, seed, progress)
 
 
-def _with_further(found: SearchResult, progress: Progress) -> SearchResult:
+def _with_further(found: SearchResult, seed: int, progress: Progress) -> SearchResult:
     """With further effects; single ones alone where the bound of work ends that search.
 
     What judges and closes them then has some work of its own.
     """
     try:
-        return with_further_effects(found, progress)
+        found = with_noise_at_best(found, seed, progress)
+        return with_further_effects(found, progress) if may_be_named(found) else found
     except SearchEnded:
         found.baseline.model.work.extended()
         return replace(found, cut_short=True)

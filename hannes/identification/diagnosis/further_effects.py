@@ -52,7 +52,7 @@ def with_further_effects(found: SearchResult, progress: Progress) -> SearchResul
 
 
 def leaves_much(found: SearchResult, trial: Trial) -> bool:
-    """Whether a fit leaves more than a complete model does, and than its laws may be wrong by."""
+    """Whether a fit leaves more than a complete model does, and enough for one more effect."""
     chi2, bins = trial.point.chi2, trial.point.residual.size
     wrong = needed_beside(trial, found.variance_factor) * found.variance_factor
     return chi2 > max(SEARCH.biased_baseline * bins, bins + wrong)

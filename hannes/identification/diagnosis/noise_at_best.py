@@ -30,7 +30,7 @@ def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> Se
     except ComputationFailed:
         return found
     nominal, baseline = (with_noise(each, noise) for each in (found.nominal, found.baseline))
-    baseline = fitted(baseline, FIT.steps_per_round)
+    baseline = settled(fitted(baseline, FIT.steps_per_round))
     far = SEARCH.further_from_best * best.chi2
     points = [_again(each.point, noise, far) for each in found.trials]
     variance_factor = estimated_variance_factor(

@@ -31,6 +31,7 @@ from hannes.simulation.compiler.lanes.values import (
 from hannes.simulation.compiler.lanes.ways import weight
 from hannes.simulation.rodas.lockstep import any_lane
 
+ROOM = 4096  # numbers of an array that a function makes: they lie on the stack
 _FILL_ROW = ast.parse("place[i] = value").body
 _FILL = ast.parse("place[i][:] = value").body
 _SAME = (pointer, shaped, unknown)  # hand on what they are given
@@ -111,6 +112,8 @@ class Emitter(Expressions):
     def called(self, node: ast.Call, env: Env) -> Any:
         """What a call gives."""
         names, function = env["%names"], None
+        if node.keywords:
+            raise NotInLanes("arguments by name")
         match node.func:
             case ast.Attribute(of, "sum") if not node.args:
                 return self.sum_of(self.value(of, env))
@@ -176,7 +179,7 @@ class Emitter(Expressions):
     def room(self, shape: Any) -> Array:
         """Zeros that live as long as the function."""
         sizes = [n.known for n in (shape if isinstance(shape, tuple) else (shape,))]
-        if not self.single or None in sizes:
+        if not self.single or None in sizes or np.prod(sizes) > ROOM:
             raise NotInLanes("an array made anew")
         with self.builder.goto_entry_block():
             at = self.builder.alloca(TYPES["real"], int(np.prod(sizes)))

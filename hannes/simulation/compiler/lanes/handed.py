@@ -47,6 +47,7 @@ _AT = object.__basicsize__
 _OWN_TYPE, _COUNT, _SIZES, _DTYPE, _FLAGS = _AT - 8, _AT + 8, _AT + 16, _AT + 40, _AT + 48
 _SOUND = 0x101  # of its flags: in C order, aligned
 _REFUSED = -(2**63)  # where an array is not as expected
+_KEPT: list[Any] = []  # machine code and its methods, both as long as the process
 
 
 def kinds(name: str, arguments: Iterable[str]) -> list[Kind]:
@@ -169,12 +170,14 @@ def callable_from(loaded: Loaded, written: Callable[..., Any]) -> Callable[..., 
                 continue
             if not isinstance(each, np.ndarray) or each.ndim != dimensions:
                 raise TypeError(f"{name}: expected an array of {dimensions} dimensions, {each!r}")
-            handed[n] = np.array(each, _DTYPES.get(kind), order="C", ndmin=1)
-        found: int = called(*handed)
+            handed[n] = np.require(each, _DTYPES.get(kind), "CA")
+        found: int = called(*map(np.asarray, handed))
+        if found == _REFUSED:
+            raise TypeError(f"{name}: expected plain arrays of numbers")
         for each, copy in zip(given, handed, strict=True):
-            if isinstance(each, np.ndarray) and each.flags.writeable:
+            if copy is not each and each.flags.writeable:
                 each[...] = copy
         return found
 
-    run.kept = loaded, method  # type: ignore[attr-defined]  # that memory is called
+    _KEPT.append((loaded, method))
     return run

@@ -4,10 +4,12 @@ import ctypes
 import functools
 import hashlib
 import os
+import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+import llvmlite
 import llvmlite.binding as llvm
 import numba
 from llvmlite import ir
@@ -117,7 +119,9 @@ def kept(origin: str) -> bytes | None:
 
 
 def _path(origin: str) -> Path:
-    digest = hashlib.sha256(f"{origin} {_made_for()} {llvm.llvm_version_info}".encode()).hexdigest()
+    python = sys.implementation.cache_tag, sys.abiflags, object.__basicsize__
+    made_by = _made_for(), llvm.llvm_version_info, llvmlite.__version__, python
+    digest = hashlib.sha256(f"{origin} {made_by}".encode()).hexdigest()
     return cache_folder() / f"lanes_{digest[:16]}.o"
 
 

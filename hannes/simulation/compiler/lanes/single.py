@@ -61,7 +61,7 @@ class Single:
         """Whether its machine code is on disk, with all that an entry calls."""
         code = machine.kept(self._origin())
         names = _ENTRIES.get(entry, ())
-        return code is not None and all(f"\0{name}\0".encode() in code for name in names)
+        return code is not None and all(_holds(code, name) for name in names)
 
     def at_hand(self) -> bool:
         """Whether it is there already."""
@@ -106,6 +106,11 @@ class Single:
             else:
                 return made.module
         raise NotInLanes("no function")
+
+
+def _holds(code: bytes, name: str) -> bool:
+    """Whether a function is among the names of machine code, which some systems begin with _."""
+    return any(f"\0{each}\0".encode() in code for each in (name, f"_{name}"))
 
 
 def _called(module: ModuleType, entries: Mapping[str, Iterable[str]]) -> list[str]:

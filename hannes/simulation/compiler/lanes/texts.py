@@ -39,7 +39,7 @@ def _stays(node: ast.FunctionDef) -> bool:
 
 def texts_of(module: ModuleType) -> dict[str, Text]:
     """Functions of a generated module."""
-    return by_name(Path(str(module.__file__)).read_text(), vars(module))
+    return by_name(Path(str(module.__file__)).read_text(encoding="utf-8"), vars(module))
 
 
 def by_name(source: str, names: Mapping[str, Any]) -> dict[str, Text]:

@@ -136,6 +136,13 @@ class Ways(Arrays, ABC):
             return tuple(map(self._unknown, value))
         if isinstance(value, Number):
             return Number(ir.Constant(value.ir.type, ir.Undefined), value.kind, value.varying)
+        if isinstance(value, Array):
+            shape, strides = (
+                tuple(x if x.known is not None else self._unknown(x) for x in each)
+                for each in (value.shape, value.strides)
+            )
+            at = ir.Constant(value.at.type, ir.Undefined)
+            return replace(value, at=at, shape=shape, strides=strides)
         return value
 
     def _common_array(self, a: Array, b: Array) -> Array:
