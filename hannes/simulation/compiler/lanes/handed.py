@@ -170,7 +170,7 @@ def callable_from(loaded: Loaded, written: Callable[..., Any]) -> Callable[..., 
                 continue
             if not isinstance(each, np.ndarray) or each.ndim != dimensions:
                 raise TypeError(f"{name}: expected an array of {dimensions} dimensions, {each!r}")
-            handed[n] = np.require(each, _DTYPES.get(kind), "CA")
+            handed[n] = np.require(each, _DTYPES.get(kind, each.dtype), ("C", "A"))
         found: int = called(*map(np.asarray, handed))
         if found == _REFUSED:
             raise TypeError(f"{name}: expected plain arrays of numbers")
