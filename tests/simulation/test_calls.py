@@ -8,28 +8,13 @@ import pytest
 
 from benchmarks.calls import MOST, calls, pushes
 from hannes.core.kernels.jit import routine
-from hannes.core.layout import Layout, Slot
 from hannes.simulation.compiler import module_cache
-from hannes.simulation.compiler.assemble import Equations, assemble
-from tests import mass_on_spring
-
-
-def layout(*names):
-    return Layout(tuple(Slot(name, "1", "of the test") for name in names))
+from tests.assembled_spring import spring
 
 
 def ran(times, by_numba=True):
     """Who runs a mass on a spring's `grasps`, compiled anew, and the states at `times`."""
-    model = assemble(
-        Equations(
-            mass_on_spring,
-            layout("stiffness", "level"),
-            layout("place", "speed"),
-            layout("push"),
-            layout("force"),
-            memory=1,
-        )
-    )
+    model = spring()
     rows, memories = np.zeros((times.size, 2)), np.zeros((times.size, 1))
     kept, counts = np.zeros((1, 1, times.size)), np.zeros((1, 6), np.int64)
     entry = model.fast.grasps

@@ -8,16 +8,14 @@ from llvmlite import ir
 
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
-from hannes.core.layout import Layout, Slot
 from hannes.core.parameter import Parameter
-from hannes.simulation.compiler.assemble import Equations, assemble
 from hannes.simulation.compiler.autodiff.values import tree
 from hannes.simulation.compiler.lanes import handed, machine
 from hannes.simulation.compiler.lanes.emitter import Emitter
 from hannes.simulation.compiler.lanes.single import OF_MODEL, OF_OUTPUTS, Entry
 from hannes.simulation.compiler.lanes.values import NotInLanes, Text
 from hannes.simulation.hand.hand import Hand
-from tests import mass_on_spring
+from tests.assembled_spring import spring
 from tools.compile_ahead import catalogue
 
 pytestmark = pytest.mark.usefixtures("compiling")
@@ -97,24 +95,6 @@ def test_arrays_that_are_not_as_expected_are_copied_or_refused():
     for other in (None, [1.0], 3.0, np.zeros((1, 3))):
         with pytest.raises(TypeError, match="expected an array of 1 dim"):
             run(times, y, p, other)
-
-
-def layout(*names):
-    return Layout(tuple(Slot(name, "1", "of the test") for name in names))
-
-
-def spring(*effects):
-    return assemble(
-        Equations(
-            mass_on_spring,
-            layout("stiffness", "level"),
-            layout("place", "speed"),
-            layout("push"),
-            layout("force"),
-            memory=1,
-        ),
-        effects,
-    )
 
 
 @kernel

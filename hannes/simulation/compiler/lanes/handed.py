@@ -47,7 +47,7 @@ _AT = object.__basicsize__
 _OWN_TYPE, _COUNT, _SIZES, _DTYPE, _FLAGS = _AT - 8, _AT + 8, _AT + 16, _AT + 40, _AT + 48
 _SOUND = 0x101  # of its flags: in C order, aligned
 _REFUSED = -(2**63)  # where an array is not as expected
-_KEPT: list[Any] = []  # machine code and its methods, both as long as the process
+_METHODS: list["_Method"] = []  # Python holds their addresses as long as the process lives
 
 
 def kinds(name: str, arguments: Iterable[str]) -> list[Kind]:
@@ -179,5 +179,5 @@ def callable_from(loaded: Loaded, written: Callable[..., Any]) -> Callable[..., 
                 each[...] = copy
         return found
 
-    _KEPT.append((loaded, method))
+    _METHODS.append(method)
     return run

@@ -62,24 +62,26 @@ def _made_for() -> tuple[str, str, int]:
     return settings.CPU_NAME or llvm.get_host_cpu_name(), own, level
 
 
+_kept_loaded: list["Loaded"] = []  # functions of machine code may be held by anybody
+
+
 class Loaded:
-    """Machine code in memory."""
+    """Machine code in memory, as long as the process lives."""
 
     def __init__(self, code: bytes) -> None:
         self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target())
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
+        _kept_loaded.append(self)
 
     def address(self, name: str) -> int:
-        """Where a function begins, as long as this lives."""
+        """Where a function begins."""
         found: int = self._engine.get_function_address(name)
         return found
 
     def function(self, name: str, given: Iterable[Any]) -> Callable[..., int]:
         """A function by name, callable from Python without the interpreter's lock."""
-        made = ctypes.CFUNCTYPE(ctypes.c_int64, *given)(self.address(name))
-        made.loaded = self  # type: ignore[attr-defined]  # whose memory it lies in
-        return made
+        return ctypes.CFUNCTYPE(ctypes.c_int64, *given)(self.address(name))
 
 
 def loaded(origin: str, make: Callable[[], ir.Module], lanes: bool = True) -> Loaded:
