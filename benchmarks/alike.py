@@ -17,7 +17,7 @@ from tqdm import tqdm
 from benchmarks.batch import SMALL, grasp, with_effects
 from benchmarks.harness import Row, aligned, interval, main, must_show
 from hannes import Hand, effects
-from hannes.simulation.batch import in_step
+from hannes.simulation.batch import in_step, lanes
 from hannes.simulation.batch.chunks import Asked, Part, Table
 from hannes.simulation.compiler.lanes import machine
 from hannes.simulation.hand.model import EQUATIONS
@@ -58,7 +58,7 @@ def ran(given: Part, width: int) -> tuple[np.ndarray, float]:
 def compared(given: Part, repeats: int) -> tuple[Row, np.ndarray]:
     """A row of both ways, and how many times as long one by one takes in each turn."""
     width, took = machine.width(), {1: list[float](), machine.width(): list[float]()}
-    alone, lanes = (ran(given, way)[0] for way in (1, width))
+    alone, together = (ran(given, way)[0] for way in (1, width))
     for _ in tqdm(range(repeats), "turns", leave=False):
         for way, seconds in took.items():
             seconds.append(ran(given, way)[1])
@@ -67,7 +67,7 @@ def compared(given: Part, repeats: int) -> tuple[Row, np.ndarray]:
         "lanes": width,
         "alone_ms_per_grasp": 1e3 * float(np.median(times[1])) / COUNT,
         "lanes_ms_per_grasp": 1e3 * float(np.median(times[width])) / COUNT,
-        "differ": int(np.count_nonzero(alone != lanes)),
+        "differ": int(np.count_nonzero(alone != together)),
     }
     return row, times[1] / times[width]
 
@@ -79,7 +79,7 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
         {} if quick else {"with all effects": with_effects(known, SMALL)}
     )
     rows, bounds, ideal = [], [], machine.width() / (1.0 + 3.0 * PACKED)
-    with mock.patch.object(in_step, "COMPILING", -1.0):
+    with mock.patch.object(lanes, "COMPILING", -1.0):
         for name, hand in hands.items():
             for rtol in RTOLS:
                 for channels, asked in CHANNELS.items():

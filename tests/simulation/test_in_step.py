@@ -10,6 +10,7 @@ from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import compiles, kernel
 from hannes.core.parameter import Parameter
 from hannes.simulation.batch import in_step
+from hannes.simulation.batch import lanes as batch
 from hannes.simulation.batch.simulate_many import simulate_alike
 from hannes.simulation.compiler.lanes import machine
 from hannes.simulation.hand.hand import Hand
@@ -38,8 +39,8 @@ SIZES = {"object.radius": np.linspace(0.02, 0.03, COUNT)}
 @pytest.fixture
 def lanes(monkeypatch):
     """Sets how many lanes there are, notes which ran; their code is compiled at once."""
-    monkeypatch.setattr(in_step, "COMPILING", -1.0)
-    ran, group = set(), in_step.Lanes.run
+    monkeypatch.setattr(batch, "COMPILING", -1.0)
+    ran, group = set(), in_step.InStep.run
 
     def noted(self, *given):
         ran.add(self.made.width)
@@ -48,7 +49,7 @@ def lanes(monkeypatch):
     def chosen(width):
         monkeypatch.setattr(machine, "width", lambda: width)
 
-    monkeypatch.setattr(in_step.Lanes, "run", noted)
+    monkeypatch.setattr(in_step.InStep, "run", noted)
     chosen.ran = ran
     return chosen
 
@@ -158,16 +159,16 @@ def test_lanes_are_compiled_once_single_grasps_have_taken_as_long(monkeypatch):
         made.append(key)
         return in_step_kernels(*key)
 
-    in_step_kernels = in_step.Kernels
+    in_step_kernels = batch.Kernels
     monkeypatch.setattr(machine, "width", lambda: 2)
-    monkeypatch.setattr(in_step, "Kernels", compile_lanes)
-    monkeypatch.setattr(in_step, "_made", {})
-    monkeypatch.setattr(in_step, "_spent", {})
-    monkeypatch.setattr(in_step, "is_kept", lambda *key: False)
-    monkeypatch.setattr(in_step, "COMPILING", 1e9)
+    monkeypatch.setattr(batch, "Kernels", compile_lanes)
+    monkeypatch.setattr(batch, "_made", {})
+    monkeypatch.setattr(batch, "_spent", {})
+    monkeypatch.setattr(batch, "is_kept", lambda *key: False)
+    monkeypatch.setattr(batch, "COMPILING", 1e9)
     expected = bits(run(NEAR, experiment=grasp(duration=0.1)))
-    assert not made and sum(in_step._spent.values()) > 0.0
-    monkeypatch.setattr(in_step, "COMPILING", 1e-9)
+    assert not made and sum(batch._spent.values()) > 0.0
+    monkeypatch.setattr(batch, "COMPILING", 1e-9)
     assert bits(run(NEAR, experiment=grasp(duration=0.1))) == expected
     assert len(made) == 1
 

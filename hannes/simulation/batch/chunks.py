@@ -12,6 +12,7 @@ from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.parameter import Parameter
 from hannes.simulation.batch.in_step import run_alike
+from hannes.simulation.batch.own_steps import run_many
 from hannes.simulation.compiled_call import Plan, ended
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand
@@ -38,7 +39,7 @@ class Part:
     def run(self, stop: np.ndarray) -> list[Grasp]:
         """Run them; where `stop` is set meanwhile, what comes back is of no use."""
         given = self.plan, self.vectors, self.starts, stop
-        ran = run_alike(*given) if self.alike else Plan.run(*given)
+        ran = run_alike(*given) if self.alike else run_many(*given)
         share = ran.seconds / len(self.numbers)
         rows = zip(self.numbers, self.titles, ran.counts, ran.kept, self.vectors, strict=True)
         return [

@@ -4,33 +4,29 @@ Where a step is too long for a grasp, that one goes its way to the step's end al
 single grasps. Its numbers are the same to the bit: what goes side by side only makes them quick.
 """
 
-import sys
-import threading
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from hannes.control.firmware_memory import MEMORY
+from hannes.simulation.batch.lanes import (
+    FULL,
+    TURN,
+    Lanes,
+    begin,
+    in_order,
+    kernels,
+    one_by_one,
+)
 from hannes.simulation.compiled_call import Plan, Ran
-from hannes.simulation.compiler.assemble import Compiled
 from hannes.simulation.compiler.grasp_loop import PATH
-from hannes.simulation.compiler.lanes import machine
-from hannes.simulation.compiler.lanes.kernels import Kernels, aligned, is_kept
-from hannes.simulation.compiler.lanes.values import NotInLanes
-from hannes.simulation.rodas.coefficients import FRESH, LOOSE, STAGES
+from hannes.simulation.compiler.lanes.kernels import Kernels, aligned
+from hannes.simulation.rodas.coefficients import FRESH, STAGES
 
-COMPILING = 6.0  # s, that grasps take one by one before code for lanes is compiled
-FULL = 0.6  # of the lanes: a group that fills fewer is as quick one by one
 ASTRAY = 0.5  # steps taken alone in a group, over those of the path: others like it are quicker so
-TURN = 64  # steps between two looks at whether to stop
 # Of a step by each method: evaluations, Jacobians, factorings.
 COSTS = np.array([[1 + np.count_nonzero(FRESH[m, 1 : STAGES[m]]), 1, 1] for m in range(2)])
-
-_made: dict[tuple[Compiled, tuple[int, ...], int], Kernels | None] = {}
-_spent: dict[Compiled, float] = {}  # s, by grasps that went one by one
-_compiling = threading.Lock()
 
 
 def run_alike(
@@ -41,64 +37,34 @@ def run_alike(
     stop = np.zeros(1, np.bool_) if stop is None else stop
     first = plan.run(vectors[:1], starts[:1], stop, path)
     followers = np.arange(1, vectors.shape[0])
-    made = kernels(plan, followers.size) if path[0] > 0.0 else None
+    made = kernels(plan, followers.size, "in_step") if path[0] > 0.0 else None
     together = np.zeros(followers.size, np.bool_)
     if made is not None:
         switches = list(made.switches)
         together = (vectors[1:, switches] == vectors[0, switches]).all(axis=1)
     parts, alone = [(np.zeros(1, int), first)], followers[~together]
     if made is not None and together.any():
-        lanes, rows = Lanes(plan, made, path, stop), followers[together]
+        lanes, rows = InStep(plan, made, path, stop), followers[together]
         while rows.size >= FULL * made.width and not lanes.astray:
             chosen, rows = rows[: made.width], rows[made.width :]
             parts.append((chosen, lanes.run(vectors[chosen], starts[chosen])))
         alone = np.concatenate((alone, rows))
     if alone.size:
         followed = path if path[0] > 0.0 else None  # where it failed, each takes its own steps
-        parts.append((alone, plan.run(vectors[alone], starts[alone], stop, followed)))
-        _spent[plan.compiled] = _spent.get(plan.compiled, 0.0) + parts[-1][1].seconds
-    order = np.argsort(np.concatenate([rows for rows, _ in parts]))
-    kept, counts = (
-        np.concatenate([getattr(ran, name) for _, ran in parts])[order]
-        for name in ("kept", "counts")
-    )
-    return replace(first, kept=kept, counts=counts, seconds=time.perf_counter() - clock)
+        parts.append((alone, one_by_one(plan, vectors[alone], starts[alone], stop, followed)))
+    return in_order(parts, time.perf_counter() - clock)
 
 
-def kernels(plan: Plan, followers: int, width: int | None = None) -> Kernels | None:
-    """Machine code for several grasps at once; None where one at a time is as good, or all we have.
-
-    What is not kept on disk is compiled once grasps of the model that went one by one have taken as
-    long as compiling does.
-    """
-    width, compiled = machine.width() if width is None else width, plan.compiled
-    structured = compiled.jacobian_kind == "structured"
-    if width < 2 or followers < 2 or plan.sampled or not structured:
-        return None
-    key = (compiled, tuple(plan.columns.tolist()), width)
-    with _compiling:
-        if key not in _made and (_spent.get(compiled, 0.0) > COMPILING or is_kept(*key)):
-            try:
-                _made[key] = Kernels(*key)
-            except (NotInLanes, RuntimeError, ArithmeticError) as why:  # these two: of LLVM
-                print(f"hannes: grasps run one by one, for {why}", file=sys.stderr, flush=True)
-                _made[key] = None
-        return _made.get(key)
-
-
-class Lanes:
-    """Where groups of grasps are worked on, one after the other."""
+class InStep(Lanes):
+    """Groups one after the other, by the steps of `path`."""
 
     def __init__(self, plan: Plan, made: Kernels, path: np.ndarray, stop: np.ndarray) -> None:
-        self.plan, self.made, self.path, self.stop = plan, made, path, stop
+        super().__init__(plan, made)
+        self.path, self.stop = path, stop
         self.astray = False  # whether the last group mostly went its own ways
         self.places = np.concatenate(([0.0], path[1 : int(path[0]) + 1]))
         self.until = plan.times.searchsorted(self.places, "left")  # samples before each of them
         self.until[-1] = plan.times.size
-        self.room = made.room()
-        names = ("p", "p_over", "state", "piece", "error", "alive", "reference")
-        self.at = {name: made.field(self.room, name) for name in names}
-        self.at["reference"][:] = plan.knots.ctypes.data, *plan.knots.shape
         samples, states, width = plan.times.size, plan.atol.size, made.width
         self.rows = aligned(samples * states * width).reshape(samples, states, width)
         self.kept = aligned(samples * plan.columns.size * width).reshape(samples, -1, width)
@@ -110,12 +76,7 @@ class Lanes:
     def run(self, vectors: np.ndarray, starts: np.ndarray) -> Ran:
         """Up to `width` grasps."""
         size, at = vectors.shape[0], self.at
-        chosen = [*range(size), *[0] * (self.made.width - size)]
-        at["p"][:] = vectors[chosen].T
-        with np.errstate(all="ignore"):
-            np.divide(1.0, at["p"], out=at["p_over"])
-        at["state"][0] = starts[chosen].T
-        at["alive"][0] = np.arange(self.made.width) < size
+        self.fill(vectors, starts)
         counts, apart = np.zeros((size, 6), np.int64), list[tuple[int, slice, np.ndarray]]()
         place, count = 0, self.places.size - 1
         while place < count and at["alive"].any() and not self.stop[0]:
@@ -123,7 +84,7 @@ class Lanes:
             alive = at["alive"][0, :size] > 0.0
             missed = alive & ~(at["error"][0, :size] < 1.0)
             taken = alive * (place - before) - missed
-            counts[:, :3] += taken[:, np.newaxis] * COSTS[int(self.plan.rtol >= LOOSE)]
+            counts[:, :3] += taken[:, np.newaxis] * COSTS[self.method]
             for lane in np.flatnonzero(missed).tolist():
                 apart.append(self._alone(lane, place - 1, vectors[lane : lane + 1], counts))
         self.astray = len(apart) > ASTRAY * count
@@ -132,8 +93,8 @@ class Lanes:
     def _steps(self, place: int) -> int:
         """Take steps of the path; how many of them are taken now."""
         plan, until = self.plan, int(self.until[place])
-        taken: int = self.made.in_step(
-            self.room.ctypes.data, int(plan.rtol >= LOOSE), plan.rtol, plan.atol.ctypes.data,
+        taken: int = self.made.steps(
+            begin(self.at), self.method, plan.rtol, plan.atol.ctypes.data,
             self.path.ctypes.data, place, min(place + TURN, self.places.size - 1),
             plan.times.ctypes.data, plan.times.size, until, self.rows.ctypes.data,
         )  # fmt: skip
@@ -173,7 +134,7 @@ class Lanes:
         last = self.plan.times.searchsorted(self.places[-1], "left")
         self.rows[last:] = self.at["state"][0]
         self.made.in_samples(
-            self.room.ctypes.data, self.plan.times.ctypes.data, self.rows.ctypes.data,
+            begin(self.at), self.plan.times.ctypes.data, self.rows.ctypes.data,
             self.kept.ctypes.data, 0, self.plan.times.size,
         )  # fmt: skip
         kept = np.ascontiguousarray(self.kept.T[:size])

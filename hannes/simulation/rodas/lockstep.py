@@ -37,7 +37,8 @@ def in_step(problem, data, method, rtol, atol, path, first, last, times, filled,
     for place in range(first, last):
         start = path[place] if place > 0 else 0.0
         end = path[place + 1]
-        error = stride(problem, data, method, start, end, y, rtol, atol, data.work)
+        h = end - start
+        error, _, _ = stride(problem, data, method, start, h, end, y, rtol, atol, data.work)
         data.error[0] = error
         keep_piece(method, piece, data.work)
         copy_to(piece[0], y)
@@ -52,10 +53,13 @@ def in_step(problem, data, method, rtol, atol, path, first, last, times, filled,
     return taken
 
 
-def stride(problem, data, method, t, end, y, rtol, atol, work):
-    """One step from t to end, as `step` attempts it; error in units of the tolerance."""
+def stride(problem, data, method, t, h, bound, y, rtol, atol, work):
+    """One step from t to t + h, as `step` attempts it.
+
+    Error in units of the tolerance; what `crossing` said; whether `attempt` would have given up.
+    """
     rates, drift, moved = work[MOST_STAGES], work[MOST_STAGES + 1], work[MOST_STAGES + 2]
-    b, value, h = work[MOST_STAGES + 3], work[MOST_STAGES + 4], end - t
+    b, value = work[MOST_STAGES + 3], work[MOST_STAGES + 4]
     problem.slope(t, y, rates, data)
     problem.mark(y, data)
     problem.linearise(t, y, rates, drift, data)
@@ -70,8 +74,8 @@ def stride(problem, data, method, t, end, y, rtol, atol, work):
         if FRESH[method, stage]:
             combine(moved, y, 0.0, drift, 1.0, STAGE[method, stage], work)
             now = t + NODES[method, stage] * h
-            if (now - end) * h >= 0.0:
-                now = np.nextafter(end, t)  # there f may jump
+            if (now - bound) * h >= 0.0:
+                now = np.nextafter(bound, t)  # there f may jump
             problem.slope(now, moved, value, data)
         combine(b, value, h * DRIFT[method, stage], drift, 1.0 / h, COUPLING[method, stage], work)
         problem.resolve(b, data)
@@ -89,9 +93,14 @@ def stride(problem, data, method, t, end, y, rtol, atol, work):
     error = scaled_size(last, y, moved, rtol, atol, value)
     if ahead < 1.0:
         error *= DOUBT
-    return np.inf if hopeless else error
+    return np.inf if hopeless else error, ahead, hopeless
 
 
 def any_lane(truth):
     """Whether it is true in any lane; plain Python has one."""
     return truth
+
+
+def of_lane(numbers, lane):
+    """One lane's part of an array of all; plain Python has one."""
+    return numbers

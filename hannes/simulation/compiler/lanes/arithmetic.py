@@ -109,7 +109,10 @@ class Arithmetic(ABC):
             if math.frexp(b.known)[0] == 0.5:  # of a power of two
                 return Number(self.builder.fmul(x.ir, self.spread(per)), "real", True)
             return self.quotient(x, y, self.spread(per))
-        own = b.over and self.builder.load(b.over, typ=x.ir.type)
+        own = None
+        if b.over is not None:
+            own = self.builder.load(b.over, typ=self.type_of("real", b.varying))
+            own = own if b.varying else self.spread(Number(own, "real"))
         if a.known == 1.0:
             return Number(own or self.reciprocal(y), "real", True)
         return self.quotient(x, y, own or self.reciprocal(y))

@@ -84,6 +84,15 @@ class Arrays(Library):
             at = self.builder.gep(at, [offset.ir], source_etype=self._element(array))
         return Array(at, tuple(shape), tuple(strides), array.kind, array.lanes, array.over)
 
+    def of_lane(self, array: Array, lane: Number) -> Array:
+        """One lane's numbers of an array of all: each as far from the next as vectors are."""
+        if not array.lanes:
+            raise NotInLanes("a lane of what is the same for all")
+        at = self.builder.gep(array.at, [lane.ir], source_etype=TYPES[array.kind])
+        width = self.known(self.width)
+        strides = tuple(self.binary(ast.Mult(), each, width) for each in array.strides)
+        return Array(at, array.shape, strides, array.kind, False)
+
     def hidden(self, value: ir.Value) -> ir.Value:
         """The same value, of which the compiler knows nothing."""
         kind = ir.FunctionType(value.type, [value.type])

@@ -29,7 +29,7 @@ from hannes.simulation.compiler.lanes.values import (
     Text,
 )
 from hannes.simulation.compiler.lanes.ways import weight
-from hannes.simulation.rodas.lockstep import any_lane
+from hannes.simulation.rodas.lockstep import any_lane, of_lane
 
 ROOM = 4096  # numbers of an array that a function makes: they lie on the stack
 _FILL_ROW = ast.parse("place[i] = value").body
@@ -133,6 +133,8 @@ class Emitter(Expressions):
         if isinstance(function, Text):
             if function.tree.name == any_lane.__name__:
                 return self.any_of(self.as_kind(values[0], "truth"))
+            if function.tree.name == of_lane.__name__:
+                return self.of_lane(values[0], values[1])
             return (
                 self.apart(function, values) if function.called else self.inline(function, values)
             )

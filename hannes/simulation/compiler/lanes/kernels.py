@@ -19,10 +19,10 @@ from hannes.simulation.compiler.lanes.emitter import Emitter
 from hannes.simulation.compiler.lanes.texts import ODD, by_name, functions_of, own_digest
 from hannes.simulation.compiler.lanes.values import POINTER, Field, NotInLanes, Text
 from hannes.simulation.compiler.lanes.ways import HEAVY, weight
-from hannes.simulation.rodas import lockstep
+from hannes.simulation.rodas import lockstep, own_steps
 
 LINE = 64  # bytes, of a cache line, at whose beginning each array lies
-UNUSED = ("pieces", "ends", "turn", "ahead", "clock", "everything")
+UNUSED = ("pieces", "ends", "turn", "ahead", "everything")
 _SAMPLES = """
 def in_samples(data, times, rows, kept, first, last):
     for k in range(first, last):
@@ -36,19 +36,31 @@ def in_samples(data, times, rows, kept, first, last):
 """
 
 
-class Kernels:
-    """Of one model, for `width` lanes; `columns` among outputs, then states, are sampled."""
+_AT, _WHOLE, _REAL = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+_STEPS = {  # what the functions take that take steps
+    "in_step": (_AT, _WHOLE, _REAL, _AT, _AT, _WHOLE, _WHOLE, _AT, _WHOLE, _WHOLE, _AT),
+    "own_steps": (_AT, _WHOLE, _REAL, _AT, _AT, _WHOLE, _AT, _WHOLE, _WHOLE, _AT),
+}
 
-    def __init__(self, compiled: Compiled, columns: Sequence[int], width: int) -> None:
+
+class Kernels:
+    """Of one model, for `width` lanes; `columns` among outputs, then states, are sampled.
+
+    `entry`: "in_step" where all go by the steps of another grasp, "own_steps" by their own.
+    """
+
+    def __init__(self, compiled: Compiled, columns: Sequence[int], width: int, entry: str) -> None:
         self.compiled, self.columns, self.width = compiled, tuple(map(int, columns)), width
+        self.entry = entry
         self.fields, self.size = _layout(compiled.fast, width)
-        at, whole, real = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
-        steps, samples = _origins(compiled, self.columns, width)
+        # Where each goes by its own steps, samples of one grasp stand side by side.
+        self.alone = _layout(compiled.fast, width, ("p", "p_over"))
+        steps, samples = _origins(compiled, self.columns, width, entry)
         self._steps = machine.loaded(steps, self._written_steps)
-        given = (at, whole, real, at, at, whole, whole, at, whole, whole, at)
-        self.in_step = self._steps.function("in_step", given)
+        self.steps = self._steps.function(entry, _STEPS[entry])
         self._samples = machine.loaded(samples, self._written_samples)
-        self.in_samples = self._samples.function("in_samples", (at, at, at, at, whole, whole))
+        given = (_AT, _AT, _AT, _AT, _WHOLE, _WHOLE)
+        self.in_samples = self._samples.function("in_samples", given)
 
     @functools.cached_property
     def switches(self) -> tuple[int, ...]:
@@ -58,9 +70,10 @@ class Kernels:
         return tuple(sorted(k for k in found if k < self.compiled.parameters.size - own))
 
     def _texts_of_steps(self) -> dict[str, Text]:
-        own = re.sub(r"\bproblem(\.|, )", "", functions_of(lockstep))
-        fast = self.compiled.fast
-        return by_name(Path(str(fast.__file__)).read_text() + own, vars(fast) | vars(lockstep))
+        own = functions_of(lockstep) + functions_of(own_steps)
+        fast, own = self.compiled.fast, re.sub(r"\bproblem(\.|, )", "", own)
+        names = vars(fast) | vars(lockstep) | vars(own_steps) | {"WIDTH": self.width}
+        return by_name(Path(str(fast.__file__)).read_text() + own, names)
 
     def _texts_of_samples(self) -> dict[str, Text]:
         seen, outputs = self.compiled.observed, self.compiled.outputs.size
@@ -75,15 +88,21 @@ class Kernels:
         return by_name(Path(str(seen.__file__)).read_text() + own, names)
 
     def _written_steps(self) -> ir.Module:
-        states, whole = self.compiled.states.size, _number("whole")
-        keys = [self._record(), whole, _number("real"), _array(states), _array(1), whole, whole,
-                _array(None), whole, _array(1, states, lanes=True)]  # fmt: skip
-        return self._write(self._texts_of_steps(), "in_step", keys)
+        states, whole, some = self.compiled.states.size, _number("whole"), _array(None)
+        rows = _array(1, states, lanes=True)
+        keys = {
+            "in_step": [_array(1), whole, whole, some, whole, rows],
+            "own_steps": [some, _array(None, lanes=True), whole, rows],
+        }[self.entry]
+        keys = [self._record(), whole, _number("real"), _array(states), *keys]
+        return self._write(self._texts_of_steps(), self.entry, keys)
 
     def _written_samples(self) -> ir.Module:
+        own = self.entry == "own_steps"
         rows = _array(1, self.compiled.states.size, lanes=True)
         kept, whole = _array(1, len(self.columns), lanes=True), _number("whole")
-        keys = [self._record(), _array(1), rows, kept, whole, whole]
+        record = ("record", tuple(self.alone[0].items())) if own else self._record()
+        keys = [record, _array(1, lanes=own), rows, kept, whole, whole]
         return self._write(self._texts_of_samples(), "in_samples", keys)
 
     def _record(self) -> Any:
@@ -99,27 +118,31 @@ class Kernels:
             raise NotInLanes(f"{type(error).__name__}: {error}") from error
         return module
 
-    def room(self) -> np.ndarray:
-        """An empty workspace."""
-        return aligned(self.size // 8)
+    def room(self, alone: bool = False) -> dict[str, np.ndarray]:
+        """Arrays of an empty workspace by name, shape (..., width), or (...) of what is the same.
 
-    def field(self, room: np.ndarray, name: str) -> np.ndarray:
-        """One of its arrays, shape (..., width), or (...) of what is the same for all lanes."""
-        offset, shape, kind, lanes = self.fields[name]
-        shape = (*shape, self.width) if lanes else shape
-        part = room[offset // 8 : offset // 8 + int(np.prod(shape))]
-        return (part if kind == "real" else part.view(np.int64)).reshape(shape)
+        alone: that of samples of one grasp. All lie in a row, the first at its beginning.
+        """
+        fields, size = self.alone if alone else (self.fields, self.size)
+        room, found = aligned(size // 8), dict[str, np.ndarray]()
+        for name, (offset, shape, kind, lanes) in fields.items():
+            shape = (*shape, self.width) if lanes else shape
+            part = room[offset // 8 : offset // 8 + int(np.prod(shape))]
+            found[name] = (part if kind == "real" else part.view(np.int64)).reshape(shape)
+        return found
 
 
-def is_kept(compiled: Compiled, columns: tuple[int, ...], width: int) -> bool:
+def is_kept(compiled: Compiled, columns: tuple[int, ...], width: int, entry: str) -> bool:
     """Whether the steps' machine code, which takes long to make, is on disk."""
-    return machine.is_kept(_origins(compiled, columns, width)[0])
+    return machine.is_kept(_origins(compiled, columns, width, entry)[0])
 
 
-def _origins(compiled: Compiled, columns: tuple[int, ...], width: int) -> tuple[str, str]:
+def _origins(
+    compiled: Compiled, columns: tuple[int, ...], width: int, entry: str
+) -> tuple[str, str]:
     """What makes the code of steps and of samples what it is."""
-    steps = (compiled.fast.__name__, own_digest(), width)
-    return repr(steps), repr((*steps, compiled.observed.__name__, columns))
+    model = compiled.fast.__name__, own_digest(), width
+    return repr((*model, entry)), repr((*model, entry, compiled.observed.__name__, columns))
 
 
 def aligned(size: int) -> np.ndarray:
@@ -151,17 +174,23 @@ def _types(key: Any) -> list[ir.Type]:
     return [POINTER]
 
 
-def _layout(fast: ModuleType, width: int) -> tuple[dict[str, Field], int]:
-    """Fields of the workspace, and its bytes."""
+def _layout(fast: ModuleType, width: int, same: Sequence[str] = ()) -> tuple[dict[str, Field], int]:
+    """Fields of the workspace, and its bytes; `same`: what is one number for all lanes."""
     known = {name: fast.WORKSPACE.fields[name][0] for name in fast.WORKSPACE.names}
     states, parameters = fast.STATES, fast.PARAMETERS
     shapes = {n: (each.shape, each.base.kind) for n, each in known.items() if n not in UNUSED}
     shapes |= {"state": ((1, states), "f"), "piece": ((3, states), "f"), "error": ((1,), "f")}
-    shapes |= {"alive": ((1,), "f"), "p_over": ((parameters,), "f")}
+    shapes |= {"alive": ((1,), "f"), "p_over": ((parameters,), "f"), "failed": ((1,), "f")}
+    shapes |= {
+        "counts": ((5,), "f"),
+        "tries": ((3,), "f"),
+        "place": ((2,), "f"),
+        "begins": ((1,), "f"),
+    }
     fields, at = dict[str, Field](), 0
     for name, (shape, kind) in shapes.items():
-        lanes = kind == "f"
-        fields[name] = (at, shape, "real" if lanes else "whole", lanes)
+        lanes = kind == "f" and name not in same
+        fields[name] = (at, shape, "real" if kind == "f" else "whole", lanes)
         at += -(-8 * int(np.prod(shape)) * (width if lanes else 1) // LINE) * LINE
     return fields, at
 

@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import Any
 
 from hannes.simulation.compiler.lanes.values import Text
-from hannes.simulation.rodas import lockstep
+from hannes.simulation.rodas import lockstep, own_steps
 
 # What text of which nothing is known may end in.
 ODD = (AttributeError, LookupError, OverflowError, RecursionError, TypeError, ValueError)
@@ -20,7 +20,8 @@ APART = ("linearise_at", "factor_border_at")  # written once, and called
 @functools.cache
 def own_digest() -> str:
     """Of all that writes instructions."""
-    digest = hashlib.sha256(inspect.getsource(lockstep).encode())
+    text = inspect.getsource(lockstep) + inspect.getsource(own_steps)
+    digest = hashlib.sha256(text.encode())
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()
