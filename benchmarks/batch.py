@@ -238,7 +238,7 @@ def memory(quick: bool) -> tuple[list[Row], list[Row]]:
     what = f"{count} grasps streamed, rtol 0.01, 1000 samples/s"
     line = row(what, count, np.array([found["seconds"]]), peak_MiB=found["peak_MiB"])
     peak = found["peak_MiB"]
-    return [line], [must_show(f"{count} grasps streamed: peak MiB", peak, 1024, peak < 1024)]
+    return [line], [must_show(f"{count} grasps streamed: peak MiB", peak, 300, peak < 300)]
 
 
 def measure(quick: bool) -> tuple[list[Row], list[Row]]:
