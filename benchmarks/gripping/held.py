@@ -9,13 +9,18 @@ from typing import Any
 import numpy as np
 
 from benchmarks.gripping.force import scores
+from hannes import load_experiment
+from hannes.bench.events import Event, Row
 from hannes.bench.force_observer import ForceObserver
 from hannes.bench.grip_loop import GripLoop, GripPlan
-from hannes.bench.simulated_board import SimulatedBoard, grasped
+from hannes.bench.record import command_points
+from hannes.bench.simulated_board import BEAT, SimulatedBoard, grasped
 from hannes.bench.virtual_hand import VirtualHand
+from hannes.core.recording.recording import Recording
 from hannes.dataset.sampling import SampledGrasp, sample_grasp
 from hannes.dataset.spec import Spec, load_spec
 from hannes.recognition import model_file
+from hannes.recognition.known_hand import hand_numbers
 from hannes.recognition.model import Model
 
 FULL, SPEED = 9.84, 9.84 / 0.637  # rad, rad/s: the paper's closure, then held
@@ -97,10 +102,40 @@ class Run:
     moved: float
 
 
-def grasp(sampled: SampledGrasp, trained: Model, policy: bool, observed: bool = True) -> Run:
-    """Close, hold, pull and shake; all numbers as the board sends them."""
+def empty_hand(sampled: SampledGrasp, trained: Model) -> np.ndarray:
+    """Numbers of the hand's empty closure, as the board sends them before the grasp."""
+    (variant,) = load_experiment("empty-closure")
+    command = variant.experiment
+    seed = int(np.random.default_rng([sampled.seed, 2]).integers(2**31))
+    alone = replace(sampled.experiment, object=None, seed=seed)
+    board = SimulatedBoard(VirtualHand(sampled.hand, alone))
+    speaker = board.speaker
+    for packet in [speaker.ask(), *speaker.profile(command_points(command)), speaker.start()]:
+        board.send(packet)
+    names = [channel.name for channel in VirtualHand.channels]
+    events: list[Event] = []
+    for tick in range(round(1e3 * command.duration) + 1):
+        events += board.send(speaker.alive(tick)) if tick % BEAT == 0 else []
+        events += board.tick()
+    rows = np.array([event.values for event in events if isinstance(event, Row)]).T
+    channels = {"time": 1e-3 * np.arange(rows.shape[1]), **dict(zip(names, rows, strict=True))}
+    units = {channel.name: channel.unit for channel in VirtualHand.channels}
+    return hand_numbers(Recording(channels, {"time": "s", **units}), trained)
+
+
+def grasp(
+    sampled: SampledGrasp,
+    trained: Model,
+    policy: bool,
+    observed: bool = True,
+    hand: np.ndarray | None = None,
+) -> Run:
+    """Close, hold, pull and shake; all numbers as the board sends them.
+
+    hand: numbers of its empty closure, None for one that is not known.
+    """
     machine = Disturbed(sampled)
-    loop = GripLoop(trained, GripPlan(policy), ForceObserver() if observed else None)
+    loop = GripLoop(trained, GripPlan(policy), ForceObserver() if observed else None, hand)
     board = SimulatedBoard(machine)
     force, current, seen, forest = [], [], [], []
     latest, decision, residual, guess = (math.nan,) * 3, None, 0.0, (0.0, 0.0, 0.0)
@@ -146,7 +181,7 @@ def measured(path: str, data: str, number: int, name: str = "forty") -> dict[str
     hold = round(1e3 * HOLD)
     if bare.force[:hold].max() < WEAKEST:
         return known | {"held": False}
-    under = grasp(sampled, trained, policy=True)
+    under = grasp(sampled, trained, policy=True, hand=empty_hand(sampled, trained))
     return known | {
         "held": True,
         "full": float(bare.force[:hold].max()),

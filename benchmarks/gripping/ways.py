@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.grip import trained
-from benchmarks.gripping.held import FULL, HOLD, SPEED, Disturbed, drawn, model, spec
+from benchmarks.gripping.held import FULL, HOLD, SPEED, Disturbed, drawn, empty_hand, model, spec
 from benchmarks.harness import Row, main
 from hannes import simulate_many
 from hannes.bench.force_observer import ForceObserver
@@ -33,6 +33,7 @@ from hannes.bench.simulated_board import SimulatedBoard, grasped
 from hannes.dataset.read import read
 from hannes.dataset.sampling import SampledGrasp
 from hannes.dataset.touch_limit import approaching, limited
+from hannes.recognition.pressed import KNOWN
 from hannes.recognition.train_pressed import fitted, inputs_of
 from hannes.simulation.experiment.experiment import Reference
 
@@ -143,9 +144,10 @@ def in_the_loop(trained_model: str, numbers: Sequence[int]) -> np.ndarray:
         stiffness = somewhere(number)
         if not NEAR[0] < stiffness < NEAR[1]:
             continue
-        observer, decision = ForceObserver(), None
-        loop = GripLoop(model(trained_model), observer=observer)
-        board = SimulatedBoard(Disturbed(put(number, stiffness)))
+        observer, decision, sampled = ForceObserver(), None, put(number, stiffness)
+        hand = empty_hand(sampled, model(trained_model))
+        loop = GripLoop(model(trained_model), observer=observer, hand=hand)
+        board = SimulatedBoard(Disturbed(sampled))
         for said in grasped(board, loop, lambda t: min(SPEED * t, FULL), round(1e3 * HOLD)):
             decision = next((d for each in said for d in each.decisions), decision)
         if decision and decision.stiffness:
@@ -158,12 +160,12 @@ def in_the_loop(trained_model: str, numbers: Sequence[int]) -> np.ndarray:
 def learned(data: str, parts: Sequence[int]) -> list[Row]:
     """Errors of networks that every so many grasps of the data set trained."""
     given = read(data)
-    rows, known, others = inputs_of(given, model(trained(False)[0]).windowing)
+    known = inputs_of(given, model(trained(False)[0]).windowing)
     made = []
     for part in parts:
-        border = float(np.log(given.border))
-        made_of = fitted(rows[::part], known[::part], border, 0, others[::part])
-        made.append(_row(f"networks of {known[::part].size} grasps", float(made_of.error[0])))
+        some = known.some(slice(None, None, part))
+        error = float(fitted(some, float(np.log(given.border)), 0).error[KNOWN])
+        made.append(_row(f"networks of {some.target.size} grasps", error))
     return made
 
 

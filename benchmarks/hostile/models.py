@@ -43,9 +43,11 @@ def model_bytes() -> bytes:
         pressed=PressedStiffness(
             np.zeros(INPUTS),
             np.full((2, INPUTS), 0.01, np.float32),
-            *(np.full(shape, 0.5, np.float32) for shape in ((1, 2, 3), (1, 2, 3), (1, 1, 3))),
-            np.array([10.0]),
-            np.array([0.1]),
+            np.zeros(4),
+            np.full((1, 4), 0.01, np.float32),
+            *(np.full(shape, 0.5, np.float32) for shape in ((1, 2, 4), (1, 2, 3), (1, 1, 3))),
+            np.array([10.0, 5.0]),
+            np.array([0.1, 0.05]),
         ),
     )
     with tempfile.TemporaryDirectory() as folder:

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 from hannes.bench.c_tables import array, number, short
+from hannes.dataset.empty_closure import mean_size
 from hannes.recognition import pressed
 from hannes.recognition.pressed import PressedStiffness
 
-TABLES = ("mix", "first", "second", "last")
+TABLES = ("mix", "hand_mix", "first", "second", "last")
 
 
 @dataclass(frozen=True)
@@ -21,12 +22,17 @@ def networks(known: PressedStiffness | None, sampling: float) -> CNetworks:
     """The networks as C arrays, none where the traces cannot be had at `sampling` [Hz]."""
     if known is None or not pressed.bin_size(sampling):
         return CNetworks("", 0)
-    parts = [array("double", "hannes_centre", map(number, known.centre))]
+    centres = [name for name in ("centre", "hand_centre") if getattr(known, name).size]
+    tables = [name for name in TABLES if getattr(known, name).size]
+    parts = [
+        array("double", f"hannes_{name}", map(number, getattr(known, name))) for name in centres
+    ]
     parts += [
         array("float", f"hannes_{name}", map(short, getattr(known, name).ravel()))
-        for name in TABLES
+        for name in tables
     ]
-    size = 8 * known.centre.size + sum(4 * getattr(known, name).size for name in TABLES)
+    size = sum(8 * getattr(known, name).size for name in centres)
+    size += sum(4 * getattr(known, name).size for name in tables)
     return CNetworks("\n".join(parts) + "\n", size)
 
 
@@ -34,7 +40,7 @@ def network_sizes(known: PressedStiffness | None, sampling: float) -> dict[str, 
     """Whole numbers of the C file about them."""
     size = pressed.bin_size(sampling)
     if known is None or not size:
-        return {"NETS": "0", "BINS": "1"}
+        return {"NETS": "0", "BINS": "1", "HAND": "0"}
     values = {
         "NETS": known.first.shape[0],
         "POINTS": known.mix.shape[0],
@@ -50,5 +56,8 @@ def network_sizes(known: PressedStiffness | None, sampling: float) -> dict[str, 
         "START": pressed.START,
         "EARLIEST": pressed.EARLIEST,
         "LATEST": pressed.LATEST,
+        "HAND": known.hand_mix.shape[0],
+        "NUMBERS": known.hand_centre.size,
+        "MEAN": mean_size(sampling),
     }
     return {name: f"{value}" for name, value in values.items()}

@@ -33,8 +33,8 @@ HEAD = """\
  * Written by `hannes export-c`; do not edit it, export the model anew.
  *
  * Model:   {trained}
- * Memory:  {memory} bytes in one struct Hannes and one struct HannesGrip, all there is; nothing is
- *          allocated.
+ * Memory:  {memory} bytes in one struct Hannes, one struct HannesGrip and, where the model knows
+ *          hands, one struct HannesEmpty, all there is; nothing is allocated.
  * Tables:  {tables} bytes of constants in {trees} trees of {nodes} nodes.
  * Rate:    hannes_sample() once a sample, at {sampling:g} Hz; a decision every {hop:g} ms.
  * Build:   cc {flags} -c FILE.c      (C99 and <math.h>; no -ffast-math)
@@ -131,22 +131,25 @@ def _constants(model: Model) -> dict[str, str]:
         "BORDER": model.border,
     }
     if model.pressed:
-        values["REACH"] = float(model.pressed.reach[0])
-        values["ERROR"] = NORMAL_95 * float(model.pressed.error[0])
+        names = (("REACH", "HAND_REACH"), ("ERROR", "ERROR_KNOWN"))
+        values |= dict(zip(names[0], map(float, model.pressed.reach), strict=True))
+        values |= dict(zip(names[1], NORMAL_95 * model.pressed.error, strict=True))
     values |= {GRIP_NAMES.get(key, key.upper()): x for key, x in asdict(GripSettings()).items()}
     values |= {"RETREAT": RETREAT, "TURN": TURN}
     return {name: f"({number(value)})" for name, value in values.items()}
 
 
 def _memory(sizes: dict[str, str]) -> int:
-    """Bytes of both structs where doubles stand at multiples of eight."""
+    """Bytes of all structs where doubles stand at multiples of eight."""
     kept, held, scratch, levels, count, bins = (
         int(sizes[name].rstrip("u"))
         for name in ("KEPT", "HELD", "SCRATCH", "LEVELS", "FEATURES", "BINS")
     )
-    doubles = 2 + 4 * kept + 8 + levels + 1 + 2 * held + scratch + 3 + 3 * bins
+    doubles = 2 + 4 * kept + 8 + levels + 1 + 2 * held + scratch + 1 + 3 + 3 * bins
     rows = 4 * (count + count % 2)
-    return 16 + 8 * doubles + 8 + 8 + rows + GRIP
+    hands = int(sizes["HAND"])
+    empty = 8 + 8 * (2 + int(sizes["NUMBERS"]) + hands) if hands else 0
+    return 16 + 8 * doubles + 8 + 8 + rows + GRIP + empty
 
 
 def _defined(values: dict[str, str]) -> str:

@@ -8,6 +8,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Protocol
 
+import numpy as np
+
 from hannes.bench.events import About, Event, Row
 from hannes.bench.haptics import HapticCommand, HapticMemory, HapticSample, HapticSettings, haptic
 from hannes.bench.live import Decision, LiveRecogniser
@@ -65,13 +67,20 @@ class Said:
 
 
 class GripLoop:
-    """Takes events and the command; `set_point` [rad] is what the board is to follow now."""
+    """Takes events and the command; `set_point` [rad] is what the board is to follow now.
+
+    hand: numbers of its empty closure (known_hand.py), None for a hand that is not known.
+    """
 
     def __init__(
-        self, model: Model, plan: GripPlan | None = None, observer: Observer | None = None
+        self,
+        model: Model,
+        plan: GripPlan | None = None,
+        observer: Observer | None = None,
+        hand: np.ndarray | None = None,
     ) -> None:
         self.plan = plan or GripPlan()
-        self._recogniser, self._observer = LiveRecogniser(model), observer
+        self._recogniser, self._observer = LiveRecogniser(model, hand), observer
         self._border = model.border
         self._places: dict[str, int] = {}
         self._grip, self._haptic = GripMemory(), HapticMemory()

@@ -68,6 +68,7 @@ def warm_up(model: Model) -> None:
         samples = np.zeros((3, round(windowing.sampling)))
         row = pressed.trace_inputs(samples, round(0.3 * windowing.sampling), windowing.sampling)
         model.pressed(row[np.newaxis])
+        model.pressed.points(model.pressed.hand_centre)
 
 
 def channel_places(about: About) -> list[int]:
@@ -80,10 +81,15 @@ def channel_places(about: About) -> list[int]:
 
 
 class LiveRecogniser:
-    """Takes events of a board, gives decisions. Raises BadInput where a channel is missing."""
+    """Takes events of a board, gives decisions. Raises BadInput where a channel is missing.
 
-    def __init__(self, model: Model) -> None:
+    hand: numbers of its empty closure (known_hand.py), None for a hand that is not known.
+    """
+
+    def __init__(self, model: Model, hand: np.ndarray | None = None) -> None:
         self.model, self._onset = model, Onset()
+        known = model.pressed
+        self._hand = known.points(hand) if known is not None and hand is not None else None
         self._places: list[int] | None = None
         self.begin(0.0)
 
@@ -170,8 +176,8 @@ class LiveRecogniser:
             return
         self._asked = True
         row = pressed.trace_inputs(self._features.samples, touch, windowing.sampling)
-        value = float(known(row[np.newaxis])[0])
+        value = float(known(row[np.newaxis], self._hand)[0])
         if math.isfinite(value):
-            ends = NORMAL_95 * known.error[0]
+            ends = NORMAL_95 * known.error[pressed.UNKNOWN if self._hand is None else pressed.KNOWN]
             low, middle_, high = (float(np.exp(value + each)) for each in (-ends, 0.0, ends))
             self._pressed = Estimate(middle_, low, high)

@@ -10,9 +10,10 @@ haptic commands from the raw log, bit for bit: they follow from the board's byte
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,8 @@ from hannes.bench.raw_log import FROM_BOARD, HAPTIC, RawLogReader
 from hannes.bench.reader import NANO, Link
 from hannes.bench.record import STREAM
 from hannes.bench.session import Session, session
-from hannes.core.errors import ComputationFailed
+from hannes.core.errors import BadInput, ComputationFailed
+from hannes.recognition.known_hand import checked, unknown_hand
 from hannes.recognition.model import Model
 from hannes.simulation.experiment.variants import Variant
 from hannes.simulation.experiment.writer import experiment_toml
@@ -45,7 +47,7 @@ class LiveOrder:
 
     seconds: how long to go on, 0 for the experiment's duration, or without end; observer: makes
     what estimates the force; tactor: is handed every haptic command; progress: takes what happens
-    in words.
+    in words; hand: numbers of its empty closure (known_hand.py), None for one that is not known.
     """
 
     variant: Variant | None = None
@@ -54,6 +56,7 @@ class LiveOrder:
     observer: Callable[[], Observer] | None = None
     tactor: Callable[[HapticCommand], None] | None = None
     progress: Callable[[str], None] = lambda text: None
+    hand: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -117,10 +120,15 @@ def live(link: Link, model: Model, log: str | Path, order: LiveOrder) -> Iterato
         require_within(order.variant.hand, experiment, progress=order.progress)
         about = {"experiment": experiment_toml(order.variant.hand, experiment),
                  "hand": hand_toml(order.variant.hand)}  # fmt: skip
+    if order.hand is not None:
+        about["empty_closure"] = order.hand.tolist()
+    elif order.variant is not None and order.plan.policy and (notice := unknown_hand(model)):
+        order.progress(notice)
     warm_up(model)
     observer = order.observer() if order.observer else None
     command, _ = _command(order)
-    following = _Following(GripLoop(model, order.plan, observer), command(0.0) if command else 0.0)
+    loop = GripLoop(model, order.plan, observer, order.hand)
+    following = _Following(loop, command(0.0) if command else 0.0)
     with session(link, log, about) as talk:
         talk.watch = following.feed
         board = talk.hello()
@@ -204,13 +212,23 @@ def _passed_on(talk: Session, following: _Following, order: LiveOrder) -> Iterat
         yield replace(moment, damaged=talk.damaged, gaps=talk.gaps)
 
 
+def known_by(about: Mapping[str, Any], model: Model) -> np.ndarray | None:
+    """Numbers of the hand's empty closure that a raw log keeps; BadInput where they are none."""
+    given = about.get("empty_closure")
+    if given is None:
+        return None
+    if not isinstance(given, list) or not all(isinstance(each, int | float) for each in given):
+        raise BadInput("the raw log's empty_closure: expected numbers")
+    return checked(np.array(given, float), model)
+
+
 def replayed(
     log: str | Path, model: Model, plan: GripPlan | None = None, observer: Observer | None = None
 ) -> Iterator[Moment]:
     """The moments of a raw log: decisions, forces and haptic commands are those that were live."""
     records = RawLogReader(log)
     listener = adapter(records.about.get("board", "hannes"), **records.about.get("options", {}))
-    following = _Following(GripLoop(model, plan, observer))
+    following = _Following(GripLoop(model, plan, observer, known_by(records.about, model)))
     for record in records.records():
         if record.direction == FROM_BOARD:
             for event in listener.feed(record.data, record.time * NANO):

@@ -39,7 +39,7 @@ class GripSettings:
     soft_below: float = 0.25  # probability of rigid below which a firm hold ends
     dwell: float = 0.03  # s for which that probability must last
     stiff_from: float = 1.0  # stiffness over the border from which an object is held firmly
-    patience: float = 0.55  # s from the touch until doubt is decided without a stiffness
+    patience: float = 0.7  # s from the touch until doubt is decided without a stiffness
     decide_from: float = 0.4  # probability of rigid from which it is then held firmly
     averaging: float = 0.1  # s over which that probability is averaged
     late: float = 0.2  # more of the travel for each second from `settle` to a firm hold

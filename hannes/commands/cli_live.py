@@ -22,6 +22,8 @@ EXAMPLES = {
 hannes live /dev/ttyUSB0 model.h5                        watch a hand that something else moves
 hannes live /dev/ttyUSB0 model.h5 --close dynamometer    close it, under the grip policy
 hannes live /dev/ttyUSB0 model.h5 --close dynamometer --newtons 20
+hannes record empty-closure --port /dev/ttyUSB0 --out hand.h5    the empty hand, once
+hannes live /dev/ttyUSB0 model.h5 --empty hand.h5 --close dynamometer
 hannes live socket://127.0.0.1:4000 model.h5 --close my.toml --out grasp.h5 --haptics /dev/ttyACM0
 `hannes dataset held` and `hannes train results/held.h5` make a model for held objects.""",
 }
@@ -41,6 +43,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     )
     live.add_argument("--newtons", type=float, default=0.0, metavar="N",
                       help="hold with this force instead of a share of the command")  # fmt: skip
+    add_empty(live)
     live.add_argument("--hand", metavar="HAND.toml", help="hand of the force observer (shipped)")
     live.add_argument("--no-observer", action="store_true",
                       help="force from the model alone, on a slow machine")  # fmt: skip
@@ -54,6 +57,27 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     live.add_argument("--out", metavar="FILE", help="a .h5 or .csv recording of it")
     add_force(live)
     add_json(live)
+
+
+def add_empty(parser: argparse.ArgumentParser) -> None:
+    """Add the option that names a recording of the empty hand."""
+    parser.add_argument(
+        "--empty", metavar="FILE",
+        help="a recording of `empty-closure` by this hand, which then is known (a middle hand)",
+    )  # fmt: skip
+
+
+def known_hand(path: str | None, model: "Model") -> Any:
+    """Numbers of a recorded empty closure, None where there is none; BadInput where it is none."""
+    if path is None:
+        return None
+    from hannes.core.recording.recording import Recording
+    from hannes.recognition.known_hand import hand_numbers
+
+    try:
+        return hand_numbers(Recording.read(path), model)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from None
 
 
 def _live(chosen: argparse.Namespace) -> None:
@@ -96,10 +120,10 @@ def _in_browser(chosen: argparse.Namespace, board: "Link") -> None:
     given = (chosen.close, chosen.out, chosen.haptics, chosen.newtons, chosen.seconds, chosen.hand)
     if any((*given, chosen.no_observer, chosen.json)):
         raise BadInput(
-            "--panel drives from the page: leave out all options but --no-policy and those of the "
-            "port"
+            "--panel drives from the page: leave out all options but --no-policy, --empty and "
+            "those of the port"
         )
-    serve(board, BESIDE, chosen.model, policy=not chosen.no_policy)
+    serve(board, BESIDE, chosen.model, policy=not chosen.no_policy, empty=chosen.empty)
 
 
 def _written(raw: Path, out: Path) -> None:
@@ -126,7 +150,7 @@ def _followed(chosen: argparse.Namespace, board: "Link", model: "Model", raw: Pa
 
     last: Moment | None = None
     with ExitStack() as stack:
-        order = _order(chosen, stack)
+        order = _order(chosen, model, stack)
         fancy = sys.stdout.isatty() and not chosen.json
         shown: Any = None
         if not chosen.json:
@@ -139,7 +163,7 @@ def _followed(chosen: argparse.Namespace, board: "Link", model: "Model", raw: Pa
         print_json(_summary(last))
 
 
-def _order(chosen: argparse.Namespace, stack: Any) -> "LiveOrder":
+def _order(chosen: argparse.Namespace, model: "Model", stack: Any) -> "LiveOrder":
     from hannes.bench.force_observer import ForceObserver
     from hannes.bench.grip_loop import GripPlan
     from hannes.bench.live_run import LiveOrder
@@ -156,7 +180,8 @@ def _order(chosen: argparse.Namespace, stack: Any) -> "LiveOrder":
     plan = GripPlan(not chosen.no_policy, chosen.newtons)
     tactor = _tactor(chosen.haptics, stack) if chosen.haptics else None
     observer = None if chosen.no_observer else lambda: ForceObserver(hand)
-    return LiveOrder(variant, plan, chosen.seconds, observer, tactor, _say)
+    known = known_hand(chosen.empty, model)
+    return LiveOrder(variant, plan, chosen.seconds, observer, tactor, _say, known)
 
 
 def _tactor(name: str, stack: Any) -> Callable[..., None]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hannes.commands.cli_trust import add_trust
+from hannes.core.errors import BadInput
 
 if TYPE_CHECKING:
     from hannes.bench.reader import Link
@@ -24,10 +25,12 @@ hannes panel socket://127.0.0.1:4000 --beside dynamometer --raw session.rawlog""
 def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     """Add the command; `command(name, call, description)` makes its parser."""
     from hannes.commands.cli_bench import add_link
+    from hannes.commands.cli_live import add_empty
 
     panel = command("panel", _panel, "drive a hand on a port from a page in the browser")
     add_link(panel, "port")
     add_trust(panel)
+    add_empty(panel)
     panel.add_argument("--model", metavar="MODEL.h5", help="recognise with it (`hannes train`)")
     panel.add_argument(
         "--no-policy",
@@ -48,20 +51,28 @@ def _panel(chosen: argparse.Namespace) -> None:
     from hannes.commands.cli_bench import link
 
     raw = Path(chosen.raw) if chosen.raw else None
-    serve(link(chosen), chosen.beside, chosen.model, chosen.http, raw, not chosen.no_policy)
+    policy = not chosen.no_policy
+    serve(link(chosen), chosen.beside, chosen.model, chosen.http, raw, policy, chosen.empty)
 
 
 def serve(
     board: "Link", beside: str, model: str | None, http: int = 0, raw: Path | None = None,
-    policy: bool = True,
+    policy: bool = True, empty: str | None = None,
 ) -> None:  # fmt: skip
-    """Serve the page of a board until it is closed; `beside` names the model that steps along."""
+    """Serve the page of a board until it is closed; `beside` names the model that steps along.
+
+    empty: path of a recording of the empty hand. Raises BadInput where it is given without a model.
+    """
     from hannes.bench.board_file import read_board
     from hannes.bench.panel.run import Panel, run_panel
+    from hannes.commands.cli_live import known_hand
     from hannes.core.io.outputs import reserved
     from hannes.recognition import model_file
 
+    if empty and not model:
+        raise BadInput("--empty tells a model of the hand: name one with --model")
     known = model_file.read(model) if model else None
-    panel = Panel(board, read_board(beside).variant, known, http, raw, policy)
+    hand = known_hand(empty, known) if known else None
+    panel = Panel(board, read_board(beside).variant, known, http, raw, policy, hand)
     with reserved("panel", [raw] if raw else []):
         run_panel(panel, lambda text: print(f"hannes: {text}", file=sys.stderr, flush=True))

@@ -23,7 +23,7 @@ from hannes.core.errors import BadInput
 from hannes.core.io.atomic_files import BODY_FAULTS
 from hannes.core.io.provenance import versions
 from hannes.core.recording.hdf5 import set_attribute
-from hannes.dataset import distributions, sampling, shard
+from hannes.dataset import distributions, empty_closure, sampling, shard
 from hannes.dataset.shard import SIZE, STORED, Shard, chunk, count, table_type, units
 from hannes.dataset.spec import ROLES, Spec
 from hannes.simulation.experiment import clearance, experiment
@@ -34,7 +34,7 @@ from hannes.simulation.sensors import UNITS, noisy
 SCHEMA = "hannes-dataset-1"
 PLOTTING = ("matplotlib",)  # packages on which no byte depends
 DEPENDS_ON = (  # sources that sample, pose and pack; kernels and values enter by themselves
-    *(distributions, sampling, shard, clearance, noisy),
+    *(distributions, empty_closure, sampling, shard, clearance, noisy),
     *(anatomy, channels, experiment, hand, shapes),
 )
 ROOT = {
@@ -57,6 +57,8 @@ MEANINGS = {
     "contact": "first sample above 5 % of the peak of total force, and 1 N; no number without one",
     "release": "last such sample",
     "peak_force": "largest total normal force",
+    "empty": "current, then lag, in means of 20 ms while the hand closes on nothing; no numbers "
+    "where it did not",
     "completed": "1 where the simulation ended; else its samples after the failure are no numbers",
 }
 

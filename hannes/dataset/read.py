@@ -13,6 +13,7 @@ from hannes.core.io.json_text import parsed
 from hannes.core.io.limits import FILE_UNPACKING, MIB, VALUES
 from hannes.core.recording.hdf5 import text_attribute
 from hannes.core.recording.hdf5_storage import hdf5_file, member, require_plain
+from hannes.dataset.empty_closure import STORED as EMPTY_STORED
 from hannes.dataset.hdf5_file import SCHEMA
 from hannes.dataset.shard import STORED
 
@@ -22,6 +23,7 @@ BLOCK = 500  # grasps in memory at once
 SPREAD = 20_000  # rows of the file among which they lie
 MOST_IN_MEMORY = 12_500_000  # values of a block, 50 MB
 MOST_SAMPLES = 10_000_000_000  # of a channel: it is read by blocks
+EMPTY, MOST_EMPTY = "empty", 1000  # field of the hands that closed on nothing; its numbers
 NEEDED = ("role", "completed", "contact", "release", "peak_force", "object.stiffness")
 
 
@@ -46,6 +48,16 @@ class DataSet:
     def usable(self) -> np.ndarray:
         """Which grasps ended and touched their object, shape (grasps,)."""
         return (self.table["completed"] == 1) & np.isfinite(self.table["contact"])
+
+    def empty(self, rows: np.ndarray) -> np.ndarray:
+        """What the hands of grasps `rows` showed as they closed on nothing, shape (m, numbers).
+
+        NaN where one did not; no numbers at all where the data set has none.
+        """
+        fields = self.table.dtype.names or ()
+        if EMPTY not in fields or self.table.dtype[EMPTY].subdtype is None:
+            return np.zeros((rows.size, 0))
+        return self.table[EMPTY][rows].astype(float)
 
     def role(self, name: str) -> np.ndarray:
         """Which grasps have a role, shape (grasps,)."""
@@ -133,12 +145,20 @@ def _table(dataset: Any) -> np.ndarray:
     kinds = dataset.dtype.fields
     if kinds is None or dataset.ndim != 1 or len(kinds) > MOST_FIELDS:
         raise BadInput("/grasps: expected a table with a row a grasp")
-    if any(kind.kind not in "iuf" or kind.itemsize > 8 for kind, *_ in kinds.values()):
+    if any(not _is_plain(name, kind) for name, (kind, *_) in kinds.items()):
         raise BadInput("/grasps: expected fields of plain numbers")
     if missing := [name for name in NEEDED if name not in kinds]:
         raise BadInput(f'/grasps: the field "{missing[0]}" is missing')
     require_plain(dataset, VALUES // max(len(kinds), 1))
     return dataset[()]
+
+
+def _is_plain(name: str, kind: np.dtype) -> bool:
+    """Whether a field is a plain number, or what an empty closure shows of a hand."""
+    if name == EMPTY and kind.subdtype is not None:
+        base, shape = kind.subdtype
+        return base == np.dtype(EMPTY_STORED) and len(shape) == 1 and 2 <= shape[0] <= MOST_EMPTY
+    return kind.kind in "iuf" and kind.itemsize <= 8
 
 
 def _channel(file: Any, name: str, grasps: int, samples: int) -> Any:

@@ -14,7 +14,7 @@ from hannes.simulation.sensors import noisy
 from hannes.simulation.trajectory import Grasp
 
 MOST_TRIES = 2000  # samples of a grasp until its object stands clear of the open hand
-SAMPLING, NOISE = 0, 1  # streams of random numbers
+SAMPLING, NOISE, EMPTY_NOISE = 0, 1, 2  # streams of random numbers
 
 
 @dataclass(frozen=True)
@@ -85,8 +85,22 @@ def _made(spec: Spec, number: int, group: Group, values: dict[str, float]) -> Sa
     return SampledGrasp(number, group, values, spec.hand.with_values(own), experiment)
 
 
-def _seed(seed: int, number: int) -> int:
-    sequence = np.random.SeedSequence(seed, spawn_key=(number, NOISE))
+def emptied(spec: Spec, sampled: SampledGrasp) -> SampledGrasp:
+    """The hand of a grasp that closes on nothing, by the command that `spec` has for that."""
+    assert spec.empty is not None
+    experiment = replace(
+        sampled.experiment,
+        title=f"{spec.title}, hand of grasp {sampled.number}",
+        duration=float(spec.empty.knots[0, -1]),
+        reference=spec.empty,
+        object=None,
+        seed=_seed(spec.seed, sampled.number, EMPTY_NOISE),
+    )
+    return replace(sampled, experiment=experiment)
+
+
+def _seed(seed: int, number: int, stream: int = NOISE) -> int:
+    sequence = np.random.SeedSequence(seed, spawn_key=(number, stream))
     return int(sequence.generate_state(1)[0])
 
 

@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 
 from hannes.core.recording.recording import Recording
-from hannes.dataset.sampling import SampledGrasp, rounded, sample_grasp, sensed
+from hannes.dataset.empty_closure import STORED as EMPTY_STORED
+from hannes.dataset.empty_closure import empty_means, mean_size, numbers_of
+from hannes.dataset.sampling import SampledGrasp, emptied, rounded, sample_grasp, sensed
 from hannes.dataset.spec import ROLES, Spec, read_spec
 from hannes.dataset.touch_limit import approaching, is_limited, limited
 from hannes.simulation.batch.simulate_many import simulate_many
@@ -21,6 +23,7 @@ from hannes.simulation.trajectory import Grasp, Outcome
 SIZE = 100  # grasps of a shard, and rows of a chunk of the file
 TOUCH, SHARE = 1.0, 0.05  # thresholds of contact: total force [N], and share of its peak
 LEVEL = 4  # of deflate
+EMPTY = ("current", "position", "reference")  # channels of empty closures
 STORED = "<f4"  # seven digits, far below any sensor's noise
 OWN = (
     ("number", "<i8", "1"),
@@ -76,15 +79,23 @@ class Shard:
 
 
 def table_type(spec: Spec) -> np.dtype:
-    """Fields of the table of grasps: those of every data set, then a column for each quantity."""
-    return np.dtype(
-        [*((name, kind) for name, kind, _ in OWN), *((name, "<f8") for name in spec.columns)]
-    )
+    """Fields of the table of grasps: those of every data set, then a column for each quantity.
+
+    Where hands close on nothing too, `empty` has what that shows of each.
+    """
+    own = [(name, kind) for name, kind, _ in OWN]
+    columns = [(name, "<f8") for name in spec.columns]
+    return np.dtype([*own, *columns, *_empty_field(spec)])
+
+
+def _empty_field(spec: Spec) -> list[tuple[str, str, int]]:
+    return [("empty", EMPTY_STORED, numbers_of(spec.empty))] if spec.empty else []
 
 
 def units(spec: Spec) -> list[str]:
     """Units of the fields."""
-    return [*(unit for _, _, unit in OWN), *(spec.unit(name) for name in spec.columns)]
+    known = [*(unit for _, _, unit in OWN), *(spec.unit(name) for name in spec.columns)]
+    return [*known, *("A, then rad" for _ in _empty_field(spec))]
 
 
 def count(spec: Spec) -> int:
@@ -114,13 +125,29 @@ def made(spec: Spec, number: int) -> Shard:
     ran = grasps(spec, sampled, tuple(dict.fromkeys((*spec.channels, "force"))))
     rows = np.zeros(len(sampled), table_type(spec))
     samples = np.zeros((len(spec.channels), *chunk(spec)), STORED)
+    shown = _empty_closures(spec, sampled)
     for k, (each, grasp) in enumerate(zip(sampled, ran, strict=True)):
-        rows[k] = _row(spec, each, grasp)
+        rows[k] = (*_row(spec, each, grasp), *(shown[k : k + 1] if spec.empty else ()))
         for c, name in enumerate(spec.channels):
             samples[c, k, : grasp.time.size] = sensed(each, grasp, name)
             samples[c, k, grasp.time.size :] = np.nan  # it failed there
     chunks = {name: _deflated(samples[c]) for c, name in enumerate(spec.channels)}
     return Shard(rows, chunks)
+
+
+def _empty_closures(spec: Spec, sampled: list[SampledGrasp]) -> np.ndarray:
+    """What the hands of pressed grasps show while they close on nothing (n, numbers), else NaN."""
+    if spec.empty is None:
+        return np.zeros((len(sampled), 0))
+    found = np.full((len(sampled), numbers_of(spec.empty)), np.nan)
+    some = [k for k, each in enumerate(sampled) if each.group.role == "pressed"]
+    alone = [emptied(spec, sampled[k]) for k in some]
+    size = mean_size(spec.base.sampling)
+    for k, each, grasp in zip(some, alone, _simulated(spec, alone, EMPTY), strict=True):
+        if grasp.outcome is Outcome.COMPLETED:
+            current, position, reference = (sensed(each, grasp, name) for name in EMPTY)
+            found[k] = empty_means(current, position, reference, size, found.shape[1])
+    return found
 
 
 def grasps(spec: Spec, sampled: list[SampledGrasp], channels: tuple[str, ...]) -> list[Grasp]:

@@ -16,6 +16,7 @@ from hannes.core.io.units import quantity
 from hannes.core.model import differences
 from hannes.core.trust.consent import consenting
 from hannes.dataset.distributions import Distribution, read_distribution
+from hannes.dataset.empty_closure import read_empty
 from hannes.simulation.experiment import shipped
 from hannes.simulation.experiment.experiment import CONTROLLERS, Experiment, Reference
 from hannes.simulation.experiment.reader import MOST_SAMPLES, NOISE, read_reference
@@ -30,7 +31,7 @@ from hannes.simulation.hand.hand_file import (
 
 KEYS = (
     "title", "hand", "effects", "parameters", "seed", "duration", "sampling", "controller",
-    "rtol", "border", "channels", "reference", "values", "grasps",
+    "rtol", "border", "channels", "reference", "empty", "values", "grasps",
 )  # fmt: skip
 GROUP = ("name", "shape", "role", "draws", "values")
 ROLES = ("train", "test", "pressed")
@@ -88,7 +89,8 @@ class Group:
 class Spec:
     """All grasps of a data set; `text` is the specification resolved, without other files.
 
-    `inputs` are the files that it was read from, which no result may replace.
+    `inputs` are the files that it was read from, which no result may replace. `empty`: the command
+    by which each hand of a pressed grasp closes on nothing, too; None where none does.
     """
 
     title: str
@@ -100,6 +102,7 @@ class Spec:
     border: float
     channels: tuple[str, ...]
     groups: tuple[Group, ...]
+    empty: Reference | None = None
     inputs: frozenset[Path] = field(default=frozenset(), repr=False, compare=False)
 
     @property
@@ -176,6 +179,7 @@ def read_spec(text: str, where: str = "data set", folder: Path | None = None) ->
         root.quantity("border", "N/m") if "border" in root else quantity(BORDER, "N/m", "border"),
         _channels(root),
         groups,
+        read_empty(root, folder, base.sampling),
     )
 
 

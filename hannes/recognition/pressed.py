@@ -1,8 +1,9 @@
 """Stiffness of an object from the traces of a grasp that presses on it, once `AFTER` is over.
 
 Trees see some features of a window. Near the border of soft and rigid these do not separate hand
-and object. Small networks see what current and position did from the start of the motion until half
-a second after the touch: the free closing shows the hand, the squeeze the object in it. Sums are
+and object. Small networks see what current and position did from the start of the motion until
+0.62 s after the touch: the free closing shows the hand, the squeeze the object in it. They are told
+what the hand showed while it closed on nothing, too, where that is known (known_hand.py). Sums are
 taken in the same order in C (`hannes export-c`).
 """
 
@@ -16,12 +17,14 @@ from hannes.core.kernels.jit import entry, kernel
 BIN = 5e-3  # s, of which sums are kept
 GROUP = 4  # bins of one mean
 START = 12  # means from the start of the motion on
-BEFORE, AFTER = 8, 24  # means before the touch, and after it
+BEFORE, AFTER = 8, 31  # means before the touch, and after it
 TRACE = BEFORE + AFTER
 INPUTS = 3 * TRACE + 2 * START + 2
 EARLIEST = GROUP * BEFORE + 1  # bin of the touch before which there is no estimate
 LATEST = 240  # bin of the touch from which there is none
 MOST_NETS, MOST_UNITS = 32, 512
+MOST_NUMBERS = 1000  # of an empty closure
+UNKNOWN, KNOWN = 0, 1  # place of the error of a hand that is not known, and of one that is
 LARGEST = 1e9  # of a number in a model, which any real one stays far within
 
 
@@ -68,15 +71,36 @@ def _layer(weights, values, bounded):
     return out
 
 
-@entry
-def _mean_of_networks(values, centre, mix, first, second, last, reach):
-    """Mean over networks for inputs `values`; NaN where they lie beyond what was learned from."""
-    point = np.zeros(mix.shape[0])
+@kernel
+def _mixed(mix, values, centre, out):
+    """Fill the first of `out` with `mix` times the values less their centre; the farthest of it."""
+    farthest = 0.0
     for k in range(mix.shape[0]):
+        total = 0.0
         for j in range(values.size):
-            point[k] += float(mix[k, j]) * (values[j] - centre[j])
-        if not abs(point[k]) <= reach:
-            return np.nan
+            total += float(mix[k, j]) * (values[j] - centre[j])
+        out[k] = total
+        farthest = max(farthest, abs(total)) if abs(total) < np.inf else np.inf
+    return farthest
+
+
+@entry
+def _hand_points(mix, numbers, centre, out):
+    """Fill `out` with what the networks see of an empty closure; returns the farthest of it."""
+    return _mixed(mix, numbers, centre, out)
+
+
+@entry
+def _mean_of_networks(values, hand, centre, mix, first, second, last, reach):
+    """Mean over networks for inputs `values`; NaN where they lie beyond what was learned from.
+
+    hand: points of the hand, which follow those of the values.
+    """
+    point = np.zeros(mix.shape[0] + hand.size)
+    if not _mixed(mix, values, centre, point) <= reach:
+        return np.nan
+    for k in range(hand.size):
+        point[mix.shape[0] + k] = hand[k]
     total = 0.0
     for net in range(first.shape[0]):
         hidden = _layer(first[net], point, True)
@@ -88,52 +112,73 @@ def _mean_of_networks(values, centre, mix, first, second, last, reach):
 class PressedStiffness:
     """Log stiffness [N/m] of a pressed object: the mean over networks of two hidden layers.
 
-    `mix` (points, inputs) takes inputs less `centre` (inputs,) to points of some size 1. The layers
-    `first` (nets, units, points + 1), `second` (nets, units, units + 1) and `last`
-    (nets, 1, units + 1) have a unit's constant in the last column. `reach`: farthest point (1,)
-    that was learned from; `error`: standard deviation of the log stiffness near the border (1,).
+    `mix` (points, inputs) takes inputs less `centre` (inputs,) to points of some size 1, and
+    `hand_mix` (hand points, numbers) those of an empty closure less `hand_centre` (numbers,): both
+    have no numbers where none were learned from. The layers `first` (nets, units, all points + 1),
+    `second` (nets, units, units + 1) and `last` (nets, 1, units + 1) have a unit's constant in the
+    last column. `reach`: farthest point (2,) that was learned from, of traces and of hands;
+    `error`: standard deviation of the log stiffness near the border (2,), of hands UNKNOWN and
+    KNOWN.
     """
 
     centre: np.ndarray
     mix: np.ndarray
+    hand_centre: np.ndarray
+    hand_mix: np.ndarray
     first: np.ndarray
     second: np.ndarray
     last: np.ndarray
     reach: np.ndarray
     error: np.ndarray
 
-    def __call__(self, rows: np.ndarray) -> np.ndarray:
-        """Log stiffness for rows of inputs (m, INPUTS), shape (m,); NaN where out of reach."""
+    def __call__(self, rows: np.ndarray, hand: np.ndarray | None = None) -> np.ndarray:
+        """Log stiffness for rows of inputs (m, INPUTS), shape (m,); NaN where out of reach.
+
+        hand: its `points`, None for one that is not known, which counts as the middle one.
+        """
+        points = np.zeros(self.hand_mix.shape[0]) if hand is None else hand
         arrays = (self.centre, self.mix, self.first, self.second, self.last, self.reach[0])
-        return np.array([_mean_of_networks(row, *arrays) for row in rows])
+        return np.array([_mean_of_networks(row, points, *arrays) for row in rows])
+
+    def points(self, numbers: np.ndarray) -> np.ndarray | None:
+        """What the networks see of an empty closure's numbers; None where they are out of reach."""
+        out = np.zeros(self.hand_mix.shape[0])
+        farthest = _hand_points(self.hand_mix, numbers, self.hand_centre, out)
+        return out if farthest <= self.reach[1] else None
 
     def check(self) -> "PressedStiffness":
         """Return itself where shapes and values are valid; BadInput otherwise."""
         nets, units, points = self.first.shape[0], self.first.shape[1], self.mix.shape[0]
-        wide = self.second.shape[1]
+        wide, numbers, hands = self.second.shape[1], self.hand_centre.size, self.hand_mix.shape[0]
         wanted = {
-            "centre": (INPUTS,), "mix": (points, INPUTS), "first": (nets, units, points + 1),
-            "second": (nets, wide, units + 1), "last": (nets, 1, wide + 1), "reach": (1,),
-            "error": (1,),
+            "centre": (INPUTS,), "mix": (points, INPUTS), "hand_centre": (numbers,),
+            "hand_mix": (hands, numbers), "first": (nets, units, points + hands + 1),
+            "second": (nets, wide, units + 1), "last": (nets, 1, wide + 1), "reach": (2,),
+            "error": (2,),
         }  # fmt: skip
         for name, shape in wanted.items():
             values = getattr(self, name)
-            if values.shape != shape or 0 in shape:
+            if values.shape != shape or (0 in shape and not name.startswith("hand")):
                 raise BadInput(f"pressed/{name}: shape {values.shape}, expected {shape}")
             if not (np.abs(values) <= LARGEST).all():
                 raise BadInput(f"pressed/{name}: a value is not finite, or beyond {LARGEST:g}")
-        if nets > MOST_NETS or max(units, wide, points) > MOST_UNITS:
+        if nets > MOST_NETS or max(units, wide, points, hands) > MOST_UNITS:
             raise BadInput(f"pressed: more than {MOST_NETS} networks, or {MOST_UNITS} units")
-        if not (self.reach[0] > 0.0 and 0.0 < self.error[0] <= 5.0):
+        if numbers > MOST_NUMBERS or numbers % 2 or (numbers > 0) != (hands > 0):
+            raise BadInput(
+                f"pressed: {numbers} numbers of an empty closure, {hands} points of them"
+            )
+        if not ((self.reach > 0.0).all() and ((self.error > 0.0) & (self.error <= 5.0)).all()):
             raise BadInput("pressed: reach or error is out of range")
         return self
 
 
+DOUBLES = ("centre", "hand_centre", "reach", "error")
 FIELDS = {
-    each.name: np.dtype("<f8" if each.name in ("centre", "reach", "error") else "<f4")
+    each.name: np.dtype("<f8" if each.name in DOUBLES else "<f4")
     for each in fields(PressedStiffness)
 }
-DIMENSIONS = {"mix": 2, "first": 3, "second": 3, "last": 3}
+DIMENSIONS = {"mix": 2, "hand_mix": 2, "first": 3, "second": 3, "last": 3}
 
 
 def bin_size(sampling: float) -> int:

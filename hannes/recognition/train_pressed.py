@@ -2,21 +2,28 @@
 
 The networks learn the other values of hand and object too, which a simulated grasp knows: what they
 find of these helps to distinguish a soft object from a weak hand. Only the stiffness is kept.
+
+Where the data set has empty closures of its hands, each grasp trains with what its hand showed, and
+half of them without, so that a hand that is not known has an estimate too.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from hannes.core.io.progress import progress_bar
+from hannes.dataset.empty_closure import mean_size
 from hannes.dataset.read import DataSet
 from hannes.recognition.features import CHANNELS
 from hannes.recognition.model import SINCE
 from hannes.recognition.pressed import (
     GROUP,
     INPUTS,
+    KNOWN,
     START,
     TRACE,
+    UNKNOWN,
     PressedStiffness,
     bin_size,
     due,
@@ -27,33 +34,49 @@ from hannes.recognition.windowing import Windowing
 
 FEWEST = 500  # grasps
 POINTS, POWER = 70, 0.25  # principal components; share of their variance that stays
+FEWEST_HANDS, LEAST = 200, 1e-3  # hands; variance of a point, that of the noise being some 1
+HAND_POINTS, HIDDEN = 25, 0.5  # points of empty closures; share of grasps without them, besides
 NETS, UNITS = 4, (128, 64)
 ROUNDS, BATCH, RATE, PENALTY = 80, 64, 3e-3, 1e-3
 BESIDE = 0.02  # weight of the square of each other value of a grasp, beside that of the stiffness
 APART = 8  # one in so many grasps is unseen by a network
 MIDDLE, SIZE = 8.6, 0.7  # of the log stiffness: targets are less the one, over the other
 NEAR = 1.5  # factor about the border within which the error is taken
-KNOWN = "object.stiffness"
+STIFFNESS = "object.stiffness"
 STATED = ("noise.", "resolution.", "gravity.")  # of the sensors and of the place
 CURRENT, ANGLE, OTHER = 2.2e-3, 1e-4, 1e-3  # A, rad, rad or s: what noise leaves of a mean
 
 
 def train_pressed(data: DataSet, windowing: Windowing, seed: int) -> PressedStiffness | None:
     """Train on the grasps of the role "pressed"; None where there are too few of them."""
-    rows, target, others = inputs_of(data, windowing)
-    if target.size < FEWEST:
-        return None
-    return fitted(rows, target, float(np.log(data.border)), seed, others)
+    known = inputs_of(data, windowing)
+    return None if known.target.size < FEWEST else fitted(known, float(np.log(data.border)), seed)
 
 
-def inputs_of(data: DataSet, windowing: Windowing) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Inputs (n, INPUTS), log stiffness (n,), other values (n, k) of grasps with a touch in time.
+@dataclass(frozen=True)
+class Known:
+    """Inputs (n, INPUTS), log stiffness (n,), other values (n, k), empty closures (n, numbers).
 
-    The other values are what else of hand and object varies, each less its mean, of size 1.
+    The other values are what else of hand and object varies, each less its mean, of size 1. The
+    numbers of a hand that did not close on nothing are NaN.
     """
+
+    rows: np.ndarray
+    target: np.ndarray
+    others: np.ndarray
+    hands: np.ndarray
+
+    def some(self, which: Any) -> "Known":
+        """Only the grasps `which`."""
+        return Known(*(each[which] for each in vars(self).values()))
+
+
+def inputs_of(data: DataSet, windowing: Windowing) -> Known:
+    """What is known of the grasps of the role "pressed" with a touch in time."""
     size = bin_size(windowing.sampling)
     if "pressed" not in data.roles or not size:
-        return np.zeros((0, INPUTS)), np.zeros(0), np.zeros((0, 0))
+        none = np.zeros((0, 0))
+        return Known(np.zeros((0, INPUTS)), np.zeros(0), none, none)
     held = data.usable & (data.table["peak_force"] > WEAKEST)
     which = np.flatnonzero(held & data.role("pressed"))
     rows: list[np.ndarray] = []
@@ -65,14 +88,15 @@ def inputs_of(data: DataSet, windowing: Windowing) -> tuple[np.ndarray, np.ndarr
                 rows.append(trace_inputs(samples.T, touch, windowing.sampling))
             used.append(len(rows))
     taken = which[np.diff(used, prepend=0) > 0]
-    known = np.log(data.table[KNOWN][taken])
-    return np.array(rows).reshape(-1, INPUTS), known, _others(data, taken)
+    known = np.log(data.table[STIFFNESS][taken])
+    hands = data.empty(taken) if mean_size(windowing.sampling) else np.zeros((taken.size, 0))
+    return Known(np.array(rows).reshape(-1, INPUTS), known, _others(data, taken), hands)
 
 
 def other_names(data: DataSet) -> list[str]:
     """Names of what else of hand and object varies between the grasps of the role "pressed"."""
     names = [name for name in data.table.dtype.names or () if "." in name]
-    names = [name for name in names if name != KNOWN and not name.startswith(STATED)]
+    names = [name for name in names if name != STIFFNESS and not name.startswith(STATED)]
     pressed = data.role("pressed")
     if not pressed.any():
         return []
@@ -104,35 +128,74 @@ def _touches(block: np.ndarray, windowing: Windowing) -> list[int]:
     return [int(each) for each in np.where(since > 0.0, found, 0)]
 
 
-def fitted(
-    rows: np.ndarray, target: np.ndarray, border: float, seed: int, others: np.ndarray | None = None
-) -> PressedStiffness:
-    """Networks for inputs (n, INPUTS) and log stiffness (n,); `border`: that of the classes.
-
-    others: what the networks learn beside it (n, k), of size 1.
-    """
+def fitted(known: Known, border: float, seed: int) -> PressedStiffness:
+    """Networks of grasps; `border`: log stiffness of that of the classes."""
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):  # sums of many threads end on other bits
-        centre, mix = _mixed(rows)
-        points = ((rows - centre) @ mix.T).astype(np.float32)
-        beside = np.zeros((target.size, 0)) if others is None else np.sqrt(BESIDE) * others
-        wanted = np.column_stack([(target - MIDDLE) / SIZE, beside]).astype(np.float32)
-        fold = np.arange(target.size) % APART
-        made, unseen = [], np.full(target.size, np.nan)
-        for net in progress_bar(range(NETS), "training networks", NETS, delay=2.0, leave=False):
-            apart = fold == net
-            trained = _network(points[~apart], wanted[~apart], seed + net)
-            found = trained.predict(points[apart]).reshape(apart.sum(), -1)[:, 0]
-            unseen[apart] = found * SIZE + MIDDLE
-            made.append(_arrays(trained))
+        centre, mix = _mixed(known.rows)
+        hand_centre, hand_mix = _hands_mixed(known.hands)
+        points = ((known.rows - centre) @ mix.T).astype(np.float32)
+        hands = (known.hands[:, : hand_centre.size] - hand_centre) @ hand_mix.T
+        hands = np.nan_to_num(hands).astype(np.float32)
+        made, unseen = _networks(points, hands, known, seed)
     first, second, last = (np.stack(each) for each in zip(*made, strict=True))
-    near = np.isfinite(unseen) & (np.abs(target - border) < np.log(NEAR))
-    error = float(np.sqrt(np.mean(np.square(unseen - target)[near]))) if near.any() else 1.0
+    reach = [float(np.abs(each).max(initial=1e-3)) for each in (points, hands)]
+    errors = [_error(each, known.target, border) for each in unseen]
     return PressedStiffness(
-        centre, mix, first, second, last,
-        np.array([float(np.abs(points).max())]), np.array([max(error, 1e-3)]),
-    ).check()  # fmt: skip
+        centre, mix, hand_centre, hand_mix, first, second, last, np.array(reach), np.array(errors)
+    ).check()
+
+
+def _networks(
+    points: np.ndarray, hands: np.ndarray, known: Known, seed: int
+) -> tuple[list[list[np.ndarray]], np.ndarray]:
+    """Arrays of the networks, and what they say of unseen grasps without and with the hand (2, n).
+
+    Each has not seen one in APART of the grasps; what none has left out is NaN.
+    """
+    wanted = np.column_stack([(known.target - MIDDLE) / SIZE, np.sqrt(BESIDE) * known.others])
+    wanted, fold = wanted.astype(np.float32), np.arange(known.target.size) % APART
+    ways = [np.hstack([points, each]) for each in (np.zeros_like(hands), hands)]
+    made, unseen = [], np.full((2, known.target.size), np.nan)
+    for net in progress_bar(range(NETS), "training networks", NETS, delay=2.0, leave=False):
+        some = np.flatnonzero(fold != net)
+        hidden = np.random.default_rng([seed, net]).random(some.size) < HIDDEN
+        fewer = some[hidden & (hands.shape[1] > 0)]
+        rows = np.concatenate([ways[KNOWN][some], ways[UNKNOWN][fewer]])
+        trained = _network(rows, wanted[np.concatenate([some, fewer])], seed + net)
+        for way, left in zip(ways, unseen, strict=True):
+            found = trained.predict(way[fold == net]).reshape((fold == net).sum(), -1)[:, 0]
+            left[fold == net] = found * SIZE + MIDDLE
+        made.append(_arrays(trained))
+    return made, unseen
+
+
+def _error(unseen: np.ndarray, target: np.ndarray, border: float) -> float:
+    """Standard deviation of the log stiffness near the border; 1 where none is there."""
+    near = np.isfinite(unseen) & (np.abs(target - border) < np.log(NEAR))
+    if not near.any():
+        return 1.0
+    return max(float(np.sqrt(np.mean(np.square(unseen - target)[near]))), 1e-3)
+
+
+def _hands_mixed(hands: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Centre of the numbers of empty closures, and their principal components, the largest of 1."""
+    whole = hands[np.isfinite(hands).all(axis=1)]
+    if not hands.shape[1] or len(whole) < FEWEST_HANDS:
+        return np.zeros(0), np.zeros((0, 0), np.float32)
+    noise = np.repeat([CURRENT, ANGLE], hands.shape[1] // 2)
+    centre = whole.mean(axis=0)
+    size, axes = _components((whole - centre) / noise, HAND_POINTS)
+    size = np.maximum(size, LEAST)  # a data set whose hands are alike
+    mix = axes / np.sqrt(size) * (size / size[0]) ** POWER / noise[:, np.newaxis]
+    return centre, mix.T.astype(np.float32)
+
+
+def _components(values: np.ndarray, most: int) -> tuple[np.ndarray, np.ndarray]:
+    """Variances of the first principal components, and these (columns), the largest first."""
+    size, axes = np.linalg.eigh(np.cov(values.T))
+    return size[::-1][:most], axes[:, ::-1][:, :most]
 
 
 def _mixed(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -148,8 +211,7 @@ def _mixed(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     )  # fmt: skip
     noise = noise / np.sqrt(GROUP / 4.0)
     centre = rows.mean(axis=0)
-    size, axes = np.linalg.eigh(np.cov(((rows - centre) / noise).T))
-    size, axes = size[::-1][:POINTS], axes[:, ::-1][:, :POINTS]
+    size, axes = _components((rows - centre) / noise, POINTS)
     mix = (axes / np.sqrt(size) * (size / size[0]) ** POWER / noise[:, np.newaxis]).T
     scale = np.sqrt(np.square((rows - centre) @ mix.T).sum(axis=1).mean() / 12.0)
     return centre, (mix / scale).astype(np.float32)

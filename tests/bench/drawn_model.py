@@ -22,8 +22,12 @@ def forest(rows: np.ndarray, target: np.ndarray, trees: int) -> Forest:
     return of_sklearn(grown)
 
 
-def drawn_networks(error: float = 0.1) -> PressedStiffness:
+NUMBERS, HANDS = 160, 3  # of an empty closure, and points of it
+
+
+def drawn_networks(error: float = 0.1, hands: int = HANDS) -> PressedStiffness:
     """Two small networks of drawn weights, whose log stiffness is about that of the border."""
+    numbers = NUMBERS if hands else 0
     chance = np.random.default_rng(2)
 
     def weights(*shape: int) -> np.ndarray:
@@ -32,9 +36,10 @@ def drawn_networks(error: float = 0.1) -> PressedStiffness:
     last = weights(2, 1, 6)
     last[..., -1] += 8.6
     return PressedStiffness(
-        chance.normal(0.0, 1.0, INPUTS), 0.1 * weights(7, INPUTS), weights(2, 9, 8),
-        weights(2, 5, 10), 0.2 * last + np.float32(6.9) * (np.arange(6) == 5), np.array([1e3]),
-        np.array([error]),
+        chance.normal(0.0, 1.0, INPUTS), 0.1 * weights(7, INPUTS), np.full(numbers, 0.3),
+        0.1 * weights(hands, numbers), weights(2, 9, 8 + hands), weights(2, 5, 10),
+        0.2 * last + np.float32(6.84) * (np.arange(6) == 5), np.array([1e3, 1e3]),
+        np.array([error, 0.5 * error]),
     ).check()  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn_model import drawn_model
+from drawn_model import HANDS, NUMBERS, drawn_model, drawn_networks
 
 from hannes.bench.c_tables import LEFT_LEAF, RIGHT_LEAF, below, pack, short
 from hannes.bench.c_vectors import drawn, last_estimates, windows
@@ -19,6 +19,7 @@ from hannes.bench.live import LiveRecogniser
 from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
 from hannes.bench.release import Release
 from hannes.commands.cli import main
+from hannes.dataset.empty_closure import empty_means
 from hannes.recognition import model_file
 from hannes.recognition.forest import Forest, single
 from hannes.recognition.model import WORDS
@@ -120,7 +121,7 @@ def test_other_windows_too(how, tmp_path):
 def test_nothing_is_allocated_and_memory_is_as_stated(model, program):
     made = export_c(model)
     assert not re.search(r"\b(malloc|calloc|realloc|alloca)\b", made.text)
-    assert f"{made.memory_bytes} bytes in one struct Hannes and one struct HannesGrip" in made.text
+    assert f"{made.memory_bytes} bytes in one struct Hannes, one struct HannesGrip" in made.text
     assert f"#define HANNES_MEMORY_BYTES {made.memory_bytes}u" in made.text
 
 
@@ -233,9 +234,9 @@ def ran(source, model, folder, samples):
     return np.frombuffer(subprocess.run([folder / "own"], input=given, capture_output=True).stdout)
 
 
-def live_pressed(model, samples):
+def live_pressed(model, samples, hand=None):
     """Stiffness by the traces with its ends [N/m] at each window, 0 before it is known."""
-    live, said = LiveRecogniser(model), []
+    live, said = LiveRecogniser(model, hand), []
     live.feed(About("x", {"current": "A", "position": "rad", "reference": "rad"}, 1000.0, 0.2))
     for k, row in enumerate(samples):
         said += live.feed(Row(k, 1e-3 * k, tuple(row)))
@@ -257,9 +258,55 @@ def test_the_stiffness_by_traces_is_that_of_live_recognition(model, program, tmp
 
 def test_a_trace_that_is_out_of_reach_has_no_stiffness(model, program, tmp_path):
     samples = drawn(21, 1150, 1e-3)
-    near = replace(model, pressed=replace(model.pressed, reach=np.array([1e-3])))
+    near = replace(model, pressed=replace(model.pressed, reach=np.array([1e-3, 1.0])))
     assert live_pressed(model, samples).any() and not live_pressed(near, samples).any()
     assert not ran(PRESSED, near, tmp_path, samples).any()
+
+
+KNOWN = """
+#include <stdio.h>
+#include "model.c"
+int main(void)
+{
+    static struct HannesEmpty empty;
+    static struct Hannes hand;
+    struct HannesDecision said = {0};
+    double s[3];
+    hannes_empty_reset(&empty);
+    for (int k = 0; k < 1600 && fread(s, 8, 3, stdin) == 3; k++)
+        hannes_empty(&empty, s[0], s[1], s[2]);
+    fwrite(empty.point, 8, HANNES_HAND, stdout);
+    hannes_reset(&hand);
+    hannes_know(&hand, &empty);
+    while (fread(s, 8, 3, stdin) == 3) {
+        if (hannes_sample(&hand, s[0], s[1], s[2], &said)) fwrite(said.pressed, 8, 3, stdout);
+    }
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize("reach", [1e3, 1e-3], ids=["known", "unlike all"])
+def test_an_empty_closure_on_the_board_is_that_of_python(model, program, tmp_path, reach):
+    model = replace(model, pressed=replace(model.pressed, reach=np.array([1e3, reach])))
+    empty, samples = drawn(3, 1600, 1e-3), drawn(20, 1150, 1e-3)
+    numbers = empty_means(*empty.T, 20, NUMBERS)
+    points = model.pressed.points(numbers)
+    assert (points is None) == (reach < 1.0)
+    found = ran(KNOWN, model, tmp_path, np.concatenate([empty, samples]))
+    if points is not None:
+        assert np.array_equal(found[:HANDS], points)
+    wanted = live_pressed(model, samples, numbers)
+    assert wanted.any()
+    assert found[HANDS:].reshape(-1, 3) == pytest.approx(wanted, rel=1e-14)
+    assert np.array_equal(wanted, live_pressed(model, samples)) == (points is None)
+
+
+def test_a_model_that_knows_no_hands_has_no_empty_closure_in_c(model, tmp_path):
+    alone = replace(model, pressed=drawn_networks(hands=0))
+    built(alone, tmp_path)
+    assert "HANNES_HAND 0" in export_c(alone).text
+    assert export_c(alone).memory_bytes < export_c(model).memory_bytes
 
 
 GRIP = """

@@ -12,7 +12,8 @@ def drawn(count, hidden):
     stiffness, others = rng.uniform(-0.5, 0.5, count), rng.normal(size=(count, 2))
     traces = rng.normal(size=(count, 20))
     traces[:, 0] = 2.0 * (stiffness + hidden * others[:, 1])
-    return Pressed(traces, stiffness, others, np.array([True, False]))
+    hands = others[:, 1:] + 0.3 * rng.normal(size=(count, 1))  # what a closure on nothing shows
+    return Pressed(traces, stiffness, others, hands, np.array([True, False]))
 
 
 def test_what_the_hands_values_would_gain_is_seen():
@@ -20,6 +21,7 @@ def test_what_the_hands_values_would_gain_is_seen():
     assert rows["nothing"]["error"] > 0.08
     assert rows["the object's other values"]["error"] > 0.08
     assert rows["the hand"]["error"] < 0.01 and rows["both"]["error"] < 0.01
+    assert 0.02 < rows["the hand's empty closure"]["error"] < 0.05
     assert rows["nothing"]["error"] == pytest.approx(rows["nothing"]["of fitted ones"], rel=0.1)
 
 

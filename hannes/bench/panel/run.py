@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+
 from hannes.bench.board_logic import Limits
 from hannes.bench.panel.drive import Drive, Knots, Range
 from hannes.bench.panel.page import panel_page
@@ -21,6 +23,7 @@ from hannes.bench.reader import Link
 from hannes.bench.record import command_points
 from hannes.bench.session import Session, session
 from hannes.core.errors import BadInput, ComputationFailed
+from hannes.recognition.known_hand import unknown_hand
 from hannes.recognition.model import Model
 from hannes.simulation.experiment import shipped
 from hannes.simulation.experiment.load import load_experiment
@@ -37,7 +40,7 @@ class Panel:
     """What a panel shows: `beside` steps as the model, `model` recognises, `port` 0: any.
 
     raw: where the bytes are kept as they came, None for nowhere; policy: whether it begins with the
-    grip limited, which needs a model.
+    grip limited, which needs a model; hand: numbers of its empty closure, None: not known.
     """
 
     link: Link
@@ -46,6 +49,7 @@ class Panel:
     port: int = 0
     raw: Path | None = None
     policy: bool = True
+    hand: np.ndarray | None = None
 
 
 def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: False) -> None:
@@ -54,7 +58,7 @@ def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: F
     Raises BadInput where board or address cannot be had, ComputationFailed where the link is lost.
     Whatever ends it, the board is stopped.
     """
-    traces = Traces(panel.beside.hand, panel.beside.experiment, panel.model)
+    traces = Traces(panel.beside.hand, panel.beside.experiment, panel.model, panel.hand)
     within = Range(closed=_closed(panel.beside))
     with _raw(panel.raw) as raw, Profiles() as profiles, session(panel.link, raw) as talk:
         board = talk.hello()
@@ -66,6 +70,8 @@ def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: F
         page = panel_page(panel.link.port, _experiments(), within, panel.model is not None)
         with PanelServer(page, lambda: _state(talk, drive, traces), panel.port) as server:
             say(f"{panel.link.port}: {board.firmware}, {len(board.channels)} channels")
+            if panel.model and panel.hand is None and (notice := unknown_hand(panel.model)):
+                say(notice)
             say(f"open {server.address}")
             _loop(talk, drive, traces, server, until)
 

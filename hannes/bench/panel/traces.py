@@ -3,6 +3,8 @@
 import threading
 from typing import Any
 
+import numpy as np
+
 from hannes.bench.events import About, Event, Restarted, Row
 from hannes.bench.grip_loop import GripLoop
 from hannes.bench.live import Decision, warm_up
@@ -20,13 +22,20 @@ MEASURED = ("reference", "position", "current")
 class Traces:
     """Takes events, gives rows of time, MEASURED, and the model's position, current and force.
 
-    Recognition and grip policy start with `begin`; without a trained model there is none.
+    Recognition and grip policy start with `begin`; without a trained model there is none. `known`:
+    numbers of the measured hand's empty closure, None where there was none.
     `set_point`: what the policy makes of the command [rad]. `take` may be called from another
     thread.
     """
 
-    def __init__(self, hand: Hand, experiment: Experiment, model: Model | None) -> None:
-        self._hand, self._experiment, self._trained = hand, experiment, model
+    def __init__(
+        self,
+        hand: Hand,
+        experiment: Experiment,
+        model: Model | None,
+        known: np.ndarray | None = None,
+    ) -> None:
+        self._hand, self._experiment, self._trained, self._known = hand, experiment, model, known
         self._beside = VirtualHand(hand, experiment)
         self._beside.step(None)  # compiled before anything moves
         if model is not None:
@@ -43,7 +52,7 @@ class Traces:
         """A new grasp: the model is at rest, nothing is known of an object."""
         self._beside = VirtualHand(self._hand, self._experiment)
         self._decision = None
-        self._loop = GripLoop(self._trained) if self._trained else None
+        self._loop = GripLoop(self._trained, hand=self._known) if self._trained else None
         if self._loop and self._about:
             self._loop.set_point = self._position
             self._loop.feed(self._about, self._position)

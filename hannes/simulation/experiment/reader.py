@@ -114,10 +114,10 @@ def _sampling(root: Table, reference: Reference) -> float:
     return sampling
 
 
-def read_reference(root: Table, folder: Path | None) -> Reference:
+def read_reference(root: Table, folder: Path | None, key: str = "reference") -> Reference:
     """Return the position reference: a ramp through points, steps, or a recorded one."""
-    root.require("reference", '{ kind = "ramp", points = [["0 s", "0 rad"], ["1 s", "5 rad"]] }')
-    table = root.table("reference", REFERENCE)
+    root.require(key, '{ kind = "ramp", points = [["0 s", "0 rad"], ["1 s", "5 rad"]] }')
+    table = root.table(key, REFERENCE)
     kind = table.choice("kind", ("ramp", "steps", "file"))
     if kind == "file" and ("path" in table) == ("points" in table):
         table.refuse("path", "or points: a recorded reference needs one of the two")

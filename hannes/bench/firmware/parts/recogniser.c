@@ -29,10 +29,22 @@ struct Hannes {
     uint32_t held;    /* windows in which an object was held */
     double log_stiffness[HANNES_HELD], apart[HANNES_HELD];
     double scratch[HANNES_SCRATCH];
+    const double *hand; /* what an empty closure showed of it, NULL where it is not known */
     bool asked;       /* the traces were long enough */
     double pressed[3], bins[3][HANNES_BINS]; /* sums of current, position and reference */
     float row[HANNES_FEATURES];
 };
+
+#if HANNES_HAND
+/* A closure on nothing, which shows the hand. */
+struct HannesEmpty {
+    uint32_t count;                /* samples since its command began */
+    bool known;                    /* whole, and like those that were learned from */
+    double current, lag;           /* sums of the mean that is under way */
+    double means[HANNES_NUMBERS];  /* of current [A], then of lag [rad] */
+    double point[HANNES_HAND];     /* what the networks see of them */
+};
+#endif
 
 /* What the grip policy keeps from tick to tick. */
 struct HannesGrip {
@@ -49,13 +61,27 @@ struct HannesGrip {
 };
 
 /* The memory that the head of this file states is all there is. */
+#if HANNES_HAND
+#define HANNES_EMPTY_BYTES sizeof(struct HannesEmpty)
+#else
+#define HANNES_EMPTY_BYTES 0u
+#endif
 typedef char hannes_memory_as_stated[
-    sizeof(struct Hannes) + sizeof(struct HannesGrip) <= HANNES_MEMORY_BYTES ? 1 : -1];
+    sizeof(struct Hannes) + sizeof(struct HannesGrip) + HANNES_EMPTY_BYTES <= HANNES_MEMORY_BYTES
+        ? 1 : -1];
 
 void hannes_reset(struct Hannes *h);
 /* Takes one sample; true where a window ended with it, and `said` is new. */
 bool hannes_sample(struct Hannes *h, double current, double position, double reference,
                    struct HannesDecision *said);
+#if HANNES_HAND
+void hannes_empty_reset(struct HannesEmpty *e);
+/* Takes one sample of a closure on nothing, by the command of the experiment `empty-closure`, the
+ * first where that begins; true once the hand is known. More samples change nothing. */
+bool hannes_empty(struct HannesEmpty *e, double current, double position, double reference);
+/* Call after each hannes_reset(): recognition then goes by the hand, if it is known. */
+void hannes_know(struct Hannes *h, const struct HannesEmpty *e);
+#endif
 void hannes_grip_reset(struct HannesGrip *g);
 /* Ask at each sample, before hannes_sample(): true where a new grasp begins, as the hand turns to
  * close after a release; then call hannes_reset(). */
@@ -315,8 +341,9 @@ static void h_layer(const float *weights, const double *values, int32_t count, b
 
 static void h_pressed(const struct Hannes *h, double *said)
 {
-    double in[HANNES_INPUTS], point[HANNES_POINTS], wide[HANNES_FIRST], narrow[HANNES_SECOND];
-    double total = 0.0, one;
+    double in[HANNES_INPUTS], point[HANNES_POINTS + HANNES_HAND] = {0.0};
+    double wide[HANNES_FIRST], narrow[HANNES_SECOND];
+    double total = 0.0, one, error = h->hand ? HANNES_ERROR_KNOWN : HANNES_ERROR;
     h_inputs(h, in);
     for (int32_t k = 0; k < HANNES_POINTS; k++) {
         point[k] = 0.0;
@@ -324,17 +351,18 @@ static void h_pressed(const struct Hannes *h, double *said)
             point[k] += (double)hannes_mix[k * HANNES_INPUTS + j] * (in[j] - hannes_centre[j]);
         if (!(fabs(point[k]) <= HANNES_REACH)) return;
     }
+    for (int32_t k = 0; h->hand && k < HANNES_HAND; k++) point[HANNES_POINTS + k] = h->hand[k];
     for (int32_t net = 0; net < HANNES_NETS; net++) {
-        h_layer(hannes_first + net * HANNES_FIRST * (HANNES_POINTS + 1), point, HANNES_POINTS, true,
-                wide, HANNES_FIRST);
+        h_layer(hannes_first + net * HANNES_FIRST * (HANNES_POINTS + HANNES_HAND + 1), point,
+                HANNES_POINTS + HANNES_HAND, true, wide, HANNES_FIRST);
         h_layer(hannes_second + net * HANNES_SECOND * (HANNES_FIRST + 1), wide, HANNES_FIRST, true,
                 narrow, HANNES_SECOND);
         h_layer(hannes_last + net * (HANNES_SECOND + 1), narrow, HANNES_SECOND, false, &one, 1);
         total += one;
     }
     said[0] = exp(total / HANNES_NETS);
-    said[1] = exp(total / HANNES_NETS - HANNES_ERROR);
-    said[2] = exp(total / HANNES_NETS + HANNES_ERROR);
+    said[1] = exp(total / HANNES_NETS - error);
+    said[2] = exp(total / HANNES_NETS + error);
 }
 
 /* Once, where the traces are long enough. */
@@ -345,6 +373,46 @@ static void h_ask(struct Hannes *h)
     if ((int32_t)h->count < (bin + HANNES_GROUP * HANNES_AFTER) * HANNES_BIN) return;
     h->asked = true;
     h_pressed(h, h->pressed);
+}
+#endif
+
+#if HANNES_HAND
+void hannes_empty_reset(struct HannesEmpty *e)
+{
+    memset(e, 0, sizeof *e);
+}
+
+/* What the networks see of a whole closure; false where it is unlike those that were learned from. */
+static bool h_hand(struct HannesEmpty *e)
+{
+    for (int32_t k = 0; k < HANNES_HAND; k++) {
+        double total = 0.0;
+        for (int32_t j = 0; j < HANNES_NUMBERS; j++)
+            total += (double)hannes_hand_mix[k * HANNES_NUMBERS + j]
+                * (e->means[j] - hannes_hand_centre[j]);
+        if (!(fabs(total) <= HANNES_HAND_REACH)) return false;
+        e->point[k] = total;
+    }
+    return true;
+}
+
+bool hannes_empty(struct HannesEmpty *e, double current, double position, double reference)
+{
+    if (e->count >= HANNES_NUMBERS / 2 * HANNES_MEAN) return e->known;
+    uint32_t mean = e->count++ / HANNES_MEAN;
+    e->current += current;
+    e->lag += reference - position;
+    if (e->count % HANNES_MEAN) return false;
+    e->means[mean] = e->current / HANNES_MEAN;
+    e->means[HANNES_NUMBERS / 2 + mean] = e->lag / HANNES_MEAN;
+    e->current = e->lag = 0.0;
+    if (e->count == HANNES_NUMBERS / 2 * HANNES_MEAN) e->known = h_hand(e);
+    return e->known;
+}
+
+void hannes_know(struct Hannes *h, const struct HannesEmpty *e)
+{
+    h->hand = e->known ? e->point : NULL;
 }
 #endif
 
@@ -437,7 +505,11 @@ void hannes_reset(struct Hannes *h)
 bool hannes_sample(struct Hannes *h, double current, double position, double reference,
                    struct HannesDecision *said)
 {
-    if (h->count > HANNES_LONGEST) hannes_reset(h);
+    if (h->count > HANNES_LONGEST) {
+        const double *hand = h->hand;
+        hannes_reset(h);
+        h->hand = hand;
+    }
     h_take(h, current, position, reference);
     int32_t n = (int32_t)h->count - 1, seen = n + 1;
     double least = h_look(h, n), level = h_at(h->level, n);

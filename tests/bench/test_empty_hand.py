@@ -1,0 +1,65 @@
+"""A hand that is known by its closure on nothing: live, on the panel, and in a raw log."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drawn_model import NUMBERS, drawn_model
+
+from hannes.bench.c_vectors import drawn
+from hannes.bench.events import About, Row
+from hannes.bench.grip_loop import GripLoop
+from hannes.bench.live_run import known_by
+from hannes.commands.cli import main
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
+from hannes.recognition import model_file
+
+UNITS = {"time": "s", "current": "A", "position": "rad", "reference": "rad"}
+
+
+@pytest.fixture(scope="module")
+def model():
+    return drawn_model()
+
+
+def last(model, hand):
+    """Stiffness by the traces of a drawn grasp, through the loop of a live grasp."""
+    loop, said = GripLoop(model, hand=hand), []
+    channels = {"current": "A", "position": "rad", "reference": "rad"}
+    loop.feed(About("x", channels, 1000.0, 0.2), 0.0)
+    for k, row in enumerate(drawn(20, 1150, 1e-3)):
+        said += loop.feed(Row(k, 1e-3 * k, tuple(row)), 9.0).decisions
+    return next(each.pressed for each in said[::-1] if each.pressed)
+
+
+def test_a_known_hand_changes_the_estimate_and_narrows_it(model):
+    known, unknown = last(model, np.full(NUMBERS, 0.5)), last(model, None)
+    assert known.value != pytest.approx(unknown.value, rel=1e-3)
+    assert np.log(known.high / known.low) == pytest.approx(0.5 * np.log(unknown.high / unknown.low))
+    assert last(model, model.pressed.hand_centre).value == unknown.value  # the middle one
+
+
+def test_a_raw_log_keeps_what_the_closure_showed(model):
+    numbers = np.full(NUMBERS, 0.5)
+    assert known_by({}, model) is None
+    assert np.array_equal(known_by({"empty_closure": numbers.tolist()}, model), numbers)
+    for damaged in ("x", ["x"] * NUMBERS, [0.5], [1e9] * NUMBERS, [[0.5]] * NUMBERS):
+        with pytest.raises(BadInput):
+            known_by({"empty_closure": damaged}, model)
+
+
+def test_a_closure_that_is_none_is_refused_before_a_port_is_opened(model, tmp_path, capsys):
+    path, given = tmp_path / "short.h5", tmp_path / "model.h5"
+    time = np.arange(300) / 1e3
+    channels = {"time": time, **dict.fromkeys(list(UNITS)[1:], time)}
+    Recording(channels, UNITS).write(path)
+    model_file.write(given, model)
+    command = ["live", "socket://127.0.0.1:9", str(given), "--close", "dynamometer"]
+    assert main([*command, "--empty", str(path)]) == 2
+    assert "short.h5: the empty closure is too short" in capsys.readouterr().err
+    model_file.write(given, replace(model, pressed=None))
+    assert main([*command, "--empty", str(path)]) == 2
+    assert "nothing of empty closures" in capsys.readouterr().err
+    assert main(["panel", "socket://127.0.0.1:9", "--empty", str(path)]) == 2
+    assert "--model" in capsys.readouterr().err

@@ -1,0 +1,62 @@
+"""A hand that is known by a recording of its empty closure."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hannes.core.errors import BadInput
+from hannes.core.recording.recording import Recording
+from hannes.dataset.empty_closure import empty_means
+from hannes.recognition.known_hand import checked, hand_numbers, unknown_hand
+from tests.bench.drawn_model import NUMBERS, drawn_model, drawn_networks
+
+
+@pytest.fixture(scope="module")
+def model():
+    return drawn_model()
+
+
+def closure(seconds=1.7, idle=0.0):
+    """A recording of a closure that begins after `idle` seconds."""
+    time = np.arange(round(1e3 * (seconds + idle))) / 1e3
+    since = np.maximum(time - idle, 0.0)
+    asked = np.interp(since, [0.0, 0.637, 0.9, 1.4], [0.0, 9.84, 9.84, 0.0])
+    current, position = 0.3 * np.sign(asked) + 0.02 * np.sin(9.0 * since), 0.9 * asked
+    channels = {"time": time, "current": current, "position": position, "reference": asked}
+    return Recording(channels, {"time": "s", "current": "A", "position": "rad", "reference": "rad"})
+
+
+def test_numbers_are_means_from_the_start_of_the_command_on(model):
+    found, made = hand_numbers(closure(), model), closure()
+    assert found.shape == (NUMBERS,)
+    channels = (made[name] for name in ("current", "position", "reference"))
+    assert np.array_equal(found, empty_means(*channels, 20, NUMBERS))
+    assert hand_numbers(closure(idle=0.3), model) == pytest.approx(found, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "recording, pressed, why",
+    [
+        (closure(1.2), drawn_networks(), "too short"),
+        (closure(), drawn_networks(hands=0), "nothing of empty closures"),
+        (closure(), None, "nothing of empty closures"),
+        (closure(), replace(drawn_networks(), reach=np.array([1e3, 1e-3])), "was something held"),
+    ],
+)
+def test_what_is_no_empty_closure_is_refused(model, recording, pressed, why):
+    with pytest.raises(BadInput, match=why):
+        hand_numbers(recording, replace(model, pressed=pressed))
+
+
+def test_numbers_of_another_model_are_refused(model):
+    assert checked(np.full(NUMBERS, 0.3), model) is not None
+    for numbers in (np.zeros(3), np.full(NUMBERS, np.inf)):
+        with pytest.raises(BadInput):
+            checked(numbers, model)
+
+
+def test_a_hand_that_is_not_known_is_told_where_the_model_knows_hands(model):
+    assert "off by 10.0 %, by 5.0 % after an empty closure" in unknown_hand(model)
+    assert not unknown_hand(replace(model, pressed=None))
+    assert not unknown_hand(replace(model, pressed=drawn_networks(hands=0)))
