@@ -3,8 +3,8 @@
 Each object is closed on by the paper's command, which then holds: once as it is, once under the
 policy, which knows the object only by recognition from current and position. Hands are scattered,
 with a slack leader wire and a gear that loses load, neither of which the observer of the force is
-given; before the grasp under the policy each hand closes on nothing once (`empty-closure`), of
-which recognition is told. Then the object is pulled by 2 N and the hand shaken by 5 mm at 3 Hz, in
+given; before the grasp under the policy each hand closes on nothing once (`empty-closure`), which
+recognition is given. Then the object is pulled by 2 N and the hand shaken by 5 mm at 3 Hz, in
 directions in the fingers' plane drawn at random. Both act as gravity does, so on the phalanges too.
 
 squeezed: most force until the pull, under the policy, of that without it; kept: the same of the

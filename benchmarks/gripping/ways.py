@@ -9,8 +9,8 @@ The networks are those of the model, asked in the loop of those that it pressed 
 quarter and of a sixteenth of the grasps that trained them, the error on unseen ones of these.
 The bound is that of Cramer and Rao: the least error of any estimate without bias that knows the
 model, how hands and objects vary, and the noise, linearised about each of a few objects. It is that
-of every sample of 1.4 s, and that of means of 20 ms until 0.48 s after the touch, as the networks
-have them. It leaves out that traces are no straight lines of so many unknown values.
+of every sample of 1.4 s, and that of means of 20 ms until 0.48 s after the touch. It leaves out
+that traces are no straight lines of so many unknown values.
 
 off: of an object, expected of forty whose stiffness has that error, as each of the border's
 neighbours is on its wrong side by chance: 40 / ln(40 / 0.5) times 0.8 of the error.

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from hannes.bench.dynamometer_live import LiveDynamometer
     from hannes.bench.reader import Link
     from hannes.core.recording.recording import Recording
+    from hannes.recognition.model import Model
 
 FINE = 1e-4  # relative tolerance, as of `simulate`: a diagnosis sees the errors of a coarser one
 EXAMPLES = {
@@ -103,6 +104,27 @@ def link(chosen: argparse.Namespace) -> "Link":
     return Link(
         chosen.port, chosen.board, {}, chosen.baud, float(getattr(chosen, "reconnect", 0.0))
     )
+
+
+def add_empty(parser: argparse.ArgumentParser) -> None:
+    """Add the option that names a recording of the empty hand."""
+    parser.add_argument(
+        "--empty", metavar="FILE",
+        help="a recording of `empty-closure` by this hand, which then is known (a middle hand)",
+    )  # fmt: skip
+
+
+def known_hand(path: str | None, model: "Model") -> Any:
+    """Numbers of a recorded empty closure, None where there is none; BadInput where it is none."""
+    if path is None:
+        return None
+    from hannes.core.recording.recording import Recording
+    from hannes.recognition.known_hand import hand_numbers
+
+    try:
+        return hand_numbers(Recording.read(path), model)
+    except BadInput as error:
+        raise BadInput(f"{path}: {error}") from None
 
 
 def _board(chosen: argparse.Namespace) -> None:

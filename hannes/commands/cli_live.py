@@ -31,7 +31,7 @@ hannes live socket://127.0.0.1:4000 model.h5 --close my.toml --out grasp.h5 --ha
 
 def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     """Add the command; `command(name, call, description)` makes its parser."""
-    from hannes.commands.cli_bench import add_link
+    from hannes.commands.cli_bench import add_empty, add_link
 
     live = command("live", _live, "recognise while the hand closes, and limit its grip")
     add_link(live, "port")
@@ -57,27 +57,6 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     live.add_argument("--out", metavar="FILE", help="a .h5 or .csv recording of it")
     add_force(live)
     add_json(live)
-
-
-def add_empty(parser: argparse.ArgumentParser) -> None:
-    """Add the option that names a recording of the empty hand."""
-    parser.add_argument(
-        "--empty", metavar="FILE",
-        help="a recording of `empty-closure` by this hand, which then is known (a middle hand)",
-    )  # fmt: skip
-
-
-def known_hand(path: str | None, model: "Model") -> Any:
-    """Numbers of a recorded empty closure, None where there is none; BadInput where it is none."""
-    if path is None:
-        return None
-    from hannes.core.recording.recording import Recording
-    from hannes.recognition.known_hand import hand_numbers
-
-    try:
-        return hand_numbers(Recording.read(path), model)
-    except BadInput as error:
-        raise BadInput(f"{path}: {error}") from None
 
 
 def _live(chosen: argparse.Namespace) -> None:
@@ -167,6 +146,7 @@ def _order(chosen: argparse.Namespace, model: "Model", stack: Any) -> "LiveOrder
     from hannes.bench.force_observer import ForceObserver
     from hannes.bench.grip_loop import GripPlan
     from hannes.bench.live_run import LiveOrder
+    from hannes.commands.cli_bench import known_hand
     from hannes.simulation.experiment.load import load_experiment
     from hannes.simulation.hand.hand_file import load_hand
 

@@ -24,8 +24,7 @@ hannes panel socket://127.0.0.1:4000 --beside dynamometer --raw session.rawlog""
 
 def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     """Add the command; `command(name, call, description)` makes its parser."""
-    from hannes.commands.cli_bench import add_link
-    from hannes.commands.cli_live import add_empty
+    from hannes.commands.cli_bench import add_empty, add_link
 
     panel = command("panel", _panel, "drive a hand on a port from a page in the browser")
     add_link(panel, "port")
@@ -65,12 +64,12 @@ def serve(
     """
     from hannes.bench.board_file import read_board
     from hannes.bench.panel.run import Panel, run_panel
-    from hannes.commands.cli_live import known_hand
+    from hannes.commands.cli_bench import known_hand
     from hannes.core.io.outputs import reserved
     from hannes.recognition import model_file
 
     if empty and not model:
-        raise BadInput("--empty tells a model of the hand: name one with --model")
+        raise BadInput("--empty is for a model that recognises: name one with --model")
     known = model_file.read(model) if model else None
     hand = known_hand(empty, known) if known else None
     panel = Panel(board, read_board(beside).variant, known, http, raw, policy, hand)

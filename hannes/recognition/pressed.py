@@ -2,9 +2,9 @@
 
 Trees see some features of a window. Near the border of soft and rigid these do not separate hand
 and object. Small networks see what current and position did from the start of the motion until
-0.62 s after the touch: the free closing shows the hand, the squeeze the object in it. They are told
-what the hand showed while it closed on nothing, too, where that is known (known_hand.py). Sums are
-taken in the same order in C (`hannes export-c`).
+0.62 s after the touch: the free closing shows the hand, the squeeze the object in it. They are
+given what the hand showed while it closed on nothing, too, where that is known (known_hand.py).
+Sums are taken in the same order in C (`hannes export-c`).
 """
 
 from dataclasses import dataclass, fields

@@ -56,7 +56,7 @@ def test_numbers_of_another_model_are_refused(model):
             checked(numbers, model)
 
 
-def test_a_hand_that_is_not_known_is_told_where_the_model_knows_hands(model):
+def test_a_hand_that_is_not_known_is_named_where_the_model_knows_hands(model):
     assert "off by 10.0 %, by 5.0 % after an empty closure" in unknown_hand(model)
     assert not unknown_hand(replace(model, pressed=None))
     assert not unknown_hand(replace(model, pressed=drawn_networks(hands=0)))

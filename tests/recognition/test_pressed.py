@@ -190,10 +190,12 @@ def test_an_empty_closure_that_shows_the_hand_is_learned():
     assert made.hand_centre.shape == (20,) and made.error[1] < 0.6 * made.error[0]
     unseen = [k for k in range(1200, 1500) if np.isfinite(hands[k]).all()]
     points = [made.points(hands[k]) for k in unseen]
-    told = [made(rows[[k]], p)[0] for k, p in zip(unseen, points, strict=True) if p is not None]
+    predicted = [
+        made(rows[[k]], p)[0] for k, p in zip(unseen, points, strict=True) if p is not None
+    ]
     wanted = [target[k] for k, p in zip(unseen, points, strict=True) if p is not None]
-    assert len(told) > 0.9 * len(unseen)
-    assert np.nanstd(np.subtract(told, wanted)) < 0.1  # of 0.2 that the slack alone makes
+    assert len(predicted) > 0.9 * len(unseen)
+    assert np.nanstd(np.subtract(predicted, wanted)) < 0.1  # of 0.2 that the slack alone makes
 
 
 def test_a_hand_beyond_those_that_were_learned_from_has_no_points():
