@@ -16,8 +16,8 @@ def equations(t, y, dy, p, c, reference, memory, out):
     """Fill dy with the rates of the motor's angle [rad] and speed [rad/s]."""
     target, coming, share = commanded(t, y, dy, p, c, reference, memory, out)
     shaft_position = shaft(t, y, dy, p, c, reference, out)
-    torque = drive(t, y, dy, p, c, target, coming, share, shaft_position, out)
-    gear(t, y, dy, p, c, reference, shaft_position, torque, out)
+    drive_torque = drive(t, y, dy, p, c, target, coming, share, shaft_position, out)
+    gear(t, y, dy, p, c, reference, shaft_position, drive_torque, out)
 
 
 def commanded(t, y, dy, p, c, reference, memory, out):
@@ -59,8 +59,8 @@ def drive(t, y, dy, p, c, target, coming, share, shaft_position, out):
     return torque_constant * current
 
 
-def gear(t, y, dy, p, c, reference, shaft_position, torque, out):
-    """Gear, friction and gravity on the rotor: J w' = torque - load - friction."""
+def gear(t, y, dy, p, c, reference, shaft_position, drive_torque, out):
+    """Gear, friction and gravity on the rotor: J w' = drive_torque - load - friction."""
     first_command = reference[1, 0]
     motor_speed = y.motor_speed
     load = weight(shaft_position, p.gravity_torque, p.gravity_angle) / p.gear_ratio
@@ -71,4 +71,4 @@ def gear(t, y, dy, p, c, reference, shaft_position, torque, out):
     motor_torque = 0.0
     gear_friction, motor_torque = open_to_effects(gear_friction, motor_torque)
     dy.motor_angle = motor_speed
-    dy.motor_speed = (torque + motor_torque - load - gear_friction) / p.motor_inertia
+    dy.motor_speed = (drive_torque + motor_torque - load - gear_friction) / p.motor_inertia

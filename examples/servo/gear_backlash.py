@@ -1,14 +1,15 @@
 """Backlash: play between gear and shaft, which is crossed when load or motion changes sides.
 
 The shaft carries the load and the position sensor. Between the faces of the gear it flies, by its
-weight and its own friction; at a face it goes with the gear. A free shaft does not load the motor.
+weight and its own friction; at a face it goes with the gear. A free shaft does not load the motor,
+one that is carried along does, by its weight and its friction.
 """
 
 import math
 
 from hannes import Effect, Parameter, Slot, Term, kernel
 
-FACE = 5e3  # 1/s, at which a face stops the shaft
+FACE = 2e3  # 1/s, at which a face stops the shaft
 LEAST = 2e-4  # rad, of a gap in which a place is counted
 REST_LOAD = 1e-3  # N m, from which on a load presses on a face
 REST = 2e-3  # rad/s, within which the shaft's dry friction turns
@@ -21,6 +22,13 @@ def lain(gravity_torque, gravity_angle, first_command):
 
 
 @kernel
+def falling(load, turning, motor_inertia, gear_ratio, hold, beyond):
+    """Rate of the shaft's speed by its load [N m, at the motor] and its own friction [rad/s2]."""
+    against = load * gear_ratio + hold * math.tanh(turning / REST)
+    return -against / (beyond * motor_inertia * gear_ratio * gear_ratio)
+
+
+@kernel
 def ahead(
     motor_angle, motor_speed, motor_inertia, gear_ratio, gravity_torque, gravity_angle,
     first_command, travelled, flight, gap, hold, beyond,
@@ -30,22 +38,37 @@ def ahead(
     place, turning = first + travelled, motor_speed / gear_ratio
     within = min(max(place, -1.0), 1.0)
     went = 0.5 * gap * (within - first)
-    weight = gravity_torque * math.sin(motor_angle / gear_ratio + went + gravity_angle)
-    rate = -(weight + hold * math.tanh(flight / REST)) / (
-        beyond * motor_inertia * gear_ratio * gear_ratio
-    )
-    slip = flight - turning
-    if abs(place) >= 0.999 and place * slip > 0.0:
+    load = gravity_torque * math.sin(motor_angle / gear_ratio + went + gravity_angle) / gear_ratio
+    slip, speed = flight - turning, flight
+    pressed = abs(place) >= 0.999 and place * slip > 0.0
+    if pressed:
+        speed = turning
+    rate = falling(load, speed, motor_inertia, gear_ratio, hold, beyond)
+    if pressed:
         rate -= FACE * slip
     half = 0.5 * max(gap, LEAST)
     return went, slip / half - FACE * (place - within), rate
 
 
 @kernel
-def unloaded(load, gravity_torque, gravity_angle, first_command, travelled, gap):
-    """What the motor does not carry while the shaft flies [N m]."""
+def apart(
+    drive_torque, gear_friction, load, motor_speed, motor_inertia, gear_ratio, gravity_torque,
+    gravity_angle, first_command, travelled, flight, gap, hold, beyond,
+):  # fmt: skip
+    """What the rotor gains by a shaft that flies, and by one that strikes a face [N m].
+
+    A shaft that is carried along rubs, and one that is not yet as quick as the gear hands it on.
+    """
     place = lain(gravity_torque, gravity_angle, first_command) + travelled
-    return -load * min(gap / LEAST, 1.0) if abs(place) < 0.999 else 0.0
+    turning, moves = motor_speed / gear_ratio, drive_torque - gear_friction
+    slip = flight - turning
+    if abs(place) < 0.999 or place * slip <= 0.0:
+        return (moves * beyond / (1.0 - beyond) + load) * min(gap / LEAST, 1.0)
+    rubs = hold * math.tanh(turning / REST) / gear_ratio
+    together = (moves - load - rubs) / (motor_inertia * gear_ratio)
+    own = falling(load, turning, motor_inertia, gear_ratio, hold, beyond)
+    handed = beyond * motor_inertia * gear_ratio * (FACE * slip - own + together)
+    return (handed - rubs) * min(gap / LEAST, 1.0)
 
 
 EFFECT = Effect(
@@ -60,7 +83,7 @@ EFFECT = Effect(
     ),
     terms=(
         Term(ahead, writes=("shaft_position",), states=("travelled", "flight")),
-        Term(unloaded, writes=("load",), unit="N m"),
+        Term(apart, writes=("motor_torque",), unit="N m"),
     ),
     states=(
         Slot("travelled", "1", "by the shaft in the gap, in halves of it", tolerance=1e-3),

@@ -5,6 +5,7 @@ Its values are those of a servo of 2.5 N m on 7.4 V that swings a load of 0.4 N 
 
 import breakaway
 import command_lag
+import derivative_action
 import equations as servo_equations
 import gear_backlash
 import numpy as np
@@ -58,11 +59,15 @@ EQUATIONS = Equations.of(
         Slot("first_command", "rad", "at which the recording starts"),
         Slot("back_emf", "V", "of the motor"),
         Slot("motor_speed", "rad/s", "of the motor"),
+        Slot("drive_torque", "N m", "of the motor, friction not taken off"),
     ),
 )
 
 
-EFFECTS = (breakaway, command_lag, gear_backlash, supply_sag, wrong_gravity)
+PLAY, FINE = "gear_backlash.gap", 1e-4  # s, of integration where the shaft flies in its play
+SURE = 3.0  # standard deviations
+TYPICAL = 0.6745 * np.sqrt(6.0)  # of a second difference of white noise, in the median
+EFFECTS = (breakaway, command_lag, derivative_action, gear_backlash, supply_sag, wrong_gravity)
 
 
 class Servo(CompiledPlant):
@@ -102,7 +107,7 @@ class Servo(CompiledPlant):
     run_to_run = {"motor.dry_friction": 0.01 * 5e-4, "motor.viscous_friction": 0.01 * 5e-7}
     start_time = 1e-3  # s
     block = 0.5  # s
-    step = 2e-3  # s, of integration at most
+    step = 1e-3  # s, of integration at most
 
     def accepts(self, effect):
         """Return why the servo cannot carry an effect, or an empty string."""
@@ -120,7 +125,8 @@ class Servo(CompiledPlant):
         values = self.parameters.with_values(parameters)
         reference = np.array([recording.time, recording["reference"]])
         start = (rest(recording) * values["gear.ratio"], 0.0)
-        return self.run(parameters, recording.time, reference, start, self.step)
+        flies = PLAY in values.declared and values[PLAY] > 0.0
+        return self.run(parameters, recording.time, reference, start, FINE if flies else self.step)
 
     def same_run(self, recording):
         """Equal where commands are: starts differ by what the sensor counts."""
@@ -134,7 +140,25 @@ class Servo(CompiledPlant):
 
 
 def rest(recording):
-    """Position [rad] before the command first moves, in the mean: a sensor is noisy."""
-    asked = recording["reference"]
+    """Position [rad] before the command first moves, in the mean: a sensor is noisy.
+
+    A servo that is let go there, and sinks, has its start where that motion began.
+    """
+    asked, seen = recording["reference"], recording["position"]
     moved = np.flatnonzero(asked != asked[0])
-    return recording["position"][: max(1, moved[0] if moved.size else 1)].mean()
+    still = seen[: max(1, moved[0] if moved.size else seen.size)]
+    noise = np.median(np.abs(np.diff(still, 2))) / TYPICAL if still.size > 2 else 0.0
+    if not sinks(still, noise):
+        return still.mean()
+    for size in range(still.size, 2, -1):
+        since = np.column_stack((np.ones(size), np.arange(size) ** 2.0))
+        fitted, left, *_ = np.linalg.lstsq(since, still[:size])
+        if left.sum() <= (size - 2 + np.sqrt(2.0 * size)) * noise**2:
+            return fitted[0]
+    return still[0]
+
+
+def sinks(still, noise):
+    """Whether the later half of positions lies surely elsewhere than the earlier one."""
+    first, last = np.array_split(still, 2)
+    return last.size > 0 and abs(last.mean() - first.mean()) > 2 * SURE * noise / still.size**0.5

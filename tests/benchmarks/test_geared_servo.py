@@ -81,12 +81,15 @@ def test_wrong_gravity_is_a_heavier_load_or_another_mount(plant, asked):
         assert np.quantile(np.abs(found["position"] - run["position"]), 0.99) < 1.5 * COUNT
 
 
-def test_play_is_crossed_at_the_same_times(plant, asked):
-    """After the start, at which the one lies on a face, and the other between both."""
-    mine, later = {"gear_backlash.gap": 0.04}, slice(30, None)
-    found, run = both(plant, asked, mine, {"gap": 0.04})
-    alone, bare = both(plant, asked, {}, {})
-    made = (found["position"] - alone["position"])[later]
-    seen = (run["position"] - bare["position"])[later]
-    assert np.abs(seen).max() > 0.02
-    assert np.std(made - seen) < 0.65 * np.std(seen)
+@pytest.mark.parametrize("gap", [0.003, 0.04])
+def test_play_is_crossed_at_the_same_times(plant, asked, gap):
+    """Two bodies with springs as faces, and one of them with what the other adds to it.
+
+    Where the shaft strikes a face, samples are off by up to a third of the play.
+    """
+    mine = {"gear_backlash.gap": gap, "gear_backlash.hold": 0.02}
+    found, run = both(plant, asked, mine, {"gap": gap})
+    apart = np.abs(found["position"] - run["position"])
+    assert np.quantile(apart, 0.98) < 0.5 * COUNT
+    assert apart.max() < max(COUNT, gap / 3.0)
+    assert np.sqrt(np.mean((found["current"] - run["current"]) ** 2)) < 0.5 * AMPERES

@@ -104,12 +104,16 @@ def test_a_delay_of_any_size_shows(whole):
 
 
 def test_play_shows_where_gravity_changes_sides(whole):
-    """Past the place where the load hangs down, -0.3 rad, the shaft has crossed the whole play."""
+    """Past the place where the load hangs down, -0.3 rad, the shaft has crossed the whole play.
+
+    Elsewhere it is carried along, and its own friction is that of a tight one beside the motor's.
+    """
     run = recording(np.linspace(0.5, -1.1, 400), start=0.5)
     place = {"gear_backlash.gap": 0.04, "gravity.torque": 1.5, "control.gain": 1.0}
     states = {"motor.dry_friction": 0.0, **place}
     loose = whole.simulate(states, run)
-    tight = whole.simulate({**states, "gear_backlash.gap": 0.0}, run)
+    rubbing = {"gear_backlash.gap": 0.0, "motor.dry_friction": 0.02 / 300.0}
+    tight = whole.simulate({**states, **rubbing}, run)
     more = loose["position"] - tight["position"]
     assert np.abs(more).max() < 0.045
     drawn = np.abs(loose["current"] - tight["current"])
@@ -224,3 +228,27 @@ def test_friction_under_load_is_named(rubbing, capsys):
     assert verdict["effects"] == ["gear_load"]
     size = verdict["parameters"]["gear_load.coefficient"]
     assert size["value"] == pytest.approx(0.3, rel=0.2)
+
+
+def test_a_servo_that_sinks_when_let_go_starts_where_it_was(servo):
+    """Held by the hand until the log begins, a load of 0.6 N m pulls it down in 0.1 s."""
+    heavy, still = {"gravity.torque": 0.6, "gravity.angle": 0.6}, np.zeros(40)
+    seen = servo.simulate(heavy, recording(still, start=0.2))["position"]
+    assert abs(seen[-1] - seen[0]) > 0.05
+    noisy = seen + 1e-3 * np.random.default_rng(0).standard_normal(seen.size)
+    run = Recording({"time": 0.01 * np.arange(40), "reference": still, "position": noisy}, UNITS)
+    assert servo.simulate(heavy, run)["position"][0] == pytest.approx(0.2, abs=3e-3)
+    resting = Recording({**run.channels, "position": noisy - seen + 0.2}, UNITS)
+    assert servo.simulate({}, resting)["position"][0] == pytest.approx(0.2, abs=5e-4)
+
+
+def test_derivative_action_brakes_near_the_target_alone(whole):
+    """At the limit of its duty a servo runs as quickly; near its target it comes in late."""
+    run = recording(np.repeat([0.0, 1.5], [10, 150]))
+    plain, braked = (whole.simulate({"motor.dry_friction": 0.0, "gravity.torque": 0.0,
+                                     "derivative_action.time": time}, run)["position"]
+                     for time in (0.0, 0.05))  # fmt: skip
+    assert np.abs(plain - braked)[:25].max() < 2e-4  # but where the command comes in
+    near = slice(*np.searchsorted(plain, (1.3, 1.45)))
+    assert (plain - braked)[near].min() > 0.02
+    assert abs(braked[-1] - 1.5) < 1e-3

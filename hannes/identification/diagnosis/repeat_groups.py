@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 
 import numpy as np
 
 from hannes.campaigns.campaign import Entry
+from hannes.core.recording.recording import Recording
 from hannes.identification.binned_run import BIN, View
 from hannes.identification.diagnosis.tuning import FIT
 from hannes.plants.protocol import Plant
@@ -18,6 +20,8 @@ class Group:
 
     measured: their bin means, shape (runs, n); `part` and `names` give an element's channel
     nominal:  full name -> nominal value of every parameter in this run (SI)
+    recording: the first run's, and where the plant reads what was measured (where a run starts),
+               the mean over the runs
     owner, own: the object handled, and the parameters that belong to it alone
     numbers: how many runs of the campaign came before each, shape (runs,)
     """
@@ -29,7 +33,7 @@ class Group:
         self.entries = tuple(entries)
         self.numbers = np.array([each.number for each in entries])
         self.views = [View(each, plant, channels, (), self.width) for each in entries]
-        self.recording = entries[0].recording
+        self.recording = _together([each.recording for each in entries], plant.required)
         self.names, self.part = self.views[0].channels, self.views[0].part
         self.bins = self.views[0].bins
         self.measured = np.array([view.measured for view in self.views])
@@ -74,6 +78,17 @@ class Group:
         """Where a channel lies in the vector."""
         first = self.names.index(name) * self.bins
         return slice(first, first + self.bins)
+
+
+def _together(recordings: Sequence[Recording], read: Sequence[str]) -> Recording:
+    """The first recording, with the mean over all of them of what differs of what is `read`."""
+    first = recordings[0]
+    differing = {
+        name: np.mean([each[name] for each in recordings], axis=0)
+        for name in read
+        if any(not np.array_equal(each[name], first[name]) for each in recordings)
+    }
+    return replace(first, channels={**first.channels, **differing}) if differing else first
 
 
 def _mirrored(values: np.ndarray, most: int) -> np.ndarray:
