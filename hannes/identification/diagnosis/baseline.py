@@ -7,10 +7,14 @@ import numpy as np
 from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.recording.white_noise import rounding
-from hannes.identification.diagnosis.gauss_newton import fitted, settled
+from hannes.identification.diagnosis.gauss_newton import fitted, relinearised, settled
 from hannes.identification.diagnosis.linearisation import Linearisation, first, with_noise
 from hannes.identification.diagnosis.multistart import Progress
-from hannes.identification.diagnosis.noise_covariance import NoiseAccuracy, estimated_noise
+from hannes.identification.diagnosis.noise_covariance import (
+    NoiseAccuracy,
+    NoiseCovariance,
+    estimated_noise,
+)
 from hannes.identification.diagnosis.noise_model import recorded_roughness
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.part_deviations import part_deviations
@@ -18,7 +22,7 @@ from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.run_to_run import settings_from_repeats
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
-from hannes.identification.diagnosis.tuning import NOISE
+from hannes.identification.diagnosis.tuning import NOISE, SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work
 from hannes.plants.protocol import Plant
 
@@ -37,14 +41,16 @@ def based(
 ) -> tuple[Linearisation, Linearisation]:
     """The nominal and the refitted machine; the nominal one twice where `work` ends the fit.
 
-    Fitted once more where repeats show more run-to-run variability than the settings assume.
+    Fitted once more where repeats show more run-to-run variability than the settings assume. A lost
+    baseline does not show that: noise about it is not the machine's.
     """
 
     def model(settings: Settings) -> Model:
         return Model(plant, groups, ParameterSpace(plant, groups, settings, effects), effects, work)
 
     nominal, baseline = _fitted(model(settings), seed, progress)
-    if (shown := settings_from_repeats(baseline.noise, settings)) != settings:
+    shown = settings if lost(baseline) else settings_from_repeats(baseline.noise, settings)
+    if shown != settings:
         return _fitted(model(shown), seed, progress)
     return nominal, baseline
 
@@ -63,14 +69,46 @@ def _fitted(model: Model, seed: int, progress: Progress) -> tuple[Linearisation,
 
 
 def _refitted(nominal: Linearisation, seed: int) -> tuple[Linearisation, Linearisation]:
-    """The nominal machine and the baseline fit, by the noise at the baseline."""
-    model, baseline = nominal.model, fitted(nominal, 5, restarts=1)
+    """The nominal machine and the baseline fit, by the noise at the baseline.
+
+    A lost one is no machine that there is. It is not followed further, and noise is that of the
+    machine as given.
+    """
+    model, baseline = nominal.model, _begun(nominal)
+    if lost(baseline):
+        noise = _noise_at(nominal, seed)
+        return with_noise(nominal, noise), with_noise(baseline, noise)
     corrected = model.with_sampling_correction(baseline.x, list(model.space.effects))
     parts = part_deviations(corrected, baseline.x)
     for _ in range(NOISE.noise_estimates):
         noise = estimated_noise(corrected, baseline.x, FINE, seed, parts)
         baseline = settled(fitted(with_noise(baseline, noise), 4))
     return with_noise(nominal, noise), baseline
+
+
+def _begun(nominal: Linearisation) -> Linearisation:
+    """Some steps from the machine as given, and more by new derivatives; fewer to a lost one."""
+    point = fitted(nominal, 2)
+    point = point if lost(point) else fitted(point, 3)
+    return point if lost(point) else fitted(relinearised(point), 5)
+
+
+def lost(baseline: Linearisation) -> bool:
+    """Whether a fit leaves far too much, although values of the machine went far away.
+
+    Where derivatives take little work, it is followed to its end all the same.
+    """
+    if baseline.model.round_of_derivatives() < SEARCH.little_work:
+        return False
+    per_bin, far = baseline.chi2 / baseline.residual.size, np.abs(baseline.x).max()
+    return bool(per_bin > SEARCH.lost_baseline and far > SEARCH.far_away)
+
+
+def _noise_at(nominal: Linearisation, seed: int) -> NoiseCovariance:
+    """Noise of the machine as given."""
+    model, x = nominal.model, nominal.x
+    corrected = model.with_sampling_correction(x, list(model.space.effects))
+    return estimated_noise(corrected, x, FINE, seed, part_deviations(corrected, x))
 
 
 def _require_answers(nominal: Linearisation) -> None:

@@ -7,9 +7,9 @@ import numpy as np
 
 from hannes.campaigns.campaign import Entry
 from hannes.core.effect import Effect
-from hannes.identification.diagnosis.baseline import based
+from hannes.identification.diagnosis.baseline import based, lost
 from hannes.identification.diagnosis.further_effects import with_further_effects
-from hannes.identification.diagnosis.gauss_newton import settled
+from hannes.identification.diagnosis.gauss_newton import fitted, relinearised, settled
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.global_starts import (
     absorbed_by_baseline,
@@ -23,6 +23,7 @@ from hannes.identification.diagnosis.multistart import (
     Fits,
     Progress,
     Start,
+    far_above,
     fit_beside,
     negligible,
     refitted,
@@ -42,7 +43,7 @@ from hannes.identification.diagnosis.trials import (
     priced,
     with_confusable,
 )
-from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work
 from hannes.plants.part_fault import part_faults
 from hannes.plants.protocol import Plant
@@ -80,7 +81,7 @@ def _all_searched(
     """Single effects beside the best baseline, then further ones."""
     names = [each.name for each in effects if each.name not in GENERIC]
     known = global_fits(nominal, baseline, names, progress)
-    found = _searched(nominal, baseline, known, progress)
+    found = _searched(nominal, _beside_best(baseline, known), known, progress)
     while (leader := _leading(found)) and (
         better := _back(found.baseline, leader, found.variance_factor, progress)
     ):
@@ -92,7 +93,17 @@ def _all_searched(
             break
         fits = {each.effects[0]: each.point for each in found.trials}
         found = _searched(nominal, better, {**known, **fits}, progress)
+    if baseline.chi2 < found.baseline.chi2:
+        found = _rebased(found, baseline)
     return _with_further(found, seed, progress)
+
+
+def _beside_best(baseline: Linearisation, known: Fits) -> Linearisation:
+    """The baseline; where it is lost, the machine of the best global fit, without its effect."""
+    best = min(known.items(), key=lambda each: each[1].chi2, default=None)
+    if best is None or not lost(baseline):
+        return baseline
+    return baseline.moved(without(best[1], [best[0]])[0], baseline.active) or baseline
 
 
 def _with_further(found: SearchResult, seed: int, progress: Progress) -> SearchResult:
@@ -138,7 +149,8 @@ def _searched(
     biased = baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size
     if biased:
         starts += [(baseline, guess) for guess in _next_laws(baseline, guesses)]
-        starts += _large(nominal, baseline, names)
+        reached = far_above(baseline, min((e.chi2 for e in known.values()), default=np.inf))
+        starts += _large(nominal, baseline, names) if reached > baseline.chi2 else []
     fits = refitted(nominal, baseline, starts, known, SEARCH.name_limit, progress)
     if not biased and _at_an_end(fits):
         starts = _large(nominal, baseline, names)
@@ -160,6 +172,10 @@ def _searched(
     return SearchResult(
         nominal, baseline, guesses, confusable, None, None, variance_factor, generic=generic
     )
+
+
+def _leaves_much(point: Linearisation) -> bool:
+    return point.chi2 > SEARCH.lost_baseline * point.residual.size
 
 
 def _large(nominal: Linearisation, baseline: Linearisation, names: Sequence[str]) -> list[Start]:
@@ -238,12 +254,15 @@ def _back(
     """The baseline refitted from where the best effect led, without it; None where it is no better.
 
     With contacts chi-squared has several local minima. An effect may only have led out of one. The
-    machine's own parameters take over as much of its work as they can.
+    machine's own parameters take over as much of its work as they can. One that is lost is none.
     """
     progress("the baseline from there")
     rows = without(best.point, best.effects)
     point = baseline.moved(rows[np.argmin(baseline.chi2_at(rows))], baseline.active)
     if point is None:
+        return None
+    point = fitted(relinearised(point), FIT.steps_per_round)
+    if lost(point):
         return None
     point = settled(point, negligible(baseline.chi2 - best.point.chi2), baseline.chi2)
     better = baseline.chi2 - point.chi2 > SEARCH.other_minimum * variance_factor
@@ -265,10 +284,14 @@ def _rebased(found: SearchResult, baseline: Linearisation) -> SearchResult:
 def _deepened(
     nominal: Linearisation, baseline: Linearisation, fits: Fits, progress: Progress
 ) -> Fits:
-    """The fits with the best one refitted around its size, if its signature depends on size."""
+    """The fits with the best one refitted around its size, if its signature depends on size.
+
+    Not where it leaves much: what else is missing decides there which minimum is deepest.
+    """
     best = min(fits, key=lambda name: fits[name].chi2, default=None)
     if best is None or fits[best].chi2 > baseline.chi2 - SEARCH.name_limit:
         return fits
-    progress(f"{best.replace('_', ' ')}, from about there")
-    fits = {**fits, best: deepest_minimum(nominal, fits[best], best)}
+    if not _leaves_much(fits[best]):
+        progress(f"{best.replace('_', ' ')}, from about there")
+        fits = {**fits, best: deepest_minimum(nominal, fits[best], best)}
     return with_like_faults(baseline, fits, best, progress)

@@ -25,12 +25,14 @@ def settled(
 ) -> Linearisation:
     """The fit converged: new derivatives and some steps until the reduction is below `negligible`.
 
-    Gives up where a round reduces chi-squared by less than it still lies above `below`.
+    Gives up where a round reduces chi-squared by less than it still lies above `below`. Where much
+    is left, a round that reduces little of it is the last.
     """
     for _ in range(FIT.rounds):
         found = _walked(relinearised(point), FIT.steps_per_round)
         reduction, point = point.chi2 - found.chi2, found
-        if reduction < max(negligible, point.chi2 - below):
+        much = FIT.settled_share * (point.chi2 - FIT.settled_above * point.residual.size)
+        if reduction < max(negligible, point.chi2 - below, much):
             break
     return point
 

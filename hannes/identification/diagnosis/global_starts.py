@@ -15,7 +15,7 @@ import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.multistart import Fits, Progress, started_at
+from hannes.identification.diagnosis.multistart import Fits, Progress, far_above, started_at
 from hannes.identification.diagnosis.score_test import (
     Guess,
     amplitude_names,
@@ -59,17 +59,26 @@ def _while_near(
     least: chi-squared that each would leave, all else following linearly
     """
     found: Fits = {}
+    most = far_above(baseline, min(least.values(), default=np.inf))
     for name, left in least.items():
-        gained = baseline.chi2 - min((each.chi2 for each in found.values()), default=np.inf)
-        if not found or baseline.chi2 - left >= SEARCH.crossed_share * gained:
-            found |= fits_from_nominal(nominal, baseline, [name], progress)
+        best = min((each.chi2 for each in found.values()), default=baseline.chi2)
+        near = baseline.chi2 - left >= SEARCH.crossed_share * (baseline.chi2 - best)
+        if near and left < most:
+            found |= fits_from_nominal(nominal, baseline, [name], progress, best)
     return found
 
 
 def fits_from_nominal(
-    nominal: Linearisation, baseline: Linearisation, effects: Sequence[str], progress: Progress
+    nominal: Linearisation,
+    baseline: Linearisation,
+    effects: Sequence[str],
+    progress: Progress,
+    below: float = np.inf,
 ) -> Fits:
-    """The best fit with each effect added to the nominal machine, of those below the baseline."""
+    """The best fit with each effect added to the nominal machine, of those below the baseline.
+
+    below: what another effect leaves. One that leaves far more after some steps is not followed.
+    """
     found = dict[str, Linearisation]()
     for name in effects:
         progress(f"{name.replace('_', ' ')}, global starts")
@@ -77,7 +86,8 @@ def fits_from_nominal(
         points = [fitted(each, SEARCH.further_steps) for each in points]
         if points:
             best = min(points, key=lambda each: each.chi2)
-            found[name] = settled(best, below=baseline.chi2)
+            far = best.chi2 > far_above(baseline, below)
+            found[name] = best if far else settled(best, below=min(below, baseline.chi2))
     return {name: point for name, point in found.items() if point.chi2 < baseline.chi2}
 
 
@@ -105,8 +115,8 @@ def deepest_minimum(nominal: Linearisation, point: Linearisation, name: str) -> 
             for share in SEARCH.neighbour_sizes
         )
         fits = [fitted(each, SEARCH.further_steps) for each in starts if each is not None]
-        settling = (settled(each, below=point.chi2) for each in fits)
-        best = min(settling, key=lambda each: each.chi2, default=point)
+        nearest = min(fits, key=lambda each: each.chi2, default=point)
+        best = settled(nearest, below=point.chi2)
         if best.chi2 > point.chi2 - SEARCH.deeper:
             break
         point = best
@@ -155,7 +165,9 @@ def _signatures(point: Linearisation, effects: Sequence[str], size: float) -> di
 def _least(nominal: Linearisation, effects: Sequence[str]) -> dict[str, float]:
     """Chi-squared that each effect would leave at its best size, all else following."""
     return {
-        name: float(_left(nominal, name, _sizes(nominal, name)).min(initial=np.inf))
+        name: float(
+            _left(nominal, name, _sizes(nominal, name, SEARCH.few_sizes)).min(initial=np.inf)
+        )
         for name in effects
     }
 
@@ -174,18 +186,21 @@ def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
 def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
     """A few steps from the best of all sizes."""
     own = nominal.space.of(name)
-    rows = _sizes(nominal, name)
+    rows = _sizes(nominal, name, SEARCH.global_sizes)
     best = rows[np.argsort(_left(nominal, name, rows))[: SEARCH.starts_tried]]
     points = [started_at(nominal, own, row[own]) for row in best]
     return [fitted(each, SEARCH.start_steps) for each in points if each is not None]
 
 
-def _sizes(nominal: Linearisation, name: str) -> np.ndarray:
-    """Points with each amplitude of an effect at each size inside its range, (m, size)."""
+def _sizes(nominal: Linearisation, name: str, sizes: Sequence[float]) -> np.ndarray:
+    """Points with each amplitude of an effect at each size inside its range, (m, size).
+
+    sizes: in steps, tried both ways
+    """
     space = nominal.space
     rows = []
     for place in (space.place(each) for each in amplitude_names(space.effects[name])):
-        for size in (*SEARCH.global_sizes, *np.negative(SEARCH.global_sizes)):
+        for size in (*sizes, *np.negative(sizes)):
             if space.low[place] <= nominal.x[place] + size <= space.high[place]:
                 rows.append(nominal.x + size * (np.arange(space.size) == place))
     return np.array(rows).reshape(-1, space.size)

@@ -95,12 +95,13 @@ class Linearisation:
         """Chi-squared at each of the points x, shape (m, size); infinite where a run fails.
 
         A point is not simulated where its prior alone exceeds chi-squared here, or what a perfect
-        fit would leave: no step leads there, and such a machine may take minutes.
+        fit would leave: no step leads there, and such a machine may take minutes. Nor is one that
+        no chi-squared makes likely.
         following: after all active parameters have followed, as far as the linearisation predicts
         """
         found = np.full(len(places), np.inf)
         off = np.sum((self.space.prior * places) ** 2, axis=1)
-        near = np.flatnonzero(off <= max(self.chi2, self.residual.size))
+        near = np.flatnonzero(off <= max(min(self.chi2, FIT.farthest), self.residual.size))
         if not near.size:
             return found
         made = self._vectors_at(places[near])

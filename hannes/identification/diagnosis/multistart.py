@@ -39,12 +39,18 @@ def refitted(
         name: max(baseline.chi2 - point.chi2, predicted[name]) for name, point in best.items()
     }
     enough = SEARCH.final_share * max([needed, *reductions.values()])
+    most = far_above(baseline, min((each.chi2 for each in best.values()), default=np.inf))
     for name in sorted(reductions, key=lambda each: -reductions[each])[: SEARCH.final_fits]:
-        if reductions[name] > enough:
+        if reductions[name] > enough and best[name].chi2 < most:
             progress(f"{name.replace('_', ' ')}, once more")
             best[name] = _from_both(best[name], baseline, nominal, predicted[name])
     best = _crossed(best, baseline, needed, progress)
     return {name: point for name, point in best.items() if point.chi2 < baseline.chi2}
+
+
+def far_above(baseline: Linearisation, left: float) -> float:
+    """Chi-squared far above what another effect leaves, were that little or much."""
+    return SEARCH.far_above * max(left, SEARCH.lost_baseline * baseline.residual.size)
 
 
 def _started(
@@ -52,15 +58,23 @@ def _started(
 ) -> Fits:
     """Best fit with each effect from every start, derivatives updated on the way.
 
-    A guess that promises far less than what another effect has reached by then is no rival of it.
+    A guess that promises far less than what another effect has reached by then is no rival of it,
+    nor is one that leaves far more than the best guess there.
     """
     best: Fits = {}
+    promises: dict[int, float] = {}
+    for start, guess in starts:
+        left = start.chi2 - guess.delta_chi2
+        promises[id(start)] = min(left, promises.get(id(start), np.inf))
+    most = {key: far_above(baseline, left) for key, left in promises.items()}
     for start, guess in starts:
         found = {**known, **best}
         leader = min(found, key=lambda name: found[name].chi2, default=guess.effect)
         least = found[leader].chi2 if leader in found else np.inf
         share = SEARCH.hopeless if start is baseline else SEARCH.hopeless_as_given
-        if guess.effect != leader and guess.delta_chi2 < share * (start.chi2 - least):
+        promised, left = guess.delta_chi2, start.chi2 - guess.delta_chi2
+        hopeless = promised < share * (start.chi2 - least) or left > most[id(start)]
+        if guess.effect != leader and hopeless:
             continue
         progress(guess.effect.replace("_", " "))
         point = started_at_guess(start, guess)

@@ -8,7 +8,7 @@ at it hides what a smaller effect does, and stands out by itself.
 from dataclasses import replace
 
 from hannes.core.errors import ComputationFailed
-from hannes.identification.diagnosis.baseline import FINE
+from hannes.identification.diagnosis.baseline import FINE, lost
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.multistart import Progress
@@ -30,7 +30,8 @@ def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> Se
     except ComputationFailed:
         return found
     nominal, baseline = (with_noise(each, noise) for each in (found.nominal, found.baseline))
-    baseline = settled(fitted(baseline, FIT.steps_per_round))
+    if not lost(found.baseline):
+        baseline = settled(fitted(baseline, FIT.steps_per_round))
     far = SEARCH.further_from_best * best.chi2
     points = [_again(each.point, noise, far) for each in found.trials]
     variance_factor = estimated_variance_factor(

@@ -164,6 +164,10 @@ class Model:
         self._count(group, 1 + 2 * len(found), False)
         return found
 
+    def round_of_derivatives(self) -> float:
+        """What derivatives of all runs by all values of the machine take of the work [s]."""
+        return self.space.uncertain.size * sum(map(self._duration, self.groups))
+
     def _duration(self, group: Group) -> float:
         return ordinary_time(self.small, float(np.ptp(group.recording.time)))
 

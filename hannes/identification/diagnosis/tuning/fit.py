@@ -36,6 +36,19 @@ class FitTuning:
     rounds: int = constant(5, "1", "of new derivatives, at most, until a fit has converged", COST)
     steps_per_round: int = constant(5, "1", "with derivatives updated by Broyden's rule", COST)
     converged: float = constant(0.3, "chi2", "reduction of the last step", DEVELOPMENT)
+    farthest: float = constant(
+        10_000.0,
+        "chi2",
+        "of a machine's distance from its prior: one beyond may take minutes, and is not there",
+        COST,
+    )
+    settled_share: float = constant(
+        0.02,
+        "1",
+        "likewise, of what is left beyond `settled_above`: no law that is missing is fitted so",
+        COST,
+    )
+    settled_above: float = constant(3.0, "chi2 per bin", "that a fit near to noise leaves")
     least_information: float = constant(
         0.4, "1", "of the prior's: a parameter with less in the data keeps its derivatives", COST
     )

@@ -175,6 +175,9 @@ class SearchTuning:
     global_sizes: tuple[float, ...] = constant(
         (2.0, 4.0, 6.0, 9.0, 14.0), "steps", "both ways, from which global starts are chosen"
     )
+    few_sizes: tuple[float, ...] = constant(
+        (2.0, 6.0, 14.0), "steps", "the same, which decide whether an effect is started so", COST
+    )
     own_part: float = constant(
         0.01,
         "1",
@@ -186,6 +189,15 @@ class SearchTuning:
         "chi2 per bin",
         "of a baseline beside which likely effects start globally too",
         DEVELOPMENT,
+    )
+    far_away: float = constant(
+        10.0,
+        "standard deviations",
+        "of a value of the machine: such a baseline that leaves far too much is not followed",
+        DEVELOPMENT,
+    )
+    little_work: float = constant(
+        100.0, "s", "of simulated runs in a round of derivatives: then it is followed", COST
     )
     found_again: float = constant(
         0.5,
@@ -203,6 +215,9 @@ class SearchTuning:
     starts_tried: int = constant(3, "1", "sizes with the best linear guess that are fitted", COST)
     start_steps: int = constant(2, "1", "steps of each", COST)
     starts_kept: int = constant(2, "1", "of these that are fitted further", COST)
+    far_above: float = constant(
+        10.0, "1", "times what another effect leaves, above which one is no rival of it", COST
+    )
     further_steps: int = constant(5, "1", "steps of each", COST)
     neighbour_sizes: tuple[float, ...] = constant(
         (0.8, 0.9, 1.1, 1.25), "1", "times the size found, where a deeper minimum is looked for"
