@@ -96,7 +96,7 @@ def test_a_step_that_only_seemed_to_lead_down_is_not_taken(both, monkeypatch):
 def test_global_sizes_are_inside_the_range_and_none_is_twice(both):
     nominal = both[1].nominal
     space, place = nominal.space, int(nominal.space.of("turbulence")[0])
-    rows = _sizes(nominal, "turbulence")  # from 0 on
+    rows = _sizes(nominal, "turbulence", SEARCH.global_sizes)  # from 0 on
     assert rows[:, place].tolist() == list(SEARCH.global_sizes)
     others = np.delete(rows - nominal.x, place, axis=1)
     assert not others.any() and rows.shape == (len(SEARCH.global_sizes), space.size)
