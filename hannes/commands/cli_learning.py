@@ -192,7 +192,10 @@ def _train(chosen: argparse.Namespace) -> None:
             )
     if "pressed_error_percent" in result:
         error = result["pressed_error_percent"]
-        print(f"  stiffness of pressed objects near the border: {error:.1f} % off, of unseen ones")
+        known = result.get("pressed_error_percent_hand_known")
+        more = f"; {known:.1f} % where an empty closure shows the hand" if known else ""
+        said = f"{error:.1f} % off, of unseen ones{more}"
+        print(f"  stiffness of pressed objects near the border: {said}")
     print(f"wrote {out}")
 
 

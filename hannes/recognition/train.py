@@ -75,7 +75,10 @@ def train(
     predicted = {"title": data.title, "grasps": int(known.rigid.size)}
     predicted["unseen_scores"] = worth(model, known, unseen)
     if model.pressed:
-        predicted["pressed_error_percent"] = 100.0 * float(model.pressed.error[0])
+        unknown, hand_known = (100.0 * float(each) for each in model.pressed.error)
+        predicted["pressed_error_percent"] = unknown
+        if model.pressed.hand_centre.size:
+            predicted["pressed_error_percent_hand_known"] = hand_known
     if data.role("test").any():
         test = grasps(data, data.role("test"), windowing)
         predicted["test_scores"] = worth(model, test, held_out_predictions(model, test))

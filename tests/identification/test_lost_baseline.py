@@ -1,0 +1,75 @@
+"""A baseline that goes far away and still leaves far too much, and what is not asked of it."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sled import TURBULENCE, Sled, recordings
+
+from hannes.identification.diagnosis import baseline, effect_search
+from hannes.identification.diagnosis.baseline import lost
+from hannes.identification.diagnosis.effect_search import search_effects
+from hannes.identification.diagnosis.multistart import far_above
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.tuning import SEARCH
+
+STATED = Settings(0.02, 0.005)
+BINS = 100
+COSTLY = replace(SEARCH, little_work=0.0)
+
+
+def point(per_bin, farthest, work=SEARCH.little_work):
+    """A baseline as far as `lost` asks: what it leaves, where it is, what a round takes."""
+    return SimpleNamespace(
+        chi2=per_bin * BINS,
+        residual=np.zeros(BINS),
+        x=np.array([0.3, -farthest]),
+        model=SimpleNamespace(round_of_derivatives=lambda: work),
+    )
+
+
+def test_it_is_lost_where_it_leaves_much_and_is_far_away():
+    assert lost(point(3.1, 10.1))
+    assert not lost(point(2.9, 10.1))
+    assert not lost(point(3.1, 9.9))
+    assert not lost(point(3.1, 10.1, 0.9 * SEARCH.little_work))
+
+
+@pytest.fixture
+def searched(monkeypatch):
+    """What was asked of repeats, and the search of a sled with turbulence, every round costly."""
+    asked, judge = [], baseline.settings_from_repeats
+    monkeypatch.setattr(baseline, "SEARCH", COSTLY)
+    monkeypatch.setattr(
+        baseline, "settings_from_repeats", lambda *some: asked.append(some) or judge(*some)
+    )
+    entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
+    return asked, search_effects(Sled(), entries, [TURBULENCE], STATED, 0)
+
+
+def test_repeats_are_not_judged_by_its_noise_and_the_effect_is_found(searched):
+    asked, found = searched
+    assert lost_in(found.nominal, found.trials[0]) and not asked
+    assert found.trials[0].effects == ("turbulence",)
+    own = found.baseline.space.of("turbulence")
+    value = found.baseline.space.parameters[own[0]].value(found.trials[0].point.x[own[0]])
+    assert float(value) == pytest.approx(2.0, rel=0.05)
+
+
+def lost_in(nominal, best):
+    """Whether the machine as given, fitted without the effect, leaves far more than with it."""
+    return baseline._begun(nominal).chi2 > 10.0 * best.point.chi2
+
+
+def test_a_baseline_refitted_from_the_best_effect_is_not_taken_where_it_is_lost(
+    searched, monkeypatch
+):
+    _, found = searched
+    monkeypatch.setattr(effect_search, "lost", lambda at: True)
+    assert effect_search._back(found.baseline, found.trials[0], 1.0, lambda text: None) is None
+
+
+def test_far_above_is_ten_times_what_is_left_or_what_a_lost_baseline_leaves():
+    assert far_above(point(50.0, 0.0), 1e4) == 1e5
+    assert far_above(point(50.0, 0.0), 0.0) == 10.0 * 3.0 * BINS
