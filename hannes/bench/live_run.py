@@ -217,9 +217,13 @@ def known_by(about: Mapping[str, Any], model: Model) -> np.ndarray | None:
     given = about.get("empty_closure")
     if given is None:
         return None
-    if not isinstance(given, list) or not all(isinstance(each, int | float) for each in given):
+    if not isinstance(given, list) or not all(type(each) in (int, float) for each in given):
         raise BadInput("the raw log's empty_closure: expected numbers")
-    return checked(np.array(given, float), model)
+    try:
+        numbers = np.array(given, float)
+    except OverflowError:
+        raise BadInput("the raw log's empty_closure: expected numbers of usual size") from None
+    return checked(numbers, model)
 
 
 def replayed(

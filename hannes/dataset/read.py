@@ -149,8 +149,13 @@ def _table(dataset: Any) -> np.ndarray:
         raise BadInput("/grasps: expected fields of plain numbers")
     if missing := [name for name in NEEDED if name not in kinds]:
         raise BadInput(f'/grasps: the field "{missing[0]}" is missing')
-    require_plain(dataset, VALUES // max(len(kinds), 1))
+    require_plain(dataset, VALUES // max(_numbers(dataset.dtype), 1))
     return dataset[()]
+
+
+def _numbers(row: np.dtype) -> int:
+    """How many numbers a row of a table has, those of an empty closure counted one by one."""
+    return sum(int(np.prod(kind.shape)) for kind, *_ in (row.fields or {}).values())
 
 
 def _is_plain(name: str, kind: np.dtype) -> bool:

@@ -10,7 +10,7 @@ from hannes import load_experiment, simulate_many
 from hannes.core.errors import BadInput
 from hannes.dataset.empty_closure import empty_means, mean_size, numbers_of
 from hannes.dataset.make import make
-from hannes.dataset.read import read
+from hannes.dataset.read import _numbers, read
 from hannes.dataset.sampling import emptied, sample_grasp
 from hannes.dataset.shard import recorded
 from hannes.dataset.spec import load_spec, read_spec
@@ -132,3 +132,8 @@ def test_the_shipped_set_has_the_command_that_ships():
     assert np.array_equal(load_spec("held").empty.knots, variant.experiment.reference.knots)
     assert variant.experiment.duration == variant.experiment.reference.knots[0, -1]
     assert variant.experiment.controller == "sampled"
+
+
+def test_a_row_counts_every_number_of_an_empty_closure():
+    row = np.dtype([("stiffness", "<f8"), ("empty", "<f4", (160,))])
+    assert _numbers(row) == 161

@@ -60,7 +60,8 @@ def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: F
     """
     traces = Traces(panel.beside.hand, panel.beside.experiment, panel.model, panel.hand)
     within = Range(closed=_closed(panel.beside))
-    with _raw(panel.raw) as raw, Profiles() as profiles, session(panel.link, raw) as talk:
+    about = {} if panel.hand is None else {"empty_closure": panel.hand.tolist()}
+    with _raw(panel.raw) as raw, Profiles() as profiles, session(panel.link, raw, about) as talk:
         board = talk.hello()
         limited = (lambda: traces.set_point) if panel.model else None
         drive = Drive(talk.speaker, talk.reader.send, profiles, within, limited)

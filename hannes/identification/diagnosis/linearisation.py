@@ -16,7 +16,7 @@ from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.part_deviations import PartDeviations
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.simulator import NOWHERE, Model
-from hannes.identification.diagnosis.tuning import FIT
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 
 @dataclass(frozen=True)
@@ -95,13 +95,15 @@ class Linearisation:
         """Chi-squared at each of the points x, shape (m, size); infinite where a run fails.
 
         A point is not simulated where its prior alone exceeds chi-squared here, or what a perfect
-        fit would leave: no step leads there, and such a machine may take minutes. Nor is one that
-        no chi-squared makes likely.
+        fit would leave: no step leads there, and such a machine may take minutes. Where a machine
+        takes much work anyway, nor is one that no chi-squared makes likely.
         following: after all active parameters have followed, as far as the linearisation predicts
         """
         found = np.full(len(places), np.inf)
         off = np.sum((self.space.prior * places) ** 2, axis=1)
-        near = np.flatnonzero(off <= max(min(self.chi2, FIT.farthest), self.residual.size))
+        costly = self.model.round_of_derivatives() >= SEARCH.little_work
+        most = min(self.chi2, FIT.farthest) if costly else self.chi2
+        near = np.flatnonzero(off <= max(most, self.residual.size))
         if not near.size:
             return found
         made = self._vectors_at(places[near])
