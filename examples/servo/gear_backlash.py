@@ -53,22 +53,18 @@ def ahead(
 @kernel
 def apart(
     drive_torque, gear_friction, load, motor_speed, motor_inertia, gear_ratio, gravity_torque,
-    gravity_angle, first_command, travelled, flight, gap, hold, beyond,
+    gravity_angle, first_command, travelled, flight, gap, beyond,
 ):  # fmt: skip
     """What the rotor gains by a shaft that flies, and by one that strikes a face [N m].
 
-    A shaft that is carried along rubs, and one that is not yet as quick as the gear hands it on.
+    The rotor has the inertia that is not the shaft's, and nothing but a face hands on a load.
     """
     place = lain(gravity_torque, gravity_angle, first_command) + travelled
-    turning, moves = motor_speed / gear_ratio, drive_torque - gear_friction
-    slip = flight - turning
-    if abs(place) < 0.999 or place * slip <= 0.0:
-        return (moves * beyond / (1.0 - beyond) + load) * min(gap / LEAST, 1.0)
-    rubs = hold * math.tanh(turning / REST) / gear_ratio
-    together = (moves - load - rubs) / (motor_inertia * gear_ratio)
-    own = falling(load, turning, motor_inertia, gear_ratio, hold, beyond)
-    handed = beyond * motor_inertia * gear_ratio * (FACE * slip - own + together)
-    return (handed - rubs) * min(gap / LEAST, 1.0)
+    slip, strike = flight - motor_speed / gear_ratio, 0.0
+    if abs(place) >= 0.999 and place * slip > 0.0:
+        strike = beyond * motor_inertia * gear_ratio * FACE * slip
+    moves = drive_torque - gear_friction
+    return ((beyond * moves + strike) / (1.0 - beyond) + load) * min(gap / LEAST, 1.0)
 
 
 EFFECT = Effect(

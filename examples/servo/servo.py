@@ -66,6 +66,7 @@ EQUATIONS = Equations.of(
 
 PLAY, FINE = "gear_backlash.gap", 1e-4  # s, of integration where the shaft flies in its play
 SURE = 3.0  # standard deviations
+ROUNDED = np.sqrt(12.0)  # a count over the standard deviation of what rounding to it leaves
 TYPICAL = 0.6745 * np.sqrt(6.0)  # of a second difference of white noise, in the median
 EFFECTS = (breakaway, command_lag, derivative_action, gear_backlash, supply_sag, wrong_gravity)
 
@@ -148,6 +149,8 @@ def rest(recording):
     moved = np.flatnonzero(asked != asked[0])
     still = seen[: max(1, moved[0] if moved.size else seen.size)]
     noise = np.median(np.abs(np.diff(still, 2))) / TYPICAL if still.size > 2 else 0.0
+    steps = np.diff(np.unique(still))
+    noise = max(noise, steps.min(initial=np.inf) / ROUNDED) if steps.size else noise
     if not sinks(still, noise):
         return still.mean()
     for size in range(still.size, 2, -1):
@@ -161,4 +164,4 @@ def rest(recording):
 def sinks(still, noise):
     """Whether the later half of positions lies surely elsewhere than the earlier one."""
     first, last = np.array_split(still, 2)
-    return last.size > 0 and abs(last.mean() - first.mean()) > 2 * SURE * noise / still.size**0.5
+    return noise > 0.0 and abs(last.mean() - first.mean()) > 2 * SURE * noise / still.size**0.5

@@ -83,13 +83,14 @@ def channel_places(about: About) -> list[int]:
 class LiveRecogniser:
     """Takes events of a board, gives decisions. Raises BadInput where a channel is missing.
 
-    hand: numbers of its empty closure (known_hand.py), None for a hand that is not known.
+    hand: numbers of its empty closure (known_hand.py), None for a hand that is not known; BadInput
+    where they are not as many as the model takes.
     """
 
     def __init__(self, model: Model, hand: np.ndarray | None = None) -> None:
         self.model, self._onset = model, Onset()
         known = model.pressed
-        self._hand = known.points(hand) if known is not None and hand is not None else None
+        self._hand = known.points(hand) if known and hand is not None else None
         self._places: list[int] | None = None
         self.begin(0.0)
 

@@ -57,8 +57,8 @@ def unknown_hand(model: Model) -> str:
 def checked(numbers: np.ndarray, model: Model) -> np.ndarray:
     """The numbers, where `model` has learned from hands like this; BadInput otherwise."""
     known = model.pressed
-    if known is None or numbers.shape != known.hand_centre.shape:
-        raise BadInput("these are no numbers of an empty closure that this model knows")
+    if known is None:
+        raise BadInput("the model knows no hands: it has no networks of the stiffness")
     if known.points(numbers) is None:
         raise BadInput(
             "the empty closure is unlike all that the model learned from: was something held, was "

@@ -141,7 +141,12 @@ class PressedStiffness:
         return np.array([_mean_of_networks(row, points, *arrays) for row in rows])
 
     def points(self, numbers: np.ndarray) -> np.ndarray | None:
-        """What the networks see of an empty closure's numbers; None where they are out of reach."""
+        """What the networks see of an empty closure's numbers; None where they are out of reach.
+
+        Raises BadInput where they are not as many as were learned from.
+        """
+        if numbers.shape != self.hand_centre.shape:
+            raise BadInput("these are no numbers of an empty closure that this model knows")
         out = np.zeros(self.hand_mix.shape[0])
         farthest = _hand_points(self.hand_mix, numbers, self.hand_centre, out)
         return out if farthest <= self.reach[1] else None

@@ -40,6 +40,12 @@ def test_a_known_hand_changes_the_estimate_and_narrows_it(model):
     assert last(model, model.pressed.hand_centre).value == unknown.value  # the middle one
 
 
+def test_a_hand_of_another_count_of_numbers_is_refused(model):
+    for count in (NUMBERS - 1, NUMBERS + 1):
+        with pytest.raises(BadInput, match="no numbers of an empty closure"):
+            GripLoop(model, hand=np.full(count, 0.5))
+
+
 def test_a_raw_log_keeps_what_the_closure_showed(model):
     numbers = np.full(NUMBERS, 0.5)
     assert known_by({}, model) is None

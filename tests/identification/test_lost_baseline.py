@@ -66,8 +66,12 @@ def test_a_baseline_refitted_from_the_best_effect_is_not_taken_where_it_is_lost(
     searched, monkeypatch
 ):
     _, found = searched
-    monkeypatch.setattr(effect_search, "lost", lambda at: True)
-    assert effect_search._back(found.baseline, found.trials[0], 1.0, lambda text: None) is None
+    x = found.baseline.x + 5.0 * np.isin(np.arange(found.baseline.x.size), found.baseline.active)
+    far = found.baseline.moved(x, found.baseline.active)  # a better one is near
+    assert effect_search._back(far, found.trials[0], 1.0, lambda text: None) is None
+    monkeypatch.setattr(effect_search, "lost", lambda at: False)
+    better = effect_search._back(far, found.trials[0], 1.0, lambda text: None)
+    assert better is not None and better.chi2 < far.chi2
 
 
 def test_far_above_is_ten_times_what_is_left_or_what_a_lost_baseline_leaves():

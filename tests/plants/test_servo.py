@@ -16,6 +16,7 @@ from hannes.campaigns.campaign_file import read_campaign
 from hannes.campaigns.check import check
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput, ComputationFailed
+from hannes.core.kernels.jit import plain
 from hannes.core.layout import Layout
 from hannes.core.recording.recording import Recording
 from hannes.plants.plain import PlainPlant
@@ -252,3 +253,35 @@ def test_derivative_action_brakes_near_the_target_alone(whole):
     near = slice(*np.searchsorted(plain, (1.3, 1.45)))
     assert (plain - braked)[near].min() > 0.02
     assert abs(braked[-1] - 1.5) < 1e-3
+
+
+@pytest.mark.parametrize("beyond", [0.1, 0.5, 0.9])
+def test_a_strike_keeps_the_momentum_of_shaft_and_rotor(servo, beyond):
+    """(1 - b) J w' + b J n v' = 0, where nothing else pushes."""
+    ahead, apart = (plain(each.kernel) for each in servo.catalogue["gear_backlash"].terms)
+    inertia, ratio = 1e-7, 300.0
+    gear = {"motor_speed": 30.0, "motor_inertia": inertia, "gear_ratio": ratio}
+    place = {"gravity_torque": 0.0, "gravity_angle": 0.0, "first_command": 0.0}
+    play = {"travelled": 1.0, "flight": 2.0, "gap": 0.01, "beyond": beyond}
+    *_, rate = ahead(motor_angle=0.0, hold=0.0, **gear, **place, **play)
+    push = apart(drive_torque=0.0, gear_friction=0.0, load=0.0, **gear, **place, **play)
+    assert rate < 0.0 < push
+    shaft, rotor = beyond * inertia * ratio * rate, (1.0 - beyond) * push
+    assert rotor == pytest.approx(-shaft, rel=1e-12)
+
+
+@pytest.mark.parametrize("beyond", [0.02, 0.9])
+def test_play_is_simulated_whatever_share_is_beyond(whole, beyond):
+    found = whole.simulate({"gear_backlash.gap": 0.03, "gear_backlash.beyond": beyond}, steps())
+    bare = whole.simulate({}, steps())
+    assert np.abs(found["position"] - bare["position"]).max() < 0.2
+
+
+def test_rare_counts_of_an_encoder_at_rest_are_no_fall(servo):
+    still = np.zeros(400)
+    still[[250, 300, 390]] = 2.0 * math.pi / 4096.0
+    run = recording(np.repeat([0.0, 0.5], 400))
+    shown = Recording({**run.channels, "position": np.append(still, still)}, UNITS)
+    began = servo.simulate({}, shown)["position"][0]
+    assert began == pytest.approx(still.mean(), abs=1e-9)
+    assert servo.simulate({}, run)["position"][0] == 0.0

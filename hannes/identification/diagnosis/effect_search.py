@@ -270,14 +270,14 @@ def _back(
 
 
 def _rebased(found: SearchResult, baseline: Linearisation) -> SearchResult:
-    """The same result beside a slightly better baseline: every reduction shrinks by that."""
-    lost = (found.baseline.chi2 - baseline.chi2) / found.variance_factor
+    """The same result beside a better baseline: every reduction shrinks by that."""
+    less = (found.baseline.chi2 - baseline.chi2) / found.variance_factor
     trials = [
-        replace(each, delta_chi2=each.delta_chi2 - lost)
+        replace(each, delta_chi2=each.delta_chi2 - less)
         for each in found.trials
         if each.point.chi2 < baseline.chi2
     ]
-    generic = found.generic and replace(found.generic, delta_chi2=found.generic.delta_chi2 - lost)
+    generic = found.generic and replace(found.generic, delta_chi2=found.generic.delta_chi2 - less)
     return replace(found, baseline=baseline, trials=trials, generic=generic)
 
 

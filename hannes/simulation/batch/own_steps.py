@@ -109,7 +109,7 @@ class OwnSteps(Lanes):
         counts = np.zeros((self.ended.size, 6), np.int64)
         counts[:, :3] = at["counts"][:3, self.ended].T
         counts[:, 5] = plan.times.size
-        self.idle = bool(counts[:, 2].sum() < IDLE * self.made.width * turns)
+        self.idle = bool(counts[:, 2].sum() < IDLE * size * turns)
         kept = np.empty((self.ended.size, plan.columns.size, plan.times.size))
         for each, lane in zip(kept, self.ended.tolist(), strict=True):
             self._sampled(lane, each)

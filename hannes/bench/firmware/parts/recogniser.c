@@ -79,7 +79,8 @@ void hannes_empty_reset(struct HannesEmpty *e);
 /* Takes one sample of a closure on nothing, by the command of the experiment `empty-closure`, the
  * first where that begins; true once the hand is known. More samples change nothing. */
 bool hannes_empty(struct HannesEmpty *e, double current, double position, double reference);
-/* Call after each hannes_reset(): recognition then goes by the hand, if it is known. */
+/* Call after each hannes_reset(): recognition then goes by the hand, if it is known. `e` must stay
+ * as it is until the next hannes_reset(). */
 void hannes_know(struct Hannes *h, const struct HannesEmpty *e);
 #endif
 void hannes_grip_reset(struct HannesGrip *g);
