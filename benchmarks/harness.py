@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 Row = dict[str, Any]
+ROOT = Path(__file__).parent.parent  # of this checkout
 
 
 def must_show(name: str, value: float, bound: float, holds: bool) -> Row:
@@ -42,6 +43,12 @@ def processor() -> str:
     if "cpu family" in fields:
         model += f" (family {fields['cpu family']}, model {fields['model']})"
     return f"{model}, {os.cpu_count()} cores"
+
+
+def interpreter(root: Path) -> str:
+    """Python of another checkout's own environment, where it has one, else this one."""
+    own = root / ".venv" / "bin" / "python"
+    return str(own) if root != ROOT and own.exists() else sys.executable
 
 
 def interval(samples: Sequence[float]) -> dict[str, float]:

@@ -14,12 +14,11 @@ figures alone. `--quick` uses `large` with a tenth of its grasps. Files stay in 
 import os
 import resource
 import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.harness import Row, aligned, main, must_show
+from benchmarks.harness import ROOT, Row, aligned, interpreter, main, must_show
 from benchmarks.recognition import OUT, build, spread, strangers, subjects
 from benchmarks.recognition_rows import errors
 from benchmarks.truth import objects
@@ -27,7 +26,6 @@ from hannes.core.io.atomic_files import write_text
 from hannes.recognition import model_file
 from hannes.recognition.evaluate import Subject, evaluate
 
-ROOT = Path(__file__).parent.parent
 MOST = 0.25  # of the other checkout's processor time
 SEED = 1  # of the recordings that `hannes evaluate` reads
 FIGURES = ("f1_windows", "f1_grasps", "f1_worst")
@@ -85,11 +83,9 @@ def learnt(
 
 def command(root: Path, *words: str) -> float:
     """Run a command of a checkout; processor seconds of it and of what it started."""
-    own = root / ".venv" / "bin" / "python"
-    python = str(own) if root != ROOT and own.exists() else sys.executable
     before = children()
     subprocess.run(
-        [python, "-m", "hannes", *words],
+        [interpreter(root), "-m", "hannes", *words],
         cwd=Path.cwd(),
         env={**os.environ, "PYTHONPATH": str(root)},
         stdout=subprocess.DEVNULL,

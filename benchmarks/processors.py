@@ -21,9 +21,17 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from benchmarks.harness import Row, aligned, interval, main, must_show, processor
+from benchmarks.harness import (
+    ROOT,
+    Row,
+    aligned,
+    interpreter,
+    interval,
+    main,
+    must_show,
+    processor,
+)
 
-ROOT = Path(__file__).parent.parent
 LEVELS = (1, 2, 3)
 PARTS = ("levels", "beside", "diagnoses")
 INSIDE = 5  # timed repeats within one process
@@ -73,10 +81,8 @@ class Runner:
     """A process that runs grasps when asked, with machine code of its own."""
 
     def __init__(self, folder: Path, settings: Mapping[str, str], root: Path = ROOT) -> None:
-        own = root / ".venv" / "bin" / "python"
-        python = str(own) if root != ROOT and own.exists() else sys.executable
         self.process = subprocess.Popen(
-            [python, "-c", WORKER],
+            [interpreter(root), "-c", WORKER],
             cwd=root,
             env={**os.environ, "PYTHONPATH": str(root), "HANNES_CACHE": str(folder), **settings},
             stdin=subprocess.PIPE,
