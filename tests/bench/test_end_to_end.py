@@ -6,10 +6,15 @@ import sys
 
 import numpy as np
 import pytest
+from drawn_model import drawn_model
 
 from hannes import Hand, Recording, simulate
+from hannes.bench.live_run import known_by
+from hannes.bench.raw_log import RawLogReader
 from hannes.commands.cli import main
 from hannes.plants.hand.recorded_experiment import experiment_of
+from hannes.recognition import model_file
+from hannes.recognition.known_hand import hand_numbers
 from hannes.simulation.hand.hand_file import load_hand
 
 CLOSURE = """
@@ -89,3 +94,28 @@ def test_hidden_slack_is_recorded_diagnosed_and_gone_on_new_recordings(tmp_path)
         before, after = current_gap(new, Hand()), current_gap(new, updated)
         print(f"current, beyond its noise: {1e3 * before:.1f} -> {1e3 * after:.1f} mA")
         assert after < 0.5 * before
+
+
+def test_a_hand_closes_on_nothing_and_is_known_as_it_grasps(tmp_path, capsys):
+    """`record empty-closure`, then `live --empty`, through one port: a virtual board's terminal."""
+    trained, hand, out = (tmp_path / f"{name}.h5" for name in ("model", "hand", "grasp"))
+    model_file.write(trained, drawn_model())
+    (tmp_path / "closure.toml").write_text(CLOSURE)
+    command = [sys.executable, "-m", "hannes", "board", "void-closure"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as board:
+        try:
+            port = board.stdout.readline().strip()
+            assert main(["record", "empty-closure", "--port", port, "--out", str(hand)]) == 0
+            capsys.readouterr()
+            live = ["live", port, str(trained), "--no-observer", "--empty", str(hand)]
+            grasp = ["--close", str(tmp_path / "closure.toml"), "--out", str(out)]
+            assert main([*live, *grasp]) == 0
+            said = capsys.readouterr()
+        finally:
+            board.kill()
+    log = RawLogReader(f"{out}.rawlog")
+    numbers = known_by(log.about, drawn_model())
+    log.close()
+    assert np.array_equal(numbers, hand_numbers(Recording.read(hand), drawn_model()))
+    assert Recording.read(out)["position"].max() > 8.0
+    assert "P(rigid)" in said.out and "not known" not in said.err
