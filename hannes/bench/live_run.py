@@ -122,7 +122,7 @@ def live(link: Link, model: Model, log: str | Path, order: LiveOrder) -> Iterato
                  "hand": hand_toml(order.variant.hand)}  # fmt: skip
     if order.hand is not None:
         about["empty_closure"] = order.hand.tolist()
-    elif order.variant is not None and order.plan.policy and (notice := unknown_hand(model)):
+    elif notice := unknown_hand(model):
         order.progress(notice)
     warm_up(model)
     observer = order.observer() if order.observer else None

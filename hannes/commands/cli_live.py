@@ -139,7 +139,7 @@ def _followed(chosen: argparse.Namespace, board: "Link", model: "Model", raw: Pa
             if shown is not None:
                 shown.put(moment)
     if chosen.json:
-        print_json(_summary(last))
+        print_json(_summary(last) | {"hand_known": order.hand is not None})
 
 
 def _order(chosen: argparse.Namespace, model: "Model", stack: Any) -> "LiveOrder":

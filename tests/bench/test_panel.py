@@ -27,6 +27,7 @@ from hannes.bench.panel.traces import Traces
 from hannes.bench.reader import Link
 from hannes.bench.virtual_board import Terminal, VirtualBoard
 from hannes.core.errors import BadInput
+from hannes.recognition.known_hand import unknown_hand
 
 pytest.importorskip("websockets", reason="the extra `panel`")
 
@@ -420,6 +421,15 @@ def test_the_limit_on_the_grip_is_switched(bench, page):
     page.uncheck("#policy")
     page.click("#health")
     until(page, "!document.getElementById('policy').checked")
+
+
+def test_a_hand_that_is_not_known_is_named_on_the_page_and_in_the_terminal(bench):
+    address, notice = urlsplit(bench.address), unknown_hand(drawn_model())
+    connection = http.client.HTTPConnection(address.netloc)
+    connection.request("GET", f"{address.path}?{address.query}")
+    page = connection.getresponse().read().decode()
+    connection.close()
+    assert page.count(notice) == 1 == bench.said.count(notice)
 
 
 def test_an_experiment_runs_to_its_end(bench, page):

@@ -11,8 +11,10 @@ from hannes.report.viewer.page import vendor
 HERE = Path(__file__).parent
 
 
-def panel_page(port: str, experiments: Sequence[str], within: Range, recognises: bool) -> str:
-    """The page for a hand on `port`; `recognises`: there is a trained model."""
+def panel_page(
+    port: str, experiments: Sequence[str], within: Range, recognises: bool, notice: str = ""
+) -> str:
+    """The page for a hand on `port`; `recognises`: there is a trained model; `notice` about it."""
     known = {"opened": within.opened, "closed": within.closed, "recognises": recognises}
     return (
         environment()
@@ -22,6 +24,7 @@ def panel_page(port: str, experiments: Sequence[str], within: Range, recognises:
             experiments=experiments,
             within=within,
             recognises=recognises,
+            notice=notice,
             known=json.dumps(known),
             vendor=vendor(),
             style=(HERE / "panel.css").read_text(encoding="utf-8"),

@@ -68,10 +68,12 @@ def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: F
         drive.policy = panel.policy and limited is not None
         drive.channels(list(board.channels))
         traces.see(board, False, 0.0, 0.0)
-        page = panel_page(panel.link.port, _experiments(), within, panel.model is not None)
+        notice = unknown_hand(panel.model) if panel.model and panel.hand is None else ""
+        recognises = panel.model is not None
+        page = panel_page(panel.link.port, _experiments(), within, recognises, notice)
         with PanelServer(page, lambda: _state(talk, drive, traces), panel.port) as server:
             say(f"{panel.link.port}: {board.firmware}, {len(board.channels)} channels")
-            if panel.model and panel.hand is None and (notice := unknown_hand(panel.model)):
+            if notice:
                 say(notice)
             say(f"open {server.address}")
             _loop(talk, drive, traces, server, until)
