@@ -131,9 +131,9 @@ def _constants(model: Model) -> dict[str, str]:
         "BORDER": model.border,
     }
     if model.pressed:
-        names = (("REACH", "HAND_REACH"), ("ERROR", "ERROR_KNOWN"))
-        values |= dict(zip(names[0], map(float, model.pressed.reach), strict=True))
-        values |= dict(zip(names[1], NORMAL_95 * model.pressed.error, strict=True))
+        values["REACH"] = float(model.pressed.reach[0])
+        errors = NORMAL_95 * model.pressed.error
+        values |= dict(zip(("ERROR", "ERROR_KNOWN"), map(float, errors), strict=True))
     values |= {GRIP_NAMES.get(key, key.upper()): x for key, x in asdict(GripSettings()).items()}
     values |= {"RETREAT": RETREAT, "TURN": TURN}
     return {name: f"({number(value)})" for name, value in values.items()}

@@ -15,6 +15,7 @@ from hannes.bench.onset import Onset
 from hannes.core.errors import BadInput
 from hannes.recognition import pressed
 from hannes.recognition.features import CHANNELS, NAMES
+from hannes.recognition.known_hand import points_of
 from hannes.recognition.model import (
     LATER,
     SINCE,
@@ -84,13 +85,12 @@ class LiveRecogniser:
     """Takes events of a board, gives decisions. Raises BadInput where a channel is missing.
 
     hand: numbers of its empty closure (known_hand.py), None for a hand that is not known; BadInput
-    where they are not as many as the model takes.
+    where they are not as many as the model takes, or unlike all that it learned from.
     """
 
     def __init__(self, model: Model, hand: np.ndarray | None = None) -> None:
         self.model, self._onset = model, Onset()
-        known = model.pressed
-        self._hand = known.points(hand) if known and hand is not None else None
+        self._hand = None if hand is None else points_of(hand, model)
         self._places: list[int] | None = None
         self.begin(0.0)
 

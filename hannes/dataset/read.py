@@ -132,6 +132,13 @@ def _check(found: DataSet) -> None:
         raise BadInput(f"{found.path}: an object's stiffness is no number above 0")
     if not (np.abs(peak) <= LARGEST).all():
         raise BadInput(f"{found.path}: a peak force is no number")
+    shown = found.empty(np.arange(found.table.size))
+    fine = (np.abs(shown) <= LARGEST).all(axis=1) | np.isnan(shown).all(axis=1)
+    if not fine.all():
+        raise BadInput(
+            f"{found.path}: grasp {int(np.argmin(fine))} has an empty closure with gaps: expected "
+            "all of its numbers or none; make the data set anew"
+        )
 
 
 @contextmanager

@@ -14,13 +14,15 @@ from hannes.recognition.model import Model
 from hannes.recognition.pressed import KNOWN, UNKNOWN
 
 BEGUN = 1e-3  # rad by which the command has moved once it has begun
+APART = 2.5e-3  # s between samples, one lost of 1 kHz: lines over more of them show another hand
 
 
 def hand_numbers(recording: Recording, model: Model) -> np.ndarray:
     """Numbers (n,) of a recorded empty closure, by which `model` knows the hand.
 
     They are means of current [A], then of lag [rad], each of 20 ms from the command's start on.
-    Raises BadInput where the model knows no hands, or the recording is no such closure.
+    Raises BadInput where the model knows no hands, or the recording is no such closure, or samples
+    of it are missing.
     """
     numbers = model.pressed.hand_centre.size if model.pressed else 0
     sampling = model.windowing.sampling
@@ -33,13 +35,37 @@ def hand_numbers(recording: Recording, model: Model) -> np.ndarray:
     current, position, reference = model.windowing.samples(recording).T
     begun = np.flatnonzero(np.abs(reference - reference[0]) > BEGUN)
     first = max(int(begun[0]) - 1, 0) if begun.size else 0
-    if reference.size - first < numbers // 2 * size:
+    last = first + numbers // 2 * size - 1
+    if last >= reference.size:
         raise BadInput(
             f"the empty closure is too short: expected {numbers / 2 * MEAN:g} s from its start on, "
             "by the command of `empty-closure`"
         )
+    _require_whole(recording.time, first / sampling, last / sampling)
     found = empty_means(current[first:], position[first:], reference[first:], size, numbers)
     return checked(found, model)
+
+
+def _require_whole(time: np.ndarray, begin: float, end: float) -> None:
+    """Raise BadInput where samples are missing between `begin` and `end` [s] from the first on.
+
+    Time counts from the command's start: a later first sample with the command under way lacks it.
+    """
+    since = time - time[0]
+    far = np.flatnonzero((np.diff(since) > APART) & (since[1:] > begin) & (since[:-1] < end))
+    wanted = f"expected samples at most {1e3 * APART:g} ms apart"
+    mend = "see what `hannes port` says of the link, and record the closure anew"
+    if begin == 0.0 and time[0] > APART:
+        raise BadInput(
+            f"the empty closure's first {time[0]:.3f} s are missing: {wanted}, from its command's "
+            f"start at 0 s on; {mend}"
+        )
+    if far.size:
+        start, end = since[far[0]], since[far[0] + 1]
+        raise BadInput(
+            f"the empty closure has a gap of {1e3 * (end - start):.0f} ms, from "
+            f"{time[0] + start:.3f} s on: {wanted}; {mend}"
+        )
 
 
 def unknown_hand(model: Model) -> str:
@@ -56,12 +82,18 @@ def unknown_hand(model: Model) -> str:
 
 def checked(numbers: np.ndarray, model: Model) -> np.ndarray:
     """The numbers, where `model` has learned from hands like this; BadInput otherwise."""
+    points_of(numbers, model)
+    return numbers
+
+
+def points_of(numbers: np.ndarray, model: Model) -> np.ndarray:
+    """What the networks see of the numbers, where `checked` gives these."""
     known = model.pressed
     if known is None:
         raise BadInput("the model knows no hands: it has no networks of the stiffness")
-    if known.points(numbers) is None:
+    if (points := known.points(numbers)) is None:
         raise BadInput(
             "the empty closure is unlike all that the model learned from: was something held, was "
             "it another command than that of `empty-closure`, or is it another kind of hand?"
         )
-    return numbers
+    return points

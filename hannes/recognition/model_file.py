@@ -30,7 +30,7 @@ from hannes.recognition.hysteresis_features import WHOLE
 from hannes.recognition.model import Band, Calibration, Model
 from hannes.recognition.windowing import Windowing
 
-SCHEMA = "hannes-recogniser-9"
+SCHEMA = "hannes-recogniser-10"
 LET_GO, STILL_HELD = "let go", "held"
 TRACES, NONE = "traces", "none"
 MOST_WEIGHTS = pressed.MOST_NETS * pressed.MOST_UNITS * (pressed.MOST_UNITS + 1)

@@ -85,9 +85,13 @@ def _mixed(mix, values, centre, out):
 
 
 @entry
-def _hand_points(mix, numbers, centre, out):
-    """Fill `out` with what the networks see of an empty closure; returns the farthest of it."""
-    return _mixed(mix, numbers, centre, out)
+def _hand_points(mix, numbers, centre, reach, out):
+    """Fill `out` with what the networks see of an empty closure; whether all is within `reach`."""
+    _mixed(mix, numbers, centre, out)
+    for k in range(out.size):
+        if not abs(out[k]) <= reach[k]:
+            return False
+    return True
 
 
 @entry
@@ -116,9 +120,9 @@ class PressedStiffness:
     `hand_mix` (hand points, numbers) those of an empty closure less `hand_centre` (numbers,): both
     have no numbers where none were learned from. The layers `first` (nets, units, all points + 1),
     `second` (nets, units, units + 1) and `last` (nets, 1, units + 1) have a unit's constant in the
-    last column. `reach`: farthest point (2,) that was learned from, of traces and of hands;
-    `error`: standard deviation of the log stiffness near the border (2,), of hands UNKNOWN and
-    KNOWN.
+    last column. `reach`: farthest that counts as learned from (1 + hand points,), of any point of
+    traces, then of each of hands; `error`: standard deviation of the log stiffness near the border
+    (2,), of hands UNKNOWN and KNOWN.
     """
 
     centre: np.ndarray
@@ -148,8 +152,8 @@ class PressedStiffness:
         if numbers.shape != self.hand_centre.shape:
             raise BadInput("these are no numbers of an empty closure that this model knows")
         out = np.zeros(self.hand_mix.shape[0])
-        farthest = _hand_points(self.hand_mix, numbers, self.hand_centre, out)
-        return out if farthest <= self.reach[1] else None
+        near = _hand_points(self.hand_mix, numbers, self.hand_centre, self.reach[1:], out)
+        return out if near else None
 
     def check(self) -> "PressedStiffness":
         """Return itself where shapes and values are valid; BadInput otherwise."""
@@ -158,8 +162,8 @@ class PressedStiffness:
         wanted = {
             "centre": (INPUTS,), "mix": (points, INPUTS), "hand_centre": (numbers,),
             "hand_mix": (hands, numbers), "first": (nets, units, points + hands + 1),
-            "second": (nets, wide, units + 1), "last": (nets, 1, wide + 1), "reach": (2,),
-            "error": (2,),
+            "second": (nets, wide, units + 1), "last": (nets, 1, wide + 1),
+            "reach": (1 + hands,), "error": (2,),
         }  # fmt: skip
         for name, shape in wanted.items():
             values = getattr(self, name)

@@ -36,6 +36,7 @@ FEWEST = 500  # grasps
 POINTS, POWER = 70, 0.25  # principal components; share of their variance that stays
 FEWEST_HANDS, LEAST = 200, 1e-3  # hands; variance of a point, that of the noise being some 1
 HAND_POINTS, HIDDEN = 25, 0.5  # points of empty closures; share of grasps without them, besides
+MARGIN = 1.5  # by which a hand may be beyond the farthest, at each of these points
 NETS, UNITS = 4, (128, 64)
 ROUNDS, BATCH, RATE, PENALTY = 80, 64, 3e-3, 1e-3
 BESIDE = 0.02  # weight of the square of each other value of a grasp, beside that of the stiffness
@@ -65,6 +66,11 @@ class Known:
     target: np.ndarray
     others: np.ndarray
     hands: np.ndarray
+
+    @property
+    def shown(self) -> np.ndarray:
+        """Whether the grasp's hand closed on nothing, shape (n,)."""
+        return np.isfinite(self.hands).all(axis=1)
 
     def some(self, which: Any) -> "Known":
         """Only the grasps `which`."""
@@ -140,11 +146,11 @@ def fitted(known: Known, border: float, seed: int) -> PressedStiffness:
         hands = np.nan_to_num(hands).astype(np.float32)
         made, unseen = _networks(points, hands, known, seed)
     first, second, last = (np.stack(each) for each in zip(*made, strict=True))
-    reach = [float(np.abs(each).max(initial=1e-3)) for each in (points, hands)]
+    farthest = np.abs(points).max(initial=1e-3), *MARGIN * np.abs(hands).max(axis=0, initial=1e-6)
+    unseen[KNOWN, ~known.shown] = np.nan  # their hands are not known
     errors = [_error(each, known.target, border) for each in unseen]
-    return PressedStiffness(
-        centre, mix, hand_centre, hand_mix, first, second, last, np.array(reach), np.array(errors)
-    ).check()
+    said = np.array(farthest), np.array(errors)
+    return PressedStiffness(centre, mix, hand_centre, hand_mix, first, second, last, *said).check()
 
 
 def _networks(

@@ -38,7 +38,7 @@ def drawn_networks(error: float = 0.1, hands: int = HANDS) -> PressedStiffness:
     return PressedStiffness(
         chance.normal(0.0, 1.0, INPUTS), 0.1 * weights(7, INPUTS), np.full(numbers, 0.3),
         0.1 * weights(hands, numbers), weights(2, 9, 8 + hands), weights(2, 5, 10),
-        0.2 * last + np.float32(6.84) * (np.arange(6) == 5), np.array([1e3, 1e3]),
+        0.2 * last + np.float32(6.84) * (np.arange(6) == 5), np.full(1 + hands, 1e3),
         np.array([error, 0.5 * error]),
     ).check()  # fmt: skip
 

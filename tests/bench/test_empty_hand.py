@@ -6,14 +6,17 @@ import numpy as np
 import pytest
 from drawn_model import NUMBERS, drawn_model
 
+from hannes import Hand, load_experiment
 from hannes.bench.c_vectors import drawn
 from hannes.bench.events import About, Row
 from hannes.bench.grip_loop import GripLoop
 from hannes.bench.live_run import known_by
+from hannes.bench.panel.traces import Traces
 from hannes.commands.cli import main
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
 from hannes.recognition import model_file
+from hannes.recognition.known_hand import unknown_hand
 
 UNITS = {"time": "s", "current": "A", "position": "rad", "reference": "rad"}
 
@@ -54,6 +57,23 @@ def test_a_raw_log_keeps_what_the_closure_showed(model):
     for damaged in ("x", [0.5], *lists):
         with pytest.raises(BadInput):
             known_by({"empty_closure": damaged}, model)
+
+
+@pytest.mark.parametrize("more", [[], ["--close", "void-closure", "--no-policy"], ["--json"]])
+def test_a_hand_that_is_not_known_is_named_once(model, tmp_path, capsys, more):
+    """Whatever is asked for: watched alone, without the policy, in a pipe."""
+    given = tmp_path / "model.h5"
+    model_file.write(given, model)
+    assert main(["live", "/dev/no-such-port", str(given), *more]) == 2
+    assert capsys.readouterr().err.count(unknown_hand(model)) == 1
+    model_file.write(given, replace(model, pressed=None))
+    assert main(["live", "/dev/no-such-port", str(given), *more]) == 2
+    assert "the hand is not known" not in capsys.readouterr().err
+
+
+def test_a_panel_refuses_a_hand_unlike_all_before_it_serves(model):
+    with pytest.raises(BadInput, match="unlike all"):
+        Traces(Hand(), load_experiment("void-closure")[0].experiment, model, np.full(NUMBERS, 1e8))
 
 
 def test_a_closure_that_is_none_is_refused_before_a_port_is_opened(model, tmp_path, capsys):

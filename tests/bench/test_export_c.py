@@ -19,6 +19,7 @@ from hannes.bench.live import LiveRecogniser
 from hannes.bench.policy import GripMemory, GripSample, GripSettings, grip
 from hannes.bench.release import Release
 from hannes.commands.cli import main
+from hannes.core.errors import BadInput
 from hannes.dataset.empty_closure import empty_means
 from hannes.recognition import model_file
 from hannes.recognition.forest import Forest, single
@@ -258,7 +259,7 @@ def test_the_stiffness_by_traces_is_that_of_live_recognition(model, program, tmp
 
 def test_a_trace_that_is_out_of_reach_has_no_stiffness(model, program, tmp_path):
     samples = drawn(21, 1150, 1e-3)
-    near = replace(model, pressed=replace(model.pressed, reach=np.array([1e-3, 1.0])))
+    near = replace(model, pressed=replace(model.pressed, reach=np.array([1e-3] + [1.0] * HANDS)))
     assert live_pressed(model, samples).any() and not live_pressed(near, samples).any()
     assert not ran(PRESSED, near, tmp_path, samples).any()
 
@@ -288,7 +289,7 @@ int main(void)
 
 @pytest.mark.parametrize("reach", [1e3, 1e-3], ids=["known", "unlike all"])
 def test_an_empty_closure_on_the_board_is_that_of_python(model, program, tmp_path, reach):
-    model = replace(model, pressed=replace(model.pressed, reach=np.array([1e3, reach])))
+    model = replace(model, pressed=replace(model.pressed, reach=np.array([1e3] + [reach] * HANDS)))
     empty, samples = drawn(3, 1600, 1e-3), drawn(20, 1150, 1e-3)
     numbers = empty_means(*empty.T, 20, NUMBERS)
     points = model.pressed.points(numbers)
@@ -296,10 +297,14 @@ def test_an_empty_closure_on_the_board_is_that_of_python(model, program, tmp_pat
     found = ran(KNOWN, model, tmp_path, np.concatenate([empty, samples]))
     if points is not None:
         assert np.array_equal(found[:HANDS], points)
-    wanted = live_pressed(model, samples, numbers)
+    wanted = live_pressed(model, samples, None if points is None else numbers)
     assert wanted.any()
     assert found[HANDS:].reshape(-1, 3) == pytest.approx(wanted, rel=1e-14)
-    assert np.array_equal(wanted, live_pressed(model, samples)) == (points is None)
+    if points is None:
+        with pytest.raises(BadInput, match="unlike all"):
+            LiveRecogniser(model, numbers)
+    else:
+        assert not np.array_equal(wanted, live_pressed(model, samples))
 
 
 def test_a_model_that_knows_no_hands_has_no_empty_closure_in_c(model, tmp_path):

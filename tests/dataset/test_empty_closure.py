@@ -127,6 +127,18 @@ def test_a_field_that_is_no_such_thing_is_refused(shape, kind, whole, tmp_path):
         read(tmp_path / "x.h5")
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e30])
+def test_a_closure_with_a_gap_in_its_numbers_is_refused(value, whole, tmp_path):
+    path = tmp_path / "x.h5"
+    path.write_bytes(whole.read_bytes())
+    with h5py.File(path, "r+") as file:
+        rows = file["grasps"][()]
+        rows["empty"][4, 7] = value
+        file["grasps"][...] = rows
+    with pytest.raises(BadInput, match="grasp 4 has an empty closure with gaps"):
+        read(path)
+
+
 def test_the_shipped_set_has_the_command_that_ships():
     (variant,) = load_experiment("empty-closure")
     assert np.array_equal(load_spec("held").empty.knots, variant.experiment.reference.knots)

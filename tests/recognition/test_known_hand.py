@@ -9,7 +9,7 @@ from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
 from hannes.dataset.empty_closure import empty_means
 from hannes.recognition.known_hand import checked, hand_numbers, unknown_hand
-from tests.bench.drawn_model import NUMBERS, drawn_model, drawn_networks
+from tests.bench.drawn_model import HANDS, NUMBERS, drawn_model, drawn_networks
 
 
 @pytest.fixture(scope="module")
@@ -35,13 +35,59 @@ def test_numbers_are_means_from_the_start_of_the_command_on(model):
     assert hand_numbers(closure(idle=0.3), model) == pytest.approx(found, abs=1e-9)
 
 
+def without(made, begin, end):
+    """The recording without its samples from `begin` to `end` [s]."""
+    kept = (made.time < begin - 1e-9) | (made.time > end + 1e-9)
+    return Recording({name: values[kept] for name, values in made.items()}, made.units)
+
+
+@pytest.mark.parametrize(
+    "idle, begin, end, why",
+    [
+        (
+            0.0,
+            0.700,
+            0.720,
+            r"a gap of 22 ms, from 0.699 s on: expected samples at most 2.5 ms apart",
+        ),
+        (0.0, 0.001, 0.005, "a gap of 6 ms, from 0.000 s on"),
+        (0.0, 1.590, 1.605, "a gap of 17 ms, from 1.589 s on"),
+        (0.3, 0.290, 0.310, "a gap of 22 ms, from 0.289 s on"),
+        (0.0, 0.801, 0.802, "a gap of 3 ms"),
+        (0.0, 0.000, 0.029, "first 0.030 s are missing"),
+    ],
+)
+def test_a_closure_with_a_gap_is_refused(model, idle, begin, end, why):
+    with pytest.raises(BadInput, match=why) as said:
+        hand_numbers(without(closure(idle=idle), begin, end), model)
+    assert "hannes port" in str(said.value) and "record the closure anew" in str(said.value)
+
+
+def test_what_is_missing_beside_the_closure_is_no_matter(model):
+    found = hand_numbers(closure(), model)
+    for idle, begin, end in ((0.3, 0.1, 0.2), (0.0, 1.62, 1.65)):
+        left = without(closure(idle=idle), begin, end)
+        assert hand_numbers(left, model) == pytest.approx(found, abs=1e-9)
+
+
+def test_one_sample_that_is_missing_hardly_changes_a_number(model):
+    found = hand_numbers(closure(), model)
+    for begin in np.arange(0.01, 1.6, 0.0123):
+        left = hand_numbers(without(closure(), begin, begin + 0.9e-3), model)
+        assert np.abs(left - found).max() < 0.01
+
+
 @pytest.mark.parametrize(
     "recording, pressed, why",
     [
         (closure(1.2), drawn_networks(), "too short"),
         (closure(), drawn_networks(hands=0), "nothing of empty closures"),
         (closure(), None, "nothing of empty closures"),
-        (closure(), replace(drawn_networks(), reach=np.array([1e3, 1e-3])), "was something held"),
+        (
+            closure(),
+            replace(drawn_networks(), reach=np.array([1e3] + [1e-3] * HANDS)),
+            "was something held",
+        ),
     ],
 )
 def test_what_is_no_empty_closure_is_refused(model, recording, pressed, why):

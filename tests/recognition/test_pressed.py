@@ -68,8 +68,8 @@ def test_beyond_what_was_learned_from_there_is_no_estimate():
     known = drawn_networks()
     row = np.full((1, INPUTS), 1.0)
     near = float(np.abs((row - known.centre) @ known.mix.T).max())
-    assert np.isfinite(replace(known, reach=np.array([1.01 * near, 1.0]))(row)[0])
-    assert np.isnan(replace(known, reach=np.array([0.99 * near, 1.0]))(row)[0])
+    assert np.isfinite(replace(known, reach=np.array([1.01 * near, 1.0, 1.0, 1.0]))(row)[0])
+    assert np.isnan(replace(known, reach=np.array([0.99 * near, 1.0, 1.0, 1.0]))(row)[0])
 
 
 def test_the_estimate_is_due_once_the_traces_are_there():
@@ -198,8 +198,31 @@ def test_an_empty_closure_that_shows_the_hand_is_learned():
     assert np.nanstd(np.subtract(predicted, wanted)) < 0.1  # of 0.2 that the slack alone makes
 
 
+def test_the_error_with_a_known_hand_counts_no_hand_without_a_closure():
+    """What hands that did not close on nothing are off is no error of known ones."""
+    chance = np.random.default_rng(5)
+    slack = chance.normal(0.0, 1.0, 900)
+    rows = chance.normal(0.0, 0.01, (900, INPUTS))
+    hands = 0.3 + 0.1 * np.outer(slack, chance.normal(0.0, 1.0, 20))
+    target = 8.6 + 0.05 * slack
+    hands[::2] = np.nan
+    target[::2] += chance.normal(0.0, 0.2, 450)  # nothing shows it
+    made = fitted(known(rows, target, hands=hands), 8.6, 0)
+    assert made.error[1] < 0.12 < 0.15 < made.error[0]
+
+
 def test_a_hand_beyond_those_that_were_learned_from_has_no_points():
     made = drawn_networks()
     assert made.points(np.full(NUMBERS, 1e5)) is None
     assert made.points(np.full(NUMBERS, np.nan)) is None
     assert made.points(made.hand_centre).tolist() == [0.0] * HANDS
+
+
+def test_each_point_of_a_hand_has_a_reach_of_its_own():
+    made = drawn_networks()
+    numbers = made.hand_centre + np.eye(NUMBERS)[3]
+    points = made.points(numbers)
+    for k in range(HANDS):
+        reach = made.reach.copy()
+        reach[1 + k] = 0.99 * abs(points[k])
+        assert replace(made, reach=reach).points(numbers) is None

@@ -40,6 +40,7 @@ class Traces:
         self._beside.step(None)  # compiled before anything moves
         if model is not None:
             warm_up(model)
+            GripLoop(model, hand=known)  # refused now, not once it grips
         self._loop: GripLoop | None = None
         self._about: About | None = None
         self._places: list[int] = []

@@ -77,8 +77,12 @@ bool hannes_sample(struct Hannes *h, double current, double position, double ref
 #if HANNES_HAND
 void hannes_empty_reset(struct HannesEmpty *e);
 /* Takes one sample of a closure on nothing, by the command of the experiment `empty-closure`, the
- * first where that begins; true once the hand is known. More samples change nothing. */
+ * first where that begins; true once the hand is known. More samples change nothing. It needs the
+ * sample of every period: where one was lost, call hannes_empty_reset() and close once more. */
 bool hannes_empty(struct HannesEmpty *e, double current, double position, double reference);
+/* That command [rad] at a time since its start [s]; it ends at HANNES_EMPTY_DURATION. */
+double hannes_empty_command(double since);
+#define HANNES_EMPTY_DURATION hannes_empty_times[HANNES_EMPTY_POINTS - 1u]
 /* Call after each hannes_reset(): recognition then goes by the hand, if it is known. `e` must stay
  * as it is until the next hannes_reset(). */
 void hannes_know(struct Hannes *h, const struct HannesEmpty *e);
@@ -391,7 +395,7 @@ static bool h_hand(struct HannesEmpty *e)
         for (int32_t j = 0; j < HANNES_NUMBERS; j++)
             total += (double)hannes_hand_mix[k * HANNES_NUMBERS + j]
                 * (e->means[j] - hannes_hand_centre[j]);
-        if (!(fabs(total) <= HANNES_HAND_REACH)) return false;
+        if (!(fabs(total) <= hannes_hand_reach[k])) return false;
         e->point[k] = total;
     }
     return true;
@@ -409,6 +413,17 @@ bool hannes_empty(struct HannesEmpty *e, double current, double position, double
     e->current = e->lag = 0.0;
     if (e->count == HANNES_NUMBERS / 2 * HANNES_MEAN) e->known = h_hand(e);
     return e->known;
+}
+
+double hannes_empty_command(double since)
+{
+    const double *times = hannes_empty_times, *angles = hannes_empty_angles;
+    uint32_t k = 1;
+    if (!(since > times[0])) return angles[0];
+    while (k + 1 < HANNES_EMPTY_POINTS && times[k] < since) k++;
+    if (!(since < times[k])) return angles[k];
+    return angles[k - 1]
+        + (since - times[k - 1]) / (times[k] - times[k - 1]) * (angles[k] - angles[k - 1]);
 }
 
 void hannes_know(struct Hannes *h, const struct HannesEmpty *e)
