@@ -4,14 +4,16 @@ import random
 import shutil
 import struct
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from drawn_model import drawn_model
+from drawn_model import NUMBERS, drawn_model
 from toy_machine import Lag
 
 import hannes.bench
+from hannes import load_experiment
 from hannes.bench.adapters.framed import Framed
 from hannes.bench.board_logic import HOST_LENGTHS, BoardLogic, Settings
 from hannes.bench.events import About, Row, Status
@@ -19,6 +21,7 @@ from hannes.bench.export_c import export_c
 from hannes.bench.frames import Splitter, encode
 from hannes.bench.grip_loop import GripLoop
 from hannes.bench.messages import State
+from hannes.dataset.empty_closure import empty_means
 
 SOURCE = Path(hannes.bench.__file__).parent / "firmware" / "hannes_board.c"
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -107,19 +110,20 @@ def heard(said):
 
 
 def word(what, count):
-    """A word to the host program: 1 ticks, 2 a grasp to so many mrad, 3 the object's mA/rad."""
+    """A word to the host program: 1 ticks, 2 a grasp to so many mrad, 3 the object's mA/rad, 4
+    a closure on nothing."""
     return struct.pack("<BH", what, round(count))
 
 
-def run_alone(program, grasps):
+def run_alone(program, grasps, before=b""):
     """Host and cable are there for a moment, then never again; a switch asks for each of `grasps`.
 
-    A grasp: goal [rad], slope of the object [A/rad], ticks. Returns telemetry (n, 3) of reference,
-    position and current, and the states that were said.
+    A grasp: goal [rad], slope of the object [A/rad], ticks. `before`: words after the first ticks.
+    Returns telemetry (n, 3) of reference, position and current, and the states that were said.
     """
     host = Framed()
     hello = b"".join((host.ask(), host.alive(1)))
-    given = word(0, len(hello)) + hello + word(1, 10)
+    given = word(0, len(hello)) + hello + word(1, 10) + before
     for goal, slope, ticks in grasps:
         given += word(3, 1e3 * slope) + word(2, 1e3 * goal) + word(1, ticks)
     said = subprocess.run([program], input=given, capture_output=True, check=True)
@@ -175,3 +179,113 @@ def test_a_host_that_leads_is_still_watched(strategy):
     events = heard(said)
     assert [each.state for each in events if isinstance(each, Status)][-1] is State.WATCHDOG
     assert max(each.values[0] for each in events if isinstance(each, Row)) == 1.0
+
+
+def toy_closure():
+    """Current, position and reference (n, 3) of the toy's closure on nothing, and where it ends."""
+    times, angles = load_experiment("empty-closure")[0].experiment.reference.knots
+    shaft, rows = 0.0, []
+    for reference in np.interp(1e-3 * np.arange(round(1e3 * times[-1]) + 1), times, angles):
+        shaft += 0.06 * (reference - shaft)
+        rows.append((0.25 if reference >= shaft else -0.125, shaft, reference))
+    return np.array(rows), shaft
+
+
+def test_the_board_closes_on_nothing_by_itself(strategy):
+    closure, _ = toy_closure()
+    rows, states = run_alone(strategy[0], [], word(4, 0) + word(1, len(closure) + 120))
+    assert rows[: len(closure), 0] == pytest.approx(closure[:, 2], abs=1.1e-6)
+    assert State.FOLLOWING in states and states[-1] is State.IDLE
+
+
+KNOWING = """
+#include "hannes_board.c"
+#include <stdio.h>
+static double shaft, slope;
+void hardware_send(const uint8_t *bytes, size_t count) { (void)bytes; (void)count; }
+void hardware_step(bool open, double reference, double *values)
+{
+    double target = open ? shaft : reference, squeeze = shaft > 4.0 ? shaft - 4.0 : 0.0;
+    shaft += 0.06 * (target - shaft - 0.8 * slope * squeeze);
+    values[REFERENCE_CHANNEL] = target;
+    values[POSITION_CHANNEL] = shaft;
+    values[CURRENT_CHANNEL] = (open ? 0.0 : target >= shaft ? 0.25 : -0.125) + slope * squeeze;
+}
+int main(int count, char **words)
+{
+    static struct Board board;
+    double flags[3];
+    (void)words;
+    board_init(&board);
+    slope = count > 1 ? 0.6 : 0.0; /* something is held already */
+    flags[0] = board_empty(&board);
+    board_tick(&board);
+    flags[1] = board_empty(&board) || board_grasp(&board, 9.0, 0.0); /* while it closes */
+    for (int k = 0; k < 1700; k++) board_tick(&board);
+    flags[2] = board.empty.known;
+    slope = 0.6;
+    board_grasp(&board, 9.0, 0.0);
+    for (int k = 0; k < 1600; k++) board_tick(&board);
+    fwrite(flags, 8, 3, stdout);
+    fwrite(board.empty.point, 8, HANNES_HAND, stdout);
+    fwrite(board.said.pressed, 8, 3, stdout);
+    return 0;
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def knowing(tmp_path_factory):
+    """A program around the firmware, whose model knows the toy's hand and few others; the model."""
+    folder, model = tmp_path_factory.mktemp("knowing"), drawn_model()
+    points = model.pressed.points(empty_means(*toy_closure()[0].T, 20, NUMBERS))
+    reach = np.array([1e3, *(1.001 * np.abs(points))])
+    model = replace(model, pressed=replace(model.pressed, reach=reach))
+    (folder / "recogniser.c").write_text(export_c(model).text)
+    (folder / "own.c").write_text(KNOWING)
+    flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function"]
+    flags += ["-ffp-contract=off", '-DHANNES_STRATEGY="recogniser.c"']
+    where = [f"-I{folder}", f"-I{SOURCE.parent}", folder / "own.c", "-o", folder / "own", "-lm"]
+    subprocess.run([COMPILER, *flags, *where], check=True)
+    return folder / "own", model
+
+
+def pressed_alone(model, hand, shaft):
+    """Stiffness by the traces [N/m] with its ends of the toy's grasp, by Python's loop."""
+    loop, units = (
+        GripLoop(model, hand=hand),
+        {"reference": "rad", "position": "rad", "current": "A"},
+    )
+    loop.feed(About("x", units, 1000.0, 0.2), 0.0)
+    command = reference = shaft
+    found = None
+    for k in range(1600):
+        squeeze = max(shaft - 4.0, 0.0)
+        shaft += 0.06 * (reference - shaft - 0.48 * squeeze)
+        current = (0.25 if reference >= shaft else -0.125) + 0.6 * squeeze
+        command = min(GOAL, command + 15.4 * PERIOD)
+        for each in loop.feed(Row(k, k * PERIOD, (reference, shaft, current)), command).decisions:
+            found = each.pressed or found
+        reference = loop.set_point
+    return list(vars(found).values())
+
+
+def test_the_board_knows_its_hand_once_it_closed_on_nothing(strategy, knowing):
+    program, model = knowing
+    closure, shaft = toy_closure()
+    numbers = empty_means(*closure.T, 20, NUMBERS)
+    said = np.frombuffer(subprocess.run([program], capture_output=True, check=True).stdout)
+    assert said[:3].tolist() == [1.0, 0.0, 1.0]
+    assert said[3:-3] == pytest.approx(model.pressed.points(numbers), rel=1e-9)
+    wanted = pressed_alone(model, numbers, shaft)
+    assert said[-3:] == pytest.approx(wanted, rel=1e-9)
+    assert wanted != pytest.approx(pressed_alone(model, None, shaft), rel=1e-3)
+
+
+def test_a_board_that_closed_on_something_knows_no_hand(strategy, knowing):
+    program, model = knowing
+    asked = [program, "held"]
+    said = np.frombuffer(subprocess.run(asked, capture_output=True, check=True).stdout)
+    assert said[:3].tolist() == [1.0, 0.0, 0.0]
+    wider = np.log(said[-1] / said[-2])
+    assert wider == pytest.approx(2.0 * 1.96 * model.pressed.error[0])

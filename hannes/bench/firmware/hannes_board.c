@@ -7,7 +7,8 @@
  * special to that one): call board_init() once, board_byte() for each byte that the UART received,
  * and board_tick() from a timer every 1 ms; provide the two functions under "hardware".
  * With -DHANNES_STRATEGY='"recogniser.c"', a file of `hannes export-c`, the board also recognises what
- * it holds and limits its grip: board_grasp(), called from a switch, needs no host.
+ * it holds and limits its grip: board_grasp(), called from a switch, needs no host. board_empty(),
+ * called once with the hand open and empty, lets it know its hand; until then that is a middle one.
  * A struct Board is all the memory there is: sizeof(struct Board), some 60 KiB as set below.
  */
 #include <stdbool.h>
@@ -103,6 +104,10 @@ struct Board {
     struct Hannes hannes;
     struct HannesGrip grip;
     struct HannesDecision said;
+#if HANNES_HAND
+    bool empties; /* a closure on nothing of the board's own is under way */
+    struct HannesEmpty empty;
+#endif
 #endif
 };
 #ifdef HANNES_STRATEGY
@@ -444,14 +449,56 @@ static void limit(struct Board *b, const double *values)
 #error "the model was trained at another rate than the board ticks"
 #endif
 
+/* Nothing is known of an object, but of the hand, once it closed on nothing. */
+static void new_object(struct Board *b)
+{
+    hannes_reset(&b->hannes);
+#if HANNES_HAND
+    hannes_know(&b->hannes, &b->empty);
+#endif
+}
+
+#if HANNES_HAND
+/* Close and open by the command of `empty-closure`, without a host: grasps that follow go by what
+ * it shows of the hand. This is not known (b->empty.known) where the closure was stopped, or
+ * something was held. False where the hand moves already. */
+bool board_empty(struct Board *b)
+{
+    if (moving(b)) return false;
+    hannes_empty_reset(&b->empty);
+    b->reference = hannes_empty_command(0.0);
+    b->began = b->time;
+    b->state = FOLLOWING;
+    b->alone = b->empties = true;
+    return true;
+}
+
+/* Take in a tick's sample of it, and find the next tick's reference. */
+static void empty_on(struct Board *b, const double *values)
+{
+    double since = (double)(b->time - b->began + PERIOD) * MICRO;
+    hannes_empty(&b->empty, values[CURRENT_CHANNEL], values[POSITION_CHANNEL],
+                 values[REFERENCE_CHANNEL]);
+    b->reference = hannes_empty_command(since);
+    if (since <= HANNES_EMPTY_DURATION) return;
+    b->state = IDLE;
+    b->alone = b->empties = false;
+}
+#endif
+
 /* Close (or open) towards `goal` [rad] as far as the grip policy allows, without a host; with
- * `force_wanted` [N] above zero, to that force. False where a host has the board. */
+ * `force_wanted` [N] above zero, to that force. False where a host has the board, or it closes on
+ * nothing. */
 bool board_grasp(struct Board *b, double goal, double force_wanted)
 {
     if (!(LEAST_TRAVEL <= goal && goal <= MOST_TRAVEL)) return false;
     if (moving(b) && !b->alone) return false;
+#if HANNES_HAND
+    if (moving(b) && b->empties) return false;
+    b->empties = false;
+#endif
     if (!moving(b)) {
-        hannes_reset(&b->hannes);
+        new_object(b);
         hannes_grip_reset(&b->grip);
         b->command = b->reference = b->position;
         b->state = FOLLOWING;
@@ -471,7 +518,13 @@ void board_stop(struct Board *b)
 static void grip_on(struct Board *b, const double *values)
 {
     double position = values[POSITION_CHANNEL], most = GRASP_SPEED * HANNES_PERIOD;
-    if (hannes_again(&b->grip, position)) hannes_reset(&b->hannes);
+#if HANNES_HAND
+    if (b->empties) {
+        empty_on(b, values);
+        return;
+    }
+#endif
+    if (hannes_again(&b->grip, position)) new_object(b);
     bool fresh = hannes_sample(&b->hannes, values[CURRENT_CHANNEL], position,
                                values[REFERENCE_CHANNEL], &b->said);
     b->command = g_within(b->goal, b->command - most, b->command + most);
@@ -541,7 +594,8 @@ void hardware_step(bool open, double reference, double *values)
 #endif
 
 /* Input: u8 what (0: bytes, 1: ticks), u16 count; then the bytes. With a strategy also 2: a switch
- * asks for a grasp to `count` mrad; 3: the slope of the object is `count` mA/rad from now on. */
+ * asks for a grasp to `count` mrad; 3: the slope of the object is `count` mA/rad from now on; 4: a
+ * switch asks for a closure on nothing. */
 int main(void)
 {
     static struct Board board;
@@ -558,6 +612,12 @@ int main(void)
             slope = 1e-3 * count;
             continue;
         }
+#if HANNES_HAND
+        if (head[0] == 4) {
+            board_empty(&board);
+            continue;
+        }
+#endif
 #endif
         for (unsigned k = 0; k < count; k++) {
             if (head[0]) board_tick(&board);
