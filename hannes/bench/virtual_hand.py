@@ -9,6 +9,7 @@ from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand.hand import Hand
 from hannes.simulation.stepper import Stepper, start
 
+AMBIENT, WARMING, HEATING = 25.0, 8.0, 30.0  # degC; K a watt in the winding; s until it has them
 LIMIT = "position_pid_limit"  # A, of the outer PID's output: at zero the drive gives no current
 CHANNELS = (
     Channel(0, "reference", "rad", "i", 1e-6),
@@ -22,7 +23,8 @@ CHANNELS = (
 class VirtualHand:
     """Machine: `hand` under `experiment`, of which object, noise and controller count.
 
-    `truth` has what no board measures, at the last tick: force and sensor [N].
+    `truth` has what no board measures, at the last tick: force and sensor [N]. `step` gives the
+    winding's `temperature` [degC] too, no channel, which the board holds against its limit.
     """
 
     channels: tuple[Channel, ...] = CHANNELS
@@ -35,6 +37,8 @@ class VirtualHand:
         self._chance = np.random.default_rng(experiment.seed)
         self._shaft = float(self._stepper.state()["motor_angle"][0]) / hand.parameters["gear.ratio"]
         self._open = False
+        self._resistance = hand.parameters["motor.resistance"]
+        self._temperature = AMBIENT
         self.truth = {"force": 0.0, "sensor": 0.0}
 
     @property
@@ -50,7 +54,14 @@ class VirtualHand:
         outputs = self._stepper.step(self._shaft if reference is None else reference)
         self._shaft = float(outputs["position"])
         self.truth = {name: float(outputs[name]) for name in self.truth}
-        return {channel.name: self._noisy(channel.name, outputs) for channel in self.channels}
+        self._warm(float(outputs["current"]))
+        measured = {channel.name: self._noisy(channel.name, outputs) for channel in self.channels}
+        return measured | {"temperature": self._temperature}
+
+    def _warm(self, current: float) -> None:
+        """Warm the winding for a tick by its current [A]."""
+        settled = AMBIENT + WARMING * self._resistance * current**2
+        self._temperature += self._stepper.period / HEATING * (settled - self._temperature)
 
     def _noisy(self, name: str, outputs: dict[str, float]) -> float:
         spread = self._noise.get(name, 0.0)

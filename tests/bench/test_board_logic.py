@@ -3,11 +3,13 @@
 import pytest
 from toy_machine import Lag
 
+from hannes import load_experiment
 from hannes.bench.adapters.framed import Framed
 from hannes.bench.board_logic import HOST_LENGTHS, BoardLogic, Limits, Settings
 from hannes.bench.events import About, Reply, Row, Status
 from hannes.bench.frames import Splitter, encode
 from hannes.bench.messages import Kind, Reason, State
+from hannes.bench.virtual_hand import VirtualHand
 
 
 class Wire:
@@ -88,6 +90,28 @@ def test_a_current_beyond_its_limit_stops_the_board():
     held = wire.board.machine.position
     wire.ticks(5)
     assert wire.board.machine.position == held
+
+
+def test_travel_beyond_its_limit_stops_the_board():
+    wire = Wire(limits=Limits(travel_high=0.5))
+    wire.board.machine.position = 0.6  # pushed there from outside
+    wire.say(wire.host.ask())
+    wire.say(wire.host.set_point(0.4))
+    wire.ticks(1)
+    assert wire.board.state is State.OVER_TRAVEL
+
+
+def test_a_winding_that_warms_beyond_its_limit_stops_the_board():
+    """A hand that squeezes on warms its winding; one that is open does not."""
+    (variant,) = load_experiment("dynamometer")
+    for reference, state in ((9.0, State.OVER_TEMPERATURE), (0.0, State.FOLLOWING)):
+        machine = VirtualHand(variant.hand, variant.experiment)
+        board = BoardLogic(machine, Settings(limits=Limits(temperature=26.0), watchdog=10_000_000))
+        for frame in Splitter(HOST_LENGTHS).feed(Framed().set_point(reference)):
+            board.hear(frame)
+        for _ in range(2000):
+            board.tick()
+        assert board.state is state
 
 
 def test_what_was_lost_is_sent_again():
