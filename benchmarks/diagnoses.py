@@ -5,7 +5,7 @@ diagnose campaigns of the independent truth: ten single effects and ten pairs by
 five single effects of users who state nothing. They are drawn as `benchmarks.naming` draws its
 development cases, on seeds that no set of it has. Kinds take turns; so does who goes first.
 
-Each diagnosis is a fresh process on one thread, with what its folder of machine code holds of
+Each diagnosis is a fresh process on one thread, with the machine code and byte code of
 earlier ones; one that compiled is run again. Its time is that of the diagnosis and of all that this
 imports. It is stopped after ten minutes of processor time: the ratio is then at most (the other
 checkout) or at least (this one) what the row says. Other jobs of the machine cost both: `busy` is
@@ -86,23 +86,38 @@ def measured(base: Path, name: str, seed: int) -> Row:
         campaign = written(one.made, kind.stated, Path(folder))
         roots = {"base": base, "now": ROOT}
         for who in BOTH[:: 1 if seed % 2 else -1]:
-            row[who] = warm(roots[who], campaign, (FOLDER / f"machine-code-{who}").absolute())
+            row[who] = warm(roots[who], campaign, (FOLDER / f"diagnoses-{who}").absolute())
     return {**row, "busy": os.getloadavg()[1]}
 
 
 def warm(root: Path, campaign: Path, cache: Path) -> dict[str, Any]:
-    """What a checkout says, and what that took without compiling."""
-    before, said = list(cache.rglob("*")), diagnosed(root, campaign, cache)
-    return said if len(list(cache.rglob("*"))) == len(before) else diagnosed(root, campaign, cache)
+    """What a checkout says, and what that took without compiling.
+
+    cache: folder of machine code and byte code
+    """
+    before, said = _machine_code(cache), diagnosed(root, campaign, cache)
+    return said if _machine_code(cache) == before else diagnosed(root, campaign, cache)
+
+
+def _machine_code(cache: Path) -> set[Path]:
+    return set((cache / "machine-code").rglob("*"))
 
 
 def diagnosed(root: Path, campaign: Path, cache: Path) -> dict[str, Any]:
     """Verdict, effects and processor seconds of a checkout's diagnosis, in a process of its own."""
-    alone = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(root),
+        "HANNES_CACHE": str(cache / "machine-code"),
+        "PYTHONPYCACHEPREFIX": str(cache / "byte-code"),  # of packages, too: installers differ
+        "PYTHONDONTWRITEBYTECODE": "",
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
+    }
     ended = subprocess.run(
         [interpreter(root), "-c", WORKER, str(campaign), str(int(MOST))],
         cwd=root,
-        env={**os.environ, "PYTHONPATH": str(root), "HANNES_CACHE": str(cache), **alone},
+        env=environment,
         stdout=subprocess.PIPE,
         check=True,
     )

@@ -85,7 +85,7 @@ def command(root: Path, *words: str) -> float:
     """Run a command of a checkout; processor seconds of it and of what it started."""
     before = children()
     subprocess.run(
-        [interpreter(root), "-m", "hannes", *words],
+        [interpreter(root), "-P", "-m", "hannes", *words],  # -P: else this folder's own hannes
         cwd=Path.cwd(),
         env={**os.environ, "PYTHONPATH": str(root)},
         stdout=subprocess.DEVNULL,

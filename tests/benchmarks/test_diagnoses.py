@@ -53,7 +53,7 @@ def test_what_compiled_is_run_again(tmp_path, monkeypatch):
     def asked(root, campaign, cache):
         seconds = next(took)
         if seconds == 30.0:
-            (cache / "code.so").touch()
+            (cache / "machine-code" / "hand").mkdir(parents=True)
         return {"seconds": seconds}
 
     monkeypatch.setattr(diagnoses, "diagnosed", asked)
