@@ -8,6 +8,8 @@ from toy_machine import Lag
 
 from hannes.bench.board_logic import Settings
 from hannes.bench.misbehaviour import Cable, Misbehaviour
+from hannes.bench.reader import Link
+from hannes.bench.session import session
 from hannes.bench.virtual_board import Terminal, VirtualBoard
 from hannes.commands.cli import main
 
@@ -47,6 +49,21 @@ def test_packets_come_late_stalled_cut_or_garbled():
     assert not any(0.5 <= time < 0.8 for time in times) and max(times) > 1.9
     assert max(passed(cut=0.5)[1]) < 0.5
     assert not set(passed(garbled=True)[0]) & set(PACKETS)
+
+
+def test_a_board_is_reset_on_demand(tmp_path):
+    board = VirtualBoard(Lag, Terminal(), Settings(), Misbehaviour(reset=1.0))
+    over = threading.Event()
+    thread = threading.Thread(target=board.run, args=(over.is_set,))
+    with session(Link(board.far.address), tmp_path / "run.rawlog") as talk:
+        thread.start()
+        try:
+            talk.hello()
+            assert talk.wait(lambda: talk.heard.restarts == 1, 10.0)
+        finally:
+            over.set()
+            thread.join()
+    board.far.close()
 
 
 @pytest.mark.parametrize("how", [{}, {"lost": 0.05, "damaged": 0.05}], ids=["sound", "worn"])

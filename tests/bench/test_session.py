@@ -44,6 +44,8 @@ def test_a_profile_becomes_a_recording(tmp_path, far):
     log = tmp_path / "run.rawlog"
     with Running(far()) as board, session(Link(board.far.address), log) as talk:
         assert talk.hello().rate == 1000.0
+        latency, priority = talk.reader.notes  # what could be had is said
+        assert latency.startswith("low latency: ") and priority.startswith("priority: ")
         talk.profile(RAMP)
         talk.run_to_end(0.2)
     assert board.logic.state.name in ("STOPPED", "IDLE")
