@@ -49,6 +49,9 @@ class Plant(Protocol):
     apart(parameters, share, recording, channels): name of each of several like parts -> two
                 changes of channels, each name -> shape (n,): with it off by `share` (relative), and
                 by as much the other way. Diagnose takes these as uncertain
+    together(parameters, share, recording, channels): of some machines whose like parts are all off
+                at once, by normal draws of that size, two such changes each: parts together do
+                not always what they do one by one
     slopes(parameters, steps, recording, channels): name -> channel -> its change, shape (n,), per
                 unit of each parameter of `steps` [SI], and per relative deviation of each part
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, fast

@@ -78,6 +78,26 @@ def test_joints_for_themselves_add_up_to_what_all_share(ball, monkeypatch):
         assert np.sqrt(np.mean((parts - whole) ** 2)) < 0.05 * rms > 0.0
 
 
+def test_all_joints_off_at_once_is_a_hand_with_these_shares(ball):
+    """And small deviations together are the sum of single ones; both ways share little."""
+    plant, channels, share = HandPlant(), ("position", "current"), 0.001
+    alone = plant.apart({}, share, ball, channels)
+    draws = plant.together({}, share, ball, channels)
+    assert len(draws) == joint_deviations.DRAWS
+    sizes = np.random.default_rng(len(draws)).standard_normal((len(draws), len(alone)))
+    linear = sizes @ [0.5 * (up["current"] - down["current"]) for up, down in alone.values()]
+    whole = np.array([0.5 * (up["current"] - down["current"]) for up, down in draws])
+    assert np.std(whole - linear) < 0.1 * np.std(linear)
+    shares = {
+        f"{joint}_{quantity}": 1.0 + share * float(size)
+        for name, size in zip(alone, sizes[0], strict=True)
+        for joint, quantity in [name.split(".")]
+    }
+    shares = {name.replace("_", ".", 1): value for name, value in shares.items()}
+    other, here = (plant.smooth(values, ball)["current"] for values in (shares, {}))
+    assert np.std(other - here - draws[0][0]["current"]) < 0.05 * np.std(other - here)
+
+
 def test_an_experiments_own_object_is_inexact_too(ball):
     plant = HandPlant()
     parts = Rest.read(table(), plant).parts(plant, [Entry("a", ball, "ball", "fit")])

@@ -5,7 +5,8 @@ joint is off for itself changes a run a little, and no value of the machine does
 changes are simulated one by one at the baseline, and their covariance joins the noise of all runs
 together: a fit may move every part within its scatter, at no further simulation. With contacts a
 change is not the reverse of the opposite one: a finger that touches first may touch earlier, and
-not later. What both have in common is a row of its own.
+not later. What both have in common is a row of its own. So is what both ways of some machines have
+in common whose parts are all off at once: what parts do together is not the sum of what each does.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -55,7 +56,15 @@ def part_deviations(model: Model, x: np.ndarray) -> PartDeviations | None:
 
 def changes_of(model: Model, group: Group, x: np.ndarray) -> dict[str, Channels]:
     """Changes of one group's channels at x by one standard deviation of each part, by row."""
-    return dict(_rows(model.apart(group, x, model.space.settings.scatter_apart)))
+    asked = group, x, model.space.settings.scatter_apart
+    return dict(_rows(model.apart(*asked))) | dict(_drawn(model.together(*asked)))
+
+
+def _drawn(draws: Sequence[tuple[Channels, Channels]]) -> Iterator[tuple[str, Channels]]:
+    """What both ways of each draw share, as rows whose covariance is their mean square."""
+    for number, (up, down) in enumerate(draws, 1):
+        shared = {n: 0.5 * (up[n] + down[n]) / len(draws) ** 0.5 for n in up}
+        yield f"all parts, draw {number}", shared
 
 
 def _rows(own: Mapping[str, tuple[Channels, Channels]]) -> Iterator[tuple[str, Channels]]:

@@ -92,18 +92,23 @@ def _together(recordings: Sequence[Recording], read: Sequence[str]) -> Recording
 
 
 def _mirrored(values: np.ndarray, most: int) -> np.ndarray:
-    """At zeros, the size of what lies as far beyond the nearest other value, up to `most` away."""
+    """At zeros, the size of what lies as far beyond the nearest other value, up to `most` away.
+
+    Or one bin further, where that is larger: a touch lies somewhere in its bin.
+    """
     found, there = np.zeros(values.size), values != 0.0
     if there.all() or not there.any():
         return found
+    outward = np.arange(most)
     for edge in np.flatnonzero(there[1:] != there[:-1]):
-        outward = np.arange(most)
-        inside, outside = (edge + 1 + outward, edge - outward)
+        inside, outside, inward = edge + 1 + outward, edge - outward, 1
         if there[edge]:
-            inside, outside = edge - outward, edge + 1 + outward
+            inside, outside, inward = edge - outward, edge + 1 + outward, -1
         known = (np.minimum(inside, outside) >= 0) & (np.maximum(inside, outside) < values.size)
         quiet = known & ~there[np.where(known, outside, 0)]
-        found[outside[quiet]] = np.maximum(found[outside[quiet]], np.abs(values[inside[quiet]]))
+        further = (inside[quiet] + inward).clip(0, values.size - 1)
+        reached = np.maximum(np.abs(values[inside[quiet]]), np.abs(values[further]))
+        found[outside[quiet]] = np.maximum(found[outside[quiet]], reached)
     return found
 
 

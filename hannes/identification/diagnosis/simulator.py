@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -153,14 +154,21 @@ class Model:
         """Like part -> changes of a group's channels with it off by a share, up and down, at x.
 
         {} where the plant has none. Raises ComputationFailed where no run nearby succeeds."""
-        apart = getattr(self.small, "apart", None)
-        if apart is None:
-            return {}
+        return self._of_parts("apart", group, x, share) or {}
+
+    def together(
+        self, group: Group, x: np.ndarray, share: float
+    ) -> list[tuple[Channels, Channels]]:
+        """The same with all like parts off at once, by some draws; [] where the plant has none."""
+        return self._of_parts("together", group, x, share) or []
+
+    def _of_parts(self, what: str, group: Group, x: np.ndarray, share: float) -> Any:
+        simulated = getattr(self.small, what, None)
+        if simulated is None:
+            return None
         columns = self.space.columns(group, x[np.newaxis], self._held)
         values = {name: float(column[0]) for name, column in columns.items()}
-        found: dict[str, tuple[Channels, Channels]] = apart(
-            values, share, group.recording, group.names
-        )
+        found = simulated(values, share, group.recording, group.names)
         self._count(group, 1 + 2 * len(found), False)
         return found
 

@@ -6,7 +6,7 @@ that an experiment gives is not quite as it is stated either, and no parameter o
 What each of these does to a run is simulated here, one at a time; a fit takes it as uncertain.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,7 @@ from hannes.simulation.trajectory import Outcome
 STEP = 0.01  # relative, of the differences
 OF_OBJECT = {"object.stiffness": 0.0, "object.damping": 0.0, "object.friction": 0.0,
              "object.x": 10e-3, "object.y": 10e-3}  # fmt: skip  # m, to which a place is relative
+DRAWS = 16  # hands whose joints are all off at once
 NEARER = (0.25, 0.05, -0.05)  # shares of a difference at whose whole no run succeeds
 Channels = dict[str, np.ndarray]
 TOLERANCE = 1e-4  # all runs take the steps of one: its error cancels in the differences
@@ -60,10 +61,8 @@ def slopes(
     the continuous controller, all runs by the solver's steps of one. Where a run fails, from the
     other side or over less. Raises ComputationFailed where no run nearby succeeds.
     """
-    posed = hand.with_values(values).with_values(experiment.overrides())
-    compiled = posed.compiled(hand.effects)
-    plan = Plan.of(compiled, experiment, TOLERANCE, channels).make_ready()
-    runs = _Runs(plan, posed, posed.vector(experiment.shape, hand.effects))
+    runs = _Runs.at(hand, experiment, values, channels)
+    plan, posed = runs.plan, runs.posed
     ways = _of_parts(plan, runs.base, experiment)
     for name, step in steps.items():
         here, ends = _ends(posed, experiment, name, step)
@@ -93,27 +92,41 @@ def apart(
     share: how far it is off, relative. With contacts one change is not the other's reverse. Where
     one fails it is taken as that. Raises ComputationFailed as `slopes` does.
     """
-    posed = hand.with_values(values).with_values(experiment.overrides())
-    compiled = posed.compiled(hand.effects)
-    plan = Plan.of(compiled, experiment, TOLERANCE, channels).make_ready()
-    runs = _Runs(plan, posed, posed.vector(experiment.shape, hand.effects))
-    like = [name for name, each in parts(experiment).items() if each]
-    ways = _of_parts(plan, runs.base, experiment)
-    both = {name: ways[name].times(runs.base, share / STEP, -share / STEP) for name in like}
-    since = recording.time - (recording.time[0] if "reference" in recording else 0.0)
-
-    def change(here: Channels, there: Channels) -> Channels:
-        return {n: np.interp(since, plan.times, there[n] - here[n]) for n in channels}
-
-    found = {}
-    for name, places in runs.of(both).items():
-        if len(places) == 1:
+    runs = _Runs.at(hand, experiment, values, channels)
+    moves = _moves(runs, experiment, share)
+    found = dict(zip(moves, runs.changes(moves.values(), recording), strict=True))
+    for name, (up, down) in found.items():
+        if not (up or down):
             raise ComputationFailed(_unknown(name))
-        here, *_ = places.values()
-        more, less = (places.get(side) for side in both[name].ends)
-        up, down = (change(here, each) if each else {} for each in (more, less))
         found[name] = (up or _reversed(down), down or _reversed(up))
     return found
+
+
+def together(
+    hand: Hand,
+    experiment: Experiment,
+    recording: Recording,
+    values: Mapping[str, float],
+    share: float,
+    channels: tuple[str, ...],
+) -> list[tuple[Channels, Channels]]:
+    """Changes of each channel in hands whose joints are all off at once; and as far the other way.
+
+    share: standard deviation of what each joint is off, relative. The draws are the same for every
+    run. A draw is left out of which one side fails. Raises ComputationFailed as `slopes` does.
+    """
+    runs = _Runs.at(hand, experiment, values, channels)
+    moves = np.array(list(_moves(runs, experiment, share).values()))
+    draws = np.random.default_rng(DRAWS).standard_normal((DRAWS, len(moves))) @ moves
+    return [sides for sides in runs.changes(draws, recording) if all(sides)]
+
+
+def _moves(runs: "_Runs", experiment: Experiment, share: float) -> dict[str, np.ndarray]:
+    """Name of each joint's own deviation -> change of the packed vector by it."""
+    ways = _of_parts(runs.plan, runs.base, experiment)
+    like = [name for name, each in parts(experiment).items() if each]
+    ends = {name: next(iter(ways[name].ends.values())) for name in like}
+    return {name: share / STEP * (end - runs.base) for name, end in ends.items()}
 
 
 def _reversed(change: Channels) -> Channels:
@@ -150,17 +163,52 @@ class _Runs:
     posed: Hand
     base: np.ndarray
 
-    def of(self, ways: Mapping[str, Way]) -> dict[str, dict[float, Channels]]:
-        """Value along each way -> channels, where that can be simulated; here first."""
-        vectors = np.array([self.base, *(v for way in ways.values() for v in way.ends.values())])
-        rests = self.posed.rests(self.plan.compiled, vectors)
-        ran = run_alike(self.plan, vectors, rests)
+    @classmethod
+    def at(
+        cls,
+        hand: Hand,
+        experiment: Experiment,
+        values: Mapping[str, float],
+        channels: tuple[str, ...],
+    ) -> "_Runs":
+        """Of a hand with these values under an experiment."""
+        posed = hand.with_values(values).with_values(experiment.overrides())
+        compiled = posed.compiled(hand.effects)
+        plan = Plan.of(compiled, experiment, TOLERANCE, channels).make_ready()
+        return cls(plan, posed, posed.vector(experiment.shape, hand.effects))
+
+    def changes(
+        self, moves: Iterable[np.ndarray], recording: Recording
+    ) -> list[tuple[Channels, Channels]]:
+        """Changes of channels at the recorded times by each move and by its reverse; {} of one
+        that fails."""
+        both = np.array([side * move for move in moves for side in (1.0, -1.0)])
+        here, *made = self.made(self.base + np.vstack([np.zeros_like(self.base), both]))
+        since = recording.time - (recording.time[0] if "reference" in recording else 0.0)
+
+        def change(there: Channels) -> Channels:
+            return {n: np.interp(since, self.plan.times, there[n] - here[n]) for n in there}
+
+        changes = [change(each) for each in made]
+        return list(zip(changes[::2], changes[1::2], strict=True))
+
+    def made(self, vectors: np.ndarray) -> list[Channels]:
+        """Channels of each run, all by the steps of the first one; {} of one that fails.
+
+        Raises ComputationFailed where the first one does."""
+        ran = run_alike(self.plan, vectors, self.posed.rests(self.plan.compiled, vectors))
         done = [
             self.plan.named(kept) if ended(counts)[0] is Outcome.COMPLETED else {}
             for kept, counts in zip(ran.kept, ran.counts, strict=True)
         ]
         if not done[0]:
             raise ComputationFailed("the hand cannot be simulated here, so no derivative is known")
+        return done
+
+    def of(self, ways: Mapping[str, Way]) -> dict[str, dict[float, Channels]]:
+        """Value along each way -> channels, where that can be simulated; here first."""
+        vectors = np.array([self.base, *(v for way in ways.values() for v in way.ends.values())])
+        done = self.made(vectors)
         found, rest = {}, iter(done[1:])
         for name, way in ways.items():
             ends = {at: next(rest) for at in way.ends} or {way.here + 1.0: done[0]}

@@ -151,6 +151,14 @@ class HandPlant(ByValue):
         given = (parameters, share, tuple(channels))
         return joint_deviations.apart(self.hand, asked, recording, *given)
 
+    def together(
+        self, parameters: Values, share: float, recording: Recording, channels: Sequence[str]
+    ) -> list[tuple[joint_deviations.Channels, joint_deviations.Channels]]:
+        """Changes of channels by all joints off at once, see joint_deviations.py."""
+        asked = self._smooth(parameters, recording)
+        given = (parameters, share, tuple(channels))
+        return joint_deviations.together(self.hand, asked, recording, *given)
+
     def with_effects(self, *effects: Effect) -> "HandPlant":
         """Return a plant whose hand has `effects` too."""
         return HandPlant(self.hand.with_effects(*effects))
