@@ -139,25 +139,22 @@ class HandPlant(ByValue):
         self, parameters: Values, steps: Values, recording: Recording, channels: Sequence[str]
     ) -> dict[str, dict[str, np.ndarray]]:
         """Change of channels by parameters and by parts, see joint_deviations.py."""
-        asked = self._smooth(parameters, recording)
-        given = (parameters, steps, tuple(channels))
-        return joint_deviations.slopes(self.hand, asked, recording, *given)
+        asked, names = self._smooth(parameters, recording), tuple(channels)
+        return joint_deviations.slopes(self.hand, asked, recording, parameters, steps, names)
 
     def apart(
         self, parameters: Values, share: float, recording: Recording, channels: Sequence[str]
     ) -> dict[str, tuple[joint_deviations.Channels, joint_deviations.Channels]]:
         """Changes of channels by each joint off by a share for itself, see joint_deviations.py."""
-        asked = self._smooth(parameters, recording)
-        given = (parameters, share, tuple(channels))
-        return joint_deviations.apart(self.hand, asked, recording, *given)
+        asked, names = self._smooth(parameters, recording), tuple(channels)
+        return joint_deviations.apart(self.hand, asked, recording, parameters, share, names)
 
     def together(
         self, parameters: Values, share: float, recording: Recording, channels: Sequence[str]
     ) -> list[tuple[joint_deviations.Channels, joint_deviations.Channels]]:
         """Changes of channels by all joints off at once, see joint_deviations.py."""
-        asked = self._smooth(parameters, recording)
-        given = (parameters, share, tuple(channels))
-        return joint_deviations.together(self.hand, asked, recording, *given)
+        asked, names = self._smooth(parameters, recording), tuple(channels)
+        return joint_deviations.together(self.hand, asked, recording, parameters, share, names)
 
     def with_effects(self, *effects: Effect) -> "HandPlant":
         """Return a plant whose hand has `effects` too."""
