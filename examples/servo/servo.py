@@ -65,9 +65,10 @@ EQUATIONS = Equations.of(
 
 
 PLAY, FINE = "gear_backlash.gap", 1e-4  # s, of integration where the shaft flies in its play
-SURE = 3.0  # standard deviations
 ROUNDED = np.sqrt(12.0)  # a count over the standard deviation of what rounding to it leaves
 TYPICAL = 0.6745 * np.sqrt(6.0)  # of a second difference of white noise, in the median
+SURE = 2.0  # times the squares left: chance gives that of fifteen samples once in thirty
+FEWEST = 4  # samples of a motion that are told from one noisy sample
 EFFECTS = (breakaway, command_lag, derivative_action, gear_backlash, supply_sag, wrong_gravity)
 
 
@@ -141,27 +142,47 @@ class Servo(CompiledPlant):
 
 
 def rest(recording):
-    """Position [rad] before the command first moves, in the mean: a sensor is noisy.
+    """Position [rad] where the recording starts, from all before the command first moves.
 
-    A servo that is let go there, and sinks, has its start where that motion began.
+    The mean, as a sensor is noisy; of a servo that is let go there and sinks until friction holds
+    it, where that motion began.
     """
     asked, seen = recording["reference"], recording["position"]
     moved = np.flatnonzero(asked != asked[0])
     still = seen[: max(1, moved[0] if moved.size else seen.size)]
-    noise = np.median(np.abs(np.diff(still, 2))) / TYPICAL if still.size > 2 else 0.0
-    steps = np.diff(np.unique(still))
-    noise = max(noise, steps.min(initial=np.inf) / ROUNDED) if steps.size else noise
-    if not sinks(still, noise):
+    left = np.sum((still - still.mean()) ** 2)
+    found = min((sunk(still, last) for last in range(FEWEST, still.size)), default=(np.inf, 0.0))
+    if left <= SURE * found[0]:
         return still.mean()
+    noise = noise_of(still)
+    return found[1] if found[0] <= most(still.size, noise) else let_go(still, noise)
+
+
+def sunk(still, last):
+    """Squares left by a smooth step that ends at sample `last`, and where it begins."""
+    share = np.minimum(np.arange(still.size) / last, 1.0)
+    step = np.column_stack((np.ones(still.size), share**2 * (3.0 - 2.0 * share)))
+    values = np.linalg.lstsq(step, still)[0]
+    return np.sum((still - step @ values) ** 2), values[0]
+
+
+def let_go(still, noise):
+    """Where a constant acceleration begins that the longest possible time fits."""
     for size in range(still.size, 2, -1):
         since = np.column_stack((np.ones(size), np.arange(size) ** 2.0))
         fitted, left, *_ = np.linalg.lstsq(since, still[:size])
-        if left.sum() <= (size - 2 + np.sqrt(2.0 * size)) * noise**2:
+        if left.sum() <= most(size, noise):
             return fitted[0]
     return still[0]
 
 
-def sinks(still, noise):
-    """Whether the later half of positions lies surely elsewhere than the earlier one."""
-    first, last = np.array_split(still, 2)
-    return noise > 0.0 and abs(last.mean() - first.mean()) > 2 * SURE * noise / still.size**0.5
+def noise_of(still):
+    """Standard deviation of a sensor's noise [rad], counts included, by how samples follow."""
+    noise = np.median(np.abs(np.diff(still, 2))) / TYPICAL
+    steps = np.diff(np.unique(still))
+    return max(noise, steps.min() / ROUNDED) if steps.size else noise
+
+
+def most(size, noise):
+    """Squares that noise of `size` samples leaves at most of a fit of two numbers."""
+    return (size - 2 + np.sqrt(2.0 * size)) * noise**2

@@ -225,21 +225,42 @@ def test_what_a_generic_disturbance_explains_as_well_has_no_name(investigated):
 
 def test_a_law_that_fits_better_stands_against_a_free_shape(investigated, monkeypatch):
     best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
-    rows = {  # by how much the shape fits worse, its numbers paid or not; its gain beside the law
-        "better": (2.0, 2.0, 0.0),
-        "better but for its numbers": (2.0, 0.5, 0.0),
-        "hardly better": (0.5, 2.0, 0.0),
-        "more beside": (2.0, 2.0, 0.2 * best.delta_chi2),
+    much = 0.2 * best.delta_chi2
+    rows = {  # by how much the shape fits worse, its numbers paid or not; its gain beside the law;
+        "better": (2.0, 2.0, 0.0, 0.0),  # and what of the law's work it can do
+        "better but for its numbers": (2.0, 0.5, 0.0, 0.0),
+        "hardly better": (0.5, 2.0, 0.0, 0.5),
+        "more beside": (2.0, 2.0, much, 0.0),
+        "a case of it": (0.0, 0.5, 0.0, 0.9),
+        "a case of it, too dear": (0.0, -0.1, 0.0, 0.9),
+        "a case of it, and more beside": (0.0, 0.5, much, 0.9),
     }
+    monkeypatch.setattr(shape_rival, "_shapes", lambda at: [SimpleNamespace(effect="any_torque")])
     kinds = {}
-    for name, (worse, priced, beside) in rows.items():
+    for name, (worse, priced, beside, follows) in rows.items():
         chi2 = best.point.chi2 + worse * SEARCH.rival * investigated.variance_factor
         rival = Trial(
             ("any_torque",), SimpleNamespace(chi2=chi2), best.delta_chi2 - priced * SEARCH.rival
         )
-        monkeypatch.setattr(shape_rival, "left_beside", lambda found, trial, size=beside: size)
+        monkeypatch.setattr(shape_rival, "left_beside", lambda found, shapes, size=beside: size)
+        monkeypatch.setattr(shape_rival, "followed", lambda trial, shape, share=follows: share)
         kinds[name] = decide(replace(investigated, generic=rival), *masks).kind
-    assert kinds.pop("better") == "named" and set(kinds.values()) == {"unknown"}
+    named = [name for name, kind in kinds.items() if kind == "named"]
+    assert named == ["better", "a case of it"]
+    assert set(kinds.values()) == {"named", "unknown"}
+    small = replace(best, delta_chi2=SEARCH.parsimony * SEARCH.name_limit)
+    assert not shape_rival.stands_against(
+        investigated, small, replace(rival, delta_chi2=small.delta_chi2 - 1.0)
+    )
+
+
+def test_a_shape_follows_a_law_that_is_a_case_of_it(investigated):
+    """A law's own signature follows all of it; what lies across it follows nothing."""
+    best = investigated.trials[0]
+    [own] = screened(best.point, best.effects)
+    assert shape_rival.followed(best, own) > 0.95
+    white = np.random.default_rng(0).standard_normal(own.signature.shape)
+    assert shape_rival.followed(best, replace(own, signature=white)) < 0.2
 
 
 def test_a_generic_disturbance_that_does_far_less_is_no_rival(investigated):

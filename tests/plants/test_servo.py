@@ -1,5 +1,6 @@
 """The geared servo of examples/servo: closed forms, its effects, its ranges, what is found."""
 
+import inspect
 import json
 import math
 import re
@@ -241,6 +242,19 @@ def test_a_servo_that_sinks_when_let_go_starts_where_it_was(servo):
     assert servo.simulate(heavy, run)["position"][0] == pytest.approx(0.2, abs=3e-3)
     resting = Recording({**run.channels, "position": noisy - seen + 0.2}, UNITS)
     assert servo.simulate({}, resting)["position"][0] == pytest.approx(0.2, abs=5e-4)
+
+
+def test_a_servo_that_sinks_by_a_few_counts_starts_where_it_was_too(servo):
+    """3.4 mrad in 70 ms under a sensor's noise of 1 mrad, in the mean of four runs; or none."""
+    rng, rest = np.random.default_rng(1), inspect.getmodule(type(servo)).rest
+    path = -1e-3 * np.array([0.0, 0.31, 1.03, 1.86, 2.57, 3.07, 3.33, *[3.39] * 8])
+    asked, off = np.append(np.zeros(15), 1.0), {"sinks": [], "holds": []}
+    for _ in range(30):
+        noise = 5e-4 * rng.standard_normal(16)
+        for name, moved in (("sinks", np.append(path, 0.0)), ("holds", 0.0)):
+            off[name].append(rest({"reference": asked, "position": moved + noise}))
+    rms = {name: np.sqrt(np.mean(np.square(each))) for name, each in off.items()}
+    assert rms["sinks"] < 7e-4 and rms["holds"] < 2.5e-4
 
 
 def test_derivative_action_brakes_near_the_target_alone(whole):

@@ -2,37 +2,83 @@
 
 What is free in shape follows any law to some extent. Where the law is right it fits better, also
 after the numbers of both are paid for, and beside it nothing is left for a free shape. Where it is
-wrong the shape fits better, or has something left to do beside it.
+wrong the shape fits better, or has something left to do beside it. A law that is a case of the
+shape, as gravity is of a torque over the angle, never fits better before the numbers are paid for.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
-from hannes.identification.diagnosis.score_test import screened
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.score_test import (
+    Guess,
+    amplitude_names,
+    projected,
+    screened,
+)
 from hannes.identification.diagnosis.trials import SearchResult, Trial
-from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 
 def stands_against(found: SearchResult, trial: Trial, generic: Trial) -> bool:
     """Whether a trial fits better than a generic one, numbers paid, and leaves it nothing."""
+    shapes = _shapes(trial.point)
+    if left_beside(found, shapes) > _little(trial):
+        return False
     better = (generic.point.chi2 - trial.point.chi2) / found.variance_factor
     priced = trial.delta_chi2 - generic.delta_chi2
-    return min(better, priced) > SEARCH.rival and left_beside(found, trial) <= _little(trial)
+    if min(better, priced) > SEARCH.rival:
+        return True
+    return priced > 0.0 and _case_of(trial, shapes, generic)
 
 
-def left_beside(found: SearchResult, trial: Trial) -> float:
+def _case_of(trial: Trial, shapes: Sequence[Guess], generic: Trial) -> bool:
+    """Whether a trial is nearly a case of a shape, and large enough to tell it from others."""
+    large = trial.delta_chi2 > SEARCH.parsimony * SEARCH.name_limit
+    of_it = [followed(trial, each) for each in shapes if each.effect == generic.effects[0]]
+    return large and max(of_it, default=0.0) > SEARCH.case_of_shape
+
+
+def left_beside(found: SearchResult, shapes: Sequence[Guess]) -> float:
     """What a generic disturbance would lower the misfit by beside a trial, less its price.
 
     By a linear estimate, all else following.
     """
-    names = [name for name in GENERIC_NAMES if name in trial.point.space.effects]
-    with trial.point.model.work.in_any_case():
-        guesses = screened(trial.point, names)
     return max(
         (
             each.delta_chi2 / found.variance_factor - SEARCH.generic_price * (len(each.places) - 1)
-            for each in guesses
+            for each in shapes
         ),
         default=0.0,
     )
+
+
+def followed(trial: Trial, shape: Guess) -> float:
+    """Share of what a trial's effects do, squared, that a shape can do, the machine following.
+
+    By the linearisation at the trial; noise has no part in it.
+    """
+    point = trial.point
+    effects = [point.space.effects[name] for name in trial.effects]
+    sizes = [point.space.place(name) for each in effects for name in amplitude_names(each)]
+    acting = np.isin(point.active, sizes)
+    kept = ~np.isin(point.active, point.space.of(*trial.effects))
+    machine = replace(point, active=point.active[kept], jacobian=point.jacobian[kept])
+    done = point.x[point.active[acting]] @ point.jacobian[acting]
+    _, whole = projected(machine, np.vstack([done, shape.signature]))
+    own, between, other = whole[0, 0], whole[0, 1:], whole[1:, 1:]
+    weights = other + FIT.effect_prior_weight * np.eye(len(other))
+    return float(between @ np.linalg.solve(weights, between) / own) if own > 0.0 else 0.0
+
+
+def _shapes(point: Linearisation) -> list[Guess]:
+    """All generic disturbances beside a fit."""
+    names = [name for name in GENERIC_NAMES if name in point.space.effects]
+    with point.model.work.in_any_case():
+        return screened(point, names)
 
 
 def _little(trial: Trial) -> float:

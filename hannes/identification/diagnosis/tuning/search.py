@@ -65,6 +65,15 @@ class SearchTuning:
     rival: float = constant(
         10.0, "chi2", "within which a rival is not separated from the best", DEVELOPMENT
     )
+    case_of_shape: float = constant(
+        0.8,
+        "1",
+        "of what a law does, squared, that a generic disturbance can do: the law is a case of it",
+        DEVELOPMENT,
+    )
+    parsimony: float = constant(
+        4.0, "times a name's limit", "that such a law lowers the misfit by at least", DEVELOPMENT
+    )
     rival_share: float = constant(
         0.08,
         "1",
