@@ -3,6 +3,8 @@
 Its values are those of a servo of 2.5 N m on 7.4 V that swings a load of 0.4 N m.
 """
 
+import functools
+
 import breakaway
 import command_lag
 import derivative_action
@@ -67,8 +69,8 @@ EQUATIONS = Equations.of(
 PLAY, FINE = "gear_backlash.gap", 1e-4  # s, of integration where the shaft flies in its play
 ROUNDED = np.sqrt(12.0)  # a count over the standard deviation of what rounding to it leaves
 TYPICAL = 0.6745 * np.sqrt(6.0)  # of a second difference of white noise, in the median
-SURE = 2.0  # times the squares left: chance gives that of fifteen samples once in thirty
-FEWEST = 4  # samples of a motion that are told from one noisy sample
+SURE = 12.0  # twice an F ratio: chance gives that of fifteen samples once in a hundred
+FEWEST = 12  # samples that tell a motion from noise
 EFFECTS = (breakaway, command_lag, derivative_action, gear_backlash, supply_sag, wrong_gravity)
 
 
@@ -149,13 +151,25 @@ def rest(recording):
     """
     asked, seen = recording["reference"], recording["position"]
     moved = np.flatnonzero(asked != asked[0])
-    still = seen[: max(1, moved[0] if moved.size else seen.size)]
-    left = np.sum((still - still.mean()) ** 2)
-    found = min((sunk(still, last) for last in range(FEWEST, still.size)), default=(np.inf, 0.0))
-    if left <= SURE * found[0]:
+    return start_of(seen[: max(1, moved[0] if moved.size else seen.size)].tobytes())
+
+
+@functools.lru_cache(maxsize=256)  # a diagnosis asks for the same ones a thousand times
+def start_of(samples):
+    """Where positions begin whose bytes these are."""
+    still = np.frombuffer(samples)
+    if still.size < FEWEST:
+        return still.mean()
+    left, found = np.sum((still - still.mean()) ** 2), min(sunk(still, n) for n in ends(still, 4))
+    if left <= (1.0 + SURE / (still.size - 3)) * found[0]:
         return still.mean()
     noise = noise_of(still)
     return found[1] if found[0] <= most(still.size, noise) else let_go(still, noise)
+
+
+def ends(still, first):
+    """Numbers of samples that a motion may take, at most twenty of them."""
+    return np.unique(np.geomspace(first, still.size - 1, 20).astype(int))
 
 
 def sunk(still, last):
@@ -168,7 +182,7 @@ def sunk(still, last):
 
 def let_go(still, noise):
     """Where a constant acceleration begins that the longest possible time fits."""
-    for size in range(still.size, 2, -1):
+    for size in ends(still, 3)[::-1]:
         since = np.column_stack((np.ones(size), np.arange(size) ** 2.0))
         fitted, left, *_ = np.linalg.lstsq(since, still[:size])
         if left.sum() <= most(size, noise):

@@ -50,8 +50,9 @@ class Plant(Protocol):
                 changes of channels, each name -> shape (n,): with it off by `share` (relative), and
                 by as much the other way. Diagnose takes these as uncertain
     together(parameters, share, recording, channels): of some machines whose like parts are all off
-                at once, by normal draws of that size, two such changes each: parts together do
-                not always what they do one by one
+                at once, by normal draws of that size, two such changes each, {} where a run
+                fails: parts together do not always what they do one by one. Draws are the same
+                for every recording
     slopes(parameters, steps, recording, channels): name -> channel -> its change, shape (n,), per
                 unit of each parameter of `steps` [SI], and per relative deviation of each part
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, fast

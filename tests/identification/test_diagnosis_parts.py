@@ -235,7 +235,9 @@ def test_a_law_that_fits_better_stands_against_a_free_shape(investigated, monkey
         "a case of it, too dear": (0.0, -0.1, 0.0, 0.9),
         "a case of it, and more beside": (0.0, 0.5, much, 0.9),
     }
-    monkeypatch.setattr(shape_rival, "_shapes", lambda at: [SimpleNamespace(effect="any_torque")])
+    monkeypatch.setattr(
+        shape_rival, "_shapes", lambda at: [SimpleNamespace(effect="any_torque", places=range(9))]
+    )
     kinds = {}
     for name, (worse, priced, beside, follows) in rows.items():
         chi2 = best.point.chi2 + worse * SEARCH.rival * investigated.variance_factor
@@ -248,10 +250,25 @@ def test_a_law_that_fits_better_stands_against_a_free_shape(investigated, monkey
     named = [name for name, kind in kinds.items() if kind == "named"]
     assert named == ["better", "a case of it"]
     assert set(kinds.values()) == {"named", "unknown"}
-    small = replace(best, delta_chi2=SEARCH.parsimony * SEARCH.name_limit)
-    assert not shape_rival.stands_against(
-        investigated, small, replace(rival, delta_chi2=small.delta_chi2 - 1.0)
-    )
+
+
+def test_a_case_of_a_shape_is_one_large_law_of_fewer_numbers(investigated, monkeypatch):
+    best = replace(investigated.trials[0], delta_chi2=SEARCH.parsimony * SEARCH.name_limit + 1.0)
+    for name, value in (("left_beside", 0.0), ("followed", 0.9)):
+        monkeypatch.setattr(shape_rival, name, lambda *asked, size=value: size)
+
+    def stands(law=best, shape="any_torque", numbers=9, priced=1.0):
+        known = SimpleNamespace(effect=shape, places=range(numbers))
+        monkeypatch.setattr(shape_rival, "_shapes", lambda at: [known])
+        rival = Trial(("any_torque",), law.point, law.delta_chi2 - priced)
+        return shape_rival.stands_against(investigated, law, rival)
+
+    assert stands()
+    assert not stands(law=replace(best, delta_chi2=best.delta_chi2 - 2.0))  # too small
+    assert not stands(law=replace(best, effects=(*best.effects, *best.effects)))  # two laws
+    assert not stands(numbers=1)  # no fewer numbers
+    assert not stands(shape="any_easing")  # another shape's work
+    assert not stands(priced=-0.1)
 
 
 def test_a_shape_follows_a_law_that_is_a_case_of_it(investigated):

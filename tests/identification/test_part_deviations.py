@@ -106,6 +106,10 @@ def test_a_plant_without_like_parts_has_none():
     more = part_deviations(model, np.zeros(1)).changes[0]
     first, second = (more[f"all parts, draw {k}"]["position"] for k in (1, 2))
     assert first == pytest.approx(0.02 / 2**0.5) and second == pytest.approx(0.0)
+    model.together = lambda group, x, share: [({}, up(share)), (up(3 * share), up(share))]
+    rows = part_deviations(model, np.zeros(1)).changes[0]  # a machine keeps its number
+    assert "all parts, draw 1" not in rows
+    assert rows["all parts, draw 2"]["position"] == pytest.approx(0.02 / 2**0.5)
     model.space.settings = replace(Settings(), scatter_apart=0.0)
     assert part_deviations(model, np.zeros(1)) is None
 

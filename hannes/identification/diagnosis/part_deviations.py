@@ -61,8 +61,13 @@ def changes_of(model: Model, group: Group, x: np.ndarray) -> dict[str, Channels]
 
 
 def _drawn(draws: Sequence[tuple[Channels, Channels]]) -> Iterator[tuple[str, Channels]]:
-    """What both ways of each draw share, as rows whose covariance is their mean square."""
+    """What both ways of each draw share, as rows whose covariance is their mean square.
+
+    Of all groups a draw is the same machine, so one that fails in one of them is left out there.
+    """
     for number, (up, down) in enumerate(draws, 1):
+        if not (up and down):
+            continue
         shared = {n: 0.5 * (up[n] + down[n]) / len(draws) ** 0.5 for n in up}
         yield f"all parts, draw {number}", shared
 

@@ -25,21 +25,26 @@ from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 def stands_against(found: SearchResult, trial: Trial, generic: Trial) -> bool:
     """Whether a trial fits better than a generic one, numbers paid, and leaves it nothing."""
+    better = (generic.point.chi2 - trial.point.chi2) / found.variance_factor
+    priced = trial.delta_chi2 - generic.delta_chi2
+    if priced <= 0.0:
+        return False
     shapes = _shapes(trial.point)
     if left_beside(found, shapes) > _little(trial):
         return False
-    better = (generic.point.chi2 - trial.point.chi2) / found.variance_factor
-    priced = trial.delta_chi2 - generic.delta_chi2
-    if min(better, priced) > SEARCH.rival:
-        return True
-    return priced > 0.0 and _case_of(trial, shapes, generic)
+    return min(better, priced) > SEARCH.rival or _case_of(trial, shapes, generic)
 
 
 def _case_of(trial: Trial, shapes: Sequence[Guess], generic: Trial) -> bool:
-    """Whether a trial is nearly a case of a shape, and large enough to tell it from others."""
+    """Whether a law is nearly a case of a shape of more numbers, and large: what it then does not
+    follow, the shape would show."""
+    [rival] = generic.effects
+    shape = next((each for each in shapes if each.effect == rival), None)
+    if shape is None or len(trial.effects) > 1:
+        return False
+    fewer = trial.point.space.of(*trial.effects).size < len(shape.places)
     large = trial.delta_chi2 > SEARCH.parsimony * SEARCH.name_limit
-    of_it = [followed(trial, each) for each in shapes if each.effect == generic.effects[0]]
-    return large and max(of_it, default=0.0) > SEARCH.case_of_shape
+    return fewer and large and followed(trial, shape) > SEARCH.case_of_shape
 
 
 def left_beside(found: SearchResult, shapes: Sequence[Guess]) -> float:

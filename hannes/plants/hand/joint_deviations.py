@@ -113,12 +113,12 @@ def together(
     """Changes of each channel in hands whose joints are all off at once; and as far the other way.
 
     share: standard deviation of what each joint is off, relative. The draws are the same for every
-    run. A draw is left out of which one side fails. Raises ComputationFailed as `slopes` does.
+    run, in their order. {} for a side that fails. Raises ComputationFailed as `slopes` does.
     """
     runs = _Runs.at(hand, experiment, values, channels)
     moves = np.array(list(_moves(runs, experiment, share).values()))
     draws = np.random.default_rng(DRAWS).standard_normal((DRAWS, len(moves))) @ moves
-    return [sides for sides in runs.changes(draws, recording) if all(sides)]
+    return runs.changes(draws, recording)
 
 
 def _moves(runs: "_Runs", experiment: Experiment, share: float) -> dict[str, np.ndarray]:

@@ -72,7 +72,10 @@ class SearchTuning:
         DEVELOPMENT,
     )
     parsimony: float = constant(
-        4.0, "times a name's limit", "that such a law lowers the misfit by at least", DEVELOPMENT
+        20.0,
+        "times a name's limit",
+        "that such a law lowers the misfit by at least: a wrong one leaves the shape enough then",
+        DEVELOPMENT,
     )
     rival_share: float = constant(
         0.08,
