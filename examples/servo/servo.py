@@ -70,7 +70,7 @@ PLAY, FINE = "gear_backlash.gap", 1e-4  # s, of integration where the shaft flie
 ROUNDED = np.sqrt(12.0)  # a count over the standard deviation of what rounding to it leaves
 TYPICAL = 0.6745 * np.sqrt(6.0)  # of a second difference of white noise, in the median
 SURE = 12.0  # twice an F ratio: chance gives that of fifteen samples once in a hundred
-FEWEST = 12  # samples that tell a motion from noise
+FEWEST = 12  # samples in which a motion stands out of noise
 EFFECTS = (breakaway, command_lag, derivative_action, gear_backlash, supply_sag, wrong_gravity)
 
 
