@@ -8,15 +8,18 @@ development cases, on seeds that no set of it has. Kinds take turns; so does who
 Each diagnosis is a fresh process on one thread, with the machine code and byte code of
 earlier ones; one that compiled is run again. Its time is that of the diagnosis and of all that this
 imports. It is stopped after ten minutes of processor time: the ratio is then at most (the other
-checkout) or at least (this one) what the row says. Other jobs of the machine cost both: `busy` is
-how many ran on average. Rows are kept in results/benchmarks: `--resume` goes on.
+checkout) or at least (this one) what the row says. One that fails counts as one that never ends;
+a case that the other checkout fails is left out, and told. Other jobs of the machine cost both:
+`busy` is how many ran on average. Rows are kept in results/benchmarks: `--resume` goes on, with the
+code that they were had with, and no other.
 """
 
 import json
+import math
 import os
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -28,11 +31,13 @@ from benchmarks.harness import ROOT, Row, given, interpreter, interval, must_sho
 from benchmarks.naming_study.apart.bench import case, written
 from benchmarks.naming_study.apart.kinds import NAMED, first_seed
 from benchmarks.naming_study.apart.score import outcome
+from hannes.core.errors import BadInput
 
 FOLDER = Path("results/benchmarks")
 COUNTS = {"single, poor": 10, "pair, poor": 10, "single, naive": 5}
 PART = 50  # of a kind's development seeds: the naming study has those below
 STOPPED, MOST = "stopped", 600.0  # what is said after so many seconds of a processor
+FAILED = "failed"
 BOTH = ("base", "now")
 POOR, ALL, LONGEST = 0.5, 1.0 / 3.0, 120.0  # bounds: ratios, and seconds
 WORKER = """
@@ -125,9 +130,15 @@ def diagnosed(root: Path, campaign: Path, cache: Path) -> dict[str, Any]:
 
 
 def ratio(row: Mapping[str, Any]) -> float:
-    """Processor time over the base's: at most that where the base was stopped."""
-    stopped = row["now"]["verdict"] == STOPPED
-    return float("inf") if stopped else float(row["now"]["seconds"] / row["base"]["seconds"])
+    """Processor time over the base's: at most that where the base was stopped.
+
+    Infinite where this one was stopped or failed; NaN where the base failed.
+    """
+    if row["base"]["verdict"] == FAILED:
+        return float("nan")
+    if row["now"]["verdict"] in (STOPPED, FAILED):
+        return float("inf")
+    return float(row["now"]["seconds"] / row["base"]["seconds"])
 
 
 def figures(done: Sequence[Row]) -> tuple[list[Row], list[Row], list[Row]]:
@@ -137,19 +148,36 @@ def figures(done: Sequence[Row]) -> tuple[list[Row], list[Row], list[Row]]:
     asked = {name: POOR for name in kinds if NAMED[name].protocol == "poor"}
     bounds = [bound(name, kinds[name], most) for name, most in asked.items()]
     if done:
-        longest = max(each["now"]["seconds"] for each in done)
+        longest = max(_ended(each["now"]) for each in done)
         held = longest <= LONGEST
         bounds.append(bound("all", done, ALL))
         bounds.append(must_show("longest diagnosis, s of processor", longest, LONGEST, held))
     return [_kind(name, some) for name, some in kinds.items()], [_case(e) for e in done], bounds
 
 
+def _ended(said: Mapping[str, Any]) -> float:
+    return float("inf") if said["verdict"] == FAILED else float(said["seconds"])
+
+
 def bound(name: str, some: Sequence[Row], most: float) -> Row:
-    """Median ratio of some cases."""
-    ratios = [ratio(each) for each in some]
+    """Median ratio of some cases, but for those that the base failed."""
+    ratios = [each for each in map(ratio, some) if not math.isnan(each)]
+    left = f" ({len(some) - len(ratios)} left out: base failed)" if len(ratios) < len(some) else ""
+    what = f"{name}: processor time over base, median of {len(ratios)}{left}"
+    if not ratios:
+        return must_show(what, float("nan"), most, False)
     middle = float(np.median(ratios))
-    what = f"{name}: processor time over base, median of {len(ratios)}"
     return must_show(what, middle, most, middle <= most) | interval(ratios)
+
+
+def require_one_code(done: Iterable[Row], file: Path, now: str | None = None) -> None:
+    """Raise BadInput where rows were had with several codes, or not all with code `now`."""
+    codes = {str(each["code"]) for each in done} | ({now} if now else set())
+    if len(codes) > 1:
+        raise BadInput(
+            f"{file}: cases of codes {', '.join(sorted(codes))}: expected one"
+            f"{f', {now}, of this checkout' if now else ''}; name another file with --cases"
+        )
 
 
 def _kind(name: str, some: Sequence[Row]) -> Row:
@@ -161,6 +189,7 @@ def _kind(name: str, some: Sequence[Row]) -> Row:
             f"{who}_s": float(np.median(seconds)),
             f"{who}_longest_s": max(seconds),
             f"{who}_stopped": sum(each[who]["verdict"] == STOPPED for each in some),
+            f"{who}_failed": sum(each[who]["verdict"] == FAILED for each in some),
             f"{who}_right": ends.count("right") + ends.count("both"),
         }
     return row
@@ -185,8 +214,11 @@ def main() -> None:
     if asked.show:
         done = list(study.read(file))
     else:
-        ask = partial(measured, Path(os.environ["HANNES_BASE"]))
+        ask = partial(measured, Path(os.environ["HANNES_BASE"]).resolve())
+        if asked.resume:
+            require_one_code(study.read(file), file, study.code("hannes"))
         done = study.run(file, cases(asked.quick)[: asked.most], ask, asked.resume, asked.workers)
+    require_one_code(done, file)
     rows, each, bounds = figures(done)
     given({"rows": rows, "cases": each, "must_show": bounds}, (rows, each, bounds), asked.json)
 

@@ -1,5 +1,6 @@
 """The benchmark `diagnoses`: its cases, its bounds, and a process that compiles or is stopped."""
 
+import json
 import math
 
 import pytest
@@ -8,6 +9,7 @@ from benchmarks import diagnoses
 from benchmarks.diagnoses import MOST, STOPPED, cases, diagnosed, figures, ratio, warm
 from benchmarks.harness import ROOT
 from benchmarks.naming_study.apart.kinds import cases as studied
+from hannes.core.errors import BadInput
 
 
 def _row(kind, base, now, verdict="named", effects=("wear",)):
@@ -45,6 +47,51 @@ def test_who_is_stopped_has_taken_longer_than_the_row_says():
     row["base"]["verdict"] = STOPPED
     assert ratio(row) == 60.0 / MOST
     assert ratio(row | {"now": row["base"]}) == math.inf
+
+
+def test_who_failed_quickly_was_not_fast():
+    rows = [_row("single, poor", 100.0, 1.0, "failed"), _row("single, poor", 100.0, 10.0)]
+    assert ratio(rows[0]) == math.inf
+    assert [row["holds"] for row in figures(rows[:1])[2]] == [False, False, False]
+    kinds, _, _ = figures(rows)
+    assert kinds[0]["now_failed"] == 1
+
+
+def test_a_case_that_the_base_failed_is_left_out_and_told():
+    left = _row("single, poor", 1.0, 10.0)
+    left["base"]["verdict"] = "failed"
+    rows = [left, _row("single, poor", 100.0, 10.0)]
+    _, _, (poor, _, _) = figures(rows)
+    assert poor["value"] == 0.1 and "median of 1 (1 left out: base failed)" in poor["name"]
+    _, _, (poor, _, longest) = figures(rows[:1])
+    assert not poor["holds"] and longest["holds"]
+
+
+@pytest.mark.parametrize("word, codes", [("--show", "ab"), ("--resume", "a")])
+def test_rows_of_another_code_are_not_mixed(word, codes, tmp_path, monkeypatch):
+    file = tmp_path / "rows.jsonl"
+    rows = [_row("single, poor", 100.0, 10.0) | {"code": code} for code in codes]
+    file.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    monkeypatch.setattr("sys.argv", ["diagnoses", word, "--cases", str(file)])
+    monkeypatch.setenv("HANNES_BASE", str(tmp_path))
+    with pytest.raises(BadInput, match="cases of codes"):
+        diagnoses.main()
+    assert len(file.read_text().splitlines()) == len(rows)
+
+
+def test_a_base_may_be_named_from_here(tmp_path, monkeypatch):
+    asked = []
+
+    def run(file, cases, ask, resume, workers):
+        asked.append(ask.args[0])
+        return []
+
+    monkeypatch.setattr(diagnoses.study, "run", run)
+    monkeypatch.setattr("sys.argv", ["diagnoses", "--cases", str(tmp_path / "rows.jsonl")])
+    monkeypatch.setenv("HANNES_BASE", "base")
+    monkeypatch.chdir(tmp_path)
+    diagnoses.main()
+    assert asked == [tmp_path.resolve() / "base"]
 
 
 def test_what_compiled_is_run_again(tmp_path, monkeypatch):
