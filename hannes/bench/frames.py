@@ -16,6 +16,7 @@ from dataclasses import dataclass
 HEADER = struct.Struct("<BIQ")  # kind, sequence number, board time [us]
 CHECK = struct.Struct("<I")
 LONGEST = 254  # bytes of a frame before COBS: one byte of overhead, then the zero
+ANY = -1  # in place of a length, where none is known yet
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ def encode(frame: Frame) -> bytes:
 def decode(packet: bytes, lengths: Mapping[int, int]) -> Frame | None:
     """Return the frame in `packet` (no zero byte), or None where it fails one of its checks.
 
-    lengths: payload length [bytes] of every kind that may come.
+    lengths: payload length [bytes] of every kind that may come, or ANY.
     """
     from cobs import cobs
 
@@ -53,7 +54,7 @@ def decode(packet: bytes, lengths: Mapping[int, int]) -> Frame | None:
     except cobs.DecodeError:
         return None
     size = len(body) - HEADER.size - CHECK.size
-    if size < 0 or lengths.get(body[0]) != size:
+    if size < 0 or lengths.get(body[0]) not in (size, ANY):
         return None
     if zlib.crc32(body[: -CHECK.size]) != CHECK.unpack_from(body, len(body) - CHECK.size)[0]:
         return None

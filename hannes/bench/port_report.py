@@ -52,7 +52,7 @@ def examine(link: Link, seconds: float = 3.0) -> LinkReport:
         raw = Path(folder) / "port.rawlog"
         with session(link, raw) as talk:
             about, notes = talk.hello(), tuple(talk.reader.notes)
-            torn = talk.damaged  # frames that were under way as the port was opened
+            torn = min(talk.damaged, 1)  # the frame that was under way as the port was opened
             began = time.monotonic()
             talk.wait(lambda: False, seconds)
             seconds = time.monotonic() - began

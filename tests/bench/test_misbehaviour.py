@@ -6,8 +6,13 @@ import threading
 import pytest
 from toy_machine import Lag
 
+from hannes.bench.adapters.framed import Framed
+from hannes.bench.adapters.text_lines import TextLines
 from hannes.bench.board_logic import Settings
+from hannes.bench.frames import Frame, encode
+from hannes.bench.messages import Kind
 from hannes.bench.misbehaviour import Cable, Misbehaviour
+from hannes.bench.port_report import examine
 from hannes.bench.reader import Link
 from hannes.bench.session import session
 from hannes.bench.virtual_board import Terminal, VirtualBoard
@@ -84,3 +89,40 @@ def test_the_quality_of_a_link_is_printed(how, capsys):
     assert (said["damaged"] > 5) == bool(how)
     assert ("check baud rate" in advice) == bool(how)
     assert not how or (said["lost"] > 5 and "frames were lost" in advice)
+
+
+WORN = b"\x05" + 20 * b"x" + b"\0"
+
+
+class Torn(Terminal):
+    """A cable on which six damaged frames come before what the host asks for."""
+
+    worn = 6 * WORN
+
+    def read(self):
+        data = super().read()
+        if data:
+            self.write(self.worn)
+            self.worn = b""
+        return data
+
+
+def test_damage_before_the_hello_is_told_but_for_one_frame():
+    """One may have been under way as the port was opened."""
+    board = VirtualBoard(Lag, Torn(), Settings(), Misbehaviour())
+    over = threading.Event()
+    thread = threading.Thread(target=board.run, args=(over.is_set,))
+    thread.start()
+    try:
+        assert examine(Link(board.far.address), 0.1).damaged in (5, 6)
+    finally:
+        over.set()
+        thread.join()
+        board.far.close()
+
+
+def test_what_comes_before_its_layout_is_known_is_no_damage():
+    framed, text = Framed(), TextLines()
+    sound = encode(Frame(Kind.TELEMETRY, 7, 1000, b"1234"))
+    assert framed.feed(sound + WORN, 0.0) == [] and framed.damaged == 1
+    assert text.feed(b"1000 0.5\n1000 0.5x\n", 0.0) == [] and text.damaged == 1

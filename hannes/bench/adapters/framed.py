@@ -4,7 +4,7 @@ import math
 
 from hannes.bench.board_logic import profile_check
 from hannes.bench.events import About, Event, OtherVersion, Reply, Restarted, Row, Status
-from hannes.bench.frames import Frame, Splitter, encode
+from hannes.bench.frames import ANY, Frame, Splitter, encode
 from hannes.bench.lives import Lives
 from hannes.bench.messages import (
     AT_ONCE,
@@ -42,7 +42,7 @@ class Framed:
     polls = 0.0
 
     def __init__(self) -> None:
-        self._lengths = lengths(FROM_BOARD)
+        self._lengths = {**lengths(FROM_BOARD), Kind.TELEMETRY: ANY}  # until the hello says it
         self._splitter = Splitter(self._lengths)
         self._received, self._lives = Received(), Lives()
         self._before: tuple[tuple[int, int], ...] = ()  # missing in the board's earlier lives
@@ -94,6 +94,8 @@ class Framed:
         """What the whole frames in `data` say, each once."""
         events: list[Event] = []
         for frame in self._splitter.feed(data):
+            if frame.kind == Kind.TELEMETRY and self._telemetry is None:
+                continue  # sound, but nobody knows yet of what
             if self._lives.is_new(frame):
                 self._before, self._received = self.missing[-MOST_GAPS:], Received()
                 events.append(Restarted(frame.time * MICRO))

@@ -72,7 +72,7 @@ class TextLines:
 
     @property
     def damaged(self) -> int:
-        """Lines so far that are no numbers, or of another number of columns."""
+        """Lines so far that are no numbers, or of another number of columns than is known."""
         return self._damaged
 
     @property
@@ -92,11 +92,9 @@ class TextLines:
             numbers = [float(text) for text in texts]
         except ValueError:
             return self._header(line)
-        if (
-            not self._columns
-            or len(numbers) != len(self._columns)
-            or not all(map(math.isfinite, numbers))
-        ):
+        if not self._columns:
+            return []  # nobody knows yet of what
+        if len(numbers) != len(self._columns) or not all(map(math.isfinite, numbers)):
             self._damaged += 1
             return []
         return [*self._introduced(), self._row(numbers, host_time)]
