@@ -214,7 +214,7 @@ void hardware_step(bool open, double reference, double *values)
 int main(int count, char **words)
 {
     static struct Board board;
-    double flags[3];
+    double flags[4];
     (void)words;
     board_init(&board);
     slope = count > 1 ? 0.6 : 0.0; /* something is held already */
@@ -226,7 +226,9 @@ int main(int count, char **words)
     slope = 0.6;
     board_grasp(&board, 9.0, 0.0);
     for (int k = 0; k < 1600; k++) board_tick(&board);
-    fwrite(flags, 8, 3, stdout);
+    board_stop(&board);
+    flags[3] = board_empty(&board); /* half closed */
+    fwrite(flags, 8, 4, stdout);
     fwrite(board.empty.point, 8, HANNES_HAND, stdout);
     fwrite(board.said.pressed, 8, 3, stdout);
     return 0;
@@ -275,8 +277,8 @@ def test_the_board_knows_its_hand_once_it_closed_on_nothing(strategy, knowing):
     closure, shaft = toy_closure()
     numbers = empty_means(*closure.T, 20, NUMBERS)
     said = np.frombuffer(subprocess.run([program], capture_output=True, check=True).stdout)
-    assert said[:3].tolist() == [1.0, 0.0, 1.0]
-    assert said[3:-3] == pytest.approx(model.pressed.points(numbers), rel=1e-9)
+    assert said[:4].tolist() == [1.0, 0.0, 1.0, 0.0]
+    assert said[4:-3] == pytest.approx(model.pressed.points(numbers), rel=1e-9)
     wanted = pressed_alone(model, numbers, shaft)
     assert said[-3:] == pytest.approx(wanted, rel=1e-9)
     assert wanted != pytest.approx(pressed_alone(model, None, shaft), rel=1e-3)
@@ -286,6 +288,6 @@ def test_a_board_that_closed_on_something_knows_no_hand(strategy, knowing):
     program, model = knowing
     asked = [program, "held"]
     said = np.frombuffer(subprocess.run(asked, capture_output=True, check=True).stdout)
-    assert said[:3].tolist() == [1.0, 0.0, 0.0]
+    assert said[:4].tolist() == [1.0, 0.0, 0.0, 0.0]
     wider = np.log(said[-1] / said[-2])
     assert wider == pytest.approx(2.0 * 1.96 * model.pressed.error[0])

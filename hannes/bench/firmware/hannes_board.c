@@ -9,6 +9,8 @@
  * With -DHANNES_STRATEGY='"recogniser.c"', a file of `hannes export-c`, the board also recognises what
  * it holds and limits its grip: board_grasp(), called from a switch, needs no host. board_empty(),
  * called once with the hand open and empty, lets it know its hand; until then that is a middle one.
+ * board_init() forgets the hand: keep `empty` before, and put it back after. Its numbers belong to
+ * the networks of one exported file: after another export, close on nothing anew.
  * A struct Board is all the memory there is: sizeof(struct Board), some 60 KiB as set below.
  */
 #include <stdbool.h>
@@ -113,6 +115,7 @@ struct Board {
 #ifdef HANNES_STRATEGY
 #define IS_ALONE(b) ((b)->alone)
 #define GRASP_SPEED 15.4 /* rad/s, of the command */
+#define MOST_OFF 0.5     /* rad by which an open hand may be closed */
 #else
 #define IS_ALONE(b) false
 #endif
@@ -461,10 +464,12 @@ static void new_object(struct Board *b)
 #if HANNES_HAND
 /* Close and open by the command of `empty-closure`, without a host: grasps that follow go by what
  * it shows of the hand. This is not known (b->empty.known) where the closure was stopped, or
- * something was held. False where the hand moves already. */
+ * something was held. False where the hand moves already, or is not open: half closed, its means
+ * would be those of another hand. */
 bool board_empty(struct Board *b)
 {
-    if (moving(b)) return false;
+    double off = b->position - hannes_empty_command(0.0);
+    if (moving(b) || off > MOST_OFF || off < -MOST_OFF) return false;
     hannes_empty_reset(&b->empty);
     b->reference = hannes_empty_command(0.0);
     b->began = b->time;
