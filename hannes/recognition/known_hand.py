@@ -15,14 +15,16 @@ from hannes.recognition.pressed import KNOWN, UNKNOWN
 
 BEGUN = 1e-3  # rad by which the command has moved once it has begun
 APART = 2.5e-3  # s between samples, one lost of 1 kHz: lines over more of them show another hand
+ANEW = "see what `hannes port` says of the link, and record the closure anew"
+START = 0.0  # rad, where the command of `empty-closure` begins
 
 
 def hand_numbers(recording: Recording, model: Model) -> np.ndarray:
     """Numbers (n,) of a recorded empty closure, by which `model` knows the hand.
 
     They are means of current [A], then of lag [rad], each of 20 ms from the command's start on.
-    Raises BadInput where the model knows no hands, or the recording is no such closure, or samples
-    of it are missing.
+    Raises BadInput where the model knows no hands, or the recording is no such closure, is sampled
+    at less than 400 Hz, or lacks samples.
     """
     numbers = model.pressed.hand_centre.size if model.pressed else 0
     sampling = model.windowing.sampling
@@ -41,30 +43,43 @@ def hand_numbers(recording: Recording, model: Model) -> np.ndarray:
             f"the empty closure is too short: expected {numbers / 2 * MEAN:g} s from its start on, "
             "by the command of `empty-closure`"
         )
+    _require_start(reference, sampling)
     _require_whole(recording.time, first / sampling, last / sampling)
     found = empty_means(current[first:], position[first:], reference[first:], size, numbers)
     return checked(found, model)
 
 
-def _require_whole(time: np.ndarray, begin: float, end: float) -> None:
-    """Raise BadInput where samples are missing between `begin` and `end` [s] from the first on.
+def _require_start(reference: np.ndarray, sampling: float) -> None:
+    """Raise BadInput where the command (n,) [rad] is under way at the first sample.
 
-    Time counts from the command's start: a later first sample with the command under way lacks it.
+    What a clock says there is no matter: recordings of other programs begin at any time.
     """
-    since = time - time[0]
-    far = np.flatnonzero((np.diff(since) > APART) & (since[1:] > begin) & (since[:-1] < end))
-    wanted = f"expected samples at most {1e3 * APART:g} ms apart"
-    mend = "see what `hannes port` says of the link, and record the closure anew"
-    if begin == 0.0 and time[0] > APART:
+    step = abs(reference[1] - reference[0])
+    beyond, speed = abs(reference[0] - START), step * sampling
+    if step > BEGUN and beyond > APART * speed:
         raise BadInput(
-            f"the empty closure's first {time[0]:.3f} s are missing: {wanted}, from its command's "
-            f"start at 0 s on; {mend}"
+            f"the empty closure begins with its command at {reference[0]:.3g} rad already: "
+            f"{beyond / speed:.3f} s are missing; expected all from its start at {START:g} rad on; "
+            f"{ANEW}"
         )
-    if far.size:
-        start, end = since[far[0]], since[far[0] + 1]
+
+
+def _require_whole(time: np.ndarray, begin: float, end: float) -> None:
+    """Raise BadInput where samples are missing between `begin` and `end` [s] from the first on."""
+    since, apart = time - time[0], np.diff(time)
+    inside = (since[1:] > begin) & (since[:-1] < end)
+    usual = float(np.median(apart[inside]))
+    if usual > APART:
         raise BadInput(
-            f"the empty closure has a gap of {1e3 * (end - start):.0f} ms, from "
-            f"{time[0] + start:.3f} s on: {wanted}; {mend}"
+            f"the empty closure is sampled too slowly, at {1.0 / usual:.0f} Hz: expected at least "
+            f"{1.0 / APART:.0f} Hz; record it anew at 1 kHz"
+        )
+    far = np.flatnonzero((apart > APART) & inside)
+    if far.size:
+        start, end = time[far[0]], time[far[0] + 1]
+        raise BadInput(
+            f"the empty closure has a gap of {1e3 * (end - start):.0f} ms, from {start:.3f} s on: "
+            f"expected samples at most {1e3 * APART:g} ms apart; {ANEW}"
         )
 
 

@@ -54,13 +54,46 @@ def without(made, begin, end):
         (0.0, 1.590, 1.605, "a gap of 17 ms, from 1.589 s on"),
         (0.3, 0.290, 0.310, "a gap of 22 ms, from 0.289 s on"),
         (0.0, 0.801, 0.802, "a gap of 3 ms"),
-        (0.0, 0.000, 0.029, "first 0.030 s are missing"),
+        (0.0, 0.000, 0.029, "at 0.463 rad already: 0.030 s are missing"),
     ],
 )
 def test_a_closure_with_a_gap_is_refused(model, idle, begin, end, why):
     with pytest.raises(BadInput, match=why) as said:
         hand_numbers(without(closure(idle=idle), begin, end), model)
     assert "hannes port" in str(said.value) and "record the closure anew" in str(said.value)
+
+
+def test_a_hand_that_rests_a_little_closed_before_the_command_is_no_matter(model):
+    made, found = closure(idle=0.3), hand_numbers(closure(idle=0.3), model)
+    resting = np.where(made.time < 0.3, 0.05, made["reference"])
+    left = Recording({**made, "reference": resting}, made.units)
+    assert hand_numbers(left, model) == pytest.approx(found, abs=0.02)
+
+
+def shifted(made, by):
+    return Recording({**made, "time": made.time + by}, made.units)
+
+
+def test_a_clock_that_does_not_start_at_0_is_no_matter(model):
+    found = hand_numbers(closure(), model)
+    assert hand_numbers(shifted(closure(), 1.75e3), model) == pytest.approx(found, abs=1e-6)
+    with pytest.raises(BadInput, match=r"0.463 rad already: 0.030 s are missing; expected all"):
+        hand_numbers(shifted(without(closure(), 0.0, 0.029), -0.03), model)
+
+
+@pytest.mark.parametrize("every, rate", [(3, 333), (5, 200), (20, 50)])
+def test_a_closure_that_is_sampled_too_slowly_is_refused_as_such(model, every, rate):
+    made = closure(2.0)
+    slow = Recording({name: values[::every] for name, values in made.items()}, made.units)
+    with pytest.raises(BadInput, match=f"at {rate} Hz: expected at least 400 Hz") as said:
+        hand_numbers(slow, model)
+    assert "gap" not in str(said.value) and "hannes port" not in str(said.value)
+
+
+def test_a_closure_of_500_Hz_is_taken(model):
+    made = closure()
+    half = Recording({name: values[::2] for name, values in made.items()}, made.units)
+    assert hand_numbers(half, model) == pytest.approx(hand_numbers(closure(), model), abs=0.02)
 
 
 def test_what_is_missing_beside_the_closure_is_no_matter(model):
