@@ -9,7 +9,7 @@ Each diagnosis is a fresh process on one thread, with the machine code and byte 
 earlier ones; one that compiled is run again. Its time is that of the diagnosis and of all that this
 imports. It is stopped after ten minutes of processor time: the ratio is then at most (the other
 checkout) or at least (this one) what the row says. One that fails counts as one that never ends;
-a case that the other checkout fails is left out, and told. Other jobs of the machine cost both:
+a case that the other checkout fails is left out, and counted. Other jobs of the machine cost both:
 `busy` is how many ran on average. Rows are kept in results/benchmarks: `--resume` goes on, with the
 code that they were had with, and no other.
 """

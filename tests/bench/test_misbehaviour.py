@@ -107,7 +107,7 @@ class Torn(Terminal):
         return data
 
 
-def test_damage_before_the_hello_is_told_but_for_one_frame():
+def test_damage_before_the_hello_is_counted_but_for_one_frame():
     """One may have been under way as the port was opened."""
     board = VirtualBoard(Lag, Torn(), Settings(), Misbehaviour())
     over = threading.Event()

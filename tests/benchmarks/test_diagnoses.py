@@ -57,7 +57,7 @@ def test_who_failed_quickly_was_not_fast():
     assert kinds[0]["now_failed"] == 1
 
 
-def test_a_case_that_the_base_failed_is_left_out_and_told():
+def test_a_case_that_the_base_failed_is_left_out_and_counted():
     left = _row("single, poor", 1.0, 10.0)
     left["base"]["verdict"] = "failed"
     rows = [left, _row("single, poor", 100.0, 10.0)]
