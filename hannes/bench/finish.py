@@ -38,6 +38,7 @@ class Rows:
 
     haptics: commands of a tactor, with the board time [s] of the sample that they rest on; see
     `haptics.pack`. `start` is the board time [s] at which the last command began, None without one.
+    left_out: where the log is cut off or damaged, and how much is left out, in words.
     """
 
     about: About
@@ -49,6 +50,7 @@ class Rows:
     events: tuple[tuple[float, str], ...]
     log: dict[str, Any]
     haptics: tuple[tuple[float, ...], ...] = ()
+    left_out: str = ""
 
     def clock(self) -> ClockMap:
         """The map from board to host time."""
@@ -99,7 +101,7 @@ class _Life:
 
 
 def read_rows(path: str | Path) -> Rows:
-    """Read a raw log, whole or cut off. Raises BadInput where no sample is in it.
+    """Read a raw log, whole, cut off, or up to a damage. Raises BadInput where no sample is in it.
 
     Where the board began anew, that part counts in which the last command began.
     """
@@ -137,7 +139,7 @@ def _rows(path: str | Path, log: RawLogReader) -> Rows:
     if len(about.channels) != samples.width:
         raise BadInput(f"{path}: the board named {len(about.channels)} channels and sent others")
     board, host, values = samples.in_order()
-    said = (tuple(events), log.about, tuple(life.haptics))
+    said = (tuple(events), log.about, tuple(life.haptics), log.left_out())
     return Rows(about, board, host, values, life.start, listener.damaged, *said)
 
 
@@ -208,6 +210,7 @@ def recording(
         "damaged_frames": rows.damaged,
         "notes": _notes(rows.log.get("notes")),
         "events": [words for _, words in rows.events],
+        "left_out": rows.left_out,
     }
     channels = {"time": time}
     units = {"time": "s"}

@@ -2,7 +2,8 @@
 
 A line of JSON says what follows; then one record after another: host time [ns] u64, direction u8
 (0: from the board, 1: to it, 2: an event in words, 3: a tactor's command), length u32, the bytes.
-A log that ends within a record was cut off there; all before it counts.
+A log that ends within a record was cut off there; all before it counts. So it does where the
+log is damaged, by what no record can begin with; what follows cannot be told apart and is left out.
 """
 
 import json
@@ -53,7 +54,9 @@ class RawLogWriter:
 class RawLogReader:
     """Reads a raw log from its start, also while it is being written.
 
-    `about` is its first line, `size` its bytes then. Raises BadInput where it is no raw log.
+    `about` is its first line, `size` its bytes then, `read_up_to` the byte at which the records
+    that were returned end; `damaged`: it goes on there with what is no record. Raises BadInput
+    where it is no raw log.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -69,10 +72,15 @@ class RawLogReader:
             self._file.close()
             raise BadInput(f"{path}: this is no raw log of `hannes record` (expected {SCHEMA})")
         self._path, self._rest = path, b""
+        self.head = self.read_up_to = len(line)
+        self.damaged = False
 
     def records(self) -> Iterator[Record]:
-        """Whole records that are there and were not yet returned."""
-        while block := self._file.read(BLOCK):
+        """Whole records that are there and were not yet returned, up to a damage.
+
+        Raises BadInput where the very first is none.
+        """
+        while not self.damaged and (block := self._file.read(BLOCK)):
             self._rest += block
             yield from self._whole()
 
@@ -81,16 +89,33 @@ class RawLogReader:
         at = 0
         while len(self._rest) - at >= RECORD.size:
             time, direction, length = RECORD.unpack_from(self._rest, at)
-            if length > LARGEST or direction > HAPTIC:
-                raise BadInput(
-                    f"{self._path}: a record of {length} bytes; the log is damaged there"
-                )
+            if not 0 < length <= LARGEST or direction > HAPTIC:
+                self._require_some(length)
+                self.damaged = True
+                break
             if len(self._rest) - at - RECORD.size < length:
                 break
             start = at + RECORD.size
+            self.read_up_to += RECORD.size + length
             yield Record(time, direction, self._rest[start : start + length])
             at = start + length
-        self._rest = self._rest[at:]
+        self._rest = b"" if self.damaged else self._rest[at:]
+
+    def _require_some(self, length: int) -> None:
+        """Raise BadInput where the log is damaged at its head."""
+        if self.read_up_to == self.head:
+            raise BadInput(
+                f"{self._path}: begins with a record of {length} bytes; the log is damaged there, "
+                "and nothing can be recovered"
+            )
+
+    def left_out(self) -> str:
+        """What was left out of a log that was read to its end, in words; empty for a whole one."""
+        left = self.size - self.read_up_to
+        if left <= 0:
+            return ""
+        what = "the log is damaged" if self.damaged else "the log was cut off within a record"
+        return f"{what} at byte {self.read_up_to}: the {left} bytes from there on are left out"
 
     def close(self) -> None:
         """Close the file."""

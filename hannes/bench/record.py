@@ -98,12 +98,15 @@ def stream(talk: Session, experiment: Experiment) -> None:
         talk.wait(lambda: False, STREAM)
 
 
-def recover(raw: str | Path) -> Recording:
+def recover(raw: str | Path, progress: Progress = lambda text: None) -> Recording:
     """Return the recording in a raw log, of a recorder that was killed for instance.
 
-    It ends with the experiment that the log names. Raises BadInput where no sample is in it.
+    It ends with the experiment that the log names, or where the log is cut off or damaged, which
+    `progress` is told. Raises BadInput where no sample is in it.
     """
     rows = read_rows(raw)
+    if rows.left_out:
+        progress(f"{raw}: {rows.left_out}")
     texts = {key: _text(rows.log.get(key)) for key in ("experiment", "hand")}
     duration = rows.log.get("duration")
     known = isinstance(duration, int | float) and 0.0 < duration < LONGEST

@@ -178,7 +178,7 @@ def _recorded(chosen: argparse.Namespace, out: Path, raw: Path) -> None:
     if chosen.recover:
         if chosen.dynamometer == "live":
             raise BadInput("--dynamometer live: nothing is live in a raw log; give its CSV export")
-        made = recover(chosen.recover)
+        made = recover(chosen.recover, _say)
         if chosen.dynamometer:
             made = merged(made, read_vernier(chosen.dynamometer))
         write_marked(made, out, "record")

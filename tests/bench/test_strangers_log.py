@@ -1,5 +1,8 @@
 """Raw logs and boards that nobody vouches for: odd channels, lost frames, other options."""
 
+import json
+
+import numpy as np
 import pytest
 
 from benchmarks.hostile import raw_logs
@@ -9,6 +12,8 @@ from hannes.bench.events import About
 from hannes.bench.finish import read_rows, recording
 from hannes.bench.frames import Frame, encode
 from hannes.bench.messages import VERSION, Channel, Hello, Kind
+from hannes.bench.raw_log import RECORD
+from hannes.bench.record import recover
 from hannes.bench.sequence import Received
 from hannes.core.errors import BadInput
 
@@ -84,3 +89,43 @@ def test_late_frames_are_in_their_place(tmp_path):
     path = kept(tmp_path, "hannes", [encode(each) for each in [*known[:8], *known[:7:-1]]], {})
     found = recording(read_rows(path))
     assert len(found) == 60 and found.time[0] == 0.0
+
+
+RANDOM = bytes(np.random.default_rng(1).integers(0, 256, 777, dtype=np.uint8))
+HUGE = RECORD.pack(7, 0, 0xF4F4F4F4)  # four gigabytes, it claims
+
+
+@pytest.mark.parametrize(
+    "damage", [RANDOM, HUGE, HUGE + b"x" * 200, bytes(777)], ids=["random", "huge", "on", "zeros"]
+)
+def test_all_before_a_damage_is_recovered_and_the_rest_is_told(tmp_path, damage):
+    sound = raw_logs.of_lines()
+    path = tmp_path / "a.rawlog"
+    path.write_bytes(sound + damage + RECORD.pack(8, 0, 2) + b"1\n")
+    said = []
+    made = recover(path, said.append)
+    assert len(made) == len(recording(read_rows(_written(tmp_path / "b.rawlog", sound))))
+    lost = len(damage) + RECORD.size + 2
+    assert said == [
+        f"{path}: the log is damaged at byte {len(sound)}: the {lost} bytes from there on are "
+        "left out"
+    ]
+    assert said[0].partition(": ")[2] == json.loads(made.conversion)["left_out"]
+
+
+def test_a_log_that_is_damaged_at_its_head_is_refused(tmp_path):
+    head, _, _ = raw_logs.of_lines().partition(b"\n")
+    with pytest.raises(BadInput, match="nothing can be recovered"):
+        recover(_written(tmp_path / "a.rawlog", head + b"\n" + RANDOM))
+
+
+def test_a_log_that_was_cut_off_says_where(tmp_path):
+    sound, said = raw_logs.of_lines(), []
+    assert len(recover(_written(tmp_path / "a.rawlog", sound), said.append)) > 2 and said == []
+    recover(_written(tmp_path / "b.rawlog", sound[:-3]), said.append)
+    assert len(said) == 1 and "cut off within a record at byte" in said[0]
+
+
+def _written(path, data):
+    path.write_bytes(data)
+    return path
