@@ -68,8 +68,9 @@ def _settings(root: Table) -> Settings:
     table = root.table("board", tuple(BOARD))
     settings = Settings()
     values = {key: table.quantity(key, BOARD[key]) for key in BOARD if key in table}
-    if any(not value > 0.0 for value in values.values()):
-        table.refuse("", "expected values above zero")
+    for key, value in values.items():
+        if not value > 0.0:
+            table.refuse(key, f"= {value:g} {BOARD[key]}: expected more than zero")
     if not values.get("watchdog", 0.0) <= LONGEST:
         table.refuse("watchdog", f"= {values['watchdog']:g} s: expected at most {LONGEST:g} s")
     limits = settings.limits

@@ -1,13 +1,17 @@
 """A serial port, a pseudo-terminal or a TCP socket: one class around pyserial, errors in words."""
 
 import errno
+import socket
 import time
 from types import TracebackType
 from typing import Any, Self
+from urllib.parse import urlsplit
 
 from hannes.core.errors import BadInput
 
 BAUD = 1_000_000
+HOST = "127.0.0.1"  # what is served is served to this machine alone
+HIGHEST = 65535  # port of TCP
 
 
 class LinkLost(Exception):
@@ -25,6 +29,7 @@ class Port:
         import serial
 
         self.name, self.baud = name, baud
+        _require_number(name)
         try:
             self._port: Any = serial.serial_for_url(
                 name, baudrate=baud, timeout=0.02, write_timeout=1.0, exclusive=True
@@ -81,6 +86,19 @@ class Port:
         return "low latency: on"
 
 
+def _require_number(name: str) -> None:
+    """Raise BadInput for a URL without a port number: pyserial's words for it are of its inside."""
+    if not name.lower().startswith(("socket://", "rfc2217://")):
+        return
+    try:
+        number = urlsplit(name).port
+    except ValueError:
+        number = None
+    if number is None:
+        kind = name.partition(":")[0]
+        raise BadInput(f"{name}: expected {kind}://HOST:PORT, with a port from 0 to {HIGHEST}")
+
+
 def _why(name: str, error: Exception) -> str:
     """One line: absent, forbidden, busy or something else, and what to do."""
     number, text = getattr(error, "errno", None), str(error)
@@ -94,7 +112,25 @@ def _why(name: str, error: Exception) -> str:
         return f"{name}: it is busy; another program has it open: close that first"
     if number == errno.ECONNREFUSED or "refused" in text:
         return f"{name}: nothing listens there; start the board first"
-    return f"{name}: it cannot be opened ({text})"
+    if number in (errno.ENOTTY, errno.EISDIR) or "Inappropriate ioctl" in text:
+        return f"{name}: it is no serial port; `hannes port` lists those there are"
+    if "invalid URL" in text:
+        return f"{name}: this kind of port is not known; expected a device, or socket://HOST:PORT"
+    return f"{name}: it cannot be opened ({text.rpartition(f'{name}: ')[2]})"
+
+
+def listening(number: int) -> socket.socket:
+    """A socket that listens on a TCP port of this machine alone; 0: any that is free.
+
+    Raises BadInput where the port cannot be had.
+    """
+    try:
+        if not 0 <= number <= HIGHEST:
+            raise OSError(f"expected 0 to {HIGHEST}")
+        return socket.create_server((HOST, number))
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise BadInput(f"cannot serve on {HOST}, port {number}: {why}") from None
 
 
 def listed() -> list[tuple[str, str]]:

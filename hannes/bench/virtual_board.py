@@ -11,6 +11,7 @@ from typing import Protocol
 from hannes.bench.board_logic import HOST_LENGTHS, BoardLogic, Machine, Settings
 from hannes.bench.frames import Splitter, encode
 from hannes.bench.misbehaviour import Cable, Misbehaviour
+from hannes.bench.port import listening
 from hannes.core.errors import BadInput
 
 BEHIND = 0.1  # s that the board may be late before it misses the ticks that it is behind
@@ -73,10 +74,13 @@ class Terminal:
 
 
 class Socket:
-    """A TCP socket on this machine alone, for one host at a time."""
+    """A TCP socket on this machine alone, for one host at a time; port 0: any that is free.
+
+    Raises BadInput where the port cannot be had.
+    """
 
     def __init__(self, port: int) -> None:
-        self._server = socket.create_server(("127.0.0.1", port))
+        self._server = listening(port)
         self._server.setblocking(False)
         self._host: socket.socket | None = None
         self.address = f"socket://127.0.0.1:{self._server.getsockname()[1]}"

@@ -86,6 +86,23 @@ def test_a_time_of_a_board_that_no_clock_has_is_refused(tmp_path):
             read_board(path)
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ('watchdog = "-5 ms"', "board.watchdog = -0.005 s: expected more than zero"),
+        ('current_limit = "0 A"', "board.current_limit = 0 A: expected more than zero"),
+    ],
+)
+def test_a_limit_of_a_board_that_is_none_is_named_with_its_value(tmp_path, line, said):
+    from hannes.bench.board_file import read_board
+
+    path = tmp_path / "board.toml"
+    path.write_text(f'experiment = "void-closure"\n[board]\n{line}\n')
+    with pytest.raises(BadInput) as refused:
+        read_board(path)
+    assert str(refused.value) == f"{path}: {said}"
+
+
 @pytest.mark.parametrize("version", ["1.0", "2.0"])
 def test_pages_of_parquet_count_as_their_heads_state(tmp_path, monkeypatch, version):
     pyarrow = pytest.importorskip("pyarrow")

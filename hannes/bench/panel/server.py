@@ -9,7 +9,6 @@ import hmac
 import json
 import queue
 import secrets
-import socket
 import threading
 import time
 from collections.abc import Callable
@@ -17,6 +16,7 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Self
 from urllib.parse import parse_qs, urlsplit
 
+from hannes.bench.port import HOST, listening
 from hannes.core.errors import BadInput
 from hannes.core.io.json_text import parsed
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from websockets.http11 import Request, Response
     from websockets.sync.server import ServerConnection
 
-HOST = "127.0.0.1"
 FRAME = 0.04  # s between two pictures
 LONGEST = 4096  # bytes of a message of the page
 POLICY = (
@@ -46,19 +45,17 @@ class PanelServer:
             raise BadInput(
                 "the panel needs the package websockets: pip install 'hannes[panel]'"
             ) from None
-        try:
-            listening = socket.create_server((HOST, port))
-        except (OSError, OverflowError) as error:
-            raise BadInput(f"cannot serve on {HOST}, port {port}: {error}") from None
-        self.host = f"{HOST}:{listening.getsockname()[1]}"
+        own = listening(port)
+        self.host = f"{HOST}:{own.getsockname()[1]}"
+        self._own = f"http://{self.host}"  # the page's origin
         self.asked: queue.Queue[dict[str, Any]] = queue.Queue()
         self._page, self._state, self._token = page, state, secrets.token_urlsafe(24)
         self._alone = threading.Lock()
         self._server = serve(
             self._speak,
-            sock=listening,
+            sock=own,
             process_request=self._judge,
-            origins=[f"http://{self.host}"],  # type: ignore[list-item]
+            origins=[self._own],  # type: ignore[list-item]
             max_size=LONGEST,
             compression=None,
             ping_interval=None,  # the page's own beats are quicker
@@ -68,7 +65,7 @@ class PanelServer:
     @property
     def address(self) -> str:
         """What is opened in the browser, the token in it."""
-        return f"http://{self.host}/?token={self._token}"
+        return f"{self._own}/?token={self._token}"
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -84,6 +81,8 @@ class PanelServer:
         token = parse_qs(split.query).get("token", [""])[0]
         if request.headers.get_all("Host") != [self.host]:
             return _refusal(HTTPStatus.MISDIRECTED_REQUEST, f"expected the address {self.host}")
+        if any(each != self._own for each in request.headers.get_all("Origin")):
+            return _refusal(HTTPStatus.FORBIDDEN, "a request of another page is refused")
         if not hmac.compare_digest(token.encode(), self._token.encode()):
             return _refusal(
                 HTTPStatus.FORBIDDEN, "wrong or no token: open the address that the command printed"
