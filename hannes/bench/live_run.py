@@ -10,7 +10,7 @@ haptic commands from the raw log, bit for bit: they follow from the board's byte
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -107,7 +107,7 @@ class _Following:
             ))  # fmt: skip
 
 
-def live(link: Link, model: Model, log: str | Path, order: LiveOrder) -> Iterator[Moment]:
+def live(link: Link, model: Model, log: str | Path, order: LiveOrder) -> Generator[Moment]:
     """Follow a board, and close the hand where the order has a command; gives moments as they come.
 
     The raw log is written to `log`. Raises BadInput where the board cannot be reached or the
@@ -137,7 +137,7 @@ def live(link: Link, model: Model, log: str | Path, order: LiveOrder) -> Iterato
             order.progress(note)
         yield from _moments(talk, following, order)
         if not talk.close():
-            raise ComputationFailed(f"{link.port}: a stop was sent, but not seen in the telemetry")
+            raise ComputationFailed(talk.stop_in_words())
 
 
 def _moments(talk: Session, following: _Following, order: LiveOrder) -> Iterator[Moment]:
@@ -176,8 +176,8 @@ def _require_rows(talk: Session, following: _Following) -> None:
     silent = time.monotonic() - following.heard
     if silent > BEHIND:
         raise ComputationFailed(
-            f"{talk.link.port}: the board has sent nothing for {silent:.1f} s, so a stop was sent; "
-            "look at its cable and supply"
+            f"{talk.link.port}: the board has sent nothing for {silent:.1f} s, so the grasp was "
+            "ended; look at its cable and supply"
         )
 
 
@@ -186,8 +186,8 @@ def _require_pace(talk: Session) -> None:
     behind = (now() - talk.read_up_to) * NANO
     if talk.read_up_to and behind > BEHIND:
         raise ComputationFailed(
-            f"{talk.link.port}: recognition is {behind:.1f} s behind the board, so the hand was "
-            "stopped; end other programs, or leave out the force observer"
+            f"{talk.link.port}: recognition is {behind:.1f} s behind the board, so the grasp was "
+            "ended; end other programs, or leave out the force observer"
         )
 
 

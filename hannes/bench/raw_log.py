@@ -2,8 +2,8 @@
 
 A line of JSON says what follows; then one record after another: host time [ns] u64, direction u8
 (0: from the board, 1: to it, 2: an event in words, 3: a tactor's command), length u32, the bytes.
-A log that ends within a record was cut off there; all before it counts. So it does where the
-log is damaged, by what no record can begin with; what follows cannot be told apart and is left out.
+A log that ends within a record was cut off there; all before it counts. So it does where there is
+what no record can begin with: the log is damaged there, and the rest is left out.
 """
 
 import json

@@ -30,6 +30,11 @@ BEAT = 0.05  # s between two words to the board
 SIGN = 0.05  # s between two signs of life of the deciding process
 SILENT = 1.0  # s without one after which the board is stopped
 PATIENCE = 1.0  # s in which a stop must be seen in the telemetry
+SEEN, SENT, UNSENT = (
+    0,
+    3,
+    4,
+)  # exit statuses of the process: a stop was seen, only sent, not even that
 RETRY = 0.2  # s between two tries to open a port that went away
 
 
@@ -78,6 +83,7 @@ class Reader:
             self._process.join()
             raise BadInput(said)
         self.notes: list[str] = said
+        self.stop_sent = False  # whether one was written to the port, once closed
         self._signed = 0
 
     @property
@@ -113,7 +119,8 @@ class Reader:
         if self._process.is_alive():
             self._process.kill()
             self._process.join()
-        return self._process.exitcode == 0
+        self.stop_sent = self._process.exitcode in (SEEN, SENT)
+        return self._process.exitcode == SEEN
 
 
 def _run(link: Link, log: str, said: dict[str, Any], pipe: Connection) -> None:
@@ -132,9 +139,9 @@ def _run(link: Link, log: str, said: dict[str, Any], pipe: Connection) -> None:
     gc.freeze()
     gc.disable()
     pipe.send(("ready", notes))
-    seen = _Loop(link, port, writer, pipe).run()
+    status = _Loop(link, port, writer, pipe).run()
     writer.close()
-    raise SystemExit(0 if seen else 1)
+    raise SystemExit(status)
 
 
 def raise_priority() -> str:
@@ -154,21 +161,22 @@ class _Loop:
         self.link, self.port, self.writer, self.pipe = link, port, writer, pipe
         self.speaker, self.listener = link.adapter(), link.adapter()
         self.beat, self.beaten, self.polled = 0, 0, 0
-        self.ending, self.stopped = 0, False
+        self.ending, self.status = 0, UNSENT
         self.signed, self.silent = now(), False
 
-    def run(self) -> bool:
-        """Go on until stopped, the parent is gone, or the link is lost for good."""
+    def run(self) -> int:
+        """Go on until stopped, the parent is gone, or the link is lost for good; exit status."""
         while True:
             try:
                 self._once()
             except LinkLost as error:
                 self._event(str(error))
                 if self.ending or not self._reopened():
-                    return False
-            if self.stopped or (self.ending and now() - self.ending > PATIENCE / NANO):
+                    return self.status
+            late = self.ending and now() - self.ending > PATIENCE / NANO
+            if self.status == SEEN or late:
                 self.port.close()
-                return self.stopped
+                return self.status
 
     def _once(self) -> None:
         data = self.port.read()
@@ -183,7 +191,7 @@ class _Loop:
             if not self.silent:
                 self._write(self.speaker.alive(self.beat))
             if self.ending or self.silent:
-                self._write(self.speaker.stop())
+                self._stop()
         if self.speaker.polls and stamp - self.polled > self.speaker.polls / NANO:
             self.polled = stamp
             self._write(self.speaker.poll())
@@ -193,7 +201,7 @@ class _Loop:
         """Note whether the deciding process hangs, and when it does so no more."""
         silent = not self.ending and stamp - self.signed > SILENT / NANO
         if silent and not self.silent:
-            self._event(f"the deciding process hung for {SILENT:g} s: a stop was sent")
+            self._event(f"the deciding process hung for {SILENT:g} s, so the board is stopped")
         self.silent = silent
 
     def _obey(self, stamp: int) -> None:
@@ -213,7 +221,12 @@ class _Loop:
 
     def _end(self, stamp: int) -> None:
         self.ending = stamp
+        self._stop()
+
+    def _stop(self) -> None:
         self._write(self.speaker.stop())
+        if self.ending and self.status == UNSENT:
+            self.status = SENT
 
     def _look_for_stop(self, data: bytes, stamp: int) -> None:
         """Only STOPPED follows from a stop: IDLE may have been said before the board heard of it.
@@ -222,9 +235,9 @@ class _Loop:
         """
         for event in self.listener.feed(data, stamp * NANO):
             if isinstance(event, Status) and event.state is State.STOPPED:
-                self.stopped = True
+                self.status = SEEN
         if self.link.board != "hannes":
-            self.stopped = True
+            self.status = SEEN
 
     def _write(self, data: bytes) -> None:
         if data:

@@ -60,7 +60,8 @@ def record(
         board = talk.hello()
         progress(f"{link.port}: {board.firmware}, {len(board.channels)} channels")
         run_command(talk, variant.experiment)
-        stopped = talk.close()
+        if not (stopped := talk.close()):
+            progress(talk.stop_in_words())
     return Recorded(recover(raw), Path(raw), board, stopped)
 
 
@@ -101,8 +102,8 @@ def stream(talk: Session, experiment: Experiment) -> None:
 def recover(raw: str | Path, progress: Progress = lambda text: None) -> Recording:
     """Return the recording in a raw log, of a recorder that was killed for instance.
 
-    It ends with the experiment that the log names, or where the log is cut off or damaged, which
-    `progress` is told. Raises BadInput where no sample is in it.
+    It ends with the experiment that the log names, or where the log is cut off or damaged:
+    `progress` is given that in words. Raises BadInput where no sample is in it.
     """
     rows = read_rows(raw)
     if rows.left_out:

@@ -178,6 +178,20 @@ class Session:
             self._follow.close()
         return self._stopped
 
+    def stop_in_words(self) -> str:
+        """What became of the stop that `close` asks for, for the user."""
+        port = self.link.port
+        if self._stopped and self.link.board == "hannes":
+            return "the hand was stopped, as the board's telemetry shows"
+        if self._stopped:
+            return f"a stop was sent to {port}, a board that says no state: look at the hand"
+        if self.reader.stop_sent:
+            return f"a stop was sent to {port}, but not seen in the telemetry: look at the hand"
+        return (
+            f"no stop could be sent to {port}: look at the hand, which only its board's own "
+            "watchdog stops now"
+        )
+
     def _note(self, event: Event) -> None:
         heard = self.heard
         if isinstance(event, Row):
@@ -241,15 +255,15 @@ def session(
     try:
         yield opened
     except BaseException as error:
-        if not opened.close() and opened.moved:
-            raise _unseen(link.port, error) from error
+        seen, interrupted = opened.close(), isinstance(error, KeyboardInterrupt)
+        if (seen and interrupted) or (not seen and opened.moved):
+            raise _ended(error, opened.stop_in_words()) from error
         raise
     opened.close()
 
 
-def _unseen(port: str, error: BaseException) -> HannesError:
-    """What to say where something ended a session, and the board was not seen to stop."""
-    words = f"a stop was sent to {port}, but not seen in the telemetry: look at the hand"
+def _ended(error: BaseException, words: str) -> HannesError:
+    """What to say where something ended a session; `words`: what became of the stop."""
     if isinstance(error, KeyboardInterrupt):
         return Interrupted(f"interrupted; {words}")
     kind = ComputationFailed if isinstance(error, ComputationFailed) else HannesError

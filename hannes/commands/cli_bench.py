@@ -3,12 +3,14 @@
 import argparse
 import sys
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hannes.commands.cli_output import add_force, add_json, print_json
+from hannes.commands.cli_port_number import port_number
+from hannes.commands.cli_raw_log import say_what_is_left, write_what_came
 from hannes.commands.cli_trust import add_trust
 from hannes.core.errors import BadInput, ComputationFailed
 
@@ -53,7 +55,7 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
     board = command("board", _board, "a virtual board: the hand's model behind a serial port")
     board.add_argument("specification", help="a shipped experiment, or a board's .toml file")
     board.add_argument(
-        "--tcp", type=int, metavar="PORT", help="serve on this TCP port, not on a terminal"
+        "--tcp", type=port_number, metavar="PORT", help="serve on this TCP port, not on a terminal"
     )
     board.add_argument("--seconds", type=float, default=0.0, help="run time [s] (0: no end)")
     add_trust(board)
@@ -144,7 +146,9 @@ def _board(chosen: argparse.Namespace) -> None:
     board = VirtualBoard(machine, far, given.settings, given.how)
     ticks = round(chosen.seconds * given.settings.rate)
     try:
-        board.run(lambda: bool(ticks) and board.ticks >= ticks)
+        with suppress(KeyboardInterrupt):  # its usual end
+            board.run(lambda: bool(ticks) and board.ticks >= ticks)
+        _say("the board has ended")
     finally:
         far.close()
 
@@ -186,14 +190,22 @@ def _recorded(chosen: argparse.Namespace, out: Path, raw: Path) -> None:
         return
     if not chosen.experiment:
         raise BadInput("no experiment given; `hannes experiments` lists them")
+    if raw.exists():
+        raise BadInput(f"{raw}: is there already; a raw log is never written over")
+    board = link(chosen)
     with _dynamometer(chosen) as force:
-        done = record(chosen.experiment, link(chosen), raw, progress=_say)
+        try:
+            done = record(chosen.experiment, board, raw, progress=_say)
+        except BadInput:
+            say_what_is_left(raw, out)
+            raise
+        except BaseException:
+            write_what_came(raw, out, "record", lambda made: _forced(made, force, raw, out))
+            raise
     made, why = _with_force(done.recording, force, raw, out)
     write_marked(made, out, "record")
     said = {"out": str(out), "raw": str(raw), "samples": made.time.size}
     _said(chosen, said | {"stop_seen": done.stopped})
-    if not done.stopped:
-        _say("a stop was sent, but not seen in the telemetry: look at the hand")
     if why:
         raise ComputationFailed(why)
 
@@ -221,6 +233,14 @@ def _with_force(
             f"{error}; {out} has no force, which is kept: once it is mended, `hannes record "
             f"--recover {raw} --dynamometer {_force_file(raw)} --out FILE`"
         )
+
+
+def _forced(made: "Recording", live: "LiveDynamometer | None", raw: Path, out: Path) -> "Recording":
+    """As `_with_force`, where something else has failed already."""
+    made, why = _with_force(made, live, raw, out)
+    if why:
+        _say(why)
+    return made
 
 
 def _force_file(raw: Path) -> Path:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hannes.commands.cli_output import add_force, add_json, print_json
+from hannes.commands.cli_raw_log import write_what_came
 from hannes.commands.cli_trust import add_trust
 from hannes.core.errors import BadInput
 
@@ -90,7 +91,7 @@ def _live(chosen: argparse.Namespace) -> None:
         try:
             _followed(chosen, board, model, raw)
         finally:
-            _written(raw, out)
+            write_what_came(raw, out, "live")
 
 
 def _in_browser(chosen: argparse.Namespace, board: "Link") -> None:
@@ -105,24 +106,8 @@ def _in_browser(chosen: argparse.Namespace, board: "Link") -> None:
     serve(board, BESIDE, chosen.model, policy=not chosen.no_policy, empty=chosen.empty)
 
 
-def _written(raw: Path, out: Path) -> None:
-    """Make the recording, also of a grasp that was broken off."""
-    from hannes.bench.record import recover
-    from hannes.core.recording.marked import write_marked
-
-    if not raw.exists():
-        return
-    try:
-        made = recover(raw)
-    except BadInput as error:
-        print(f"hannes: no recording: {error}", file=sys.stderr)
-        return
-    write_marked(made, out, "live")
-    print(f"hannes: wrote {out}: {made.time.size} samples", file=sys.stderr)
-
-
 def _followed(chosen: argparse.Namespace, board: "Link", model: "Model", raw: Path) -> None:
-    from contextlib import ExitStack
+    from contextlib import ExitStack, closing
 
     from hannes.bench.live_display import Display, PlainLines
     from hannes.bench.live_run import live
@@ -134,7 +119,8 @@ def _followed(chosen: argparse.Namespace, board: "Link", model: "Model", raw: Pa
         shown: Any = None
         if not chosen.json:
             shown = stack.enter_context(Display(board.port) if fancy else PlainLines())
-        for moment in live(board, model, raw, order):
+        # Closed here: what ends the display is no exception within it, and must stop the board.
+        for moment in stack.enter_context(closing(live(board, model, raw, order))):
             last = moment if moment.decision else last
             if shown is not None:
                 shown.put(moment)

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hannes.commands.cli_port_number import port_number
+from hannes.commands.cli_raw_log import say_what_is_left
 from hannes.commands.cli_trust import add_trust
 from hannes.core.errors import BadInput
 
@@ -40,7 +42,9 @@ def add(command: Callable[..., argparse.ArgumentParser]) -> None:
         "--beside", default=BESIDE, metavar="EXPERIMENT",
         help="whose hand and object step beside the measured ones (void-closure)",
     )  # fmt: skip
-    panel.add_argument("--http", type=int, default=0, metavar="PORT", help="port of the page (any)")
+    panel.add_argument(
+        "--http", type=port_number, default=0, metavar="PORT", help="port of the page (any)"
+    )
     panel.add_argument(
         "--raw", metavar="FILE", help="keep all bytes, for `hannes record --recover`"
     )
@@ -73,5 +77,11 @@ def serve(
     known = model_file.read(model) if model else None
     hand = known_hand(empty, known) if known else None
     panel = Panel(board, read_board(beside).variant, known, http, raw, policy, hand)
+    if raw and raw.exists():
+        raise BadInput(f"{raw}: is there already; a raw log is never written over")
     with reserved("panel", [raw] if raw else []):
-        run_panel(panel, lambda text: print(f"hannes: {text}", file=sys.stderr, flush=True))
+        try:
+            run_panel(panel, lambda text: print(f"hannes: {text}", file=sys.stderr, flush=True))
+        finally:
+            if raw:
+                say_what_is_left(raw, "FILE")

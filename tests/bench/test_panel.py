@@ -304,6 +304,14 @@ def test_another_name_of_this_machine_is_refused(server):
         assert answer(server, f"/?{token(server)}", Host=host)[0] == 421
 
 
+def test_a_request_of_another_page_is_refused(server):
+    own = f"http://{server.host}"
+    assert answer(server, f"/?{token(server)}", Origin=own)[0] == 200
+    for other in ("http://evil.example", "null", own.replace("http", "https"), f"{own}.evil", ""):
+        status, text, _ = answer(server, f"/?{token(server)}", Origin=other)
+        assert status == 403 and "another page" in text, other
+
+
 def test_a_conversation_needs_token_and_origin(server):
     own = f"http://{server.host}"
     assert shake(server, token(server), Origin=own) == 101
@@ -325,6 +333,25 @@ def test_another_address_does_not_reach_it(server):
 def test_a_port_that_is_taken_is_one_line(server):
     with pytest.raises(BadInput, match=r"cannot serve on 127\.0\.0\.1"):
         PanelServer("", dict, int(server.host.split(":")[1]))
+
+
+def test_ctrl_c_ends_the_panel_in_words(monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("hannes.bench.panel.run._loop", interrupted)
+    monkeypatch.setattr("hannes.bench.panel.run._experiments", list)
+    said, over, far = [], threading.Event(), Terminal()
+    board = VirtualBoard(Lag, far, Settings(), Misbehaviour())
+    thread = threading.Thread(target=board.run, args=(over.is_set,))
+    thread.start()
+    try:
+        run_panel(Panel(Link(far.address), read_board("void-closure").variant), said.append)
+    finally:
+        over.set()
+        thread.join()
+        far.close()
+    assert said[-1] == "the panel has ended; the hand was stopped, as the board's telemetry shows"
 
 
 # ---- in a browser --------------------------------------------------------------------

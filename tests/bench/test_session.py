@@ -13,10 +13,14 @@ from hannes.bench.board_logic import BoardLogic, Settings
 from hannes.bench.finish import read_rows, recording
 from hannes.bench.messages import State
 from hannes.bench.misbehaviour import Cable, Misbehaviour
+from hannes.bench.port import Port
 from hannes.bench.reader import Link
+from hannes.bench.record import recover
 from hannes.bench.session import session
 from hannes.bench.virtual_board import Socket, Terminal, VirtualBoard
+from hannes.commands.cli import main
 from hannes.core.errors import BadInput, ComputationFailed, Interrupted
+from hannes.core.recording.recording import Recording
 
 RAMP = [(0.0, 0.0), (0.1, 1.0), (0.2, 0.0)]
 
@@ -82,6 +86,28 @@ def test_a_port_that_is_absent(tmp_path):
     assert "no such port" in refusal("/dev/no-such-port", tmp_path)
 
 
+@pytest.mark.parametrize("port", ["99999", "-1", "abc", "", "1x"])
+def test_a_port_number_that_is_none(capsys, port):
+    for kind in ("socket", "rfc2217"):
+        with pytest.raises(BadInput, match=f"expected {kind}://HOST:PORT, with a port from 0 to"):
+            Port(f"{kind}://127.0.0.1:{port}")
+    for verb, option in (("board", "--tcp"), ("panel", "--http")):
+        assert main([verb, "x", f"{option}={port}"]) == 2
+        said = capsys.readouterr().err
+        assert f"argument {option}: expected a port from 0 to 65535" in said
+        assert said.count("\n") == 1
+    with pytest.raises(BadInput, match="cannot serve"):
+        Socket(99999)
+
+
+def test_what_is_no_serial_port(tmp_path):
+    for each in ("/dev/null", str(tmp_path)):
+        with pytest.raises(BadInput, match="it is no serial port"):
+            Port(each)
+    with pytest.raises(BadInput, match="this kind of port is not known"):
+        Port("bogus://x")
+
+
 def test_a_port_that_nobody_may_open(tmp_path):
     if os.geteuid() == 0:
         pytest.skip("root may open every port")
@@ -136,6 +162,76 @@ def test_a_stop_that_was_not_seen_is_said_on_ctrl_c(tmp_path):
             board.cable = Cable(Misbehaviour(cut=1e-9))  # it is out from now on
             raise KeyboardInterrupt
     assert "not seen in the telemetry" in str(ended.value) and ended.value.exit_status == 130
+
+
+def test_a_stop_that_could_not_be_sent_is_not_said_to_be(tmp_path):
+    with Running(Socket(0)) as board, pytest.raises(ComputationFailed) as ended:
+        with session(Link(board.far.address), tmp_path / "a") as talk:
+            talk.hello()
+            talk.profile([(0.0, 0.0), (5.0, 1.0)])
+            board.far.cut()
+            talk.run_to_end(5.0)
+    assert "the link was lost" in str(ended.value) and "no stop could be sent" in str(ended.value)
+
+
+def test_a_stop_that_was_seen_is_said_on_ctrl_c(tmp_path):
+    with Running(Terminal()) as board, pytest.raises(Interrupted, match="the hand was stopped"):
+        with session(Link(board.far.address), tmp_path / "a") as talk:
+            talk.hello()
+            raise KeyboardInterrupt
+
+
+def recorded(monkeypatch, capsys, tmp_path, breaks):
+    """Exit status and words of a `record` with which `breaks` interferes 0.3 s after its start."""
+    monkeypatch.setattr("hannes.bench.record.require_within", lambda *_, **__: None)
+
+    def run(talk, experiment):
+        talk.profile([(0.0, 0.0), (5.0, 1.0)])
+        talk.wait(lambda: False, 0.3)
+        breaks(board)
+        talk.run_to_end(5.0)
+
+    monkeypatch.setattr("hannes.bench.record.run_command", run)
+    with Running(Socket(0)) as board:
+        asked = ["record", "void-closure", "--port", board.far.address]
+        status = main([*asked, "--out", str(tmp_path / "a.h5")])
+    return status, capsys.readouterr().err
+
+
+def interrupt(board):
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    ("breaks", "status", "stop"),
+    [
+        (lambda board: board.far.cut(), 3, "no stop could be sent"),
+        (interrupt, 130, "the hand was stopped"),
+        (lambda board: 1 / 0, 70, ""),
+    ],
+    ids=["lost link", "ctrl-c", "exception"],
+)
+def test_a_record_that_is_broken_off_writes_what_came(
+    monkeypatch, capsys, tmp_path, breaks, status, stop
+):
+    monkeypatch.setenv("HANNES_CACHE", str(tmp_path / "cache"))
+    found, said = recorded(monkeypatch, capsys, tmp_path, breaks)
+    assert found == status and stop in said
+    assert f"hannes record --recover {tmp_path}/a.h5.rawlog --out FILE" in said
+    made = Recording.read(tmp_path / "a.h5")
+    assert 0.2 < made.time[-1] < 1.5
+    assert made == recover(tmp_path / "a.h5.rawlog")
+
+
+def test_a_board_that_said_nothing_leaves_a_log_to_be_deleted(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr("hannes.bench.record.require_within", lambda *_, **__: None)
+    monkeypatch.setattr("hannes.bench.session.HELLO_TIME", 0.5)
+    far = Terminal()
+    asked = ["record", "void-closure", "--port", far.address, "--out", str(tmp_path / "a.h5")]
+    assert main(asked) == 2
+    said = capsys.readouterr().err
+    assert f"{tmp_path}/a.h5.rawlog has no sample" in said and "silence" in said
+    far.close()
 
 
 def test_what_a_board_said_before_it_heard_the_stop_is_no_sign_of_it(tmp_path):

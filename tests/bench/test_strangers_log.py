@@ -98,7 +98,7 @@ HUGE = RECORD.pack(7, 0, 0xF4F4F4F4)  # four gigabytes, it claims
 @pytest.mark.parametrize(
     "damage", [RANDOM, HUGE, HUGE + b"x" * 200, bytes(777)], ids=["random", "huge", "on", "zeros"]
 )
-def test_all_before_a_damage_is_recovered_and_the_rest_is_told(tmp_path, damage):
+def test_all_before_a_damage_is_recovered_and_the_rest_is_named(tmp_path, damage):
     sound = raw_logs.of_lines()
     path = tmp_path / "a.rawlog"
     path.write_bytes(sound + damage + RECORD.pack(8, 0, 2) + b"1\n")

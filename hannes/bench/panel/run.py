@@ -55,8 +55,9 @@ class Panel:
 def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: False) -> None:
     """Serve the panel until `until` says so; `say` is given its address, and notes.
 
-    Raises BadInput where board or address cannot be had, ComputationFailed where the link is lost.
-    Whatever ends it, the board is stopped.
+    Ctrl-C is its usual end. Raises BadInput where board or address cannot be had, ComputationFailed
+    where the link is lost, or the hand moved and was not seen to stop. Whatever ends it, the board
+    is stopped.
     """
     traces = Traces(panel.beside.hand, panel.beside.experiment, panel.model, panel.hand)
     within = Range(closed=_closed(panel.beside))
@@ -76,7 +77,11 @@ def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: F
             if notice:
                 say(notice)
             say(f"open {server.address}")
-            _loop(talk, drive, traces, server, until)
+            with contextlib.suppress(KeyboardInterrupt):
+                _loop(talk, drive, traces, server, until)
+        if not talk.close() and talk.moved:
+            raise ComputationFailed(f"the panel has ended; {talk.stop_in_words()}")
+        say(f"the panel has ended; {talk.stop_in_words()}")
 
 
 def _loop(
