@@ -1,6 +1,7 @@
 """The commands of the bench: a virtual board, recording from a board, the quality of a link."""
 
 import argparse
+import json
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
@@ -123,8 +124,9 @@ def known_hand(path: str | None, model: "Model") -> Any:
     from hannes.core.recording.recording import Recording
     from hannes.recognition.known_hand import hand_numbers
 
+    recording = Recording.read(path)
     try:
-        return hand_numbers(Recording.read(path), model)
+        return hand_numbers(recording, model)
     except BadInput as error:
         raise BadInput(f"{path}: {error}") from None
 
@@ -185,6 +187,8 @@ def _recorded(chosen: argparse.Namespace, out: Path, raw: Path) -> None:
         made = recover(chosen.recover, _say)
         if chosen.dynamometer:
             made = merged(made, read_vernier(chosen.dynamometer))
+            shift = json.loads(made.conversion)["dynamometer"]["shift_s"]
+            _say(f"the dynamometer's force is merged, its clock shifted by {shift:+.3f} s")
         write_marked(made, out, "record")
         _said(chosen, {"out": str(out), "samples": made.time.size, "raw": chosen.recover})
         return

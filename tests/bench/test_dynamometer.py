@@ -10,6 +10,7 @@ import pytest
 from hannes import Hand, Recording, load_experiment, observe, simulate
 from hannes.bench import dynamometer_live
 from hannes.bench.dynamometer import ForceLog, merged, read_vernier
+from hannes.commands.cli import main
 from hannes.commands.cli_bench import _with_force
 from hannes.core.errors import BadInput
 
@@ -47,6 +48,17 @@ def test_the_force_is_where_it_was(grasp, bare, tmp_path, how):
     assert shift == pytest.approx(-LATE, abs=0.015)
     assert made["force"].max() == pytest.approx(grasp["force"].max(), rel=0.01)
     assert made.units["force"] == "N" and np.array_equal(made["current"], bare["current"])
+
+
+def test_a_merge_by_the_command_says_its_shift(grasp, bare, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("hannes.bench.record.recover", lambda raw, progress: bare)
+    raw, out = tmp_path / "grasp.h5.rawlog", tmp_path / "out.h5"
+    raw.write_bytes(b"")
+    run = export(grasp, tmp_path / "run.csv")
+    asked = ["record", "--recover", str(raw), "--dynamometer", str(run), "--out", str(out)]
+    assert main(asked) == 0
+    shift = json.loads(Recording.read(out).conversion)["dynamometer"]["shift_s"]
+    assert f"is merged, its clock shifted by {shift:+.3f} s" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("text", "words"), [

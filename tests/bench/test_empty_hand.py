@@ -13,6 +13,7 @@ from hannes.bench.grip_loop import GripLoop
 from hannes.bench.live_run import known_by
 from hannes.bench.panel.traces import Traces
 from hannes.commands.cli import main
+from hannes.commands.cli_bench import known_hand
 from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
 from hannes.recognition import model_file
@@ -90,3 +91,13 @@ def test_a_closure_that_is_none_is_refused_before_a_port_is_opened(model, tmp_pa
     assert "nothing of empty closures" in capsys.readouterr().err
     assert main(["panel", "socket://127.0.0.1:9", "--empty", str(path)]) == 2
     assert "--model" in capsys.readouterr().err
+
+
+def test_a_file_of_an_empty_closure_that_is_cut_off_is_named_once(model, tmp_path):
+    path = tmp_path / "empty.h5"
+    time = np.arange(9) * 1e-3
+    Recording({"time": time, "current": time}, {"time": "s", "current": "A"}).write(path)
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(BadInput) as refused:
+        known_hand(str(path), model)
+    assert str(refused.value).count("empty.h5") == 1

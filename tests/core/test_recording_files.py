@@ -316,9 +316,12 @@ def test_damaged_hdf5_is_refused(tmp_path: Path) -> None:
     whole = path.read_bytes()
     for size in (0, 1, 8, 100, 700, 2000, len(whole) // 2, len(whole) - 1):
         path.write_bytes(whole[:size])
-        with pytest.raises(BadInput, match="damaged or of another kind") as caught:
+        with pytest.raises(BadInput) as caught:
             Recording.read(path)
-        assert "\n" not in str(caught.value)
+        why = "it is cut off" if size >= 100 else "it is damaged or of another kind"
+        assert str(caught.value) == (
+            f"{path}: cannot be read as an HDF5 file, {why}: copy it again, or make it anew"
+        )
     flips = np.random.default_rng(1).integers(0, [len(whole), 256], (200, 2))
     for place, byte in flips.tolist():
         expect_recording_or_bad_input(path, whole[:place] + bytes([byte]) + whole[place + 1 :])

@@ -34,10 +34,16 @@ def hdf5_file(path: str | Path, what: str) -> Iterator[Any]:
         message = str(error)
         raise BadInput(message if message.startswith(str(path)) else f"{path}: {message}") from None
     except Exception as error:  # a damaged file raises nearly anything from inside the library
-        reason = " ".join(str(error).split())[:100]
-        raise BadInput(
-            f"{path}: cannot be read as {what}, it is damaged or of another kind ({reason})"
-        ) from None
+        raise BadInput(f"{path}: cannot be read as {what}, {_why(error)}") from error
+
+
+def _why(error: Exception) -> str:
+    """What is wrong and what to do: the library's own words are of its inside."""
+    if isinstance(error, PermissionError):
+        return "you may not read it: ask its owner"
+    if "truncated" in str(error):
+        return "it is cut off: copy it again, or make it anew"
+    return "it is damaged or of another kind: copy it again, or make it anew"
 
 
 def member(group: Any, place: str, kind: type) -> Any:
