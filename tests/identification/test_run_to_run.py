@@ -54,8 +54,16 @@ def test_variability_assumed_too_small_is_found(truth):
     assert np.median(found, axis=0) == pytest.approx(truth, abs=0.5)
 
 
-def test_variability_assumed_too_large_stays():
-    assert observed_ratios(noise(0, 0.3, 0.3)) == (1.0, 1.0)
+def test_variability_assumed_too_large_is_found_and_rather_too_large():
+    found = np.array([observed_ratios(noise(seed, 0.5, 0.5)) for seed in range(100)])
+    assert (found == 1.0).all(axis=1).sum() <= 20  # repeats did not surely show less
+    assert (found < 0.5).any(axis=1).sum() <= 6
+    assert np.median(found, axis=0).tolist() == pytest.approx([0.7, 0.7], abs=0.1)
+
+
+def test_of_two_repeats_nothing_smaller_is_taken():
+    found = [observed_ratios(noise(seed, 0.5, 0.5, count=2)) for seed in range(50)]
+    assert sum(each == (1.0, 1.0) for each in found) >= 45
 
 
 def test_without_repeats_or_simulated_noise_nothing_is_concluded():

@@ -1,7 +1,8 @@
-"""How much more runs under one command differ than the settings assume, as their repeats show.
+"""How much runs under one command differ beside what the settings assume, as their repeats show.
 
 Assumed too small, means of a few runs seem more certain than they are. Six runs that happened to
-start late would then be a delay.
+start late would then be a delay. Assumed too large, what all runs share is taken for chance: a fit
+leaves it, although no repeat strays so far.
 """
 
 from dataclasses import dataclass, replace
@@ -16,7 +17,8 @@ from hannes.identification.diagnosis.tuning import NOISE
 
 
 def settings_from_repeats(noise: NoiseCovariance, settings: Settings) -> Settings:
-    """The settings where repeats agree with them; else what repeats show, and twice the scatter.
+    """The settings where repeats agree with them; else what repeats show, where that is more with
+    twice the scatter.
 
     Nothing shows how far the machine's parameters are off. Whoever assumes too little run-to-run
     variability may assume too little scatter as well, so a name must hold with more of it.
@@ -25,9 +27,10 @@ def settings_from_repeats(noise: NoiseCovariance, settings: Settings) -> Setting
     if (machine, start) == (1.0, 1.0):
         return settings
     wider = min(NOISE.wider_scatter * settings.scatter, NOISE.widest_scatter)
+    more = max(machine, start) > 1.0
     return replace(
         settings,
-        scatter=max(settings.scatter, wider),
+        scatter=max(settings.scatter, wider) if more else settings.scatter,
         run_scatter=machine * settings.run_scatter,
         start_time=start * settings.start_time,
     )
@@ -37,18 +40,24 @@ def disagreement(assumed: Settings, observed: Settings) -> list[str]:
     """What a reader must know where repeats disagree with the assumed settings."""
     if assumed == observed:
         return []
+    taken = f"run_scatter {observed.run_scatter:.2g} and start_time {observed.start_time:.2g} s"
+    if assumed.scatter == observed.scatter and not _more(assumed, observed):
+        return [f"repeats differ less than [diagnose] assumes: {taken} were taken from them"]
     return [
-        f"repeats differ further than [diagnose] assumes: run_scatter {observed.run_scatter:.2g} "
-        f"and start_time {observed.start_time:.2g} s were taken from them, and scatter "
-        f"{observed.scatter:.2g} to be safe"
+        f"repeats differ further than [diagnose] assumes: {taken} were taken from them, and "
+        f"scatter {observed.scatter:.2g} to be safe"
     ]
+
+
+def _more(assumed: Settings, observed: Settings) -> bool:
+    return observed.run_scatter > assumed.run_scatter or observed.start_time > assumed.start_time
 
 
 def observed_ratios(noise: NoiseCovariance) -> tuple[float, float]:
     """Ratios of observed to assumed run-to-run variability, of parameters and of start times.
 
-    The most likely pair; 1 where repeats do not surely show more, and where noise is known from
-    them alone.
+    The most likely pair; where that is less, the largest ratios that are nearly as likely. 1 where
+    repeats do not surely show another one, and where noise is known from them alone.
     """
     repeats = [
         _Repeats.of(group, covariance * group.count - rows.T @ rows, rows)
@@ -61,7 +70,14 @@ def observed_ratios(noise: NoiseCovariance) -> tuple[float, float]:
     likelihoods = [sum(each.log_likelihood(*pair) for each in repeats) for pair in pairs]
     best = int(np.argmax(likelihoods))
     ratio = 2.0 * (likelihoods[best] - likelihoods[pairs.index((1.0, 1.0))])
-    return pairs[best] if ratio >= NOISE.excess_likelihood else (1.0, 1.0)
+    if ratio < NOISE.excess_likelihood:
+        return 1.0, 1.0
+    if max(pairs[best]) > 1.0:
+        return pairs[best]
+    lost = 2.0 * (likelihoods[best] - np.array(likelihoods))
+    near = np.array(pairs)[lost < NOISE.nearly_as_likely]
+    machine, start = np.minimum(near.max(axis=0), 1.0).tolist()
+    return machine, start
 
 
 @dataclass(frozen=True)

@@ -99,13 +99,19 @@ class NoiseTuning:
     beside: float = constant(0.1, "1", "of the channel's largest range under any command, likewise")
     start_shift: float = constant(0.4e-3, "s", "by which a start time is differenced", NUMERICS)
     excess_ratios: tuple[float, ...] = constant(
-        (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0),
+        (0.25, 0.35, 0.5, 0.7, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0),
         "1", "times the assumed run-to-run variability, of which the likeliest is taken", NUMERICS,
     )  # fmt: skip
     excess_likelihood: float = constant(
         12.0, "1", "twice the log-likelihood ratio: two numbers by chance reach it once in 400",
         "chance of 1 in 400",
     )  # fmt: skip
+    nearly_as_likely: float = constant(
+        6.0,
+        "1",
+        "twice the log-likelihood that smaller variability may lose: of two numbers",
+        "chance of 1 in 20",
+    )
     wider_scatter: float = constant(
         2.0, "1", "times the assumed scatter where run-to-run variability was assumed too small"
     )
