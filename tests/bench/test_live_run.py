@@ -116,7 +116,7 @@ def test_an_iteration_that_is_left_stops_the_board(tmp_path, boards, order, mode
     log = tmp_path / "live.rawlog"
     asked = replace(asked, seconds=30.0)
     moments = live(Link(boards(f'experiment = "{path}"\n')), model, log, asked)
-    while next(moments).values["reference"] <= 0.0:  # until it follows
+    while next(moments).values["reference"] < 1.0:  # until it follows
         pass
     moments.close()
     found = states(log)
