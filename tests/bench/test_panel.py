@@ -363,12 +363,12 @@ class Bench:
     def __init__(self, model=None) -> None:
         self.far = Terminal()
         self.board = VirtualBoard(Lag, self.far, Settings(), Misbehaviour())
-        self.over, self.said = threading.Event(), []
+        self.over, self.gone, self.said = threading.Event(), threading.Event(), []
         panel = Panel(
             Link(self.far.address), read_board("void-closure").variant, model, policy=False
         )
         self.threads = [
-            threading.Thread(target=self.board.run, args=(self.over.is_set,)),
+            threading.Thread(target=self.board.run, args=(self.gone.is_set,)),
             threading.Thread(target=run_panel, args=(panel, self.said.append, self.over.is_set)),
         ]
 
@@ -383,9 +383,10 @@ class Bench:
         return self
 
     def __exit__(self, *_):
-        self.over.set()
-        for each in reversed(self.threads):
-            each.join()
+        """The panel first: it waits until the board is seen to stop."""
+        for thread, ends in zip(reversed(self.threads), (self.over, self.gone), strict=True):
+            ends.set()
+            thread.join()
         self.far.close()
 
     def reaches(self, *states):

@@ -80,7 +80,7 @@ def run_panel(panel: Panel, say: Progress, until: Callable[[], bool] = lambda: F
             with contextlib.suppress(KeyboardInterrupt):
                 _loop(talk, drive, traces, server, until)
         if not talk.close() and talk.moved:
-            raise ComputationFailed(f"the panel has ended; {talk.stop_in_words()}")
+            raise ComputationFailed("the panel has ended")  # its session says of the stop
         say(f"the panel has ended; {talk.stop_in_words()}")
 
 
