@@ -19,6 +19,8 @@ from hannes.core.kernels.jit import kernel
 from hannes.core.kernels.series import legendre, placed
 from hannes.core.parameter import Parameter
 from hannes.core.recording.recording import Recording
+from hannes.identification.diagnosis.effect_search import search_effects
+from hannes.identification.diagnosis.settings import Settings
 from hannes.plants.plain import PlainPlant
 
 STEP, TIMES = 2e-3, np.arange(500) * 2e-3
@@ -216,3 +218,10 @@ def campaign(seed, hidden=(), known=KNOWN, growth=0.0):
 def found(seed, hidden=(), known=KNOWN, growth=0.0):
     """The verdict."""
     return diagnose(campaign(seed, hidden, known, growth), progress=False).verdict
+
+
+@functools.cache
+def investigation():
+    """What an investigation of hidden turbulence finds."""
+    entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
+    return search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)

@@ -30,11 +30,7 @@ BEAT = 0.05  # s between two words to the board
 SIGN = 0.05  # s between two signs of life of the deciding process
 SILENT = 1.0  # s without one after which the board is stopped
 PATIENCE = 1.0  # s in which a stop must be seen in the telemetry
-SEEN, SENT, UNSENT = (
-    0,
-    3,
-    4,
-)  # exit statuses of the process: a stop was seen, only sent, not even that
+SEEN, SENT, UNSENT = 0, 3, 4  # exit status of the process: a stop was seen, only sent, not that
 RETRY = 0.2  # s between two tries to open a port that went away
 
 

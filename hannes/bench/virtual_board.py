@@ -11,7 +11,7 @@ from typing import Protocol
 from hannes.bench.board_logic import HOST_LENGTHS, BoardLogic, Machine, Settings
 from hannes.bench.frames import Splitter, encode
 from hannes.bench.misbehaviour import Cable, Misbehaviour
-from hannes.bench.port import listening
+from hannes.bench.port import HOST, listening
 from hannes.core.errors import BadInput
 
 BEHIND = 0.1  # s that the board may be late before it misses the ticks that it is behind
@@ -83,7 +83,7 @@ class Socket:
         self._server = listening(port)
         self._server.setblocking(False)
         self._host: socket.socket | None = None
-        self.address = f"socket://127.0.0.1:{self._server.getsockname()[1]}"
+        self.address = f"socket://{HOST}:{self._server.getsockname()[1]}"
 
     def read(self) -> bytes:
         """Bytes of the host that are there; lets a first host in and turns a second one away."""

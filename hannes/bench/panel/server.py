@@ -41,6 +41,7 @@ class PanelServer:
     def __init__(self, page: str, state: Callable[[], dict[str, Any]], port: int = 0) -> None:
         try:
             from websockets.sync.server import serve
+            from websockets.typing import Origin
         except ImportError:
             raise BadInput(
                 "the panel needs the package websockets: pip install 'hannes[panel]'"
@@ -55,7 +56,7 @@ class PanelServer:
             self._speak,
             sock=own,
             process_request=self._judge,
-            origins=[self._own],  # type: ignore[list-item]
+            origins=[Origin(self._own)],
             max_size=LONGEST,
             compression=None,
             ping_interval=None,  # the page's own beats are quicker

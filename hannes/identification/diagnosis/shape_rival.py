@@ -2,8 +2,9 @@
 
 What is free in shape follows any law to some extent. Where the law is right it fits better, also
 after the numbers of both are paid for, and beside it nothing is left for a free shape. Where it is
-wrong the shape fits better, or has something left to do beside it. A law that is a case of the
-shape, as gravity is of a torque over the angle, never fits better before the numbers are paid for.
+wrong the shape fits better, or has something left to do beside it. An effect that is nested in a
+generic disturbance, as gravity is in a torque over the angle, never fits better before the numbers
+are paid for.
 """
 
 from collections.abc import Sequence
@@ -32,19 +33,21 @@ def stands_against(found: SearchResult, trial: Trial, generic: Trial) -> bool:
     shapes = _shapes(trial.point)
     if left_beside(found, shapes) > _little(trial):
         return False
-    return min(better, priced) > SEARCH.rival or _case_of(trial, shapes, generic)
+    return min(better, priced) > SEARCH.rival or _nested(trial, shapes, generic)
 
 
-def _case_of(trial: Trial, shapes: Sequence[Guess], generic: Trial) -> bool:
-    """Whether a law is nearly a case of a shape of more numbers, and large: what it then does not
-    follow, the shape would show."""
-    [rival] = generic.effects
-    shape = next((each for each in shapes if each.effect == rival), None)
+def _nested(trial: Trial, shapes: Sequence[Guess], generic: Trial) -> bool:
+    """Whether one effect is nearly nested in a generic disturbance of more numbers, and large.
+
+    What a large one does not follow, the disturbance would show.
+    """
+    known = {each.effect: each for each in shapes}
+    shape = known.get(generic.effects[0])
     if shape is None or len(trial.effects) > 1:
         return False
     fewer = trial.point.space.of(*trial.effects).size < len(shape.places)
-    large = trial.delta_chi2 > SEARCH.parsimony * SEARCH.name_limit
-    return fewer and large and followed(trial, shape) > SEARCH.case_of_shape
+    large = trial.delta_chi2 > SEARCH.nested_limit * SEARCH.name_limit
+    return fewer and large and followed(trial, shape) > SEARCH.nested_share
 
 
 def left_beside(found: SearchResult, shapes: Sequence[Guess]) -> float:
@@ -62,15 +65,14 @@ def left_beside(found: SearchResult, shapes: Sequence[Guess]) -> float:
 
 
 def followed(trial: Trial, shape: Guess) -> float:
-    """Share of what a trial's effects do, squared, that a shape can do, the machine following.
+    """Share of what a trial's effect does, squared, that a generic disturbance can do.
 
-    By the linearisation at the trial; noise has no part in it.
+    By the linearisation at the trial, the machine following; noise has no part in it.
     """
-    point = trial.point
-    effects = [point.space.effects[name] for name in trial.effects]
-    sizes = [point.space.place(name) for each in effects for name in amplitude_names(each)]
+    point, [effect] = trial.point, trial.effects
+    sizes = [point.space.place(name) for name in amplitude_names(point.space.effects[effect])]
     acting = np.isin(point.active, sizes)
-    kept = ~np.isin(point.active, point.space.of(*trial.effects))
+    kept = ~np.isin(point.active, point.space.of(effect))
     machine = replace(point, active=point.active[kept], jacobian=point.jacobian[kept])
     done = point.x[point.active[acting]] @ point.jacobian[acting]
     _, whole = projected(machine, np.vstack([done, shape.signature]))

@@ -47,26 +47,33 @@ def _own(experiment: Experiment) -> dict[str, str]:
     return {name: f"{name} ({experiment.object.shape}, {text})" for name in own}
 
 
-def slopes(
-    hand: Hand,
-    experiment: Experiment,
-    recording: Recording,
-    values: Mapping[str, float],
-    steps: Mapping[str, float],
-    channels: tuple[str, ...],
-) -> dict[str, dict[str, np.ndarray]]:
+@dataclass(frozen=True)
+class Asked:
+    """A run whose neighbours are simulated: hand and experiment, the recording whose times count.
+
+    values: of the hand's parameters there [SI], by full name
+    """
+
+    hand: Hand
+    experiment: Experiment
+    recording: Recording
+    values: Mapping[str, float]
+    channels: tuple[str, ...]
+
+
+def slopes(asked: Asked, steps: Mapping[str, float]) -> dict[str, dict[str, np.ndarray]]:
     """Name -> change of each channel at the recorded times, per unit, by each of `steps` and parts.
 
     Central differences over `steps` [SI] at `values`; of parts per relative deviation of 1. All of
     the continuous controller, all runs by the solver's steps of one. Where a run fails, from the
     other side or over less. Raises ComputationFailed where no run nearby succeeds.
     """
-    runs = _Runs.at(hand, experiment, values, channels)
+    runs, experiment, recording = _Runs.at(asked), asked.experiment, asked.recording
     plan, posed = runs.plan, runs.posed
     ways = _of_parts(plan, runs.base, experiment)
     for name, step in steps.items():
         here, ends = _ends(posed, experiment, name, step)
-        vectors = [posed.with_values({name: at}).vector(experiment.shape, hand.effects)
+        vectors = [posed.with_values({name: at}).vector(experiment.shape, asked.hand.effects)
                    for at in ends]  # fmt: skip
         ways[name] = Way(here, dict(zip(ends, vectors, strict=True)))
     made = runs.of(ways)
@@ -79,22 +86,15 @@ def slopes(
     }
 
 
-def apart(
-    hand: Hand,
-    experiment: Experiment,
-    recording: Recording,
-    values: Mapping[str, float],
-    share: float,
-    channels: tuple[str, ...],
-) -> dict[str, tuple[Channels, Channels]]:
+def apart(asked: Asked, share: float) -> dict[str, tuple[Channels, Channels]]:
     """Name of each joint's own deviation -> changes of each channel by it: up, and down.
 
     share: how far it is off, relative. With contacts one change is not the other's reverse. Where
     one fails it is taken as that. Raises ComputationFailed as `slopes` does.
     """
-    runs = _Runs.at(hand, experiment, values, channels)
-    moves = _moves(runs, experiment, share)
-    found = dict(zip(moves, runs.changes(moves.values(), recording), strict=True))
+    runs = _Runs.at(asked)
+    moves = _moves(runs, asked.experiment, share)
+    found = dict(zip(moves, runs.changes(moves.values(), asked.recording), strict=True))
     for name, (up, down) in found.items():
         if not (up or down):
             raise ComputationFailed(_unknown(name))
@@ -102,23 +102,16 @@ def apart(
     return found
 
 
-def together(
-    hand: Hand,
-    experiment: Experiment,
-    recording: Recording,
-    values: Mapping[str, float],
-    share: float,
-    channels: tuple[str, ...],
-) -> list[tuple[Channels, Channels]]:
+def together(asked: Asked, share: float) -> list[tuple[Channels, Channels]]:
     """Changes of each channel in hands whose joints are all off at once; and as far the other way.
 
     share: standard deviation of what each joint is off, relative. The draws are the same for every
     run, in their order. {} for a side that fails. Raises ComputationFailed as `slopes` does.
     """
-    runs = _Runs.at(hand, experiment, values, channels)
-    moves = np.array(list(_moves(runs, experiment, share).values()))
+    runs = _Runs.at(asked)
+    moves = np.array(list(_moves(runs, asked.experiment, share).values()))
     draws = np.random.default_rng(DRAWS).standard_normal((DRAWS, len(moves))) @ moves
-    return runs.changes(draws, recording)
+    return runs.changes(draws, asked.recording)
 
 
 def _moves(runs: "_Runs", experiment: Experiment, share: float) -> dict[str, np.ndarray]:
@@ -164,18 +157,12 @@ class _Runs:
     base: np.ndarray
 
     @classmethod
-    def at(
-        cls,
-        hand: Hand,
-        experiment: Experiment,
-        values: Mapping[str, float],
-        channels: tuple[str, ...],
-    ) -> "_Runs":
-        """Of a hand with these values under an experiment."""
-        posed = hand.with_values(values).with_values(experiment.overrides())
-        compiled = posed.compiled(hand.effects)
-        plan = Plan.of(compiled, experiment, TOLERANCE, channels).make_ready()
-        return cls(plan, posed, posed.vector(experiment.shape, hand.effects))
+    def at(cls, asked: Asked) -> "_Runs":
+        """Of what is asked for."""
+        experiment, effects = asked.experiment, asked.hand.effects
+        posed = asked.hand.with_values(asked.values).with_values(experiment.overrides())
+        plan = Plan.of(posed.compiled(effects), experiment, TOLERANCE, asked.channels).make_ready()
+        return cls(plan, posed, posed.vector(experiment.shape, effects))
 
     def changes(
         self, moves: Iterable[np.ndarray], recording: Recording

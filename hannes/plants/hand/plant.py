@@ -139,22 +139,22 @@ class HandPlant(ByValue):
         self, parameters: Values, steps: Values, recording: Recording, channels: Sequence[str]
     ) -> dict[str, dict[str, np.ndarray]]:
         """Change of channels by parameters and by parts, see joint_deviations.py."""
-        asked, names = self._smooth(parameters, recording), tuple(channels)
-        return joint_deviations.slopes(self.hand, asked, recording, parameters, steps, names)
+        return joint_deviations.slopes(self._near(parameters, recording, channels), steps)
 
     def apart(
         self, parameters: Values, share: float, recording: Recording, channels: Sequence[str]
     ) -> dict[str, tuple[joint_deviations.Channels, joint_deviations.Channels]]:
         """Changes of channels by each joint off by a share for itself, see joint_deviations.py."""
-        asked, names = self._smooth(parameters, recording), tuple(channels)
-        return joint_deviations.apart(self.hand, asked, recording, parameters, share, names)
+        return joint_deviations.apart(self._near(parameters, recording, channels), share)
 
     def together(
         self, parameters: Values, share: float, recording: Recording, channels: Sequence[str]
     ) -> list[tuple[joint_deviations.Channels, joint_deviations.Channels]]:
         """Changes of channels by all joints off at once, see joint_deviations.py."""
-        asked, names = self._smooth(parameters, recording), tuple(channels)
-        return joint_deviations.together(self.hand, asked, recording, parameters, share, names)
+        return joint_deviations.together(self._near(parameters, recording, channels), share)
+
+    def _near(self, at: Values, run: Recording, names: Sequence[str]) -> joint_deviations.Asked:
+        return joint_deviations.Asked(self.hand, self._smooth(at, run), run, at, tuple(names))
 
     def with_effects(self, *effects: Effect) -> "HandPlant":
         """Return a plant whose hand has `effects` too."""

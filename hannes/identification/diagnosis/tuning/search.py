@@ -65,16 +65,16 @@ class SearchTuning:
     rival: float = constant(
         10.0, "chi2", "within which a rival is not separated from the best", DEVELOPMENT
     )
-    case_of_shape: float = constant(
+    nested_share: float = constant(
         0.8,
         "1",
-        "of what a law does, squared, that a generic disturbance can do: the law is a case of it",
+        "of an effect's squared change that a generic disturbance can do: it is nested in that",
         DEVELOPMENT,
     )
-    parsimony: float = constant(
+    nested_limit: float = constant(
         20.0,
         "times a name's limit",
-        "that such a law lowers the misfit by at least: a wrong one leaves the shape enough then",
+        "chi-squared reduction that such an effect needs: of less a wrong one would stand, too",
         DEVELOPMENT,
     )
     rival_share: float = constant(
