@@ -141,16 +141,11 @@ class Stepper(ByValue):
         return now
 
     def _outputs(self, now: float, state: np.ndarray, knots: np.ndarray) -> dict[str, Any]:
-        layout = self._compiled.outputs
-        row = self._compiled.observed.observe(
+        compiled = self._compiled
+        rows = compiled.observed.observe(
             np.array([now]), state, self._p, knots, self._memory[np.newaxis]
-        )[0]
-        return {
-            slot.name: row[layout[slot.name]].copy()
-            if slot.axis
-            else float(row[layout[slot.name]][0])
-            for slot in layout.slots
-        }
+        )
+        return compiled.outputs.named(rows[0])
 
     def _integrate(self, start: float, end: float, knots: np.ndarray, sampled: float) -> np.ndarray:
         """From one tick to the next, the duty held; returns the state (1, n) when it is sampled."""
