@@ -72,6 +72,26 @@ def test_a_size_dependent_signature_is_found_by_global_starts(shifted, monkeypat
     assert size(shifted.trials[0].point) == pytest.approx(ELSEWHERE, rel=0.01)
 
 
+def test_a_baseline_that_followed_an_effect_does_not_keep_it_from_starting_globally(monkeypatch):
+    """What linear guesses at the machine as given leave is far above what a fit does."""
+    tried = []
+    monkeypatch.setattr(
+        global_starts, "fits_from_nominal", lambda *given: tried.extend(given[2]) or {}
+    )
+    baseline = SimpleNamespace(chi2=560.0, residual=np.zeros(690))
+    least = {"far": 2300.0, "near": 2500.0, "hopeless": 6000.0}
+    global_starts._while_near(None, baseline, least, 6400.0, lambda text: None)
+    assert tried == ["far", "near", "hopeless"]  # none is found: each is tried
+    tried.clear()
+    found = {"far": SimpleNamespace(chi2=520.0)}
+    monkeypatch.setattr(
+        global_starts, "fits_from_nominal",
+        lambda *given: tried.extend(given[2]) or {k: found[k] for k in given[2] if k in found},
+    )  # fmt: skip
+    global_starts._while_near(None, baseline, least, 6400.0, lambda text: None)
+    assert tried == ["far", "near"]
+
+
 def test_where_the_baseline_leaves_far_too_much_likely_effects_start_globally(shifted, monkeypatch):
     """As slack of 4.4 mm, which every slope leads away from."""
     nominal, baseline = shifted.nominal, shifted.baseline

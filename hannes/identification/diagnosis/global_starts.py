@@ -37,7 +37,9 @@ def global_fits(
     names, lost = size_dependent(nominal, others), SEARCH.lost_baseline * baseline.residual.size
     far = others if baseline.chi2 > lost else names
     least = _least(nominal, [*far, *faults])
-    enough = baseline.chi2 - SEARCH.name_limit
+    without = _without(nominal)
+    most = without - min(least.values(), default=without)
+    enough = max(baseline.chi2 - SEARCH.name_limit, without - SEARCH.crossed_share * most)
     names += sorted((name for name in faults if least[name] < enough), key=least.__getitem__)[
         : SEARCH.likely_faults
     ]
@@ -45,25 +47,31 @@ def global_fits(
         likely = sorted(others, key=lambda name: least[name])[: SEARCH.likely_effects]
         names += [name for name in likely if name not in names]
     names.sort(key=lambda name: least[name])
-    promised = _without(nominal) - SEARCH.name_limit
-    names = [name for name in names if least[name] < promised]
+    names = [name for name in names if least[name] < without - SEARCH.name_limit]
     some = names[: SEARCH.likely_when_lost] if far is others else names
-    return _while_near(nominal, baseline, {name: least[name] for name in some}, progress)
+    return _while_near(nominal, baseline, {name: least[name] for name in some}, without, progress)
 
 
 def _while_near(
-    nominal: Linearisation, baseline: Linearisation, least: Mapping[str, float], progress: Progress
+    nominal: Linearisation,
+    baseline: Linearisation,
+    least: Mapping[str, float],
+    without: float,
+    progress: Progress,
 ) -> Fits:
     """Fits of the likeliest effects first; later ones that promise far less are passed over.
 
-    least: chi-squared that each would leave, all else following linearly
+    least: chi-squared that each would leave, all else following linearly, as without any `without`.
+    A fit leaves far less than that, so that one which promises as much as the best is near it, too.
     """
     found: Fits = {}
-    most = far_above(baseline, min(least.values(), default=np.inf))
+    far = far_above(baseline, min(least.values(), default=np.inf))
     for name, left in least.items():
-        best = min((each.chi2 for each in found.values()), default=baseline.chi2)
+        leader = min(found, key=lambda each: found[each].chi2, default=name)
+        best = found[leader].chi2 if found else baseline.chi2
         near = baseline.chi2 - left >= SEARCH.crossed_share * (baseline.chi2 - best)
-        if near and left < most:
+        near |= without - left >= SEARCH.crossed_share * (without - least[leader])
+        if near and left < far:
             found |= fits_from_nominal(nominal, baseline, [name], progress, best)
     return found
 
