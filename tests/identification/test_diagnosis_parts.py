@@ -34,7 +34,6 @@ from hannes.identification.diagnosis import (
 )
 from hannes.identification.diagnosis.antedependence import covariance
 from hannes.identification.diagnosis.baseline import based
-from hannes.identification.diagnosis.campaign_diagnosis import _masks
 from hannes.identification.diagnosis.decision import _several, decide
 from hannes.identification.diagnosis.effect_search import _back, _rebased, search_effects
 from hannes.identification.diagnosis.further_effects import _refuted
@@ -46,7 +45,7 @@ from hannes.identification.diagnosis.generic_disturbances import (
     OPENING,
     TORQUE,
 )
-from hannes.identification.diagnosis.heldout import heldout_reduction
+from hannes.identification.diagnosis.heldout import heldout_reduction, runs_in_role
 from hannes.identification.diagnosis.linearisation import differenced
 from hannes.identification.diagnosis.multistart import (
     _crossed,
@@ -172,7 +171,9 @@ def test_a_name_that_needs_an_improbable_machine_is_not_clean(investigated):
     assert prior_distance(investigated.trials[0].point).p_value > 0.5
     assert prior_distance(best.point).ratio > 2.0
     clean, unclean = (
-        decide(found, *(_masks(found, role) for role in ("fit", "select")))
+        decide(
+            found, *(runs_in_role(found.baseline.model.groups, role) for role in ("fit", "select"))
+        )
         for found in (investigated, far)
     )
     assert (clean.kind, clean.effects) == ("named", ("turbulence",))

@@ -8,10 +8,10 @@ from sled import KNOWN, TURBULENCE, Sled, recordings
 
 from hannes.identification.diagnosis import decision as choices
 from hannes.identification.diagnosis import gauss_newton, reservations
-from hannes.identification.diagnosis.campaign_diagnosis import _masks
 from hannes.identification.diagnosis.decision import decide
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.global_starts import _sizes
+from hannes.identification.diagnosis.heldout import runs_in_role
 from hannes.identification.diagnosis.linearisation import differenced
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
@@ -119,6 +119,6 @@ def test_what_grows_beside_a_name_makes_it_less_clean(both, monkeypatch, delta_c
     monkeypatch.setattr(reservations, "_underexplained", lambda *_: None)
     trend = Trend("turbulence", delta_chi2 * found.variance_factor)
     monkeypatch.setattr(reservations, "strongest_trend", lambda point, _: trend)
-    masks = [_masks(found, role) for role in ("fit", "select")]
+    masks = [runs_in_role(found.baseline.model.groups, role) for role in ("fit", "select")]
     decision = decide(found, *masks)
     assert decision.kind == kind

@@ -20,6 +20,7 @@ from hannes.identification.diagnosis.evidence_tables import EvidenceTables
 from hannes.identification.diagnosis.experiment_design import next_run
 from hannes.identification.diagnosis.fitted_deviations import with_deviations
 from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENERIC
+from hannes.identification.diagnosis.heldout import runs_in_role
 from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
 from hannes.identification.diagnosis.nearest import nearest
 from hannes.identification.diagnosis.observed_controller import as_recorded
@@ -118,7 +119,8 @@ def _decided(
         if found.ended:
             raise SearchEnded
         work.extended()
-        decision = decide(found, *(_masks(found, role) for role in ("fit", "select")))
+        groups = found.baseline.model.groups
+        decision = decide(found, *(runs_in_role(groups, role) for role in ("fit", "select")))
         return with_sizes(decision, seed, found.variance_factor, progress)
     except SearchEnded:
         return Decision("unknown", (), work.ended, found.baseline), {}
@@ -139,14 +141,6 @@ def candidates(campaign: Campaign) -> dict[str, tuple[Effect, str]]:
 def _unfit(plant: Plant, effect: Effect) -> str:
     why = plant.accepts(effect)
     return f"not applicable: {why}" if why else ""
-
-
-def _masks(found: SearchResult, role: str) -> list[int]:
-    """Bit mask of the runs of each group that have a role."""
-    return [
-        sum(1 << k for k, entry in enumerate(group.entries) if entry.role == role)
-        for group in found.baseline.model.groups
-    ]
 
 
 class _Closing:

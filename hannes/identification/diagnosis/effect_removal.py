@@ -7,6 +7,7 @@ import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted, settled, wald
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
+from hannes.identification.diagnosis.heldout import falls_on_heldout
 from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.multistart import (
     Progress,
@@ -52,9 +53,16 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
             without[name] = known = less
         if known is not None:
             losses[name] = best.delta_chi2 - known.delta_chi2
-            if losses[name] < needed_beside(known, found.variance_factor):
+            if not _is_missed(known, best, losses[name], found.variance_factor):
                 return pruned_effects(found, Joint(known), progress)
     return replace(joint, losses=losses, without=without)
+
+
+def _is_missed(known: Trial, best: Trial, loss: float, variance_factor: float) -> bool:
+    """Whether a loss without one effect is enough: where it is little, on runs held out as well."""
+    if loss < needed_beside(known, variance_factor):
+        return False
+    return loss >= SEARCH.sure_beside or falls_on_heldout(known.point, best.point)
 
 
 def _missed(found: SearchResult, point: Linearisation, name: str) -> float:

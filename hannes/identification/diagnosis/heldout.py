@@ -7,7 +7,26 @@ import numpy as np
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.noise_covariance import NoiseCovariance
+from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.tuning import VERDICT
+
+
+def runs_in_role(groups: Sequence[Group], role: str) -> list[int]:
+    """Bit mask of the runs of each group that have a role."""
+    return [
+        sum(1 << k for k, entry in enumerate(group.entries) if entry.role == role)
+        for group in groups
+    ]
+
+
+def falls_on_heldout(fewer: Linearisation, more: Linearisation) -> bool:
+    """Whether the misfit of held-out runs falls by a further effect; so where none are held out."""
+    fitted_runs, heldout_runs = (
+        runs_in_role(fewer.model.groups, role) for role in ("fit", "select")
+    )
+    if not (any(fitted_runs) and any(heldout_runs)):
+        return True
+    return heldout_reduction(fewer, more, fitted_runs, heldout_runs) > 0.0
 
 
 def heldout_reduction(

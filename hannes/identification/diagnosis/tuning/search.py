@@ -101,7 +101,10 @@ class SearchTuning:
         DEVELOPMENT,
     )
     sure_beside: float = constant(
-        80.0, "chi2", "that one more needs at most, where they leave little", DEVELOPMENT
+        80.0,
+        "chi2",
+        "that one more needs at most, where they leave little; below, runs held out are asked too",
+        DEVELOPMENT,
     )
     most_effects: int = constant(4, "1", "effects that are named together", COST)
     further_starts: int = constant(3, "1", "further effects that are refitted at a time", COST)
