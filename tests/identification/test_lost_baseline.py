@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from sled import TURBULENCE, Sled, recordings
 
-from hannes.identification.diagnosis import baseline, effect_search
+from hannes.identification.diagnosis import baseline, effect_search, gauss_newton, linearisation
 from hannes.identification.diagnosis.baseline import lost
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.multistart import far_above
 from hannes.identification.diagnosis.settings import Settings
-from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 STATED = Settings(0.02, 0.005)
 BINS = 100
@@ -77,3 +77,50 @@ def test_a_baseline_refitted_from_the_best_effect_is_not_taken_where_it_is_lost(
 def test_far_above_is_ten_times_what_is_left_or_what_a_lost_baseline_leaves():
     assert far_above(point(50.0, 0.0), 1e4) == 1e5
     assert far_above(point(50.0, 0.0), 0.0) == 10.0 * 3.0 * BINS
+
+
+def test_effects_are_looked_at_beside_the_best_machine_where_the_baseline_is_lost(
+    searched, monkeypatch
+):
+    _, found = searched
+    known = {"turbulence": found.trials[0].point}
+    assert effect_search._beside_best(found.baseline, {}) is found.baseline
+    beside = effect_search._beside_best(found.baseline, known)
+    own = beside.space.of("turbulence")
+    machine = np.setdiff1d(np.arange(beside.x.size), own)
+    assert not beside.x[own].any()
+    assert np.array_equal(beside.x[machine], found.trials[0].point.x[machine])
+    monkeypatch.setattr(effect_search, "lost", lambda at: False)
+    assert effect_search._beside_best(found.baseline, known) is found.baseline
+
+
+@pytest.mark.parametrize(("falls", "rounds"), [(0.03, FIT.rounds), (0.01, 1)])
+def test_far_above_noise_a_round_that_takes_little_of_what_is_left_is_the_last(
+    monkeypatch, falls, rounds
+):
+    made = []
+    monkeypatch.setattr(gauss_newton, "relinearised", lambda at: at)
+    monkeypatch.setattr(
+        gauss_newton,
+        "_walked",
+        lambda at, _: made.append(at) or point((1.0 - falls) * at.chi2 / BINS, 0.0),
+    )
+    gauss_newton.settled(point(1e6, 0.0))
+    assert len(made) == rounds
+
+
+def test_a_machine_far_from_its_prior_is_not_simulated_where_that_takes_much_work(
+    searched, monkeypatch
+):
+    _, found = searched
+    at = replace(found.nominal, residual=np.full(BINS, 1e4))  # which leaves more than any prior
+    far = np.where(np.arange(at.x.size) == 0, 1.1 * FIT.farthest**0.5, 0.0)[np.newaxis]
+    asked = []
+    monkeypatch.setattr(
+        type(at), "_vectors_at", lambda self, rows: asked.append(rows) or [np.full((1, 1), np.inf)]
+    )
+    monkeypatch.setattr(linearisation, "SEARCH", COSTLY)
+    assert at.chi2_at(far) == np.inf and not asked
+    monkeypatch.setattr(linearisation, "SEARCH", replace(SEARCH, little_work=np.inf))
+    at.chi2_at(far)
+    assert len(asked) == 1
