@@ -3,8 +3,8 @@
 With `HANNES_BASE=FOLDER` (a checkout; with an environment of its own, where it has one) both run
 `hannes train` and `hannes evaluate`, with learning curve and simpler ways, on the same data set and
 the same recordings of the ten objects. Processor time is that of whole commands and of all that
-they start, compiled before. Both models are scored by the code of this checkout, which must read
-the other's model file. F1 has its 95 % interval over grasps, force errors theirs: what is learnt
+they start, compiled before. Each model is scored by the code of its checkout, on the same grasps
+of the independent truth. F1 has its 95 % interval over grasps, force errors theirs: what is learnt
 faster must lie within the other's. Coverage is of the 95 % intervals of the peak force, on ninety
 objects drawn at random too.
 
@@ -12,24 +12,38 @@ Takes a quarter of an hour of processor time for the other checkout. Without one
 figures alone. `--quick` uses `large` with a tenth of its grasps. Files stay in results/recognition.
 """
 
+import json
 import os
 import resource
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from benchmarks.harness import ROOT, Row, aligned, interpreter, main, must_show
-from benchmarks.recognition import OUT, build, spread, strangers, subjects
+from benchmarks.recognition import OUT, build
 from benchmarks.recognition_rows import errors
 from benchmarks.truth import objects
 from hannes.core.io.atomic_files import write_text
-from hannes.recognition import model_file
-from hannes.recognition.evaluate import Subject, evaluate
 
 MOST = 0.25  # of the other checkout's processor time
 SEED = 1  # of the recordings that `hannes evaluate` reads
 FIGURES = ("f1_windows", "f1_grasps", "f1_worst")
+SCORED = """
+import json, sys
+from benchmarks.recognition import spread, strangers, subjects
+from hannes.recognition import model_file
+from hannes.recognition.evaluate import evaluate
+
+model, quick = model_file.read(sys.argv[1]), sys.argv[2] == "quick"
+chosen = subjects(quick)
+found = {
+    "scores": evaluate(model, chosen),
+    "interval": spread(model, chosen),
+    "drawn": evaluate(model, strangers(quick)),
+}
+print(json.dumps(found, default=float))
+"""
 
 
 def measure(quick: bool) -> tuple[list[Row], list[Row]]:
@@ -41,8 +55,7 @@ def measure(quick: bool) -> tuple[list[Row], list[Row]]:
     asked = recorded(3 if quick else 10)
     base = os.environ.get("HANNES_BASE")
     roots = {**({"base": Path(base)} if base else {}), "now": ROOT}
-    chosen, drawn = subjects(quick), strangers(quick)
-    found = {name: learnt(name, root, data, asked, chosen, drawn) for name, root in roots.items()}
+    found = {name: learnt(name, root, data, asked, quick) for name, root in roots.items()}
     return aligned([row(name, each) for name, each in found.items()]), bounds(found)
 
 
@@ -56,14 +69,7 @@ def recorded(grasps: int) -> Path:
     return folder / "evaluation.toml"
 
 
-def learnt(
-    name: str,
-    root: Path,
-    data: Path,
-    asked: Path,
-    chosen: Sequence[Subject],
-    drawn: Sequence[Subject],
-) -> dict[str, Any]:
+def learnt(name: str, root: Path, data: Path, asked: Path, quick: bool) -> dict[str, Any]:
     """Processor seconds of a checkout's two commands, and the figures of its model."""
     model = OUT / f"learning-{name}.h5"
     model.unlink(missing_ok=True)
@@ -72,27 +78,28 @@ def learnt(
     more = [str(asked), "--learning-curve", str(data), "--baselines", str(data)]
     command(root, "evaluate", str(model), str(asked))  # compiles
     seconds["evaluate_s"] = command(root, "evaluate", str(model), *more)
-    read = model_file.read(model)
-    scores = evaluate(read, chosen)
-    return {
-        **seconds,
-        "scores": scores,
-        "interval": spread(read, chosen),
-        "drawn": evaluate(read, drawn),
-    }
+    size = "quick" if quick else "whole"
+    said = python(root, "-c", SCORED, str(model), size, stdout=subprocess.PIPE).stdout
+    return seconds | json.loads(said.splitlines()[-1])
 
 
 def command(root: Path, *words: str) -> float:
     """Run a command of a checkout; processor seconds of it and of what it started."""
     before = children()
-    subprocess.run(
-        [interpreter(root), "-P", "-m", "hannes", *words],  # -P: else this folder's own hannes
+    python(root, "-m", "hannes", *words, stdout=subprocess.DEVNULL)
+    return children() - before
+
+
+def python(root: Path, *words: str, stdout: int) -> subprocess.CompletedProcess[str]:
+    """Run Python on a checkout's code, in its environment and this folder."""
+    return subprocess.run(
+        [interpreter(root), "-P", *words],  # -P: else this folder's own hannes
         cwd=Path.cwd(),
         env={**os.environ, "PYTHONPATH": str(root)},
-        stdout=subprocess.DEVNULL,
+        stdout=stdout,
+        text=True,
         check=True,
     )
-    return children() - before
 
 
 def children() -> float:
