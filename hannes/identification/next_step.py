@@ -6,12 +6,15 @@ NEXT: Mapping[str, str] = {
     "no_gap": "Go on with the machine as it is; nothing needs to be added or refitted.",
     "recalibrated": "Simulate with hand.toml, which has the refitted values; add no effect.",
     "named": (
-        "Simulate with hand.toml, which has the effect at this size; on the machine, look at the "
-        "part where the effect sits."
+        "Simulate with hand.toml, which has what is named at its size; on the machine, look where "
+        "that sits."
     ),
-    "one_of": "Record another run that separates them; add neither before.",
+    "one_of": (
+        "Look at those parts of the machine, or record another run that separates them; add none "
+        "of them before."
+    ),
     "named_with_remainder": (
-        "Simulate with hand.toml, which has the effect at this size; then look below for where "
+        "Simulate with hand.toml, which has what is named at its size; then look below for where "
         "the rest is left, for something else is missing there."
     ),
     "unknown": (

@@ -3,12 +3,22 @@
 from collections.abc import Mapping
 from typing import Any
 
+from hannes.identification.effect_words import effect_words
+
 SAID = 0.01  # probability from which another explanation is said beside the answer
 MOST = 2  # of these
+ANSWERS = {
+    "no_gap": "nothing is missing",
+    "recalibrated": "nothing is missing",
+    "named": "this is what is missing",
+    "one_of": "it is one of these",
+    "named_with_remainder": "this is missing, and something else",
+    "unknown": "something is missing that no known effect explains",
+}
 
 
 def probability_sentence(found: Mapping[str, Any], verdict: str, named: list[str]) -> str:
-    """`Probability of this answer, given these recordings: 97 %. Else: lag 2 %.`; empty without.
+    """`Probability that this is what is missing: 97 %. Else: lag 2 %.`; empty without.
 
     found: the table of the verdict;  named: its effects
     """
@@ -17,17 +27,16 @@ def probability_sentence(found: Mapping[str, Any], verdict: str, named: list[str
     others = _others(found, verdict, named)[:MOST]
     beside = ", ".join(f"{what} {_percent(each)}" for what, each in others)
     rest = f" Else: {beside}." if beside else ""
-    return f"Probability of this answer, given these recordings: {_percent(found['answer'])}.{rest}"
+    return f"Probability that {ANSWERS[verdict]}: {_percent(found['answer'])}.{rest}"
 
 
 def _others(found: Mapping[str, Any], verdict: str, named: list[str]) -> list[tuple[str, float]]:
     """What else may be, the likeliest first."""
     rows = [
-        (" with ".join(name.rpartition(":")[2].replace("_", " ") for name in each["effects"]),
-         each["probability"])
+        (" with ".join(map(effect_words, each["effects"])), each["probability"])
         for each in found["effects"]
         if not set(each["effects"]) & set(named)
-    ]  # fmt: skip
+    ]
     if verdict not in ("no_gap", "recalibrated"):
         rows.append(("nothing is missing", found["nothing"]))
     if verdict not in ("unknown", "named_with_remainder"):

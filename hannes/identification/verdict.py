@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from hannes.core.io.provenance import versions
+from hannes.identification.effect_words import effect_words
 from hannes.identification.next_step import NEXT
 from hannes.identification.probability_words import probability_sentence
 from hannes.identification.shape_words import shape_sentence
@@ -102,11 +103,14 @@ class Verdict:
 
     @property
     def comes_nearest(self) -> list[str]:
-        """What comes nearest to an unknown, and why it is not believed; a sentence each."""
+        """What comes nearest to an unknown, and why it is not believed; a sentence each reason."""
+        alike: dict[str, list[str]] = {}
+        for each in self.nearest:
+            share = f"({100.0 * each['explains']:.0f} % of what is missing)"
+            name = " with ".join(map(effect_words, each["effects"]))
+            alike.setdefault(each["why_not"], []).append(f"{name} {share}")
         return [
-            f"Nearest: {' with '.join(map(effect_words, each['effects']))}, which would explain "
-            f"{100.0 * each['explains']:.0f} % of what is missing. Not believed: {each['why_not']}."
-            for each in self.nearest
+            f"Nearest: {', '.join(names)}. Not believed: {why}." for why, names in alike.items()
         ]
 
     @property
@@ -180,11 +184,6 @@ def faint(gap: dict[str, dict[str, Any]]) -> bool:
     """Whether the baseline is hardly further off than repeats are from each other."""
     above = [(each["before"] / each["floor"]) ** 2 - 1.0 for each in gap.values()]
     return bool(sum(above) < FAINT * len(above))
-
-
-def effect_words(name: str) -> str:
-    """An effect's name in words: `leader_slack` -> `leader slack`."""
-    return name.rpartition(":")[2].replace("_", " ")
 
 
 def readable_unit(unit: str) -> tuple[str, float]:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hannes.identification.effect_words import effect_words
 from hannes.identification.verdict import (
-    effect_words,
     indistinguishable,
     readable_unit,
     refitted_text,
@@ -71,13 +71,16 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
         floor = number(factor * gap["floor"], 2)
         rows.append((label, *sizes, floor, _meaning(diagnosis, name)))
     columns = ("RMS gap", "As given", "Baseline refitted", "After", "Noise floor", "What is left")
+    same = all(gap["as_given"] == gap["before"] for gap in diagnosis.verdict.gap.values())
     note = (
         f"On {diagnosis.verdict.gap_on}. In brackets: relative to the recorded signal, "
         f"100 |simulated − measured| / |measured|. "
         f"The noise floor is {diagnosis.verdict.floor_from}."
     )
+    if same:
+        note += " The refitted baseline was not taken: it stands as given."
     if not diagnosis.verdict.effects:
-        note += " No effect was added: After is the refitted baseline."
+        note += f" No effect was added: After is the baseline{'' if same else ', refitted'}."
     return Table("gaps", "The gap before and after", columns, tuple(rows), note)
 
 
@@ -120,10 +123,11 @@ def _each_explains(diagnosis: "Diagnosis") -> Table:
     channels = [name if unit == "1" else f"{name} [{unit}]"
                 for name, unit in zip(names, units, strict=True)]  # fmt: skip
     note = (
-        f"On {verdict.gap_on}: RMS gap without the effect, the machine following, and the share "
-        "of the reducible gap that is left by that. What two effects can both do counts for none."
+        f"On {verdict.gap_on}: each effect is left out in turn, all else following. The share of "
+        "the reducible gap that comes back, and the RMS gap then. What another one that is named "
+        "can do as well does not come back."
     )
-    columns = ("Without", "It alone explains", *channels)
+    columns = ("Left out", "Gap that comes back", *channels)
     return Table("each-explains", "What each effect explains", columns, tuple(rows), note)
 
 
@@ -169,7 +173,7 @@ def _tried(diagnosis: "Diagnosis") -> Table:
         about = "" if row is None or row.get("refitted", True) else "≈ "
         share = f"{about}{decimals(round(100.0 * row['gain_select']), 0)} %" if row else "–"
         sigma = f"{about}{number(row['evidence'], 2)}" if row else "–"
-        confusable = ", ".join(row["confusable_with"]) if row else ""
+        confusable = ", ".join(_confusable(diagnosis, row)) if row else ""
         least = _least(diagnosis, attempt["effect"])
         rows.append((attempt["effect"], share, sigma, least, confusable or "–", attempt["why"]))
     size = "Minimum detectable size"
@@ -185,6 +189,13 @@ def _tried(diagnosis: "Diagnosis") -> Table:
     if unfit:
         note += f" Not tried: {', '.join(unfit)}; verdict.json says why."
     return Table("tried", "What was tried", columns, tuple(rows), note)
+
+
+def _confusable(diagnosis: "Diagnosis", row: dict[str, Any]) -> list[str]:
+    """Effects that are hardly separated from one: alike in shape, or one of the same verdict."""
+    verdict, name = diagnosis.verdict, row["effect"]
+    rivals = verdict.effects if verdict.verdict == "one_of" and name in verdict.effects else []
+    return [each for each in dict.fromkeys((*row["confusable_with"], *rivals)) if each != name]
 
 
 def _least(diagnosis: "Diagnosis", effect: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from hannes.core.effect import Effect
-from hannes.identification.verdict import effect_words
+from hannes.identification.effect_words import effect_words
 from hannes.plants.plant_file import base_name
 from hannes.report.schematic import schematic
 from hannes.report.schematic_layout import parts_of

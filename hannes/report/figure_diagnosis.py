@@ -33,9 +33,19 @@ def figures(diagnosis: "Diagnosis") -> list[Drawn]:
 
 
 def drawn_recording(diagnosis: "Diagnosis") -> "Traces":
-    """The recording that is drawn: the first in role show, else the first of all."""
-    roles = {"show": 0, "select": 1, "fit": 2}
-    return min(diagnosis.traces, key=lambda each: roles[each.entry.role])
+    """The recording that is drawn: of those in role show, else of all, the furthest off."""
+    shown = [each for each in diagnosis.traces if each.entry.role == "show"]
+    return max(shown or diagnosis.traces, key=lambda each: _furthest(diagnosis, each))
+
+
+def _furthest(diagnosis: "Diagnosis", traces: "Traces") -> float:
+    """What the baseline leaves in the channel where that is most, in noise floors."""
+    return max(
+        float(np.sqrt(np.mean((traces.before[name] - traces.measured[name])[traces.mask] ** 2)))
+        / floor
+        for name, floor in diagnosis.noise_floors.items()
+        if name in traces.measured
+    )
 
 
 def _channel(diagnosis: "Diagnosis", traces: "Traces", name: str) -> Drawn:

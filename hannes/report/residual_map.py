@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 LEVELS = (1.5, 3.0, 6.0)  # noise floors, at which a cell's shade deepens
 MOST_ROWS = 24  # that a page shows
+FEWEST = 10  # samples of a phase whose mean is asked for
+PART_OF_ALL = 0.3  # of its mean, that a constant has in each phase at least
 Key = tuple[str, str]  # condition, phase
 
 
@@ -97,17 +99,22 @@ def _cell(parts: Sequence[np.ndarray] | None, floor: float, named: bool) -> Cell
 
 
 def constant_part(diagnosis: "Diagnosis", name: str) -> float:
-    """Mean residual that is left of a channel where it is more than half of that, else 0.
+    """Mean residual that is left of a channel where it is much of that in each phase, else 0.
 
     In the channel's unit, simulated minus measured, over the recordings that are drawn.
     """
-    left = [
-        (each.after[name] - each.measured[name])[each.mask]
-        for each in diagnosis.traces
-        if name in each.measured
-    ]
+    left, phases = [], dict[str, list[np.ndarray]]()
+    for traces in (each for each in diagnosis.traces if name in each.measured):
+        misses = traces.after[name] - traces.measured[name]
+        left.append(misses[traces.mask])
+        for phase, inside in _phases(diagnosis, traces):
+            phases.setdefault(phase, []).append(misses[inside])
     if not left:
         return 0.0
     every = np.concatenate(left)
     mean, size = float(every.mean()), float(np.sqrt(np.mean(every**2)))
-    return mean if abs(mean) > max(0.5 * size, diagnosis.noise_floors[name]) else 0.0
+    if abs(mean) <= max(0.5 * size, diagnosis.noise_floors[name]):
+        return 0.0
+    parts = [part for each in phases.values() if (part := np.concatenate(each)).size >= FEWEST]
+    least = min((float(part.mean()) * np.sign(mean) for part in parts), default=abs(mean))
+    return mean if least > PART_OF_ALL * abs(mean) else 0.0

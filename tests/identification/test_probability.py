@@ -102,7 +102,7 @@ def test_the_sentence_says_what_else_may_be():
                     {"effects": ["gear_lag"], "probability": 0.02}],
     }  # fmt: skip
     assert probability_sentence(table, "named", ["slack"]) == (
-        "Probability of this answer, given these recordings: 93 %. "
+        "Probability that this is what is missing: 93 %. "
         "Else: something in no catalogue 5 %, gear lag 2 %."
     )
     assert probability_sentence({}, "unknown", []) == ""

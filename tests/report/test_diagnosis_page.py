@@ -14,7 +14,8 @@ from hannes.identification.residuals import Traces
 from hannes.identification.verdict import SENTENCES, Verdict
 from hannes.plants.hand.plant import HandPlant
 from hannes.report.diagnosis import page
-from hannes.report.residual_map import MOST_ROWS, residual_map
+from hannes.report.figure_diagnosis import drawn_recording
+from hannes.report.residual_map import MOST_ROWS, constant_part, residual_map
 from hannes.report.schematic import STYLE
 
 FLOORS = {"current": 0.01, "supply": 0.02}
@@ -127,6 +128,30 @@ def test_a_constant_that_is_most_of_what_is_left_is_said(diagnosis):
     text = page(SimpleNamespace(**{**vars(diagnosis), "traces": drawn, "verdict": verdict}))
     constant = 0.05 + 0.04 * WAVE.mean()
     assert f"most of it a constant, {constant:.3g} V: check that sensor" in text
+
+
+def test_a_channel_that_is_off_in_some_phases_alone_has_no_wrong_zero(diagnosis):
+    moving = np.where(np.arange(101) < 30, 0.0, 0.05)
+    off = {"current": 0.004 * WAVE, "supply": moving}
+    drawn = tuple(traces(f"run_{k}.csv", "void", off, off) for k in range(2))
+    gap = {**diagnosis.verdict.gap}
+    gap["supply"] = {**gap["supply"], "after": 0.042}
+    verdict = replace(diagnosis.verdict, gap=gap)
+    changed = SimpleNamespace(**{**vars(diagnosis), "traces": drawn, "verdict": verdict})
+    phases = {"start": np.arange(101) < 30, "closing": np.arange(101) >= 30}
+    changed.plant = SimpleNamespace(phases=lambda recording: phases)
+    assert constant_part(changed, "supply") == 0.0
+    phases["start"], phases["closing"] = phases["start"] & False, phases["closing"] | True
+    assert constant_part(changed, "supply") == pytest.approx(moving.mean())
+
+
+def test_the_recording_that_is_furthest_off_is_drawn(diagnosis):
+    drawn = tuple(
+        traces(name, "void", off := {"current": size * WAVE, "supply": 0.0 * WAVE}, off)
+        for name, size in (("little.csv", 0.01), ("much.csv", 0.5), ("less.csv", 0.1))
+    )
+    changed = SimpleNamespace(**{**vars(diagnosis), "traces": drawn})
+    assert drawn_recording(changed).entry.name == "much.csv"
 
 
 def test_what_was_tried_has_the_units_of_the_sentence(diagnosis):

@@ -22,6 +22,7 @@ from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENE
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
 from hannes.identification.diagnosis.repeat_groups import Channels, nominal_values
 from hannes.identification.diagnosis.score_test import shapes
+from hannes.identification.effect_words import effect_words
 from hannes.plants.part_fault import compiled_effects
 from hannes.plants.protocol import Plant
 
@@ -88,7 +89,7 @@ def missing_effect(found: State, effects: Sequence[Effect]) -> MissingEffect:
     least = int(np.argmin(chances))
     name = directions[least].effect.name
     return MissingEffect(
-        GENERIC_NAMES.get(name, name.rpartition(":")[2].replace("_", " ")),
+        GENERIC_NAMES.get(name, effect_words(name)),
         float(far[least]),
         min(1.0, chances[least] * len(tried)),
         len(tried),

@@ -24,6 +24,7 @@ from hannes.identification.diagnosis.trials import (
     near,
 )
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
+from hannes.identification.effect_words import effect_words
 
 
 @dataclass(frozen=True)
@@ -50,14 +51,14 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
         / found.variance_factor
     )
     reason = (
-        f"{_names(trial)} lowers the misfit by {trial.delta_chi2:.0f} "
-        f"(limit {SEARCH.name_limit:.0f})"
+        f"{_names(trial)} lowers the misfit by {trial.delta_chi2:,.0f} "
+        f"(a name needs {SEARCH.name_limit:.0f})"
     )
     if not delta_chi2 >= -allowed(trial.delta_chi2):  # nor where it is not a number
-        reason = f"{reason}, but not that of recordings held out ({delta_chi2:.0f})"
+        reason = f"{reason}, but not that of recordings held out ({delta_chi2:,.0f})"
         return Decision("unknown", (), reason, found.baseline)
     if any(fitted_runs) and any(heldout_runs):
-        reason += f", that of recordings held out by {delta_chi2:.0f}"
+        reason += f", that of recordings held out by {delta_chi2:,.0f}"
     if doubt := doubt_about(found, trial):
         return Decision("unknown", (), f"{reason}, but {doubt}", found.baseline)
     if left := something_more(found, trial):
@@ -174,7 +175,7 @@ def _some_of(found: SearchResult, joint: Joint, sure: set[str], reason: str) -> 
 
 
 def _nearest(rivals: Sequence[Trial]) -> str:
-    return f"{_names(rivals[0])} comes as near as {rivals[0].delta_chi2:.0f}"
+    return f"{_names(rivals[0])} lowers it by {rivals[0].delta_chi2:,.0f}, as good as the same"
 
 
 def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
@@ -215,4 +216,4 @@ def _surely_missed(found: SearchResult, joint: Joint, explained: float, reason: 
 
 
 def _names(trial: Trial) -> str:
-    return " with ".join(name.rpartition(":")[2].replace("_", " ") for name in trial.effects)
+    return " with ".join(map(effect_words, trial.effects))

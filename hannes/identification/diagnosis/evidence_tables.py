@@ -25,20 +25,25 @@ class EvidenceTables:
         self.found, self.names = found, names
 
     def candidates(self) -> list[dict[str, Any]]:
-        """Every effect that was screened, best first; reductions of refitted ones are exact."""
+        """Every effect that was screened, best first; reductions of refitted ones are exact.
+
+        Of several named together, an effect has what is lost without it, where that is more.
+        """
         exact = {trial.effects[0]: trial for trial in self.found.trials}
+        beside = self.found.joint.losses if self.found.joint else {}
         rows = []
         for guess in self.found.guesses:
-            trial = exact.get(guess.effect)
+            trial, name = exact.get(guess.effect), guess.effect
             delta_chi2 = (
                 trial.delta_chi2 if trial else guess.delta_chi2 / self.found.variance_factor
             )
+            delta_chi2 = max(delta_chi2, beside.get(name, delta_chi2))
             rows.append(
                 {
                     "effect": self.names[guess.effect],
                     "evidence": float(np.sqrt(max(0.0, delta_chi2))),
                     "gain_select": self._share(delta_chi2),
-                    "refitted": trial is not None,
+                    "refitted": trial is not None or name in beside,
                     "confusable_with": [self.names[name] for name in trial.confusable]
                     if trial
                     else [],
@@ -67,7 +72,7 @@ class EvidenceTables:
             row = reductions.get(name)
             reason = why or ("" if row is None else _reason(row, name in named))
             if not why and row is not None and name not in named and self._missed(name):
-                reason += "; never in the race: even the end of its range would be missed"
+                reason += "; could not have been found: even the end of its range would be missed"
             rows.append(
                 {"effect": name, "applicable": not why, "accepted": name in named, "why": reason}
             )
@@ -113,7 +118,10 @@ class EvidenceTables:
         names = [name for name in rows if name in known][: VERDICT.compared]
         baseline = self.found.baseline
         cosines = [
-            [round(cosine_similarity(baseline, known[a], known[b]), 3) for b in names]
+            [
+                1.0 if a == b else round(cosine_similarity(baseline, known[a], known[b]), 3)
+                for b in names
+            ]
             for a in names
         ]
         return {"effects": names, "cosines": cosines}
@@ -127,10 +135,12 @@ def _reason(row: dict[str, Any], named: bool) -> str:
         return "accepted"
     delta_chi2 = row["evidence"] ** 2
     if not row["refitted"]:
-        return f"would lower the misfit by {delta_chi2:.0f} by a linear estimate; not fitted"
+        return f"would lower the misfit by {delta_chi2:,.0f} by a linear estimate; not fitted"
     if delta_chi2 < SEARCH.name_limit:
-        return f"lowers the misfit by {delta_chi2:.0f}; a name needs {SEARCH.name_limit:.0f}"
-    return f"lowers the misfit by {delta_chi2:.0f}, which the verdict weighs"
+        return f"lowers the misfit by {delta_chi2:,.0f}; a name needs {SEARCH.name_limit:.0f}"
+    if row["gain_select"] < 1.0:
+        return f"lowers the misfit by {delta_chi2:,.0f}, less than what explains most"
+    return f"lowers the misfit by {delta_chi2:,.0f}; the verdict's reason says why it is no name"
 
 
 def _size(size: float, low: float, high: float, unit: str) -> dict[str, Any]:

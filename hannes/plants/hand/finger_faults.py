@@ -77,7 +77,7 @@ def _of(finger: str, values: Mapping[str, float]) -> tuple[PartFault, ...]:
         _fault(
             f"{finger}_slipped_wire",
             (
-                f"The wire of the {finger} finger runs off its pulley, at another arm.",
+                f"The wire of the {finger} finger runs beside its pulley, on another moment arm.",
                 "a *= 1 - lost, at one joint",
                 "geometry; Kaneko, Yamashita & Tanie (1991), tendon routing",
             ),
