@@ -155,11 +155,11 @@ def test_of_pairs_the_finger_alone_makes_the_limit_narrow():
 
 
 def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
-    left = {"index": 300.0, "middle": 120.0, "ring": 101.0, "little": 99.5}
+    left = {"index": 300.0, "middle": 99.5, "ring": 101.0, "little": 120.0}
     begun, converged = [], []
 
     def transferred(baseline, leader, best, name):
-        begun.append(name)
+        begun.append((name, best))
         return SimpleNamespace(chi2=left[name.partition("_")[0]])
 
     def settled(point):
@@ -171,11 +171,13 @@ def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
     baseline = SimpleNamespace(chi2=200.0, space=SimpleNamespace(effects=KNOWN))
     fits = {"thumb_weak_spring": SimpleNamespace(chi2=100.0)}
     found = with_like_faults(baseline, fits, "thumb_weak_spring", lambda text: None)
-    assert begun == [f"{finger}_weak_spring" for finger in left]
+    assert [name for name, _ in begun] == [f"{finger}_weak_spring" for finger in left]
+    leaders = [best.partition("_")[0] for _, best in begun]
+    assert leaders == ["thumb", "thumb", "middle", "middle"]  # the better one goes on
     assert set(found) == {
         f"{finger}_weak_spring" for finger in ("middle", "ring", "little", "thumb")
     }
-    assert converged == [101.0, 99.5]  # the others are far from as good
+    assert converged == [100.0, 99.5, 101.0]  # the others are far from as good
     assert with_like_faults(baseline, {"capstan": fits}, "capstan", print) == {"capstan": fits}
 
 

@@ -14,14 +14,23 @@ from hannes.plants.part_fault import like_faults
 
 
 def with_like_faults(baseline: Linearisation, fits: Fits, best: str, progress: Progress) -> Fits:
-    """The fits with that of the best one tried in the other parts, as large as it is in its own."""
-    found, leader = dict(fits), fits[best]
-    for name in like_faults(baseline.space.effects, best):
+    """The fits with that of the best one tried in the other parts, as large as it is in its own.
+
+    One that leaves less takes its place, and those that are then near it go on.
+    """
+    found, first, leader = dict(fits), best, fits[best]
+    others = like_faults(baseline.space.effects, best)
+    for name in others:
         progress(f"{name.replace('_', ' ')}, as {best.replace('_', ' ')}")
         points = [_transferred(baseline, leader, best, name), found.get(name)]
         there = [each for each in points if each is not None and each.chi2 < baseline.chi2]
         if there:
-            found[name] = _converged_if_near(baseline, leader, min(there, key=lambda e: e.chi2))
+            found[name] = min(there, key=lambda each: each.chi2)
+            best = min(best, name, key=lambda each: found[each].chi2)
+            leader = found[best]
+    for name in (first, *others):
+        if name in found and (name != first or best != first):
+            found[name] = _converged_if_near(baseline, leader, found[name])
     return found
 
 
