@@ -3,10 +3,10 @@
 With `HANNES_BASE=FOLDER` (a checkout; with an environment of its own, where it has one) both run
 `hannes train` and `hannes evaluate`, with learning curve and simpler ways, on the same data set and
 the same recordings of the ten objects. Processor time is that of whole commands and of all that
-they start, compiled before. Each model is scored by the code of its checkout, on the same grasps
-of the independent truth. F1 has its 95 % interval over grasps, force errors theirs: what is learnt
-faster must lie within the other's. Coverage is of the 95 % intervals of the peak force, on ninety
-objects drawn at random too.
+they start, compiled before. Each model is scored by the code of its checkout, and by its
+independent truth, of which the seeds must be the same. F1 has its 95 % interval over grasps, force
+errors theirs: what is learnt faster must lie within the other's. Coverage is of the 95 % intervals
+of the peak force, on ninety objects drawn at random too.
 
 Takes a quarter of an hour of processor time for the other checkout. Without one this checkout's
 figures alone. `--quick` uses `large` with a tenth of its grasps. Files stay in results/recognition.

@@ -209,7 +209,7 @@ def _passed_on(talk: Session, following: _Following, order: LiveOrder) -> Iterat
             talk.reader.write_down(HAPTIC, haptics.pack(moment.time, moment.haptic))
             if order.tactor:
                 order.tactor(moment.haptic)
-        yield replace(moment, damaged=talk.damaged, gaps=len(talk.missing))
+        yield replace(moment, damaged=talk.damaged, gaps=talk.gaps)
 
 
 def known_by(about: Mapping[str, Any], model: Model) -> np.ndarray | None:

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from hannes.bench.ask_again import AskAgain
 from hannes.bench.events import About
 from hannes.bench.finish import read_rows, recording
 from hannes.bench.profile_check import require_within
@@ -60,9 +59,7 @@ def record(
             progress(note)
         board = talk.hello()
         progress(f"{link.port}: {board.firmware}, {len(board.channels)} channels")
-        lost = AskAgain(talk)
         run_command(talk, variant.experiment)
-        lost.at_the_end()
         if not (stopped := talk.close()):
             progress(talk.stop_in_words())
     return Recorded(recover(raw), Path(raw), board, stopped)

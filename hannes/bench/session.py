@@ -140,9 +140,9 @@ class Session:
         return self._listener.damaged
 
     @property
-    def missing(self) -> tuple[tuple[int, int], ...]:
-        """Intervals of frame numbers that did not come: first, and the one after the last."""
-        return self._listener.missing
+    def gaps(self) -> int:
+        """Intervals of frames so far that never came."""
+        return len(self._listener.missing)
 
     def require_following(self) -> None:
         """Raise ComputationFailed where the board was stopped, or the link is lost."""

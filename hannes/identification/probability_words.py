@@ -12,7 +12,8 @@ ANSWERS = {
     "recalibrated": "nothing is missing",
     "named": "this is what is missing",
     "one_of": "it is one of these",
-    "named_with_remainder": "this is missing, and something else",
+    "named_with_remainder": "this is missing, whatever else is",
+    "undecided": "these recordings do not decide it",
     "unknown": "something is missing that no known effect explains",
 }
 

@@ -78,7 +78,7 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
         f"The noise floor is {diagnosis.verdict.floor_from}."
     )
     if same:
-        note += " The refitted baseline was not taken: it stands as given."
+        note += " Here the baseline stands as given; a caution says where refitting was not taken."
     if not diagnosis.verdict.effects:
         note += f" No effect was added: After is the baseline{'' if same else ', refitted'}."
     return Table("gaps", "The gap before and after", columns, tuple(rows), note)

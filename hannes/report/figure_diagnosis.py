@@ -22,7 +22,7 @@ POINTS = 900  # of a drawn line; between them its extremes are kept
 
 
 def figures(diagnosis: "Diagnosis") -> list[Drawn]:
-    """One figure for each judged channel of the first show recording, then map and ranking."""
+    """One figure for each judged channel of the recording that is drawn, then map and ranking."""
     traces = drawn_recording(diagnosis)
     made = [_channel(diagnosis, traces, name) for name in traces.measured]
     if diagnosis.verdict.where:
@@ -40,12 +40,12 @@ def drawn_recording(diagnosis: "Diagnosis") -> "Traces":
 
 def _furthest(diagnosis: "Diagnosis", traces: "Traces") -> float:
     """What the baseline leaves in the channel where that is most, in noise floors."""
-    return max(
-        float(np.sqrt(np.mean((traces.before[name] - traces.measured[name])[traces.mask] ** 2)))
-        / floor
-        for name, floor in diagnosis.noise_floors.items()
-        if name in traces.measured
-    )
+    if not traces.mask.any():
+        return 0.0
+    misses = {n: (traces.before[n] - traces.measured[n])[traces.mask] for n in traces.measured}
+    floors = diagnosis.noise_floors
+    found = (np.sqrt(np.mean(misses[n] ** 2)) / floors[n] for n in floors if n in misses)
+    return float(max(found, default=0.0))
 
 
 def _channel(diagnosis: "Diagnosis", traces: "Traces", name: str) -> Drawn:

@@ -99,9 +99,9 @@ def _cell(parts: Sequence[np.ndarray] | None, floor: float, named: bool) -> Cell
 
 
 def constant_part(diagnosis: "Diagnosis", name: str) -> float:
-    """Mean residual that is left of a channel where it is much of that in each phase, else 0.
+    """Mean residual that is left of a channel where it is most of that, and there in each phase.
 
-    In the channel's unit, simulated minus measured, over the recordings that are drawn.
+    Else 0. In the channel's unit, simulated minus measured, over the recordings that are drawn.
     """
     left, phases = [], dict[str, list[np.ndarray]]()
     for traces in (each for each in diagnosis.traces if name in each.measured):

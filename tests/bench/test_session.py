@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from toy_machine import Lag
 
-from hannes.bench.ask_again import AskAgain
 from hannes.bench.board_logic import BoardLogic, Settings
 from hannes.bench.finish import read_rows, recording
 from hannes.bench.messages import State
@@ -61,25 +60,6 @@ def test_a_profile_becomes_a_recording(tmp_path, far):
     said = json.loads(made.conversion)
     lost = sum(round((b - a) * 1000) - 1 for a, b in said["gaps_s"])
     assert made.time.size + lost == pytest.approx(201, abs=2)
-
-
-@pytest.mark.parametrize("asked", [True, False])
-def test_what_was_lost_is_asked_for_again(tmp_path, asked):
-    """A tenth is lost, and of what is sent again a tenth, too."""
-    log, ramp = tmp_path / "run.rawlog", [(0.0, 0.0), (0.8, 1.0)]
-    worn = Running(Terminal(), Misbehaviour(lost=0.1))
-    with worn as board, session(Link(board.far.address), log) as talk:
-        talk.hello()
-        lost = AskAgain(talk) if asked else None
-        talk.profile(ramp)
-        talk.run_to_end(0.8)
-        if lost:
-            lost.at_the_end()
-    made = recording(read_rows(log), duration=0.8)
-    assert np.all(np.diff(made.time) > 0.0)
-    away = sum(round((b - a) * 1000) - 1 for a, b in json.loads(made.conversion)["gaps_s"])
-    assert away < 40 if asked else away > 40
-    np.testing.assert_allclose(made["reference"], made.time / 0.8, atol=0.01)
 
 
 def test_a_log_that_was_cut_off_gives_all_before(tmp_path):

@@ -175,7 +175,7 @@ def _some_of(found: SearchResult, joint: Joint, sure: set[str], reason: str) -> 
 
 
 def _nearest(rivals: Sequence[Trial]) -> str:
-    return f"{_names(rivals[0])} lowers it by {rivals[0].delta_chi2:,.0f}, as good as the same"
+    return f"{_names(rivals[0])} lowers it nearly as much, by {rivals[0].delta_chi2:,.0f}"
 
 
 def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:

@@ -7,7 +7,7 @@ import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted, settled, wald
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
-from hannes.identification.diagnosis.heldout import falls_on_heldout
+from hannes.identification.diagnosis.heldout import stands_on_heldout
 from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.multistart import (
     Progress,
@@ -59,10 +59,10 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
 
 
 def _is_missed(known: Trial, best: Trial, loss: float, variance_factor: float) -> bool:
-    """Whether a loss without one effect is enough: where it is little, on runs held out as well."""
+    """Whether enough is lost without one effect; where it is little, by held-out runs as well."""
     if loss < needed_beside(known, variance_factor):
         return False
-    return loss >= SEARCH.sure_beside or falls_on_heldout(known.point, best.point)
+    return loss >= SEARCH.sure_beside or stands_on_heldout(known.point, best.point)
 
 
 def _missed(found: SearchResult, point: Linearisation, name: str) -> float:

@@ -12,7 +12,7 @@ from hannes.identification.diagnosis.score_test import (
     cosine_similarity,
     projected,
 )
-from hannes.identification.diagnosis.trials import SearchResult
+from hannes.identification.diagnosis.trials import Joint, SearchResult, Trial
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 
 POWER_80 = 0.842  # standard deviations above a limit for 80 % power
@@ -30,7 +30,8 @@ class EvidenceTables:
         Of several named together, an effect has what is lost without it, where that is more.
         """
         exact = {trial.effects[0]: trial for trial in self.found.trials}
-        beside = self.found.joint.losses if self.found.joint else {}
+        joint = self.found.joint or Joint(Trial((), self.found.baseline, 0.0))
+        beside, without = joint.losses, joint.without
         rows = []
         for guess in self.found.guesses:
             trial, name = exact.get(guess.effect), guess.effect
@@ -43,7 +44,7 @@ class EvidenceTables:
                     "effect": self.names[guess.effect],
                     "evidence": float(np.sqrt(max(0.0, delta_chi2))),
                     "gain_select": self._share(delta_chi2),
-                    "refitted": trial is not None or name in beside,
+                    "refitted": trial is not None or name in without,
                     "confusable_with": [self.names[name] for name in trial.confusable]
                     if trial
                     else [],
@@ -67,10 +68,11 @@ class EvidenceTables:
         """
         reductions = {each["effect"]: each for each in self.candidates()}
         named = {self.names[name] for name in effects}
+        most = max((each["evidence"] for each in reductions.values()), default=0.0)
         rows = []
         for name, (_, why) in tried.items():
             row = reductions.get(name)
-            reason = why or ("" if row is None else _reason(row, name in named))
+            reason = why or ("" if row is None else _reason(row, name in named, most))
             if not why and row is not None and name not in named and self._missed(name):
                 reason += "; could not have been found: even the end of its range would be missed"
             rows.append(
@@ -130,7 +132,7 @@ class EvidenceTables:
         return self.found.baseline.space.declared(name).unit
 
 
-def _reason(row: dict[str, Any], named: bool) -> str:
+def _reason(row: dict[str, Any], named: bool, most: float) -> str:
     if named:
         return "accepted"
     delta_chi2 = row["evidence"] ** 2
@@ -138,7 +140,7 @@ def _reason(row: dict[str, Any], named: bool) -> str:
         return f"would lower the misfit by {delta_chi2:,.0f} by a linear estimate; not fitted"
     if delta_chi2 < SEARCH.name_limit:
         return f"lowers the misfit by {delta_chi2:,.0f}; a name needs {SEARCH.name_limit:.0f}"
-    if row["gain_select"] < 1.0:
+    if row["evidence"] < most:
         return f"lowers the misfit by {delta_chi2:,.0f}, less than what explains most"
     return f"lowers the misfit by {delta_chi2:,.0f}; the verdict's reason says why it is no name"
 

@@ -25,6 +25,7 @@ from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.diagnosis.trials import SearchResult, Trial
 from hannes.identification.diagnosis.tuning import NOISE, VERDICT
+from hannes.identification.effect_words import effect_words
 from hannes.plants.protocol import Plant
 
 BRIEF = NoiseAccuracy(NOISE.fine_nonlinearity, NOISE.proposed_samples)
@@ -81,7 +82,7 @@ def explanations(found: SearchResult) -> list[Trial]:
 
 def proposed(separations: Mapping[str, Separation], names: list[str]) -> dict | None:
     """The run that separates best by what is logged so far, or with more channels if needed."""
-    apart = " from ".join(name.replace("_", " ") for name in names)
+    apart = " from ".join(effect_words(name) for name in names)
     best = max(separations, key=lambda name: separations[name].usual, default="")
     if best and separations[best].usual >= VERDICT.enough_separation:
         why = f"it would separate {apart} by {separations[best].usual:.1f} standard deviations"

@@ -66,8 +66,9 @@ def _while_near(
     """
     found: Fits = {}
     far = far_above(baseline, min(least.values(), default=np.inf))
+    likeliest = min(least, key=lambda each: least[each], default="")
     for name, left in least.items():
-        leader = min(found, key=lambda each: found[each].chi2, default=name)
+        leader = min(found, key=lambda each: found[each].chi2, default=likeliest)
         best = found[leader].chi2 if found else baseline.chi2
         near = baseline.chi2 - left >= SEARCH.crossed_share * (baseline.chi2 - best)
         near |= without - left >= SEARCH.crossed_share * (without - least[leader])

@@ -8,7 +8,7 @@ from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.noise_covariance import NoiseCovariance
 from hannes.identification.diagnosis.repeat_groups import Group
-from hannes.identification.diagnosis.tuning import VERDICT
+from hannes.identification.diagnosis.tuning import FIT, VERDICT
 
 
 def runs_in_role(groups: Sequence[Group], role: str) -> list[int]:
@@ -19,14 +19,17 @@ def runs_in_role(groups: Sequence[Group], role: str) -> list[int]:
     ]
 
 
-def falls_on_heldout(fewer: Linearisation, more: Linearisation) -> bool:
-    """Whether the misfit of held-out runs falls by a further effect; so where none are held out."""
+def stands_on_heldout(fewer: Linearisation, more: Linearisation) -> bool:
+    """Whether the misfit of held-out runs does not rise by a further effect.
+
+    So where none are held out, or none can be run; what fits converge to is no rise.
+    """
     fitted_runs, heldout_runs = (
         runs_in_role(fewer.model.groups, role) for role in ("fit", "select")
     )
     if not (any(fitted_runs) and any(heldout_runs)):
         return True
-    return heldout_reduction(fewer, more, fitted_runs, heldout_runs) > 0.0
+    return not heldout_reduction(fewer, more, fitted_runs, heldout_runs) < -FIT.converged
 
 
 def heldout_reduction(

@@ -19,6 +19,7 @@ from hannes.identification.diagnosis.shape_rival import stands_against
 from hannes.identification.diagnosis.trend import Trend, strongest_trend
 from hannes.identification.diagnosis.trials import SearchResult, Trial, near
 from hannes.identification.diagnosis.tuning import FIT, SEARCH, VERDICT
+from hannes.identification.effect_words import effect_words
 from hannes.plants.part_fault import moved_by
 
 
@@ -154,7 +155,7 @@ def significant_trend(
 
 def trend_text(found: SearchResult, trend: Trend) -> str:
     """A trend across runs in words."""
-    name = trend.effect.replace("_", " ")
+    name = effect_words(trend.effect)
     further = trend.delta_chi2 / found.variance_factor
     return (
         f"by a linear estimate, not fitted, {further:.0f} would go with {name} that grows from run "
@@ -174,7 +175,7 @@ def small_further_effect(found: SearchResult, trial: Trial) -> str:
 
 def _further(found: SearchResult, rest: Guess) -> str:
     """What one more effect would explain, and whether it was fitted."""
-    name, further = rest.effect.replace("_", " "), rest.delta_chi2 / found.variance_factor
+    name, further = effect_words(rest.effect), rest.delta_chi2 / found.variance_factor
     if rest.refitted:
         return f"{name} beside it lowers the misfit by {further:.0f} more"
     return f"by a linear estimate, not fitted, {further:.0f} more would go with {name}"

@@ -103,7 +103,7 @@ class SearchTuning:
     sure_beside: float = constant(
         80.0,
         "chi2",
-        "that one more needs at most, where they leave little; below, runs held out are asked too",
+        "that one more needs at most, where they leave little; below, held-out runs are asked",
         DEVELOPMENT,
     )
     most_effects: int = constant(4, "1", "effects that are named together", COST)
