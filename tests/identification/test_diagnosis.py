@@ -109,7 +109,7 @@ def test_what_leaves_much_in_one_place_is_not_named():
     known = {each.name: each for each in (HARDENING, TURBULENCE, TWIN)}
     verdict = found(3, ((HARDENING, 900.0), (TURBULENCE, 2.0)), known)
     assert (verdict.verdict, verdict.effects) == ("unknown", [])
-    assert "comes as near" in verdict.reason
+    assert "lowers it nearly as much" in verdict.reason
     assert "times the noise floor in the speed, run of slow" in verdict.reason
 
 
