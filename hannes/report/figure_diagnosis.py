@@ -43,8 +43,10 @@ def _furthest(diagnosis: "Diagnosis", traces: "Traces") -> float:
     if not traces.mask.any():
         return 0.0
     misses = {n: (traces.before[n] - traces.measured[n])[traces.mask] for n in traces.measured}
-    floors = diagnosis.noise_floors
-    found = (np.sqrt(np.mean(misses[n] ** 2)) / floors[n] for n in floors if n in misses)
+    noise_floors = diagnosis.noise_floors
+    found = (
+        np.sqrt(np.mean(misses[n] ** 2)) / floor for n, floor in noise_floors.items() if n in misses
+    )
     return float(max(found, default=0.0))
 
 
