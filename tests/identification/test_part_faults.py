@@ -17,6 +17,7 @@ from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import Trial, near, priced
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.effect_words import effect_words
 from hannes.plants.hand.finger_faults import FAULTS
 from hannes.plants.hand.other_settings import other_settings
 from hannes.plants.hand.plant import HandPlant
@@ -116,6 +117,12 @@ def trial(*effects, delta_chi2=1000.0):
     space, residual = SimpleNamespace(effects=KNOWN), np.zeros(100)
     point = SimpleNamespace(space=space, chi2=1000.0, residual=residual)  # that leaves much
     return Trial(effects, point, delta_chi2)
+
+
+def test_a_fault_of_the_little_finger_is_not_said_to_be_a_little_one():
+    own = [name for name in FAULTS if name.startswith("little_")]
+    assert own and all(effect_words(name).startswith("little finger's ") for name in own)
+    assert effect_words("little_friction") == "little friction"
 
 
 def test_alike_faults_leave_the_laws_their_places():

@@ -19,6 +19,7 @@ def test_a_law_that_is_there_lowers_what_was_held_out(investigated, monkeypatch)
     baseline, best = investigated.baseline, investigated.trials[0].point
     assert stands_on_heldout(baseline, best)
     assert not stands_on_heldout(best, baseline)
+    assert stands_on_heldout(best, best)  # what held-out runs cannot show is not held against it
     monkeypatch.setattr("hannes.identification.diagnosis.heldout.runs_in_role", lambda *_: [0, 0])
     assert stands_on_heldout(best, baseline)  # none held out: it cannot be asked
 

@@ -148,7 +148,7 @@ def _several(found: SearchResult, joint: Joint, reason: str) -> Decision:
         return Decision("named", trial.effects, reason, trial.point)
     said = [_nearest(rivals)] if rivals else []
     said += [
-        f"{GENERIC_NAMES[generic]} may do what {name.replace('_', ' ')} does"
+        f"{GENERIC_NAMES[generic]} may do what {effect_words(name)} does"
         for name, generic in joint.replaceable.items()
     ]
     return _some_of(found, joint, sure, "; ".join([reason, *said]))

@@ -12,7 +12,7 @@ from hannes.identification.diagnosis.score_test import (
     cosine_similarity,
     projected,
 )
-from hannes.identification.diagnosis.trials import Joint, SearchResult, Trial
+from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 
 POWER_80 = 0.842  # standard deviations above a limit for 80 % power
@@ -30,8 +30,8 @@ class EvidenceTables:
         Of several named together, an effect has what is lost without it, where that is more.
         """
         exact = {trial.effects[0]: trial for trial in self.found.trials}
-        joint = self.found.joint or Joint(Trial((), self.found.baseline, 0.0))
-        beside, without = joint.losses, joint.without
+        joint = self.found.joint
+        beside, without = (joint.losses, joint.without) if joint else ({}, {})
         rows = []
         for guess in self.found.guesses:
             trial, name = exact.get(guess.effect), guess.effect
