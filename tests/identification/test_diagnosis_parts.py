@@ -179,15 +179,20 @@ def test_a_name_that_needs_an_improbable_machine_is_not_clean(investigated):
     assert (clean.kind, clean.effects) == ("named", ("turbulence",))
     assert (unclean.kind, unclean.effects) == ("named_with_remainder", ("turbulence",))
     assert "times as far as scatter allows" in unclean.reason
-    baseline = far.baseline  # a residual without information
-    flat = replace(baseline, residual=np.zeros_like(baseline.residual), x=np.zeros_like(baseline.x))
-    assert (
-        explained_share(replace(far, baseline=flat), replace(best, delta_chi2=20.0))
-        < VERDICT.explained_share
-    )
-    assert (
-        explained_share(replace(far, baseline=flat), replace(best, delta_chi2=1e4))
-        > VERDICT.explained_share
+    for lowered, enough in ((20.0, False), (1e4, True)):
+        residual = np.zeros_like(far.baseline.residual)
+        residual[0] = np.sqrt(best.point.chi2 + lowered)
+        higher = replace(far.baseline, residual=residual, x=np.zeros_like(far.baseline.x))
+        explained = explained_share(replace(far, baseline=higher), best)
+        assert (explained > VERDICT.explained_share) is enough
+
+
+def test_of_a_large_effect_all_is_explained_although_noise_alone_is_scaled(investigated):
+    """What runs differ by is not: reductions in the noise that is there are no simple multiples."""
+    found = replace(investigated, variance_factor=0.7)
+    best = replace(found.trials[0], delta_chi2=0.9 * found.trials[0].delta_chi2 / 0.7)
+    assert explained_share(found, best) == pytest.approx(
+        explained_share(investigated, investigated.trials[0]), abs=0.01
     )
 
 
@@ -391,8 +396,12 @@ def test_rounds_of_slopes_end_where_they_cannot_arrive(investigated, monkeypatch
     beside = baseline.moved(
         baseline.x + 3.0 * np.isin(np.arange(baseline.x.size), baseline.active), baseline.active
     )
-    gauss_newton.settled(beside)
+    there = gauss_newton.settled(beside)
     assert len(rounds) > 1
+    rounds.clear()
+    assert gauss_newton.settled(there) is there and not rounds  # it has converged
+    gauss_newton.settled(replace(there, last_reduction=np.inf))
+    assert rounds
     rounds.clear()
     gauss_newton.settled(beside, below=baseline.chi2 - 2.0 * (beside.chi2 - baseline.chi2))
     assert len(rounds) == 1

@@ -18,6 +18,7 @@ from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import NOTHING, Model
 from hannes.identification.diagnosis.tuning import FIT
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 SIZE = 2.0  # N s^2/m^2
 NAME = ["turbulence"]
@@ -105,6 +106,32 @@ def test_what_is_least_along_each_but_not_along_all_is_not_taken(named, monkeypa
     assert place in found.point.active  # the fit in finer bins, free
 
 
+def test_a_fit_in_finer_bins_stands_where_the_bound_of_work_ends_its_profiles(named, monkeypatch):
+    def ended(*_):
+        raise SearchEnded
+
+    whole, (place, *_) = final_fit(named, NAME, FINE, 0), of(named)
+    monkeypatch.setattr(module, "held_at", ended)
+    profiled = final_fit(named, NAME, FINE, 0)
+    monkeypatch.setattr(module, "profile", ended)
+    fitted_finer = final_fit(named, NAME, FINE, 0)
+    assert [each.cut_short for each in (whole, profiled, fitted_finer)] == [False, True, True]
+    assert profiled.deviations[place] == whole.deviations[place]
+    for found in (profiled, fitted_finer):
+        assert found.point.residual.size > named.residual.size
+        assert found.point.x[place] == pytest.approx(whole.point.x[place], abs=0.02)
+
+
+def test_a_fit_in_finer_bins_goes_as_far_as_the_bound_of_work_lets_it(named, monkeypatch):
+    def ended_after_one(point):
+        yield moved
+        raise SearchEnded
+
+    moved = named.moved(named.x, named.active)
+    monkeypatch.setattr(module, "rounds", ended_after_one)
+    assert module._settled_while_allowed(named) is moved
+
+
 def test_a_smooth_valley_has_the_linear_minimum_and_width(named):
     fine = module._finer(named, NAME, FINE, 0)
     place, row, _ = of(fine)
@@ -116,7 +143,7 @@ def test_a_smooth_valley_has_the_linear_minimum_and_width(named):
 def valley(monkeypatch, chi2, at, deviation=0.1, low=-10.0):
     """The profile of a made-up misfit over one direction, walked from a place."""
 
-    def held(point, places, values):
+    def held(point, places, values, below):
         there = SimpleNamespace(x=np.array(values), chi2=chi2(values[0]), space=space)
         return there if np.isfinite(there.chi2) else None
 
@@ -124,6 +151,18 @@ def valley(monkeypatch, chi2, at, deviation=0.1, low=-10.0):
     monkeypatch.setattr(profiles, "held_at", held)
     point = SimpleNamespace(x=np.array([at]), chi2=chi2(at), space=space)
     return profile(point, 0, deviation)
+
+
+def test_a_place_that_is_far_above_is_given_up(named, monkeypatch):
+    """A step of a profile that leads too far is not followed to the end."""
+    asked, settled = [], profiles.settled
+    monkeypatch.setattr(
+        profiles, "settled", lambda at, *how: asked.append(how[1]) or settled(at, *how)
+    )
+    fine = module._finer(named, NAME, FINE, 0)
+    place, row, _ = of(fine)
+    profile(fine, place, standard_deviations(fine)[row])
+    assert asked and all(each < fine.chi2 + FIT.other_valley + 1e-9 for each in asked)
 
 
 def test_of_a_kinked_valley_the_minimum_is_found_from_a_local_one(monkeypatch):

@@ -179,6 +179,32 @@ def test_effects_started_together_are_found_where_the_best_single_one_leads_nowh
     assert sorted(some.joint.trial.effects) == ["gust", "hardening", "turbulence"]
 
 
+def test_where_one_does_not_stay_beside_what_leaves_much_the_next_is_tried(three, monkeypatch):
+    """The one that promises most does not stay at first, as one that held-out runs refuse."""
+    alone, asked, pruned = Joint(three.trials[0]), [], further_effects.pruned_effects
+
+    def without_the_first(found, joint, progress):
+        asked.append(joint.trial.effects[-1])
+        return alone if len(asked) == 1 else pruned(found, joint, progress)
+
+    monkeypatch.setattr(further_effects, "pruned_effects", without_the_first)
+    some = further_effects._selected(replace(three, joint=None), alone, lambda text: None)
+    assert some.joint is not None and len(set(asked[:2])) == 2
+    assert sorted(some.joint.trial.effects) == sorted(ALL)
+
+
+def test_the_rest_without_an_effect_is_given_up_where_it_is_surely_missed(three, monkeypatch):
+    joint, asked, settled = three.joint.trial, [], effect_removal.settled
+    monkeypatch.setattr(
+        effect_removal, "settled", lambda at, below: asked.append(below) or settled(at, below=below)
+    )
+    effect_removal.left_out(three, joint, joint.effects[0], lambda text: None)
+    most = joint.point.chi2 + SEARCH.sure_beside * three.variance_factor
+    assert len(asked) == 2 and max(asked) >= most
+    needed = SEARCH.further_share * joint.delta_chi2
+    assert all(below <= max(most, joint.point.chi2 + needed) for below in asked)
+
+
 def test_what_is_lost_without_an_effect_is_as_the_linearisation_says(three):
     joint = three.joint
     point, space = joint.trial.point, joint.trial.point.space

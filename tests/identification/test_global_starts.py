@@ -119,6 +119,21 @@ def test_a_local_minimum_is_left_for_a_deeper_one_about_it(shifted):
     assert deepest_minimum(nominal, local, "turbulence") is local
 
 
+@pytest.mark.parametrize(("share", "last"), [(0.0, False), (1e6, True)])
+def test_a_minimum_deeper_by_little_of_what_is_left_is_the_last(shifted, monkeypatch, share, last):
+    nominal, rounds = shifted.nominal, []
+    own = nominal.space.of("shifted")
+    scale = nominal.space.parameters[own[0]].scale
+    local = fitted(started_at(nominal, own, np.array([0.1 / scale])), 5)
+    settled = global_starts.settled
+    monkeypatch.setattr(
+        global_starts, "settled", lambda at, below: rounds.append(at) or settled(at, below=below)
+    )
+    monkeypatch.setattr(global_starts, "SEARCH", replace(SEARCH, deeper_share=share))
+    found = deepest_minimum(nominal, local, "shifted")
+    assert found.chi2 < local.chi2 and (len(rounds) == 1) is last
+
+
 def test_run_to_run_variability_is_differenced_both_ways(shifted):
     nominal = shifted.nominal
     model, space = nominal.model, nominal.space

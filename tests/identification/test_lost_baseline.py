@@ -1,6 +1,6 @@
 """A baseline that goes far away and still leaves far too much, and what is not asked of it."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,9 +19,20 @@ BINS = 100
 COSTLY = replace(SEARCH, little_work=0.0)
 
 
+@dataclass(frozen=True)
+class Point:
+    """What `lost` and `settled` ask of a fit."""
+
+    chi2: float
+    residual: np.ndarray
+    x: np.ndarray
+    model: SimpleNamespace
+    last_reduction: float = np.inf
+
+
 def point(per_bin, farthest, work=SEARCH.little_work):
-    """A baseline as far as `lost` asks: what it leaves, where it is, what a round takes."""
-    return SimpleNamespace(
+    """A baseline: what it leaves, where it is, what a round takes."""
+    return Point(
         chi2=per_bin * BINS,
         residual=np.zeros(BINS),
         x=np.array([0.3, -farthest]),

@@ -40,8 +40,11 @@ STORM = replace(
 )  # two sizes, of which one is hidden
 
 
-def fit(monkeypatch, without, effect=EFFECT, active=(3, 4)):
-    """A made-up fit of two sizes, at places 3 and 4; without: misfit by the places held at off."""
+def fit(monkeypatch, without, effect=EFFECT, active=(3, 4), linear=None):
+    """A made-up fit of two sizes, at places 3 and 4; without: misfit by the places held at off.
+
+    linear: by how much it rises by the linearisation, by place
+    """
     names = [effect.full_name(each.name) for each in effect.amplitudes]
     space = SimpleNamespace(effects={effect.name: effect}, place=lambda n: 3 + names.index(n))
 
@@ -56,6 +59,7 @@ def fit(monkeypatch, without, effect=EFFECT, active=(3, 4)):
         )
 
     monkeypatch.setattr(pruning, "held_at", held)
+    monkeypatch.setattr(pruning, "wald", lambda point, places: (linear or {}).get(places[0], 0.0))
     return SimpleNamespace(chi2=100.0, off=(), space=space, active=active)
 
 
@@ -68,6 +72,12 @@ def test_what_is_asked_for_stays(monkeypatch):
     point = fit(monkeypatch, {(3,): 150.0, (4,): 100.0 + 1.1 * SEARCH.parameter_price})
     assert pruned(point, [NAME], 1.0) is point
     assert pruned(point, [NAME], 1.3).off == (4,)  # in the noise that is there it is not
+
+
+def test_a_size_that_is_surely_missed_is_not_fitted_without(monkeypatch):
+    sure = {3: 1.1 * SEARCH.surely_missed}
+    point = fit(monkeypatch, {(4,): 101.0}, linear=sure)  # nothing is known without the first
+    assert pruned(point, [NAME], 1.0).off == (4,)
 
 
 def test_where_either_could_go_both_stay(monkeypatch):

@@ -110,10 +110,10 @@ def test_sizes_are_those_of_the_search_where_the_final_fit_does_not_end(monkeypa
     def ended(*arguments):
         raise SearchEnded
 
-    monkeypatch.setattr(final_fit, "_refined", ended)
+    monkeypatch.setattr(final_fit, "begun", ended)
     found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
     assert found.verdict.verdict == "named"
-    assert "sizes are those of the search" in found.verdict.reason
+    assert "its sizes may be coarse" in found.verdict.reason
     (size,) = found.verdict.parameters.values()
     assert size["low"] < 900.0 < size["high"]
 

@@ -18,7 +18,7 @@ from hannes.identification.diagnosis.score_test import amplitude_names
 from hannes.identification.diagnosis.tuning import FIT
 
 NORMAL = 1.96  # standard deviations on each side of a normal 95 % interval
-COARSE = "; the final fit was ended at its bound: sizes are those of the search"
+COARSE = "; the final fit was ended at its bound: its sizes may be coarse"
 Progress = Callable[[str], None]
 
 

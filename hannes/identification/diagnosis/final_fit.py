@@ -5,16 +5,17 @@ with the noise of a machine without effects. Afterwards one machine is left. Its
 error is simulated with the effects in it, and the bins are finer. It decides between no rivals.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from hannes.core.errors import ComputationFailed
-from hannes.identification.diagnosis.gauss_newton import fitted, settled, standard_deviations
+from hannes.identification.diagnosis.gauss_newton import fitted, rounds, standard_deviations
 from hannes.identification.diagnosis.linearisation import Linearisation, begun
 from hannes.identification.diagnosis.noise_covariance import NoiseAccuracy
-from hannes.identification.diagnosis.profile_likelihood import held_at, profile
+from hannes.identification.diagnosis.profile_likelihood import Profile, held_at, profile
 from hannes.identification.diagnosis.pruning import pruned
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.tuning import FIT
@@ -25,7 +26,7 @@ from hannes.identification.diagnosis.work_bound import SearchEnded
 class FinalFit:
     """A fit, and the standard deviation of each fitted parameter, by index, in steps.
 
-    cut_short: whether it is that of the search, as the bound of work ended a finer one
+    cut_short: whether the bound of work ended it: what was reached by then stands
     """
 
     point: Linearisation
@@ -42,12 +43,20 @@ def final_fit(
 ) -> FinalFit:
     """The fit in finer bins, at the minimum of its profiles; unchanged where these fail.
 
-    So it is where the bound of work ends them. variance_factor: by which chi-squared is divided
+    Where the bound of work ends it, as far as it came. variance_factor: by which chi-squared is
+    divided
     """
     try:
-        return _refined(point, effects, accuracy, seed, variance_factor)
+        fine = _finer(point, effects, accuracy, seed)
     except SearchEnded:
         return FinalFit(point, _linear(point), cut_short=True)
+    if fine is point:
+        return FinalFit(point, _linear(point))
+    try:
+        fine = pruned(fine, effects, variance_factor)
+    except SearchEnded:
+        return FinalFit(fine, _linear(fine), cut_short=True)
+    return _at_profiles(fine, effects)
 
 
 def _linear(point: Linearisation) -> dict[int, float]:
@@ -56,32 +65,36 @@ def _linear(point: Linearisation) -> dict[int, float]:
     return dict(zip(point.active.tolist(), widened.tolist(), strict=True))
 
 
-def _refined(
-    point: Linearisation,
-    effects: Sequence[str],
-    accuracy: NoiseAccuracy,
-    seed: int,
-    variance_factor: float,
-) -> FinalFit:
-    fine = _finer(point, effects, accuracy, seed)
-    if fine is not point:
-        fine = pruned(fine, effects, variance_factor)
-    spread = _linear(fine)
+def _at_profiles(fine: Linearisation, effects: Sequence[str]) -> FinalFit:
+    """The fit at the minimum of the profiles of all sizes; itself where they have none together."""
+    spread, known = _linear(fine), dict[int, Profile]()
+    cut_short, minimum = False, None
     places = np.intersect1d(fine.space.of(*effects), fine.active)
-    if fine is point or not places.size:
-        return FinalFit(point, spread)
-    found = {k: profile(fine, k, spread[k] / FIT.linear_widening) for k in map(int, places)}
-    known = {k: each for k, each in found.items() if each is not None}
-    start = min([fine, *(each.lowest for each in known.values())], key=lambda each: each.chi2)
-    values = [known[k].least if k in known else fine.x[k] for k in found]
-    minimum = held_at(start, places, np.array(values))
-    if (
-        minimum is None
-        or minimum.chi2 > fine.chi2 + FIT.local_minima * places.size
-        or not _runs(minimum)
-    ):
+    try:
+        for place in map(int, places):
+            if found := profile(fine, place, spread[place] / FIT.linear_widening):
+                known[place] = found
+        minimum = _least_together(fine, places, known)
+    except SearchEnded:
+        cut_short = True
+    if minimum is None and not cut_short:
         return FinalFit(fine, spread)  # least along each parameter, but not along all together
-    return FinalFit(minimum, spread | {k: each.deviation for k, each in known.items()})
+    deviations = spread | {k: each.deviation for k, each in known.items()}
+    return FinalFit(minimum or fine, deviations, cut_short)
+
+
+def _least_together(
+    fine: Linearisation, places: np.ndarray, known: Mapping[int, Profile]
+) -> Linearisation | None:
+    """The fit with each size where its profile is least; None where it is above, or cannot run."""
+    if not places.size:
+        return None
+    start = min([fine, *(each.lowest for each in known.values())], key=lambda each: each.chi2)
+    values = [known[k].least if k in known else fine.x[k] for k in map(int, places)]
+    minimum = held_at(start, places, np.array(values))
+    if minimum is None or minimum.chi2 > fine.chi2 + FIT.local_minima * places.size:
+        return None
+    return minimum if _runs(minimum) else None
 
 
 def _finer(
@@ -101,12 +114,22 @@ def _finer(
         )
     except ComputationFailed:
         return point
-    fine = settled(fitted(there, 4))
+    fine = _settled_while_allowed(there)
     return fine if _runs(fine) else point
+
+
+def _settled_while_allowed(point: Linearisation) -> Linearisation:
+    """The fit converged, or as far as the bound of work lets it."""
+    with suppress(SearchEnded):
+        point = fitted(point, 4)
+        for further in rounds(point):
+            point = further
+    return point
 
 
 def _runs(point: Linearisation) -> bool:
     """Whether every command can be simulated there with the sampled controller."""
     model, rows = point.model, point.x[np.newaxis]
-    runs = (model.simulated(group, rows, True, exact=True)[0] for group in model.groups)
-    return all(run is not None for run in runs)
+    with model.work.in_any_case():
+        made = [model.simulated(group, rows, True, exact=True)[0] for group in model.groups]
+    return all(run is not None for run in made)

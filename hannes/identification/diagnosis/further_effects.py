@@ -77,27 +77,41 @@ def _together(found: SearchResult, progress: Progress) -> Iterator[Trial]:
 
 
 def _selected(found: SearchResult, joint: Joint, progress: Progress) -> SearchResult:
-    """One more effect after another, each time without those that are not missed any more."""
+    """One more effect after another, each time without those that are not missed any more.
+
+    One that does not stay is not tried again beside the same others: the next one is.
+    """
     met: dict[frozenset[str], float] = {}
+    refused: dict[frozenset[str], set[str]] = {}
     while True:
         best, effects = joint.trial, frozenset(joint.trial.effects)
         progress("what is left")
         guesses = _others(found, best)
         again = best.delta_chi2 < met.get(effects, -np.inf) + SEARCH.name_limit
-        if again or len(effects) == SEARCH.most_effects:
+        away = refused.get(effects, set())
+        more = not again or (leaves_much(found, best) and 0 < len(away) <= SEARCH.refused_effects)
+        if not more or len(effects) == SEARCH.most_effects:
             return _with(found, joint, guesses[0] if guesses else None)
-        met[effects] = best.delta_chi2
-        larger = _enlarged(found, best, guesses, progress)
+        met[effects] = max(best.delta_chi2, met.get(effects, -np.inf))
+        tried = [each for each in guesses if each.effect not in away]
+        larger = _enlarged(found, best, tried, progress)
         needed = needed_beside(best, found.variance_factor)
         if not larger or larger[0].delta_chi2 - best.delta_chi2 < needed:
             return _with(found, joint, _refuted(best, guesses, larger, found.variance_factor))
         larger[0] = converged(found.baseline, larger[0], found.variance_factor)
         found = scaled(found, larger[0].point)
-        one, first, *others = (
-            priced(found.baseline, each, found.variance_factor) for each in (best, *larger)
-        )
-        joint = Joint(first, {first.effects[-1]: one}, others=tuple(others))
-        joint = pruned_effects(found, joint, progress)
+        joint = _pruned(found, best, larger, progress)
+        if larger[0].effects[-1] not in joint.trial.effects:
+            refused.setdefault(effects, set()).add(larger[0].effects[-1])
+
+
+def _pruned(found: SearchResult, best: Trial, larger: Sequence[Trial], progress: Progress) -> Joint:
+    """The best of some larger sets of effects, without those that are not missed in it."""
+    one, first, *others = (
+        priced(found.baseline, each, found.variance_factor) for each in (best, *larger)
+    )
+    joint = Joint(first, {first.effects[-1]: one}, others=tuple(others))
+    return pruned_effects(found, joint, progress)
 
 
 def _with(found: SearchResult, joint: Joint, remaining: Guess | None) -> SearchResult:

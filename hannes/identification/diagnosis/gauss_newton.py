@@ -1,6 +1,7 @@
 """Minimises chi-squared over the active parameters: Gauss-Newton with few simulations a step."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,20 +22,35 @@ def fitted(point: Linearisation, steps: int, restarts: int = 0) -> Linearisation
 
 
 def settled(
-    point: Linearisation, negligible: float = FIT.converged, below: float = np.inf
+    point: Linearisation, negligible: float = FIT.settled, below: float = np.inf
 ) -> Linearisation:
     """The fit converged: new derivatives and some steps until the reduction is below `negligible`.
 
     Gives up where a round reduces chi-squared by less than it still lies above `below`. Where much
-    is left, a round that reduces little of it is the last.
+    is left, a round that reduces little of it is the last. One that has converged so far is kept.
     """
+    if point.last_reduction < _enough(point, negligible):
+        return point
+    return [point, *rounds(point, negligible, below)][-1]
+
+
+def rounds(
+    point: Linearisation, negligible: float = FIT.converged, below: float = np.inf
+) -> Iterator[Linearisation]:
+    """The fit after each round of new derivatives and some steps, until it is settled."""
     for _ in range(FIT.rounds):
         found = _walked(relinearised(point), FIT.steps_per_round)
-        reduction, point = point.chi2 - found.chi2, found
-        much = FIT.settled_share * (point.chi2 - FIT.settled_above * point.residual.size)
-        if reduction < max(negligible, point.chi2 - below, much):
+        reduction = point.chi2 - found.chi2
+        point = replace(found, last_reduction=reduction)
+        yield point
+        if reduction < max(_enough(point, negligible), point.chi2 - below):
             break
-    return point
+
+
+def _enough(point: Linearisation, negligible: float) -> float:
+    """Reduction of a round that is the last: where much is left, what is missing decides there."""
+    much = FIT.settled_share * (point.chi2 - FIT.settled_above * point.residual.size)
+    return max(negligible, much)
 
 
 def relinearised(point: Linearisation) -> Linearisation:

@@ -114,7 +114,10 @@ def absorbed_by_baseline(baseline: Linearisation, guess: Guess) -> bool:
 
 
 def deepest_minimum(nominal: Linearisation, point: Linearisation, name: str) -> Linearisation:
-    """The best fit around one with a size-dependent effect: there are many local minima."""
+    """The best fit around one with a size-dependent effect: there are many local minima.
+
+    Where more is missing, a minimum that is deeper by a small share of what is left is no other.
+    """
     if not size_dependent(nominal, [name]) or part_faults(nominal.space.effects, [name]):
         return point
     own = nominal.space.of(name)
@@ -126,9 +129,10 @@ def deepest_minimum(nominal: Linearisation, point: Linearisation, name: str) -> 
         fits = [fitted(each, SEARCH.further_steps) for each in starts if each is not None]
         nearest = min(fits, key=lambda each: each.chi2, default=point)
         best = settled(nearest, below=point.chi2)
-        if best.chi2 > point.chi2 - SEARCH.deeper:
+        deeper = max(SEARCH.deeper, SEARCH.deeper_share * (point.chi2 - point.residual.size))
+        found, point = point.chi2 - best.chi2, min(point, best, key=lambda each: each.chi2)
+        if found < deeper:
             break
-        point = best
     return point
 
 

@@ -26,6 +26,7 @@ class Linearisation:
     vectors: simulated bin means of each group
     derivatives: of these by x, shape (active, n) each
     residual: whitened measured minus simulated, (N,);  jacobian: whitened derivatives, (active, N)
+    last_reduction: of chi-squared, in the last round of a fit that ends here
     """
 
     noise: NoiseCovariance
@@ -35,6 +36,7 @@ class Linearisation:
     derivatives: list[np.ndarray] = field(repr=False)
     residual: np.ndarray = field(repr=False)
     jacobian: np.ndarray = field(repr=False)
+    last_reduction: float = np.inf
 
     @property
     def model(self) -> Model:

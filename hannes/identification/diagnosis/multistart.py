@@ -228,4 +228,4 @@ def started_at(
 
 def negligible(delta_chi2: float) -> float:
     """Reduction below which a round is the last, where the whole reduction is this large."""
-    return max(FIT.converged, SEARCH.last_round_share * delta_chi2)
+    return max(FIT.settled, SEARCH.last_round_share * delta_chi2)

@@ -52,12 +52,17 @@ def profile(point: Linearisation, place: int, deviation: float) -> Profile | Non
     return Profile(float(point.x[place]) + deviation * least, deviation / quadratic**0.5, lowest)
 
 
-def held_at(point: Linearisation, places: np.ndarray, values: np.ndarray) -> Linearisation | None:
-    """The fit with some parameters held at values of x; None where that cannot be simulated."""
+def held_at(
+    point: Linearisation, places: np.ndarray, values: np.ndarray, below: float = np.inf
+) -> Linearisation | None:
+    """The fit with some parameters held at values of x; None where that cannot be simulated.
+
+    below: chi-squared that it must reach to count. One that does not come near is given up
+    """
     x = point.x.copy()
     x[places] = values
     there = point.with_active(np.setdiff1d(point.active, places)).moved(x, np.array([], int))
-    return None if there is None else settled(fitted(there, 4))
+    return None if there is None else settled(fitted(there, 4), FIT.converged, below)
 
 
 def _walk(point: Linearisation, place: int, step: float) -> Iterator[Linearisation]:
@@ -67,8 +72,9 @@ def _walk(point: Linearisation, place: int, step: float) -> Iterator[Linearisati
         value = float(np.clip(here.x[place] + step, space.low[place], space.high[place]))
         if value == here.x[place]:
             return
-        there = held_at(here, np.array([place]), np.array([value]))
-        if there is None or there.chi2 > lowest + FIT.other_valley:
+        most = lowest + FIT.other_valley
+        there = held_at(here, np.array([place]), np.array([value]), most)
+        if there is None or there.chi2 > most:
             if here is not point:
                 return
             step *= FIT.profile_shrink

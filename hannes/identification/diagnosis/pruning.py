@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hannes.identification.diagnosis.gauss_newton import wald
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.profile_likelihood import held_at
 from hannes.identification.diagnosis.score_test import amplitude_names
@@ -36,8 +37,17 @@ def pruned(point: Linearisation, effects: Sequence[str], variance_factor: float)
 def _without_one(
     point: Linearisation, places: Sequence[int], variance_factor: float
 ) -> tuple[int, Linearisation] | None:
-    """The size that is missed least, and the fit without it; None where it stays."""
-    fits = {place: held_at(point, np.array([place]), np.zeros(1)) for place in places}
+    """The size that is missed least, and the fit without it; None where it stays.
+
+    One that by the linearisation is missed much is not tried without.
+    """
+    surely = {
+        place for place in places if wald(point, [place]) > SEARCH.surely_missed * variance_factor
+    }
+    fits = {
+        place: None if place in surely else held_at(point, np.array([place]), np.zeros(1))
+        for place in places
+    }
     rises = {
         place: np.inf if fit is None else (fit.chi2 - point.chi2) / variance_factor
         for place, fit in fits.items()

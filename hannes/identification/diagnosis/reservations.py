@@ -182,11 +182,11 @@ def _further(found: SearchResult, rest: Guess) -> str:
 
 
 def explained_share(found: SearchResult, trial: Trial) -> float:
-    """Share that a trial explains of all that indicates a missing effect.
+    """Share that a trial explains of all that indicates a missing effect, none of it scaled.
 
     Zero where a trend across runs would explain more.
     """
-    delta_chi2, residual = trial.delta_chi2 * found.variance_factor, autocorrelated(trial.point)
+    delta_chi2, residual = _lowered(found, trial), autocorrelated(trial.point)
     trend, instead = (significant_trend(found, p) for p in (trial.point, found.baseline))
     if trend and instead and instead.delta_chi2 > delta_chi2:
         return 0.0
@@ -199,5 +199,5 @@ def explained_share(found: SearchResult, trial: Trial) -> float:
     )
     shares = [delta_chi2 / beyond, *(delta_chi2 / (delta_chi2 + rest) for rest in rests)]
     if out := _underexplained(found, trial):
-        shares.append(_lowered(found, trial) / out.excess)
+        shares.append(delta_chi2 / out.excess)
     return min(shares)

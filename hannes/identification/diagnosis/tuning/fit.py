@@ -42,13 +42,16 @@ class FitTuning:
         "of a machine's distance from its prior: one beyond may take minutes, and is not there",
         COST,
     )
+    settled: float = constant(
+        1.0, "chi2", "likewise, of a round with new derivatives in the search", COST
+    )
     settled_share: float = constant(
         0.02,
         "1",
         "likewise, of what is left beyond `settled_above`: no law that is missing is fitted so",
         COST,
     )
-    settled_above: float = constant(3.0, "chi2 per bin", "that a fit near to noise leaves")
+    settled_above: float = constant(1.3, "chi2 per bin", "that a fit near to noise leaves")
     least_information: float = constant(
         0.4, "1", "of the prior's: a parameter with less in the data keeps its derivatives", COST
     )

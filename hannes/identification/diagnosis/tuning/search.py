@@ -107,6 +107,9 @@ class SearchTuning:
         DEVELOPMENT,
     )
     most_effects: int = constant(4, "1", "effects that are named together", COST)
+    refused_effects: int = constant(
+        1, "1", "that do not stay beside some that leave much: then one more is tried", COST
+    )
     further_starts: int = constant(3, "1", "further effects that are refitted at a time", COST)
     surely_missed: float = constant(
         120.0, "chi2", "that an effect is missed by in the linearisation: it is not left out", COST
@@ -239,6 +242,9 @@ class SearchTuning:
     )
     neighbour_rounds: int = constant(3, "1", "of that, at most", COST)
     deeper: float = constant(2.0, "chi2", "by which a minimum is deeper")
+    deeper_share: float = constant(
+        0.1, "1", "of what is left beyond noise, likewise: with less it is the last round", COST
+    )
 
 
 SEARCH = SearchTuning()
