@@ -20,7 +20,7 @@ COSTLY = replace(SEARCH, little_work=0.0)
 
 
 @dataclass(frozen=True)
-class Point:
+class Fit:
     """What `lost` and `settled` ask of a fit."""
 
     chi2: float
@@ -32,7 +32,7 @@ class Point:
 
 def point(per_bin, farthest, work=SEARCH.little_work):
     """A baseline: what it leaves, where it is, what a round takes."""
-    return Point(
+    return Fit(
         chi2=per_bin * BINS,
         residual=np.zeros(BINS),
         x=np.array([0.3, -farthest]),
