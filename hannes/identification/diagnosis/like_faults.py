@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from hannes.core.effect import Effect
-from hannes.identification.diagnosis.gauss_newton import fitted, settled
+from hannes.identification.diagnosis.gauss_newton import fitted, rounds, settled
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import Fits, Progress, negligible
 from hannes.identification.diagnosis.score_test import Guess
@@ -16,7 +16,7 @@ from hannes.plants.part_fault import like_faults
 def with_like_faults(baseline: Linearisation, fits: Fits, best: str, progress: Progress) -> Fits:
     """The fits with that of the best one tried in the other parts, as large as it is in its own.
 
-    One that leaves less takes its place, and those that are then near it go on.
+    One that leaves less takes its place, and those that come near it fast go on.
     """
     found, first, leader = dict(fits), best, fits[best]
     others = like_faults(baseline.space.effects, best)
@@ -30,16 +30,22 @@ def with_like_faults(baseline: Linearisation, fits: Fits, best: str, progress: P
             leader = found[best]
     for name in (first, *others):
         if name in found and (name != first or best != first):
-            found[name] = _converged_if_near(baseline, leader, found[name])
+            found[name] = _caught_up(leader, found[name])
     return found
 
 
-def _converged_if_near(
-    baseline: Linearisation, leader: Linearisation, point: Linearisation
-) -> Linearisation:
-    """A rival whose round ended early may be as good as the best one: then it goes on."""
-    near = SEARCH.rival_share * (baseline.chi2 - leader.chi2)
-    return settled(point) if point.chi2 - leader.chi2 < near else point
+def _caught_up(leader: Linearisation, point: Linearisation) -> Linearisation:
+    """A rival whose rounds ended early, followed while few more such rounds could reach the best.
+
+    Parts that recordings do not separate end near each other; others stay far above.
+    """
+    made = rounds(point)
+    while point.chi2 - leader.chi2 < SEARCH.rounds_behind * point.last_reduction:
+        further = next(made, None)
+        if further is None:
+            break
+        point = further
+    return point
 
 
 def varied(effects: Mapping[str, Effect], guesses: Sequence[Guess]) -> list[Guess]:

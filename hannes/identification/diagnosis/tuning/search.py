@@ -189,6 +189,9 @@ class SearchTuning:
         "of a small and a large signature, below which the effect starts globally",
         DEVELOPMENT,
     )
+    rounds_behind: float = constant(
+        3.0, "1", "rounds as good as its last one, within which a like fault reaches the best", COST
+    )
     large_size: float = constant(8.0, "steps", "of the large signature")
     global_sizes: tuple[float, ...] = constant(
         (2.0, 4.0, 6.0, 9.0, 14.0), "steps", "both ways, from which global starts are chosen"
