@@ -1,25 +1,47 @@
-"""What a person does after a verdict, in one sentence each."""
+"""What a person does after a verdict, step by step."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-NEXT: Mapping[str, str] = {
-    "no_gap": "Go on with the machine as it is; nothing needs to be added or refitted.",
-    "recalibrated": "Simulate with hand.toml, which has the refitted values; add no effect.",
-    "named": (
-        "Simulate with hand.toml, which has what is named at its size; on the machine, look where "
-        "that sits."
+LOOK = "On the machine, look where that sits."
+SIMULATE = (
+    'Simulate with hand.toml, which has what is named at its size: hand = "hand.toml" in an '
+    "experiment, then hannes run."
+)
+WHERE = "See below where it disagrees, and look at that part of the machine."
+APART = "Record another run that separates them."
+OTHERS = "Record other runs: slower ones, other objects."
+AGAIN = "Record each run as often as those before, add them to the campaign, and diagnose again."
+
+STEPS: Mapping[str, Sequence[str]] = {
+    "no_gap": ("Go on with the machine as it is; nothing needs to be added or refitted.",),
+    "recalibrated": (
+        "Simulate with hand.toml, which has the refitted values; add no effect: "
+        'hand = "hand.toml" in an experiment, then hannes run.',
     ),
+    "named": (LOOK, SIMULATE),
     "one_of": (
-        "Look at those parts of the machine, or record another run that separates them; add none "
-        "of them before."
+        "Add none of them yet; look at those parts of the machine.",
+        APART,
+        AGAIN,
     ),
     "named_with_remainder": (
-        "Simulate with hand.toml, which has what is named at its size; then look below for where "
-        "the rest is left, for something else is missing there."
+        LOOK,
+        SIMULATE,
+        "See below where the rest is left: something else is missing there.",
     ),
     "unknown": (
-        "Add no effect yet. Look below for where it disagrees, and at that part of the machine; "
-        "record other runs, or write an effect of your own."
+        f"Add no effect yet. {WHERE}",
+        OTHERS,
+        AGAIN,
+        "If nothing is named then, write an effect of your own (docs/how-to/add-an-effect.md).",
     ),
-    "undecided": "Record what the reason says is lacking, and diagnose again.",
+    "undecided": ("Record what the reason says is lacking.", AGAIN),
 }
+
+
+def next_steps(verdict: str, advice: str) -> list[str]:
+    """What to do after a verdict, in order.
+
+    advice: the run worth recording next, in a sentence, or an empty string
+    """
+    return [advice if advice and each in (APART, OTHERS) else each for each in STEPS[verdict]]

@@ -28,7 +28,16 @@ def probability_sentence(found: Mapping[str, Any], verdict: str, named: list[str
     others = _others(found, verdict, named)[:MOST]
     beside = ", ".join(f"{what} {_percent(each)}" for what, each in others)
     rest = f" Else: {beside}." if beside else ""
-    return f"Probability that {ANSWERS[verdict]}: {_percent(found['answer'])}.{rest}"
+    each = _members(found, named) if verdict == "one_of" else ""
+    return f"Probability that {ANSWERS[verdict]}: {_percent(found['answer'])}{each}.{rest}"
+
+
+def _members(found: Mapping[str, Any], named: list[str]) -> str:
+    """` (lag 61 %, delay 36 %)`: of each of a class."""
+    alone = {each["effects"][0]: each["probability"] for each in found["effects"]
+             if len(each["effects"]) == 1}  # fmt: skip
+    shown = [f"{effect_words(name)} {_percent(alone[name])}" for name in named if name in alone]
+    return f" ({', '.join(shown)})" if len(shown) > 1 else ""
 
 
 def _others(found: Mapping[str, Any], verdict: str, named: list[str]) -> list[tuple[str, float]]:

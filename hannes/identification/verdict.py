@@ -7,7 +7,7 @@ from typing import Any
 
 from hannes.core.io.provenance import versions
 from hannes.identification.effect_words import effect_words
-from hannes.identification.next_step import NEXT
+from hannes.identification.next_step import next_steps
 from hannes.identification.probability_words import probability_sentence
 from hannes.identification.shape_words import shape_sentence
 
@@ -144,9 +144,9 @@ class Verdict:
         return probability_sentence(self.probabilities, self.verdict, self.effects)
 
     @property
-    def next_step(self) -> str:
-        """What to do now."""
-        return f"Next: {NEXT[self.verdict]}"
+    def next_steps(self) -> list[str]:
+        """What to do now, in order, a sentence or two each."""
+        return next_steps(self.verdict, self.advice)
 
     def summary(self) -> str:
         """Some lines for a terminal."""
@@ -156,8 +156,7 @@ class Verdict:
         lines += [self.disagreement] if self.disagreement else []
         lines += [*self.patterns, *self.comes_nearest]
         lines += [self.described] if self.shape else []
-        lines.append(self.next_step)
-        lines += [self.advice] if self.next_run else []
+        lines += ["next:", *(f"  {k}. {each}" for k, each in enumerate(self.next_steps, 1))]
         if self.gap:
             lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
         for name, gap in self.gap.items():
@@ -264,8 +263,23 @@ def _with_remainder(result: Verdict) -> str:
 
 
 def _one_of(result: Verdict) -> str:
-    names = " or ".join(effect_words(name) for name in result.effects)
+    names = " or ".join(_member(name, result) for name in result.effects)
     return f"One effect is missing, {names}: these recordings cannot separate them."
+
+
+def _member(effect: str, result: Verdict) -> str:
+    """`leader slack (length 3.1 mm)`: one of a class with its size, were it the one."""
+    found = (each.get("sizes", {}) for each in result.candidates if each["effect"] == effect)
+    sizes = (f"{name.replace('_', ' ')} {_value(each)}" for name, each in next(found, {}).items())
+    shown = ", ".join(sizes)
+    return f"{effect_words(effect)} ({shown})" if shown else effect_words(effect)
+
+
+def _value(parameter: Mapping[str, Any]) -> str:
+    """`3.1 mm`."""
+    unit, factor = readable_unit(parameter["unit"])
+    shown = f"{factor * parameter['value']:.2g}"
+    return shown if unit == "1" else f"{shown} {unit}"
 
 
 SENTENCES: Mapping[str, Callable[[Verdict], str]] = {

@@ -102,6 +102,9 @@ def test_effects_that_do_the_same_make_a_class():
     assert verdict.verdict == "one_of" and sorted(verdict.effects) == ["turbulence", "twin"]
     alike = {row["effect"]: row["confusable_with"] for row in verdict.candidates}
     assert alike["turbulence"] == ["twin"] and alike["twin"] == ["turbulence"]
+    for row in verdict.candidates[:2]:  # each as large as it would be, were it the one
+        assert row["sizes"]["size"]["value"] == pytest.approx(2.0, rel=0.1)
+    assert "turbulence (size " in verdict.sentence and "twin (size " in verdict.sentence
 
 
 def test_what_leaves_much_in_one_place_is_not_named():
@@ -126,7 +129,7 @@ def test_the_next_run_is_the_one_that_separates_two_explanations(tmp_path):
     out = tmp_path / "out"
     verdict = diagnose(campaign(5, ((TURBULENCE, 2.0),), known), out=out, progress=False).verdict
     assert verdict.verdict == "one_of"
-    assert f"\nRecord next: {RATTLE}; it would separate " in verdict.summary()
+    assert f". Record next: {RATTLE}; it would separate " in verdict.summary()
     assert verdict.advice in (out / "report.html").read_text(encoding="utf-8")
     assert verdict.next_run["experiment"] == RATTLE
     assert sorted(verdict.next_run["separates"]) == ["nearly", "turbulence"]

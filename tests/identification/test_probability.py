@@ -108,6 +108,17 @@ def test_the_sentence_says_what_else_may_be():
     assert probability_sentence({}, "unknown", []) == ""
 
 
+def test_of_a_class_each_has_its_own_probability():
+    rows = {"slack": 0.61, "gear_lag": 0.35}
+    table = {
+        "answer": 0.96, "nothing": 0.0, "something_else": 0.0,
+        "effects": [{"effects": [name], "probability": each} for name, each in rows.items()],
+    }  # fmt: skip
+    assert probability_sentence(table, "one_of", list(rows)) == (
+        "Probability that it is one of these: 96 % (slack 61 %, gear lag 35 %)."
+    )
+
+
 def test_no_sentence_is_certain():
     table = {"answer": 1.0, "nothing": 1.0, "something_else": 0.0, "effects": []}
     assert probability_sentence(table, "no_gap", []).endswith("over 99 %.")

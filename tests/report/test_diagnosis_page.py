@@ -9,7 +9,7 @@ from browser import browser, opened
 
 from hannes import Hand, Recording
 from hannes.campaigns.campaign import Campaign, Entry
-from hannes.identification.next_step import NEXT
+from hannes.identification.next_step import APART, OTHERS, STEPS, next_steps
 from hannes.identification.residuals import Traces
 from hannes.identification.verdict import SENTENCES, Verdict
 from hannes.plants.hand.plant import HandPlant
@@ -82,7 +82,8 @@ def test_page_has_in_order_what_it_is_what_it_does_where_and_who_else(diagnosis)
     marks = (
         "Leader slack, length 3.1 mm (2.9 to 3.3)",  # the sentence
         "it disagrees most in current, closing: 6 times the noise floor",
-        "Next: Simulate with hand.toml",
+        "What to do",
+        "<li>Simulate with hand.toml",
         "The leader wire has come loose",
         "s_L = r_p th/N - length",
         'id="schematic"',
@@ -189,11 +190,20 @@ def test_without_an_effect_there_is_no_section_of_one(diagnosis):
     text = page(SimpleNamespace(**{**vars(diagnosis), "verdict": verdict}))
     assert 'id="effect"' not in text and 'id="schematic"' not in text
     assert "Something is missing" in text and "Where it disagreed" in text
-    assert "Next: Add no effect yet." in text
+    assert "<li>Add no effect yet." in text
 
 
-def test_every_verdict_has_a_next_step():
-    assert NEXT.keys() == SENTENCES.keys()
+def test_every_verdict_says_what_to_do():
+    assert STEPS.keys() == SENTENCES.keys() and all(STEPS.values())
+
+
+def test_the_run_worth_recording_is_the_step_that_records():
+    for verdict, general in (("one_of", APART), ("unknown", OTHERS)):
+        steps, advised = next_steps(verdict, ""), next_steps(verdict, "Record next: a ball.")
+        place = steps.index(general)
+        assert advised[place] == "Record next: a ball." and general not in advised
+        assert steps[:place] + steps[place + 1 :] == advised[:place] + advised[place + 1 :]
+    assert next_steps("named", "Record next: a ball.") == next_steps("named", "")
 
 
 def test_the_schematic_restyles_no_other_drawing():

@@ -12,7 +12,7 @@ from hannes.identification.diagnosis.score_test import (
     cosine_similarity,
     projected,
 )
-from hannes.identification.diagnosis.trials import SearchResult
+from hannes.identification.diagnosis.trials import SearchResult, Trial
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 
 POWER_80 = 0.842  # standard deviations above a limit for 80 % power
@@ -48,9 +48,22 @@ class EvidenceTables:
                     "confusable_with": [self.names[name] for name in trial.confusable]
                     if trial
                     else [],
+                    "sizes": self._sizes(trial) if trial else {},
                 }
             )
         return sorted(rows, key=lambda row: -row["evidence"])
+
+    def _sizes(self, trial: Trial) -> dict[str, dict[str, Any]]:
+        """Value [SI] and unit of each parameter of an effect where it was fitted alone."""
+        space, x = trial.point.space, trial.point.x
+        names = {place: space.parameters[place].name for place in space.of(*trial.effects).tolist()}
+        return {
+            name.rpartition(".")[2]: {
+                "value": float(space.parameters[place].value(x[place])),
+                "unit": self._unit(name),
+            }
+            for place, name in names.items()
+        }
 
     def _share(self, delta_chi2: float) -> float:
         """A reduction as a share of the largest one, or of what lies above the expected value."""
