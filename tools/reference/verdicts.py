@@ -4,7 +4,7 @@ from dataclasses import fields
 
 from hannes.commands.edge import INTERRUPTED, PIPE_CLOSED, UNFORESEEN
 from hannes.core.errors import BadInput, ComputationFailed
-from hannes.identification.next_step import NEXT
+from hannes.identification.next_step import STEPS
 from hannes.identification.verdict import SENTENCES, Verdict
 from tools.reference.markdown import code, table
 
@@ -25,7 +25,7 @@ FIELDS = {
     "gap": "channel -> RMS residual `as_given`, `before` (base refitted), `after` (with the "
     "effect), and the noise `floor`; the same in percent of the recorded signal",
     "where": "channel, phase, times, recordings in which the refitted base disagrees, worst first",
-    "candidates": "what each rival gains, best first; by a linear estimate where not `refitted`",
+    "candidates": "what each rival gains, best first; by a linear estimate where not `refitted`; `sizes` of those refitted, each alone",
     "reason": "why this verdict, in one sentence",
     "tried": "every effect, whether it applies, and why it was accepted or not",
     "alpha": "false-alarm level",
@@ -74,7 +74,7 @@ STATUSES = (
 
 def page() -> str:
     """Text of the page; a verdict, or a field, without a meaning here is an error."""
-    verdicts = [(code(each), MEANINGS[each], NEXT[each]) for each in SENTENCES]
+    verdicts = [(code(each), MEANINGS[each], " ".join(STEPS[each])) for each in SENTENCES]
     keys = [(code(each.name), FIELDS[each.name]) for each in fields(Verdict)]
     return f"""# Verdicts and exit statuses
 
