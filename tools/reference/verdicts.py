@@ -25,7 +25,8 @@ FIELDS = {
     "gap": "channel -> RMS residual `as_given`, `before` (base refitted), `after` (with the "
     "effect), and the noise `floor`; the same in percent of the recorded signal",
     "where": "channel, phase, times, recordings in which the refitted base disagrees, worst first",
-    "candidates": "what each rival gains, best first; by a linear estimate where not `refitted`; `sizes` of those refitted, each alone",
+    "candidates": "what each rival gains, best first; by a linear estimate where not `refitted`; "
+    "`sizes` of those refitted, each alone",
     "reason": "why this verdict, in one sentence",
     "tried": "every effect, whether it applies, and why it was accepted or not",
     "alpha": "false-alarm level",
