@@ -113,8 +113,8 @@ def _objection(trial: Trial) -> str:
         return f"it explains only {100 * trial.share:.0f} % of what is above the noise floor"
     if trial.evidence < needed:
         return (
-            f"its size lies {trial.evidence:.1f} standard deviations from none, "
-            f"{needed:.1f} are needed"
+            f"its size lies {trial.evidence:.3f} standard deviations from none, "
+            f"{needed:.3f} are needed"
         )
     return ""
 
