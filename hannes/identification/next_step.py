@@ -3,10 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 LOOK = "On the machine, look where that sits."
-SIMULATE = (
-    'Simulate with hand.toml, which has what is named at its size: hand = "hand.toml" in an '
-    "experiment, then hannes run."
-)
+TAKEN = 'An experiment takes it by hand = "hand.toml", a campaign by base = "hand.toml".'
+SIMULATE = f"Simulate with hand.toml, which has what is named at its size. {TAKEN}"
 WHERE = "See below where it disagrees, and look at that part of the machine."
 APART = "Record another run that separates them."
 OTHERS = "Record other runs: slower ones, other objects."
@@ -15,8 +13,7 @@ AGAIN = "Record each run as often as those before, add them to the campaign, and
 STEPS: Mapping[str, Sequence[str]] = {
     "no_gap": ("Go on with the machine as it is; nothing needs to be added or refitted.",),
     "recalibrated": (
-        "Simulate with hand.toml, which has the refitted values; add no effect: "
-        'hand = "hand.toml" in an experiment, then hannes run.',
+        f"Simulate with hand.toml, which has the refitted values; add no effect. {TAKEN}",
     ),
     "named": (LOOK, SIMULATE),
     "one_of": (

@@ -85,17 +85,23 @@ def proposed(separations: Mapping[str, Separation], names: list[str]) -> dict | 
     apart = " from ".join(effect_words(name) for name in names)
     best = max(separations, key=lambda name: separations[name].usual, default="")
     if best and separations[best].usual >= VERDICT.enough_separation:
-        why = f"it would separate {apart} by {separations[best].usual:.1f} standard deviations"
+        by = _counted(separations[best].usual)
+        why = f"it would separate {apart} by {by} standard deviations"
         return {"experiment": best, "also_log": [], "separates": names, "why": why}
     best = max(separations, key=lambda name: separations[name].most, default="")
     if not best or separations[best].most < VERDICT.least_separation:
         return None
     each = separations[best]
-    why = f"it would separate {apart} by {each.most:.1f} standard deviations"
+    why = f"it would separate {apart} by {_counted(each.most)} standard deviations"
     more = each.more if each.most > each.usual + VERDICT.worth_logging else ()
     if more:
-        why += f", without {' and '.join(more)} by {each.usual:.1f}"
+        why += f", without {' and '.join(more)} by {_counted(each.usual)}"
     return {"experiment": best, "also_log": list(more), "separates": names, "why": why}
+
+
+def _counted(deviations: float) -> str:
+    """`7.6`, `2,178`."""
+    return f"{deviations:.1f}" if deviations < 100.0 else f"{deviations:,.0f}"
 
 
 def separation(
