@@ -3,9 +3,12 @@
 from collections.abc import Mapping, Sequence
 
 LOOK = "On the machine, look where that sits."
-TAKEN = 'An experiment takes it by hand = "hand.toml", a campaign by base = "hand.toml".'
-SIMULATE = f"Simulate with hand.toml, which has what is named at its size. {TAKEN}"
-WHERE = "See below where it disagrees, and look at that part of the machine."
+TAKEN = (
+    "An experiment of the hand takes the path of that file as its hand, a campaign of any machine "
+    "as its base."
+)
+SIMULATE = f"Simulate with this result's hand.toml, which has what is named at its size. {TAKEN}"
+WHERE = "See where it disagrees, and look at that part of the machine."
 APART = "Record another run that separates them."
 OTHERS = "Record other runs: slower ones, other objects."
 AGAIN = "Record each run as often as those before, add them to the campaign, and diagnose again."
@@ -13,7 +16,8 @@ AGAIN = "Record each run as often as those before, add them to the campaign, and
 STEPS: Mapping[str, Sequence[str]] = {
     "no_gap": ("Go on with the machine as it is; nothing needs to be added or refitted.",),
     "recalibrated": (
-        f"Simulate with hand.toml, which has the refitted values; add no effect. {TAKEN}",
+        "Simulate with this result's hand.toml, which has the refitted values; add no effect. "
+        f"{TAKEN}",
     ),
     "named": (LOOK, SIMULATE),
     "one_of": (
@@ -24,15 +28,17 @@ STEPS: Mapping[str, Sequence[str]] = {
     "named_with_remainder": (
         LOOK,
         SIMULATE,
-        "See below where the rest is left: something else is missing there.",
+        "See where the rest is left: something else is missing there.",
     ),
     "unknown": (
         f"Add no effect yet. {WHERE}",
         OTHERS,
         AGAIN,
-        "If nothing is named then, write an effect of your own (docs/how-to/add-an-effect.md).",
+        "If nothing is named then, write an effect of your own (docs/tutorials/your-effect.md).",
     ),
-    "undecided": ("Record what the reason says is lacking.", AGAIN),
+    "undecided": (
+        "Record what the reason says is lacking, add it to the campaign, and diagnose again.",
+    ),
 }
 
 

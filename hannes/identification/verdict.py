@@ -10,12 +10,12 @@ from hannes.identification.effect_words import effect_words
 from hannes.identification.next_step import next_steps
 from hannes.identification.probability_words import probability_sentence
 from hannes.identification.shape_words import shape_sentence
+from hannes.identification.size_words import readable_unit, rounded, size_text, value_text
 
 MOST_MOVED = 5  # parameters in the line of a terminal
 FAINT = 0.2  # squared noise floors, mean over channels: a gap that is less above one is not visible
 LITTLE = 1.2  # noise floors on unfitted recordings: what is little more than that
 REMAINING = ("one_of", "named_with_remainder")  # verdicts that say what is left
-_SMALLER = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N m": ("mN m", 1e3)}
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,7 +98,7 @@ class Verdict:
         return (
             f"In the fitted recordings, without any new effect, it disagrees most in "
             f"{worst['channel']}, {worst['phase']}: "
-            f"{_rounded(worst['times_floor'])} times the noise floor."
+            f"{rounded(worst['times_floor'])} times the noise floor."
         )
 
     @property
@@ -185,19 +185,6 @@ def faint(gap: dict[str, dict[str, Any]]) -> bool:
     return bool(sum(above) < FAINT * len(above))
 
 
-def readable_unit(unit: str) -> tuple[str, float]:
-    """The unit in which a person is given a value, and the factor to it from SI."""
-    return _SMALLER.get(unit, (unit, 1.0))
-
-
-def size_text(parameter: dict[str, Any]) -> str:
-    """`3.1 mm (2.9 to 3.3)`."""
-    unit, factor = readable_unit(parameter["unit"])
-    value, low, high = (factor * parameter[key] for key in ("value", "low", "high"))
-    shown = f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
-    return f"{shown} ({low:.3g} to {high:.3g})"
-
-
 def refitted_text(row: Mapping[str, Any]) -> tuple[str, str, str]:
     """Name, nominal, and refitted value of a parameter of the baseline, in a readable unit."""
     unit, factor = readable_unit(row["unit"])
@@ -269,17 +256,14 @@ def _one_of(result: Verdict) -> str:
 
 def _member(effect: str, result: Verdict) -> str:
     """`leader slack (length 3.1 mm)`: one of a class with its size, were it the one."""
+    own = effect.rpartition(":")[2]
+    sizes = {n: p for n, p in result.parameters.items() if n.partition(".")[0] == own}
     found = (each.get("sizes", {}) for each in result.candidates if each["effect"] == effect)
-    sizes = (f"{name.replace('_', ' ')} {_value(each)}" for name, each in next(found, {}).items())
-    shown = ", ".join(sizes)
+    shown = ", ".join(
+        f"{name.rpartition('.')[2].replace('_', ' ')} {value_text(each)}"
+        for name, each in (sizes or next(found, {})).items()
+    )
     return f"{effect_words(effect)} ({shown})" if shown else effect_words(effect)
-
-
-def _value(parameter: Mapping[str, Any]) -> str:
-    """`3.1 mm`."""
-    unit, factor = readable_unit(parameter["unit"])
-    shown = f"{factor * parameter['value']:.2g}"
-    return shown if unit == "1" else f"{shown} {unit}"
 
 
 SENTENCES: Mapping[str, Callable[[Verdict], str]] = {
@@ -293,8 +277,3 @@ SENTENCES: Mapping[str, Callable[[Verdict], str]] = {
     "unknown": lambda result: "Something is missing, and no effect can be named for it.",
     "undecided": lambda result: "These recordings do not decide it.",
 }
-
-
-def _rounded(times: float) -> str:
-    """Two digits, as they are read: 0.42, 5.6, 1,200."""
-    return f"{times:.2g}" if times < 100.0 else f"{float(f'{times:.2g}'):,.0f}"

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hannes.identification.effect_words import effect_words
+from hannes.identification.size_words import readable_unit, size_text
 from hannes.identification.verdict import (
     indistinguishable,
-    readable_unit,
     refitted_text,
-    size_text,
 )
 from hannes.report.effect_section import explained_effects, marked_schematic
 from hannes.report.figure_diagnosis import figures

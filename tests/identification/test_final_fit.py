@@ -129,11 +129,11 @@ def test_a_fit_in_finer_bins_goes_as_far_as_the_bound_of_work_lets_it(named, mon
 
     moved = named.moved(named.x, named.active)
     monkeypatch.setattr(module, "rounds", ended_after_one)
-    assert module._settled_while_allowed(named) is moved
+    assert module._settled_while_allowed(named) == (moved, True)
 
 
 def test_a_smooth_valley_has_the_linear_minimum_and_width(named):
-    fine = module._finer(named, NAME, FINE, 0)
+    fine, _ = module._finer(named, NAME, FINE, 0)
     place, row, _ = of(fine)
     found = profile(fine, place, standard_deviations(fine)[row])
     assert abs(found.least - fine.x[place]) < 0.3 * found.deviation
@@ -159,7 +159,7 @@ def test_a_place_that_is_far_above_is_given_up(named, monkeypatch):
     monkeypatch.setattr(
         profiles, "settled", lambda at, *how: asked.append(how[1]) or settled(at, *how)
     )
-    fine = module._finer(named, NAME, FINE, 0)
+    fine, _ = module._finer(named, NAME, FINE, 0)
     place, row, _ = of(fine)
     profile(fine, place, standard_deviations(fine)[row])
     assert asked and all(each < fine.chi2 + FIT.other_valley + 1e-9 for each in asked)

@@ -34,6 +34,7 @@ from hannes.identification.diagnosis.score_test import in_place_of, screened, sc
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import Joint, Trial, joint_rivals
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 ALL = {**KNOWN, "gust": GUST}
 FAINT = np.full(10, 0.5)  # noise floors
@@ -193,16 +194,43 @@ def test_where_one_does_not_stay_beside_what_leaves_much_the_next_is_tried(three
     assert sorted(some.joint.trial.effects) == sorted(ALL)
 
 
-def test_the_rest_without_an_effect_is_given_up_where_it_is_surely_missed(three, monkeypatch):
-    joint, asked, settled = three.joint.trial, [], effect_removal.settled
-    monkeypatch.setattr(
-        effect_removal, "settled", lambda at, below: asked.append(below) or settled(at, below=below)
-    )
-    effect_removal.left_out(three, joint, joint.effects[0], lambda text: None)
-    most = joint.point.chi2 + SEARCH.sure_beside * three.variance_factor
-    assert len(asked) == 2 and max(asked) >= most
-    needed = SEARCH.further_share * joint.delta_chi2
-    assert all(below <= max(most, joint.point.chi2 + needed) for below in asked)
+def test_where_the_bound_ends_the_search_what_was_found_by_then_stands(three, monkeypatch):
+    """With a remainder, and with some work of its own for what could stand in for it."""
+    others, work, calls = further_effects._others, three.baseline.model.work, []
+
+    def ended(found):
+        raise SearchEnded
+
+    def ended_at_the_third(found, best):
+        calls.append(best)
+        if len(calls) == 3:
+            raise SearchEnded
+        return others(found, best)
+
+    monkeypatch.setattr(further_effects, "_others", ended_at_the_third)
+    monkeypatch.setattr(work, "extended", lambda: calls.append("extended"))
+    some = further_effects.with_further_effects(replace(three, joint=None), lambda text: None)
+    assert some.cut_short and "extended" in calls
+    assert len(some.joint.trial.effects) == 2 and set(some.joint.losses)
+    monkeypatch.setattr(further_effects, "with_rivals", lambda found, progress: ended(found))
+    calls[:] = calls[:0]
+    with pytest.raises(SearchEnded):  # what could stand in for them is not known
+        further_effects.with_further_effects(replace(three, joint=None), lambda text: None)
+
+
+def test_a_search_that_comes_back_to_where_it_was_ends(three, monkeypatch):
+    """What one set gains another loses: two minima that lead to each other."""
+    alone, asked = Joint(three.trials[0]), []
+    name = next(each for each in ALL if each not in alone.trial.effects)
+    other = Joint(replace(alone.trial, effects=(name,)))
+
+    def to_and_fro(found, joint, progress):
+        asked.append(joint.trial.effects)
+        return other if len(asked) % 2 else alone
+
+    monkeypatch.setattr(further_effects, "pruned_effects", to_and_fro)
+    further_effects._selected(replace(three, joint=None), alone, lambda text: None)
+    assert len(asked) < 8
 
 
 def test_what_is_lost_without_an_effect_is_as_the_linearisation_says(three):

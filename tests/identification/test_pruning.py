@@ -74,10 +74,18 @@ def test_what_is_asked_for_stays(monkeypatch):
     assert pruned(point, [NAME], 1.3).off == (4,)  # in the noise that is there it is not
 
 
-def test_a_size_that_is_surely_missed_is_not_fitted_without(monkeypatch):
+def test_a_size_that_is_surely_missed_is_tried_without_only_where_another_may_go(monkeypatch):
+    """By the linearisation alone: where both could go, both stay."""
     sure = {3: 1.1 * SEARCH.surely_missed}
-    point = fit(monkeypatch, {(4,): 101.0}, linear=sure)  # nothing is known without the first
-    assert pruned(point, [NAME], 1.0).off == (4,)
+    stays = {(4,): 100.0 + 1.1 * SEARCH.parameter_price}  # nothing is known without the first
+    assert pruned(point := fit(monkeypatch, stays, linear=sure), [NAME], 1.0) is point
+    assert pruned(fit(monkeypatch, {(3,): 150.0, (4,): 101.0}, linear=sure), [NAME], 1.0).off == (
+        4,
+    )
+    either = fit(monkeypatch, {(3,): 102.0, (4,): 101.0}, linear=sure)
+    assert pruned(either, [NAME], 1.0) is either
+    both = fit(monkeypatch, {}, linear=sure | {4: 1.1 * SEARCH.surely_missed})
+    assert pruned(both, [NAME], 1.0) is both
 
 
 def test_where_either_could_go_both_stay(monkeypatch):

@@ -19,7 +19,7 @@ from hannes.identification.diagnosis.campaign_diagnosis import command_durations
 from hannes.identification.diagnosis.observed_controller import Apart, _nearer, _said
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.shape import likeliest
-from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.tuning import NOISE, SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work, ordinary_time
 from hannes.plants.hand.plant import HandPlant
 
@@ -174,12 +174,21 @@ def test_what_could_not_have_fired_is_said_of_what_it_holds(groups, simulated, s
         (0.85, 9.0, False, True),  # nearer
         (1.2, 9.0, False, False),  # farther: how far the machine is off does not decide alone
         (1.2, 50.0, True, True),  # firmware's whole counts, about as near
-        (1.5, 9.0, True, True),  # whole counts, and a machine much nearer to its values
-        (2.5, 9.0, True, False),  # too far
-        (1.5, 50.0, True, False),
+        (2.1, 50.0, True, False),  # the continuous one is as near as a right one
+        (2.1, 9.0, True, True),  # whole counts, and a machine much nearer to its values
+        (4.5, 9.0, True, False),  # too far
     ],
 )
 def test_a_sampled_controller_is_taken_where_it_or_its_machine_is_nearer(
     distance, deviance, counted, taken
 ):
-    assert _nearer(Apart(distance, deviance), Apart(1.0, 40.0), counted) is taken
+    near = 0.9 * NOISE.continuous_controller
+    assert _nearer(Apart(distance * near, deviance), Apart(near, 40.0), counted) is taken
+
+
+def test_whole_counts_speak_for_firmware_where_the_continuous_controller_is_not_near_either():
+    """Something large is missing: which of both is nearer then is chance."""
+    far = 1.6 * NOISE.continuous_controller
+    assert _nearer(Apart(2.1 * far, 50.0), Apart(far, 40.0), True)
+    assert not _nearer(Apart(2.1 * far, 50.0), Apart(far, 40.0), False)
+    assert not _nearer(Apart(4.5 * far, 50.0), Apart(far, 40.0), True)

@@ -83,7 +83,7 @@ def test_page_has_in_order_what_it_is_what_it_does_where_and_who_else(diagnosis)
         "Leader slack, length 3.1 mm (2.9 to 3.3)",  # the sentence
         "it disagrees most in current, closing: 6 times the noise floor",
         "What to do",
-        "<li>Simulate with hand.toml",
+        "<li>Simulate with this result",
         "The leader wire has come loose",
         "s_L = r_p th/N - length",
         'id="schematic"',

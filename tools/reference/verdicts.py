@@ -26,7 +26,7 @@ FIELDS = {
     "effect), and the noise `floor`; the same in percent of the recorded signal",
     "where": "channel, phase, times, recordings in which the refitted base disagrees, worst first",
     "candidates": "what each rival gains, best first; by a linear estimate where not `refitted`; "
-    "`sizes` of those refitted, each alone",
+    "`sizes` of those fitted alone",
     "reason": "why this verdict, in one sentence",
     "tried": "every effect, whether it applies, and why it was accepted or not",
     "alpha": "false-alarm level",

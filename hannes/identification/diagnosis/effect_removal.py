@@ -76,18 +76,16 @@ def left_out(found: SearchResult, joint: Trial, name: str, progress: Progress) -
     """The other effects alone: one may only have led them there, or have kept them small.
 
     Refitted while it is removed gradually, and from the nominal machine at the sizes that they
-    have beside it: the nominal machine is not biased by it. Given up where it is surely missed.
+    have beside it: the nominal machine is not biased by it.
     """
     kept = tuple(each for each in joint.effects if each != name)
     progress(f"{' and '.join(kept)} without {name}".replace("_", " "))
     own = joint.point.space.of(*kept)
-    decisive = max(SEARCH.sure_beside, needed_beside(joint, found.variance_factor))
-    most = joint.point.chi2 + decisive * found.variance_factor
     gradually = faded(joint.point, name)
-    fits = [settled(gradually, below=most)] if gradually is not None else []
+    fits = [settled(gradually)] if gradually is not None else []
     again = started_at(with_noise(found.nominal, joint.point.noise), own, joint.point.x[own])
     if again is not None:
-        below = min([found.baseline.chi2, most, *(each.chi2 for each in fits)])
+        below = min([found.baseline.chi2, *(each.chi2 for each in fits)])
         fits.append(settled(fitted(again, 4), below=below))
     trials = [Trial(kept, each, 0.0) for each in fits]
     whole = [priced(found.baseline, each, found.variance_factor) for each in trials]

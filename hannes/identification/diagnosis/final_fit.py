@@ -6,8 +6,7 @@ error is simulated with the effects in it, and the bins are finer. It decides be
 """
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,16 +46,17 @@ def final_fit(
     divided
     """
     try:
-        fine = _finer(point, effects, accuracy, seed)
+        fine, ended = _finer(point, effects, accuracy, seed)
     except SearchEnded:
         return FinalFit(point, _linear(point), cut_short=True)
     if fine is point:
-        return FinalFit(point, _linear(point))
+        return FinalFit(point, _linear(point), ended)
     try:
         fine = pruned(fine, effects, variance_factor)
     except SearchEnded:
         return FinalFit(fine, _linear(fine), cut_short=True)
-    return _at_profiles(fine, effects)
+    found = _at_profiles(fine, effects)
+    return replace(found, cut_short=ended or found.cut_short)
 
 
 def _linear(point: Linearisation) -> dict[int, float]:
@@ -80,7 +80,8 @@ def _at_profiles(fine: Linearisation, effects: Sequence[str]) -> FinalFit:
     if minimum is None and not cut_short:
         return FinalFit(fine, spread)  # least along each parameter, but not along all together
     deviations = spread | {k: each.deviation for k, each in known.items()}
-    return FinalFit(minimum or fine, deviations, cut_short)
+    lowest = min([fine, *(each.lowest for each in known.values())], key=lambda each: each.chi2)
+    return FinalFit(minimum or lowest, deviations, cut_short)
 
 
 def _least_together(
@@ -99,8 +100,8 @@ def _least_together(
 
 def _finer(
     point: Linearisation, effects: Sequence[str], accuracy: NoiseAccuracy, seed: int
-) -> Linearisation:
-    """The fit converged in finer bins; unchanged where that cannot be simulated."""
+) -> tuple[Linearisation, bool]:
+    """The fit converged in finer bins, unchanged where that cannot run; whether it was ended."""
     model = point.model
     held = model.held([Group(model.small, each.entries, FIT.finer_bins) for each in model.groups])
     try:
@@ -113,18 +114,20 @@ def _finer(
             point.noise.parts,
         )
     except ComputationFailed:
-        return point
-    fine = _settled_while_allowed(there)
-    return fine if _runs(fine) else point
+        return point, False
+    fine, ended = _settled_while_allowed(there)
+    return (fine if _runs(fine) else point), ended
 
 
-def _settled_while_allowed(point: Linearisation) -> Linearisation:
-    """The fit converged, or as far as the bound of work lets it."""
-    with suppress(SearchEnded):
+def _settled_while_allowed(point: Linearisation) -> tuple[Linearisation, bool]:
+    """The fit converged, or as far as the bound of work lets it; whether that ended it."""
+    try:
         point = fitted(point, 4)
         for further in rounds(point):
             point = further
-    return point
+    except SearchEnded:
+        return point, True
+    return point, False
 
 
 def _runs(point: Linearisation) -> bool:

@@ -34,21 +34,37 @@ from hannes.identification.diagnosis.trials import (
     with_confusable,
 )
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 
 def with_further_effects(found: SearchResult, progress: Progress) -> SearchResult:
-    """Look for further effects beside the best one, and for what is left after the last."""
+    """Look for further effects beside the best one, and for what is left after the last.
+
+    Where the bound of work ends that, what was found by then stands, with what could stand in for
+    it: that has some work of its own. Without that nothing stands but single effects.
+    """
     best = _selected(found, Joint(found.trials[0]), progress)
-    for trial in _together(best, progress):
-        start = scaled(found, trial.point)
-        joint = Joint(priced(start.baseline, trial, start.variance_factor))
-        pruned = pruned_effects(start, joint, progress)
-        if pruned.trial.point.chi2 < _left(best) or len(pruned.trial.effects) > 1:
-            other = _selected(start, pruned, progress)
-            best = other if _left(other) < _left(best) - SEARCH.name_limit else best
-        if not leaves_much(start, joint.trial):
-            break
+    best = best if best.cut_short else _with_sets(best, progress)
+    if best.cut_short:
+        best.baseline.model.work.extended()
     return with_rivals(best, progress)
+
+
+def _with_sets(best: SearchResult, progress: Progress) -> SearchResult:
+    """The result or, where it leaves less, that of several effects started together."""
+    try:
+        for trial in _together(best, progress):
+            start = scaled(best, trial.point)
+            joint = Joint(priced(start.baseline, trial, start.variance_factor))
+            pruned = pruned_effects(start, joint, progress)
+            if pruned.trial.point.chi2 < _left(best) or len(pruned.trial.effects) > 1:
+                other = _selected(start, pruned, progress)
+                best = other if _left(other) < _left(best) - SEARCH.name_limit else best
+            if not leaves_much(start, joint.trial):
+                break
+    except SearchEnded:
+        return replace(best, cut_short=True)
+    return best
 
 
 def leaves_much(found: SearchResult, trial: Trial) -> bool:
@@ -79,30 +95,47 @@ def _together(found: SearchResult, progress: Progress) -> Iterator[Trial]:
 def _selected(found: SearchResult, joint: Joint, progress: Progress) -> SearchResult:
     """One more effect after another, each time without those that are not missed any more.
 
-    One that does not stay is not tried again beside the same others: the next one is.
+    Where the bound of work ends that, with those that were found by then.
     """
+    result = _with(found, joint, None)
+    try:
+        for further in _selections(found, joint, progress):
+            result = further
+    except SearchEnded:
+        return replace(result, cut_short=True)
+    return result
+
+
+def _selections(found: SearchResult, joint: Joint, progress: Progress) -> Iterator[SearchResult]:
+    """The result after each further effect; one that does not stay is not tried again there."""
     met: dict[frozenset[str], float] = {}
     refused: dict[frozenset[str], set[str]] = {}
+    added: set[tuple[frozenset[str], str]] = set()
     while True:
         best, effects = joint.trial, frozenset(joint.trial.effects)
         progress("what is left")
-        guesses = _others(found, best)
-        again = best.delta_chi2 < met.get(effects, -np.inf) + SEARCH.name_limit
         away = refused.get(effects, set())
+        guesses = [each for each in _others(found, best) if each.effect not in away]
+        yield _with(found, joint, guesses[0] if guesses else None)
+        again = best.delta_chi2 < met.get(effects, -np.inf) + SEARCH.name_limit
         more = not again or (leaves_much(found, best) and 0 < len(away) <= SEARCH.refused_effects)
         if not more or len(effects) == SEARCH.most_effects:
-            return _with(found, joint, guesses[0] if guesses else None)
+            return
         met[effects] = max(best.delta_chi2, met.get(effects, -np.inf))
-        tried = [each for each in guesses if each.effect not in away]
-        larger = _enlarged(found, best, tried, progress)
+        larger = _enlarged(found, best, guesses, progress)
         needed = needed_beside(best, found.variance_factor)
         if not larger or larger[0].delta_chi2 - best.delta_chi2 < needed:
-            return _with(found, joint, _refuted(best, guesses, larger, found.variance_factor))
+            yield _with(found, joint, _refuted(best, guesses, larger, found.variance_factor))
+            return
+        name = larger[0].effects[-1]
+        if (effects, name) in added:
+            return
+        added.add((effects, name))
         larger[0] = converged(found.baseline, larger[0], found.variance_factor)
         found = scaled(found, larger[0].point)
         joint = _pruned(found, best, larger, progress)
-        if larger[0].effects[-1] not in joint.trial.effects:
-            refused.setdefault(effects, set()).add(larger[0].effects[-1])
+        if name not in joint.trial.effects:
+            refused.setdefault(effects, set()).add(name)
 
 
 def _pruned(found: SearchResult, best: Trial, larger: Sequence[Trial], progress: Progress) -> Joint:

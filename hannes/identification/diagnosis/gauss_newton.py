@@ -22,20 +22,27 @@ def fitted(point: Linearisation, steps: int, restarts: int = 0) -> Linearisation
 
 
 def settled(
-    point: Linearisation, negligible: float = FIT.settled, below: float = np.inf
+    point: Linearisation,
+    negligible: float = FIT.settled,
+    below: float = np.inf,
+    above: float = FIT.settled_above,
 ) -> Linearisation:
     """The fit converged: new derivatives and some steps until the reduction is below `negligible`.
 
-    Gives up where a round reduces chi-squared by less than it still lies above `below`. Where much
-    is left, a round that reduces little of it is the last. One that has converged so far is kept.
+    Gives up where a round reduces chi-squared by less than it still lies above `below`. Where more
+    is left than `above` per bin, a round that reduces little of it is the last. One that has
+    converged so far is kept.
     """
-    if point.last_reduction < _enough(point, negligible):
+    if point.last_reduction < _enough(point, negligible, above):
         return point
-    return [point, *rounds(point, negligible, below)][-1]
+    return [point, *rounds(point, negligible, below, above)][-1]
 
 
 def rounds(
-    point: Linearisation, negligible: float = FIT.converged, below: float = np.inf
+    point: Linearisation,
+    negligible: float = FIT.converged,
+    below: float = np.inf,
+    above: float = FIT.settled_finally,
 ) -> Iterator[Linearisation]:
     """The fit after each round of new derivatives and some steps, until it is settled."""
     for _ in range(FIT.rounds):
@@ -43,13 +50,13 @@ def rounds(
         reduction = point.chi2 - found.chi2
         point = replace(found, last_reduction=reduction)
         yield point
-        if reduction < max(_enough(point, negligible), point.chi2 - below):
+        if reduction < max(_enough(point, negligible, above), point.chi2 - below):
             break
 
 
-def _enough(point: Linearisation, negligible: float) -> float:
+def _enough(point: Linearisation, negligible: float, above: float) -> float:
     """Reduction of a round that is the last: where much is left, what is missing decides there."""
-    much = FIT.settled_share * (point.chi2 - FIT.settled_above * point.residual.size)
+    much = FIT.settled_share * (point.chi2 - above * point.residual.size)
     return max(negligible, much)
 
 

@@ -30,22 +30,25 @@ def with_like_faults(baseline: Linearisation, fits: Fits, best: str, progress: P
             leader = found[best]
     for name in (first, *others):
         if name in found and (name != first or best != first):
-            found[name] = _caught_up(leader, found[name])
+            found[name] = _caught_up(baseline, found[best], found[name])
     return found
 
 
-def _caught_up(leader: Linearisation, point: Linearisation) -> Linearisation:
+def _caught_up(
+    baseline: Linearisation, leader: Linearisation, point: Linearisation
+) -> Linearisation:
     """A rival whose rounds ended early, followed while few more such rounds could reach the best.
 
     Parts that recordings do not separate end near each other; others stay far above.
     """
-    made = rounds(point)
-    while point.chi2 - leader.chi2 < SEARCH.rounds_behind * point.last_reduction:
-        further = next(made, None)
+    made, near = rounds(point), SEARCH.rival_share * (baseline.chi2 - leader.chi2)
+    while True:
+        above = point.chi2 - leader.chi2
+        reach = SEARCH.rounds_behind * max(point.last_reduction, SEARCH.rival)
+        further = next(made, None) if above < min(near, reach) else None
         if further is None:
-            break
+            return point
         point = further
-    return point
 
 
 def varied(effects: Mapping[str, Effect], guesses: Sequence[Guess]) -> list[Guess]:

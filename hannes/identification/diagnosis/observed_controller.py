@@ -4,8 +4,9 @@ Who names a shipped experiment takes its continuous controller along, and hardly
 one. Firmware's ticks and rounding shift currents by more than noise; read as parameters, they make
 a sound hand look wrong. So both are simulated as the machine runs, as given and refitted coarsely,
 and the controller that is nearer to the means of repeats is taken. Where something large is
-missing neither is near; whole encoder counts then speak for firmware. A machine can follow ticks
-that are not simulated, by values far from those given: with whole counts that speaks for them too.
+missing neither is near; whole encoder counts then speak for firmware, as nothing else reads them. A
+machine can follow ticks that are not simulated, by values far from those given: with whole counts
+that speaks for them too.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -92,8 +93,9 @@ def _nearer(other: Apart, stated: Apart, counted: bool) -> bool:
         return other.distance < NOISE.nearer_controller * stated.distance
     if other.distance < NOISE.counted_controller * stated.distance:
         return True
-    near_enough = other.distance < NOISE.farthest_controller * stated.distance
-    return near_enough and other.deviance < stated.deviance
+    if other.distance >= NOISE.farthest_controller * stated.distance:
+        return False
+    return other.deviance < stated.deviance or stated.distance > NOISE.continuous_controller
 
 
 def _said(period: float, times: float, counted: bool, planned: bool = True) -> str:
@@ -108,12 +110,9 @@ def _said(period: float, times: float, counted: bool, planned: bool = True) -> s
         counts = "whole encoder counts and " if counted else ""
         nearer = f"which comes {times:.2g} times as near: that is taken"
         return f"{text}the recordings show {counts}{sampled}, {nearer}"
-    why = "which alone would not decide it"
-    if times * NOISE.counted_controller <= 1.0:
-        why = "but by values of the machine that are nearer to those given"
     return (
         f"{text}the recordings are whole encoder counts, which firmware reads, so {sampled} is "
-        f"taken. It comes {times:.2g} times as near, {why}"
+        f"taken. It comes {times:.2g} times as near, which alone would not decide it"
     )
 
 

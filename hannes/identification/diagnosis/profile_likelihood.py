@@ -62,7 +62,11 @@ def held_at(
     x = point.x.copy()
     x[places] = values
     there = point.with_active(np.setdiff1d(point.active, places)).moved(x, np.array([], int))
-    return None if there is None else settled(fitted(there, 4), FIT.converged, below)
+    return (
+        None
+        if there is None
+        else settled(fitted(there, 4), FIT.converged, below, FIT.settled_finally)
+    )
 
 
 def _walk(point: Linearisation, place: int, step: float) -> Iterator[Linearisation]:

@@ -39,21 +39,17 @@ def _without_one(
 ) -> tuple[int, Linearisation] | None:
     """The size that is missed least, and the fit without it; None where it stays.
 
-    One that by the linearisation is missed much is not tried without.
+    One that by the linearisation is missed much is tried without only where another may go.
     """
-    surely = {
-        place for place in places if wald(point, [place]) > SEARCH.surely_missed * variance_factor
-    }
-    fits = {
-        place: None if place in surely else held_at(point, np.array([place]), np.zeros(1))
-        for place in places
-    }
-    rises = {
-        place: np.inf if fit is None else (fit.chi2 - point.chi2) / variance_factor
-        for place, fit in fits.items()
-    }
+    surely = [k for k in places if wald(point, [k]) > SEARCH.surely_missed * variance_factor]
+    if len(surely) == len(places):
+        return None
+    fits = {k: held_at(point, np.array([k]), np.zeros(1)) for k in places if k not in surely}
+    if any(_rise(point, fit, variance_factor) <= SEARCH.parameter_price for fit in fits.values()):
+        fits |= {k: held_at(point, np.array([k]), np.zeros(1)) for k in surely}
+    rises = {k: _rise(point, fits.get(k), variance_factor) for k in places}
     least, next_least = sorted(rises, key=lambda place: rises[place])[:2]
-    fit = fits[least]
+    fit = fits.get(least)
     if (
         fit is None
         or rises[least] > SEARCH.parameter_price
@@ -61,3 +57,7 @@ def _without_one(
     ):
         return None
     return least, fit
+
+
+def _rise(point: Linearisation, fit: Linearisation | None, variance_factor: float) -> float:
+    return np.inf if fit is None else (fit.chi2 - point.chi2) / variance_factor

@@ -182,7 +182,7 @@ def _further(found: SearchResult, rest: Guess) -> str:
 
 
 def explained_share(found: SearchResult, trial: Trial) -> float:
-    """Share that a trial explains of all that indicates a missing effect, none of it scaled.
+    """Share that a trial explains of all that indicates a missing effect, nothing of it scaled.
 
     Zero where a trend across runs would explain more.
     """

@@ -52,6 +52,9 @@ class FitTuning:
         COST,
     )
     settled_above: float = constant(1.3, "chi2 per bin", "that a fit near to noise leaves")
+    settled_finally: float = constant(
+        3.0, "chi2 per bin", "likewise, of a fit whose parameters are reported"
+    )
     least_information: float = constant(
         0.4, "1", "of the prior's: a parameter with less in the data keeps its derivatives", COST
     )

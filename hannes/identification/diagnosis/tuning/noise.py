@@ -70,7 +70,13 @@ class NoiseTuning:
         1.25, "1", "the same where positions are whole encoder counts, which firmware reads"
     )
     farthest_controller: float = constant(
-        2.0, "1", "the same where the machine's values are nearer to those given, too", DEVELOPMENT
+        4.0, "1", "the same where that is not near, or the machine's values are nearer", DEVELOPMENT
+    )
+    continuous_controller: float = constant(
+        0.5,
+        "noise floors",
+        "that a continuous controller leaves at most where it is believed beside whole counts",
+        DEVELOPMENT,
     )
     independent_values: float = constant(
         16.0,
