@@ -28,4 +28,4 @@ def value_text(parameter: Mapping[str, Any]) -> str:
 
 def rounded(times: float) -> str:
     """Two digits, as they are read: 0.42, 5.6, 1,200."""
-    return f"{times:.2g}" if abs(times) < 100.0 else f"{float(f'{times:.2g}'):,.0f}"
+    return f"{times:.2g}" if abs(times) < 99.5 else f"{float(f'{times:.2g}'):,.0f}"

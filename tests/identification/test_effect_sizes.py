@@ -13,7 +13,6 @@ from hannes.identification.diagnosis.effect_sizes import NORMAL, interval, with_
 from hannes.identification.diagnosis.final_fit import FinalFit
 from hannes.identification.diagnosis.parameter_space import FreeParameter
 from hannes.identification.diagnosis.tuning import FIT
-from hannes.identification.diagnosis.work_bound import SearchEnded
 
 EFFECTS = {each.name: each for each in (SLACK, COMPLIANCE)}
 PLACES = ("leader_slack.length", "wire_compliance.leader", "wire_compliance.follower")
@@ -65,15 +64,6 @@ def test_one_whose_interval_holds_off_is_let_go_and_the_other_sized_without_it(f
     assert decision.point.without == COMPLIANCE.name
     assert fits.asked == [PAIR, (SLACK.name,)]
     assert "wire compliance may be zero" in decision.reason
-
-
-def test_where_the_bound_of_work_is_met_both_stay_as_they_were_found(fits, monkeypatch):
-    def ended(at, name):
-        raise SearchEnded
-
-    monkeypatch.setattr(module, "faded", ended)
-    decision = outcome(point(1.1 * EDGE, 0.0, 0.9 * EDGE))
-    assert (decision.kind, decision.effects) == ("named", PAIR)
 
 
 def test_where_neither_is_sure_the_surer_one_stays(fits):

@@ -194,26 +194,37 @@ def test_where_one_does_not_stay_beside_what_leaves_much_the_next_is_tried(three
     assert sorted(some.joint.trial.effects) == sorted(ALL)
 
 
+def ended(*_):
+    raise SearchEnded
+
+
 def test_where_the_bound_ends_the_search_what_was_found_by_then_stands(three, monkeypatch):
     """With a remainder, and with some work of its own for what could stand in for it."""
-    others, work, calls = further_effects._others, three.baseline.model.work, []
-
-    def ended(found):
-        raise SearchEnded
+    others, calls = further_effects._others, []
 
     def ended_at_the_third(found, best):
         calls.append(best)
-        if len(calls) == 3:
-            raise SearchEnded
-        return others(found, best)
+        return others(found, best) if len(calls) < 3 else ended()
 
     monkeypatch.setattr(further_effects, "_others", ended_at_the_third)
-    monkeypatch.setattr(work, "extended", lambda: calls.append("extended"))
+    limit = three.baseline.model.work.limit
     some = further_effects.with_further_effects(replace(three, joint=None), lambda text: None)
-    assert some.cut_short and "extended" in calls
-    assert len(some.joint.trial.effects) == 2 and set(some.joint.losses)
-    monkeypatch.setattr(further_effects, "with_rivals", lambda found, progress: ended(found))
-    calls[:] = calls[:0]
+    assert some.cut_short and some.baseline.model.work.limit > limit
+    assert len(some.joint.trial.effects) == 3 and some.joint.losses  # the third was complete
+
+
+def test_where_the_bound_is_met_by_what_could_stand_in_that_is_tried_once_more(three, monkeypatch):
+    rivals, calls = further_effects.with_rivals, []
+
+    def ended_at_first(found, progress):
+        calls.append(found.cut_short)
+        return rivals(found, progress) if len(calls) > 1 else ended()
+
+    monkeypatch.setattr(further_effects, "with_rivals", ended_at_first)
+    some = further_effects.with_further_effects(replace(three, joint=None), lambda text: None)
+    assert calls == [False, True] and some.cut_short
+    assert len(some.joint.trial.effects) == 3
+    monkeypatch.setattr(further_effects, "with_rivals", ended)
     with pytest.raises(SearchEnded):  # what could stand in for them is not known
         further_effects.with_further_effects(replace(three, joint=None), lambda text: None)
 

@@ -19,7 +19,7 @@ from hannes.identification.diagnosis.campaign_diagnosis import command_durations
 from hannes.identification.diagnosis.observed_controller import Apart, _nearer, _said
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.shape import likeliest
-from hannes.identification.diagnosis.tuning import NOISE, SEARCH
+from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work, ordinary_time
 from hannes.plants.hand.plant import HandPlant
 
@@ -126,6 +126,16 @@ def test_what_closes_a_search_has_work_of_its_own_once():
     assert work.limit == before + SEARCH.closing_simulated
 
 
+def test_what_could_stand_in_for_effects_has_other_work_than_what_closes():
+    work = Work(bounded=True)
+    before = work.limit
+    work.extended_for_rivals()
+    work.extended_for_rivals()
+    assert work.limit == before + SEARCH.rivals_simulated
+    work.extended()
+    assert work.limit == before + SEARCH.rivals_simulated + SEARCH.closing_simulated
+
+
 def silent(text):
     """No progress."""
 
@@ -182,13 +192,20 @@ def test_what_could_not_have_fired_is_said_of_what_it_holds(groups, simulated, s
 def test_a_sampled_controller_is_taken_where_it_or_its_machine_is_nearer(
     distance, deviance, counted, taken
 ):
-    near = 0.9 * NOISE.continuous_controller
-    assert _nearer(Apart(distance * near, deviance), Apart(near, 40.0), counted) is taken
+    assert _nearer(Apart(distance, deviance), Apart(1.0, 40.0), counted, 1.1) is taken
 
 
 def test_whole_counts_speak_for_firmware_where_the_continuous_controller_is_not_near_either():
     """Something large is missing: which of both is nearer then is chance."""
-    far = 1.6 * NOISE.continuous_controller
-    assert _nearer(Apart(2.1 * far, 50.0), Apart(far, 40.0), True)
-    assert not _nearer(Apart(2.1 * far, 50.0), Apart(far, 40.0), False)
-    assert not _nearer(Apart(4.5 * far, 50.0), Apart(far, 40.0), True)
+    assert _nearer(Apart(2.1, 50.0), Apart(1.0, 40.0), True, 0.6)
+    assert not _nearer(Apart(2.1, 50.0), Apart(1.0, 40.0), False, 0.6)
+    assert not _nearer(Apart(4.5, 50.0), Apart(1.0, 40.0), True, 0.6)
+
+
+def test_what_a_right_controller_leaves_depends_on_how_many_repeats_there_are(monkeypatch):
+    monkeypatch.setattr(observed_controller, "grouped", lambda plant, entries: [entries])
+    left = []
+    for count in (1, 4, 25):
+        entries = [SimpleNamespace(role="fit")] * count
+        left.append(observed_controller._near(SimpleNamespace(plant=None, entries=entries)))
+    assert left[0] > 1.3 and 0.7 < left[1] < 0.72 and left[2] < 0.4

@@ -16,7 +16,6 @@ from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import faded
 from hannes.identification.diagnosis.score_test import amplitude_names
 from hannes.identification.diagnosis.tuning import FIT
-from hannes.identification.diagnosis.work_bound import SearchEnded
 
 NORMAL = 1.96  # standard deviations on each side of a normal 95 % interval
 COARSE = "; the final fit was ended at its bound: its sizes may be coarse"
@@ -40,7 +39,7 @@ def with_sizes(
             for name in decision.effects
         }
         other = min(surest, key=lambda name: surest[name])
-        point = _without(decision.point, other) if surest[other] <= 1.0 else None
+        point = faded(decision.point, other) if surest[other] <= 1.0 else None
         if point is not None:
             reason = f"{decision.reason}; the size of {other.replace('_', ' ')} may be zero"
             kept = tuple(name for name in decision.effects if name != other)
@@ -48,14 +47,6 @@ def with_sizes(
             return with_sizes(left, seed, variance_factor, progress)
     reason = f"{decision.reason}{COARSE if fit.cut_short else ''}"
     return replace(decision, point=fit.point, reason=reason), fit.deviations
-
-
-def _without(point: Linearisation, name: str) -> Linearisation | None:
-    """The fit without an effect; None where that fails, or the bound of work is met."""
-    try:
-        return faded(point, name)
-    except SearchEnded:
-        return None
 
 
 def _surely(

@@ -81,7 +81,7 @@ def _at_profiles(fine: Linearisation, effects: Sequence[str]) -> FinalFit:
         return FinalFit(fine, spread)  # least along each parameter, but not along all together
     deviations = spread | {k: each.deviation for k, each in known.items()}
     lowest = min([fine, *(each.lowest for each in known.values())], key=lambda each: each.chi2)
-    return FinalFit(minimum or lowest, deviations, cut_short)
+    return FinalFit(minimum or (lowest if _runs(lowest) else fine), deviations, cut_short)
 
 
 def _least_together(

@@ -44,9 +44,13 @@ def with_further_effects(found: SearchResult, progress: Progress) -> SearchResul
     it: that has some work of its own. Without that nothing stands but single effects.
     """
     best = _selected(found, Joint(found.trials[0]), progress)
-    best = best if best.cut_short else _with_sets(best, progress)
-    if best.cut_short:
-        best.baseline.model.work.extended()
+    try:
+        best = best if best.cut_short else _with_sets(best, progress)
+        if not best.cut_short:
+            return with_rivals(best, progress)
+    except SearchEnded:
+        best = replace(best, cut_short=True)
+    best.baseline.model.work.extended_for_rivals()
     return with_rivals(best, progress)
 
 
@@ -59,8 +63,10 @@ def _with_sets(best: SearchResult, progress: Progress) -> SearchResult:
             pruned = pruned_effects(start, joint, progress)
             if pruned.trial.point.chi2 < _left(best) or len(pruned.trial.effects) > 1:
                 other = _selected(start, pruned, progress)
-                best = other if _left(other) < _left(best) - SEARCH.name_limit else best
-            if not leaves_much(start, joint.trial):
+                ended = best.cut_short or other.cut_short
+                better = _left(other) < _left(best) - SEARCH.name_limit
+                best = replace(other if better else best, cut_short=ended)
+            if best.cut_short or not leaves_much(start, joint.trial):
                 break
     except SearchEnded:
         return replace(best, cut_short=True)
@@ -115,25 +121,28 @@ def _selections(found: SearchResult, joint: Joint, progress: Progress) -> Iterat
         best, effects = joint.trial, frozenset(joint.trial.effects)
         progress("what is left")
         away = refused.get(effects, set())
-        guesses = [each for each in _others(found, best) if each.effect not in away]
+        guesses = _others(found, best)
         yield _with(found, joint, guesses[0] if guesses else None)
         again = best.delta_chi2 < met.get(effects, -np.inf) + SEARCH.name_limit
         more = not again or (leaves_much(found, best) and 0 < len(away) <= SEARCH.refused_effects)
         if not more or len(effects) == SEARCH.most_effects:
             return
         met[effects] = max(best.delta_chi2, met.get(effects, -np.inf))
-        larger = _enlarged(found, best, guesses, progress)
+        tried = [each for each in guesses if each.effect not in away]
+        larger = _enlarged(found, best, tried, progress)
         needed = needed_beside(best, found.variance_factor)
         if not larger or larger[0].delta_chi2 - best.delta_chi2 < needed:
             yield _with(found, joint, _refuted(best, guesses, larger, found.variance_factor))
             return
         name = larger[0].effects[-1]
         if (effects, name) in added:
-            return
+            refused.setdefault(effects, set()).add(name)
+            continue
         added.add((effects, name))
         larger[0] = converged(found.baseline, larger[0], found.variance_factor)
         found = scaled(found, larger[0].point)
         joint = _pruned(found, best, larger, progress)
+        yield _with(found, joint, None)
         if name not in joint.trial.effects:
             refused.setdefault(effects, set()).add(name)
 

@@ -41,10 +41,11 @@ def _caught_up(
 
     Parts that recordings do not separate end near each other; others stay far above.
     """
-    made, near = rounds(point), SEARCH.rival_share * (baseline.chi2 - leader.chi2)
+    few = SEARCH.rounds_behind * SEARCH.rival
+    made, near = rounds(point), max(few, SEARCH.rival_share * (baseline.chi2 - leader.chi2))
     while True:
         above = point.chi2 - leader.chi2
-        reach = SEARCH.rounds_behind * max(point.last_reduction, SEARCH.rival)
+        reach = max(few, SEARCH.rounds_behind * point.last_reduction)
         further = next(made, None) if above < min(near, reach) else None
         if further is None:
             return point

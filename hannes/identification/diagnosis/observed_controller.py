@@ -77,7 +77,8 @@ def as_recorded(
         return campaign, UNTESTED
     stated_apart, counted = apart[0], _counted(campaign)
     pairs = list(zip(others, apart[1:], strict=True))
-    nearer = [each for each in pairs if _nearer(each[1], stated_apart, counted)]
+    near = _near(campaign)
+    nearer = [each for each in pairs if _nearer(each[1], stated_apart, counted, near)]
     if not nearer:
         return campaign, ""
     taken, left = min(nearer, key=lambda each: each[1].distance)
@@ -87,15 +88,25 @@ def as_recorded(
     return replace(campaign, plant=taken.plant, entries=taken.entries), said
 
 
-def _nearer(other: Apart, stated: Apart, counted: bool) -> bool:
-    """Whether another controller is taken for the stated one."""
+def _near(campaign: Campaign) -> float:
+    """What a right controller leaves at most: means are of few repeats [noise floors]."""
+    known = [each for each in campaign.entries if each.role in ("fit", "select")]
+    count = len(known) / max(1, len(grouped(campaign.plant, known)))
+    return NOISE.continuous_controller * float(np.sqrt(1.0 / count + NOISE.known_mean))
+
+
+def _nearer(other: Apart, stated: Apart, counted: bool, near: float) -> bool:
+    """Whether another controller is taken for the stated one.
+
+    near: distance below which the stated one is as near as a right one
+    """
     if not counted:
         return other.distance < NOISE.nearer_controller * stated.distance
     if other.distance < NOISE.counted_controller * stated.distance:
         return True
     if other.distance >= NOISE.farthest_controller * stated.distance:
         return False
-    return other.deviance < stated.deviance or stated.distance > NOISE.continuous_controller
+    return other.deviance < stated.deviance or stated.distance > near
 
 
 def _said(period: float, times: float, counted: bool, planned: bool = True) -> str:

@@ -33,7 +33,7 @@ class Work:
 
     def __init__(self, bounded: bool = False) -> None:
         self.limit, self.spent, self.bounded = SEARCH.most_simulated, 0.0, bounded
-        self._closing = False
+        self._closing = self._rivals = False
 
     def add(self, runs: int, duration: float, exact: bool) -> None:
         """Count runs before they are made; SearchEnded where that is more than the limit."""
@@ -57,6 +57,12 @@ class Work:
             self.limit = max(self.limit, self.spent) + SEARCH.closing_simulated
         self._closing = True
 
+    def extended_for_rivals(self) -> None:
+        """Give what could stand in for several effects some work of its own, once."""
+        if not self._rivals:
+            self.limit = max(self.limit, self.spent) + SEARCH.rivals_simulated
+        self._rivals = True
+
     @contextmanager
     def in_any_case(self) -> Iterator[None]:
         """Within, runs are counted and made although the limit is reached."""
@@ -72,7 +78,7 @@ class Work:
         uncertain: number of parameters of the machine
         """
         needed = SEARCH.needed_runs + SEARCH.needed_per_parameter * uncertain
-        own = SEARCH.closing_simulated + SHAPE.most_simulated
+        own = SEARCH.rivals_simulated + SEARCH.closing_simulated + SHAPE.most_simulated
         return self.limit + own + needed * sum(durations)
 
     @property

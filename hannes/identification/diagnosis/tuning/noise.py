@@ -73,8 +73,8 @@ class NoiseTuning:
         4.0, "1", "the same where that is not near, or the machine's values are nearer", DEVELOPMENT
     )
     continuous_controller: float = constant(
-        0.5,
-        "noise floors",
+        1.3,
+        "times what is not known of means",
         "that a continuous controller leaves at most where it is believed beside whole counts",
         DEVELOPMENT,
     )

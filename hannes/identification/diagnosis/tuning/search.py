@@ -15,8 +15,11 @@ class SearchTuning:
         "of simulated runs in one diagnosis, whose search then ends: about 120 s of a processor",
         COST,
     )
+    rivals_simulated: float = constant(
+        3_000.0, "s", "likewise, of what could stand in for effects whose search was ended", COST
+    )
     closing_simulated: float = constant(
-        10_000.0, "s", "likewise, of what judges a search for further effects that was ended", COST
+        8_000.0, "s", "likewise, of what judges a search for further effects that was ended", COST
     )
     needed_runs: float = constant(
         130.0, "weighted runs", "of each command that every verdict needs, whatever was spent", COST
