@@ -8,7 +8,6 @@ TAKEN = (
     "as its base."
 )
 SIMULATE = f"Simulate with this result's hand.toml, which has what is named at its size. {TAKEN}"
-WHERE = "See where it disagrees, and look at that part of the machine."
 APART = "Record another run that separates them."
 OTHERS = "Record other runs: slower ones, other objects."
 AGAIN = "Record each run as often as those before, add them to the campaign, and diagnose again."
@@ -31,7 +30,7 @@ STEPS: Mapping[str, Sequence[str]] = {
         "See where the rest is left: something else is missing there.",
     ),
     "unknown": (
-        f"Add no effect yet. {WHERE}",
+        "Add no effect yet. See where it disagrees, and look at that part of the machine.",
         OTHERS,
         AGAIN,
         "If nothing is named then, write an effect of your own (docs/tutorials/your-effect.md).",

@@ -26,6 +26,6 @@ def value_text(parameter: Mapping[str, Any]) -> str:
     return shown if unit == "1" else f"{shown} {unit}"
 
 
-def rounded(times: float) -> str:
+def rounded(value: float) -> str:
     """Two digits, as they are read: 0.42, 5.6, 1,200."""
-    return f"{times:.2g}" if abs(times) < 99.5 else f"{float(f'{times:.2g}'):,.0f}"
+    return f"{value:.2g}" if abs(value) < 99.5 else f"{float(f'{value:.2g}'):,.0f}"

@@ -230,18 +230,31 @@ def test_where_the_bound_is_met_by_what_could_stand_in_that_is_tried_once_more(t
 
 
 def test_a_search_that_comes_back_to_where_it_was_ends(three, monkeypatch):
-    """What one set gains another loses: two minima that lead to each other."""
-    alone, asked = Joint(three.trials[0]), []
-    name = next(each for each in ALL if each not in alone.trial.effects)
-    other = Joint(replace(alone.trial, effects=(name,)))
+    """Two minima that lead to each other: what is added drops what was there, and back again."""
+    one, refused, other = ALL
+    alone = Joint(replace(three.trials[0], effects=(one,)))
+    order = {(one,): (refused, other), (other,): (refused, one)}
+    steps = []
 
-    def to_and_fro(found, joint, progress):
-        asked.append(joint.trial.effects)
-        return other if len(asked) % 2 else alone
+    def others(found, best):
+        return [SimpleNamespace(effect=name) for name in order[best.effects]]
 
-    monkeypatch.setattr(further_effects, "pruned_effects", to_and_fro)
+    def enlarged(found, best, guesses, progress):
+        steps.append((best.effects, guesses[0].effect))
+        assert len(steps) < 20, "without an end"
+        return [replace(best, effects=(*best.effects, guesses[0].effect),
+                        delta_chi2=2.0 * best.delta_chi2)]  # fmt: skip
+
+    def pruned(found, best, larger, progress):
+        name = larger[0].effects[-1]
+        return Joint(best if name == refused else replace(best, effects=(name,)))
+
+    for name, made in (("_others", others), ("_enlarged", enlarged), ("_pruned", pruned)):
+        monkeypatch.setattr(further_effects, name, made)
+    monkeypatch.setattr(further_effects, "leaves_much", lambda found, trial: True)
+    monkeypatch.setattr(further_effects, "converged", lambda baseline, trial, _: trial)
     further_effects._selected(replace(three, joint=None), alone, lambda text: None)
-    assert len(asked) < 8
+    assert ((one,), other) in steps and ((other,), one) in steps
 
 
 def test_what_is_lost_without_an_effect_is_as_the_linearisation_says(three):

@@ -118,22 +118,16 @@ def test_sizes_are_those_of_the_search_where_the_final_fit_does_not_end(monkeypa
     assert size["low"] < 900.0 < size["high"]
 
 
-def test_what_closes_a_search_has_work_of_its_own_once():
+def test_what_closes_a_search_and_its_rivals_have_work_of_their_own_once():
     work = Work(bounded=True)
     before = work.limit
-    work.extended()
-    work.extended()
-    assert work.limit == before + SEARCH.closing_simulated
-
-
-def test_what_could_stand_in_for_effects_has_other_work_than_what_closes():
-    work = Work(bounded=True)
-    before = work.limit
-    work.extended_for_rivals()
-    work.extended_for_rivals()
-    assert work.limit == before + SEARCH.rivals_simulated
-    work.extended()
-    assert work.limit == before + SEARCH.rivals_simulated + SEARCH.closing_simulated
+    for _ in range(2):
+        work.extended_for_rivals()
+        assert work.limit == before + SEARCH.rivals_simulated
+    for _ in range(2):
+        work.extended()
+        more = SEARCH.rivals_simulated + SEARCH.closing_simulated
+        assert work.limit == before + more
 
 
 def silent(text):

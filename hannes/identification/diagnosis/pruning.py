@@ -44,9 +44,9 @@ def _without_one(
     surely = [k for k in places if wald(point, [k]) > SEARCH.surely_missed * variance_factor]
     if len(surely) == len(places):
         return None
-    fits = {k: held_at(point, np.array([k]), np.zeros(1)) for k in places if k not in surely}
+    fits = {k: _at_off(point, k) for k in places if k not in surely}
     if any(_rise(point, fit, variance_factor) <= SEARCH.parameter_price for fit in fits.values()):
-        fits |= {k: held_at(point, np.array([k]), np.zeros(1)) for k in surely}
+        fits |= {k: _at_off(point, k) for k in surely}
     rises = {k: _rise(point, fits.get(k), variance_factor) for k in places}
     least, next_least = sorted(rises, key=lambda place: rises[place])[:2]
     fit = fits.get(least)
@@ -57,6 +57,10 @@ def _without_one(
     ):
         return None
     return least, fit
+
+
+def _at_off(point: Linearisation, place: int) -> Linearisation | None:
+    return held_at(point, np.array([place]), np.zeros(1))
 
 
 def _rise(point: Linearisation, fit: Linearisation | None, variance_factor: float) -> float:

@@ -53,15 +53,17 @@ class Work:
 
     def extended(self) -> None:
         """Give what judges and closes a search some work of its own, once."""
-        if not self._closing:
-            self.limit = max(self.limit, self.spent) + SEARCH.closing_simulated
-        self._closing = True
+        self._closing = self._more(SEARCH.closing_simulated, self._closing)
 
     def extended_for_rivals(self) -> None:
         """Give what could stand in for several effects some work of its own, once."""
-        if not self._rivals:
-            self.limit = max(self.limit, self.spent) + SEARCH.rivals_simulated
-        self._rivals = True
+        self._rivals = self._more(SEARCH.rivals_simulated, self._rivals)
+
+    def _more(self, seconds: float, given: bool) -> bool:
+        """Raise the limit [s], unless that was given before."""
+        if not given:
+            self.limit = max(self.limit, self.spent) + seconds
+        return True
 
     @contextmanager
     def in_any_case(self) -> Iterator[None]:

@@ -12,7 +12,7 @@ class SearchTuning:
     most_simulated: float = constant(
         44_000.0,
         "s",
-        "of simulated runs in one diagnosis, whose search then ends: about 120 s of a processor",
+        "of simulated runs in one diagnosis, whose search then ends: some two to three minutes",
         COST,
     )
     rivals_simulated: float = constant(
