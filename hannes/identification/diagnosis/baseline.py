@@ -1,6 +1,6 @@
 """The nominal machine and the baseline fit, against which every effect is compared."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -28,6 +28,8 @@ from hannes.plants.protocol import Plant
 
 COARSE = NoiseAccuracy(NOISE.coarse_nonlinearity, NOISE.coarse_samples)
 FINE = NoiseAccuracy(NOISE.fine_nonlinearity, NOISE.fine_samples)
+ROUGH = NoiseAccuracy(NOISE.fine_nonlinearity, NOISE.coarse_samples)
+Fits = tuple[Linearisation, Linearisation]
 
 
 def based(
@@ -48,42 +50,49 @@ def based(
     def model(settings: Settings) -> Model:
         return Model(plant, groups, ParameterSpace(plant, groups, settings, effects), effects, work)
 
-    nominal, baseline = _fitted(model(settings), seed, progress)
+    fits = _fits(model(settings), seed, progress)
+    nominal, baseline = next(fits)
     shown = settings if lost(baseline) else settings_from_repeats(baseline.noise, settings)
     if shown != settings:
-        return _fitted(model(shown), seed, progress)
-    return nominal, baseline
+        fits = _fits(model(shown), seed, progress, baseline)
+    return [(nominal, baseline), *fits][-1]
 
 
-def _fitted(model: Model, seed: int, progress: Progress) -> tuple[Linearisation, Linearisation]:
-    """The nominal machine and the baseline fit, with noise estimated at the baseline."""
+def _fits(
+    model: Model, seed: int, progress: Progress, near: Linearisation | None = None
+) -> Iterator[Fits]:
+    """The nominal machine and the baseline fit, with noise estimated at the baseline; ever finer.
+
+    near: a fit by other settings, from where this one starts
+    """
     progress("the machine as given")
     with model.work.in_any_case():
         nominal = first(model, COARSE, seed)
     _require_answers(nominal)
     progress("the baseline")
     try:
-        return _refitted(nominal, seed)
+        yield from _refits(nominal, seed, near)
     except SearchEnded:
-        return nominal, nominal
+        yield nominal, nominal
 
 
-def _refitted(nominal: Linearisation, seed: int) -> tuple[Linearisation, Linearisation]:
-    """The nominal machine and the baseline fit, by the noise at the baseline.
+def _refits(nominal: Linearisation, seed: int, near: Linearisation | None) -> Iterator[Fits]:
+    """The nominal machine and the baseline fit, by the noise at the baseline, twice.
 
     A lost one is no machine that there is. It is not followed further, and noise is that of the
     machine as given.
     """
-    model, baseline = nominal.model, _begun(nominal)
+    model, baseline = nominal.model, (near and _begun_at(nominal, near)) or _begun(nominal)
     if lost(baseline):
         noise = _noise_at(nominal, seed)
-        return with_noise(nominal, noise), with_noise(baseline, noise)
+        yield with_noise(nominal, noise), with_noise(baseline, noise)
+        return
     corrected = model.with_sampling_correction(baseline.x, list(model.space.effects))
     parts = part_deviations(corrected, baseline.x)
-    for _ in range(NOISE.noise_estimates):
-        noise = estimated_noise(corrected, baseline.x, FINE, seed, parts)
+    for accuracy in (ROUGH, FINE):
+        noise = estimated_noise(corrected, baseline.x, accuracy, seed, parts)
         baseline = settled(fitted(with_noise(baseline, noise), 4))
-    return with_noise(nominal, noise), baseline
+        yield with_noise(nominal, noise), baseline
 
 
 def _begun(nominal: Linearisation) -> Linearisation:
@@ -91,6 +100,17 @@ def _begun(nominal: Linearisation) -> Linearisation:
     point = fitted(nominal, 2)
     point = point if lost(point) else fitted(point, 3)
     return point if lost(point) else fitted(relinearised(point), 5)
+
+
+def _begun_at(nominal: Linearisation, near: Linearisation) -> Linearisation | None:
+    """Some steps from where a fit by other settings ended; None where that fails, or is lost."""
+    known = nominal.space.uncertain
+    values = [near.space.parameters[k].value(near.x[k]) for k in known]
+    x = nominal.x.copy()
+    x[known] = [nominal.space.parameters[k].x(float(v)) for k, v in zip(known, values, strict=True)]
+    there = nominal.moved(np.clip(x, nominal.space.low, nominal.space.high), nominal.active)
+    point = there and fitted(there, 5)
+    return None if point is None or lost(point) else point
 
 
 def lost(baseline: Linearisation) -> bool:

@@ -32,9 +32,6 @@ class NoiseTuning:
     repeats_nonlinearity: float = constant(
         2.0, "1", "the same, at least, where noise is known from repeats alone"
     )
-    noise_estimates: int = constant(
-        2, "1", "of noise about the baseline: contacts change with it, and run-to-run changes too"
-    )
     correlation_time: float = constant(0.6, "s", "over which noise of few runs is correlated")
     least_eigenvalue: float = constant(
         0.05, "1", "of the mean one: a covariance from few runs has none that is surely less"
