@@ -10,8 +10,9 @@ from sled import TURBULENCE, Sled, recordings
 from hannes.identification.diagnosis import baseline, effect_search, gauss_newton, linearisation
 from hannes.identification.diagnosis.baseline import lost
 from hannes.identification.diagnosis.effect_search import search_effects
-from hannes.identification.diagnosis.multistart import far_above
+from hannes.identification.diagnosis.multistart import far_above, no_rival
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.shortlist import AsGiven
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 STATED = Settings(0.02, 0.005)
@@ -90,6 +91,19 @@ def test_far_above_is_ten_times_what_is_left_or_what_a_lost_baseline_leaves():
     assert far_above(point(50.0, 0.0), 0.0) == 10.0 * 3.0 * BINS
 
 
+def test_beside_a_fit_that_leaves_noise_a_rival_leaves_hardly_more():
+    assert no_rival(point(50.0, 0.0), 1.2 * BINS) == 3.0 * BINS
+    assert no_rival(point(50.0, 0.0), 1.4 * BINS) == far_above(point(50.0, 0.0), 1.4 * BINS)
+
+
+def test_large_starts_in_the_machine_as_given_are_asked_for_once(searched):
+    _, found = searched
+    given = AsGiven(found.nominal)
+    starts = given.large(["turbulence"])
+    assert [(at, guess.effect) for at, guess in starts] == [(found.nominal, "turbulence")]
+    assert given.large(["turbulence"]) == []
+
+
 def test_effects_are_looked_at_beside_the_best_machine_where_the_baseline_is_lost(
     searched, monkeypatch
 ):
@@ -105,7 +119,7 @@ def test_effects_are_looked_at_beside_the_best_machine_where_the_baseline_is_los
     assert effect_search._beside_best(found.baseline, known) is found.baseline
 
 
-@pytest.mark.parametrize(("falls", "rounds"), [(0.03, FIT.rounds), (0.01, 1)])
+@pytest.mark.parametrize(("falls", "rounds"), [(0.06, FIT.rounds), (0.04, 1)])
 def test_far_above_noise_a_round_that_takes_little_of_what_is_left_is_the_last(
     monkeypatch, falls, rounds
 ):

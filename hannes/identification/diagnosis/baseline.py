@@ -70,10 +70,12 @@ def _fits(
         nominal = first(model, COARSE, seed)
     _require_answers(nominal)
     progress("the baseline")
+    fits = nominal, nominal
     try:
-        yield from _refits(nominal, seed, near)
+        for fits in _refits(nominal, seed, near):
+            yield fits
     except SearchEnded:
-        yield nominal, nominal
+        yield fits
 
 
 def _refits(nominal: Linearisation, seed: int, near: Linearisation | None) -> Iterator[Fits]:
@@ -91,8 +93,8 @@ def _refits(nominal: Linearisation, seed: int, near: Linearisation | None) -> It
     parts = part_deviations(corrected, baseline.x)
     for accuracy in (ROUGH, FINE):
         noise = estimated_noise(corrected, baseline.x, accuracy, seed, parts)
-        baseline = settled(fitted(with_noise(baseline, noise), 4))
-        yield with_noise(nominal, noise), baseline
+        baseline = fitted(with_noise(baseline, noise), 4)
+        yield with_noise(nominal, noise), settled(baseline) if accuracy is FINE else baseline
 
 
 def _begun(nominal: Linearisation) -> Linearisation:

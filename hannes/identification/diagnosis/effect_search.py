@@ -22,10 +22,9 @@ from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
     Fits,
     Progress,
-    Start,
-    far_above,
     fit_beside,
     negligible,
+    no_rival,
     refitted,
     without,
 )
@@ -33,8 +32,9 @@ from hannes.identification.diagnosis.noise_at_best import with_noise_at_best
 from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.reservations import ends_reached
-from hannes.identification.diagnosis.score_test import Guess, in_place_of, screened, screened_widely
+from hannes.identification.diagnosis.score_test import Guess, in_place_of, screened
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.shortlist import AsGiven, next_laws, shortlist
 from hannes.identification.diagnosis.trials import (
     SearchResult,
     Trial,
@@ -45,7 +45,6 @@ from hannes.identification.diagnosis.trials import (
 )
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded, Work
-from hannes.plants.part_fault import part_faults
 from hannes.plants.protocol import Plant
 
 
@@ -81,10 +80,14 @@ def _all_searched(
     """Single effects beside the best baseline, then further ones."""
     names = [each.name for each in effects if each.name not in GENERIC]
     known = global_fits(nominal, baseline, names, progress)
-    found = _searched(nominal, _beside_best(baseline, known), known, progress)
-    while (leader := _leading(found)) and (
-        better := _back(found.baseline, leader, found.variance_factor, progress)
-    ):
+    given = AsGiven(nominal)
+    found = _searched(given, _beside_best(baseline, known), known, progress)
+    led: np.ndarray | None = None
+    while (leader := _leading(found)) and not np.array_equal(leader.point.x, led):
+        better = _back(found.baseline, leader, found.variance_factor, progress)
+        if better is None:
+            break
+        led = leader.point.x
         if (
             found.baseline.chi2 - better.chi2
             < SEARCH.second_share * leader.delta_chi2 * found.variance_factor
@@ -92,7 +95,7 @@ def _all_searched(
             found = _rebased(found, better)
             break
         fits = {each.effects[0]: each.point for each in found.trials}
-        found = _searched(nominal, better, {**known, **fits}, progress)
+        found = _searched(given, better, {**known, **fits}, progress)
     if baseline.chi2 < found.baseline.chi2:
         found = _rebased(found, baseline)
     return _with_further(found, seed, progress)
@@ -128,14 +131,15 @@ def _leading(found: SearchResult) -> Trial | None:
 
 
 def _searched(
-    nominal: Linearisation, baseline: Linearisation, known: Fits, progress: Progress
+    given: AsGiven, baseline: Linearisation, known: Fits, progress: Progress
 ) -> SearchResult:
     """Single effects beside a baseline: screened, the best refitted; known: global fits."""
+    nominal = given.nominal
     progress("a look at every effect")
     every = screened(baseline, list(baseline.space.effects), SEARCH.near_sizes)
     guesses = [each for each in every if each.effect not in GENERIC]
     names = [each.effect for each in guesses]
-    likely = [guess for guess in _shortlist(baseline, guesses) if guess.delta_chi2 > SEARCH.faint]
+    likely = [guess for guess in shortlist(baseline, guesses) if guess.delta_chi2 > SEARCH.faint]
     reached = baseline.chi2 - min((each.chi2 for each in known.values()), default=baseline.chi2)
     absorbed = [
         g.effect
@@ -148,12 +152,12 @@ def _searched(
     starts = [(baseline, guess) for guess in likely]
     biased = baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size
     if biased:
-        starts += [(baseline, guess) for guess in _next_laws(baseline, guesses)]
-        reached = far_above(baseline, min((e.chi2 for e in known.values()), default=np.inf))
-        starts += _large(nominal, baseline, names) if reached > baseline.chi2 else []
+        starts += [(baseline, guess) for guess in next_laws(baseline, guesses)]
+        reached = no_rival(baseline, min((e.chi2 for e in known.values()), default=np.inf))
+        starts += given.large(names) if reached > baseline.chi2 else []
     fits = refitted(nominal, baseline, starts, known, SEARCH.name_limit, progress)
     if not biased and _at_an_end(fits):
-        starts = _large(nominal, baseline, names)
+        starts = given.large(names)
         fits = refitted(nominal, baseline, starts, fits, SEARCH.name_limit, progress)
     fits = _deepened(nominal, baseline, fits, progress)
     variance_factor = estimated_variance_factor(
@@ -178,31 +182,10 @@ def _leaves_much(point: Linearisation) -> bool:
     return point.chi2 > SEARCH.lost_baseline * point.residual.size
 
 
-def _large(nominal: Linearisation, baseline: Linearisation, names: Sequence[str]) -> list[Start]:
-    """Starts in the machine as given, each effect at sizes to the end of its range."""
-    guesses = screened_widely(nominal, names)
-    return [(nominal, guess) for guess in _shortlist(baseline, guesses)]
-
-
 def _at_an_end(fits: Fits) -> bool:
     """Whether the best fit is at an end of its effect's range: others may be as large."""
     best = min(fits, key=lambda name: fits[name].chi2, default=None)
     return best is not None and bool(ends_reached(fits[best], (best,)))
-
-
-def _shortlist(baseline: Linearisation, guesses: Sequence[Guess]) -> list[Guess]:
-    """The best guesses, few of them faults of like parts: those are many and much alike."""
-    faults = part_faults(baseline.space.effects, (each.effect for each in guesses))
-    others = [each for each in guesses if each.effect not in faults][: SEARCH.shortlist]
-    few = [each for each in guesses if each.effect in faults][: SEARCH.likely_faults]
-    return [each for each in guesses if each in others or each in few]
-
-
-def _next_laws(baseline: Linearisation, guesses: Sequence[Guess]) -> list[Guess]:
-    """The laws that the shortlist has no room for, as many again."""
-    faults = part_faults(baseline.space.effects, (each.effect for each in guesses))
-    laws = [each for each in guesses if each.effect not in faults]
-    return laws[SEARCH.shortlist : 2 * SEARCH.shortlist]
 
 
 def _generic(

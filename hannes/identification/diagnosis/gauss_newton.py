@@ -86,9 +86,7 @@ def _stepped(point: Linearisation) -> Linearisation | None:
     step = newton_step(point)
     place, chi2 = _best(point, [step])
     if chi2 > point.chi2 - FIT.kept_reduction * _predicted(point, step):
-        steps = [
-            share * newton_step(point, each) for each in FIT.dampings for share in FIT.step_shares
-        ]
+        steps = [share * newton_step(point, damping) for damping, share in FIT.shorter_steps]
         place, chi2 = min(((place, chi2), _best(point, steps)), key=lambda each: each[1])
     if chi2 >= point.chi2:
         return None

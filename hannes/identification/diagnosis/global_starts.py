@@ -15,7 +15,13 @@ import numpy as np
 
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.multistart import Fits, Progress, far_above, started_at
+from hannes.identification.diagnosis.multistart import (
+    Fits,
+    Progress,
+    far_above,
+    no_rival,
+    started_at,
+)
 from hannes.identification.diagnosis.score_test import (
     Guess,
     amplitude_names,
@@ -95,7 +101,7 @@ def fits_from_nominal(
         points = [fitted(each, SEARCH.further_steps) for each in points]
         if points:
             best = min(points, key=lambda each: each.chi2)
-            far = best.chi2 > far_above(baseline, below)
+            far = best.chi2 > no_rival(baseline, below)
             found[name] = best if far else settled(best, below=min(below, baseline.chi2))
     return {name: point for name, point in found.items() if point.chi2 < baseline.chi2}
 

@@ -53,7 +53,7 @@ class Linearisation:
         """Squared distance of recordings and of parameters, in standard deviations."""
         return float(self.residual @ self.residual + np.sum((self.space.prior * self.x) ** 2))
 
-    @property
+    @cached_property
     def prior(self) -> np.ndarray:
         """Roots of the prior weights of the active parameters."""
         return self.space.prior[self.active]

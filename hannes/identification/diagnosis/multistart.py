@@ -39,7 +39,7 @@ def refitted(
         name: max(baseline.chi2 - point.chi2, predicted[name]) for name, point in best.items()
     }
     enough = SEARCH.final_share * max([needed, *reductions.values()])
-    most = far_above(baseline, min((each.chi2 for each in best.values()), default=np.inf))
+    most = no_rival(baseline, min((each.chi2 for each in best.values()), default=np.inf))
     for name in sorted(reductions, key=lambda each: -reductions[each])[: SEARCH.final_fits]:
         if reductions[name] > enough and best[name].chi2 < most:
             progress(f"{name.replace('_', ' ')}, once more")
@@ -49,8 +49,19 @@ def refitted(
 
 
 def far_above(baseline: Linearisation, left: float) -> float:
-    """Chi-squared far above what another effect leaves, were that little or much."""
+    """Chi-squared far above what another effect promises to leave, were that little or much."""
     return SEARCH.far_above * max(left, SEARCH.lost_baseline * baseline.residual.size)
+
+
+def no_rival(baseline: Linearisation, left: float) -> float:
+    """Chi-squared from which on a fit is no rival of one that leaves `left`.
+
+    Far above that; beside one that leaves noise alone, a rival leaves hardly more.
+    """
+    bins = baseline.residual.size
+    if left < SEARCH.biased_baseline * bins:
+        return SEARCH.lost_baseline * bins
+    return far_above(baseline, left)
 
 
 def _started(
@@ -124,10 +135,10 @@ def _crossed(best: Fits, baseline: Linearisation, needed: float, progress: Progr
             break
         leaders.append(leader)
         delta_chi2 = baseline.chi2 - best[leader].chi2
+        enough = SEARCH.crossed_share * max(delta_chi2, needed)
+        most = min(baseline.chi2 - enough, no_rival(baseline, best[leader].chi2))
         for name, point in best.items():
-            if name != leader and baseline.chi2 - point.chi2 > SEARCH.crossed_share * max(
-                delta_chi2, needed
-            ):
+            if name != leader and point.chi2 < most:
                 progress(f"{name.replace('_', ' ')}, from there")
                 best[name] = _from_machine(best[leader], point, baseline, delta_chi2)
     return best

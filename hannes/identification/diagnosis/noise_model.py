@@ -184,8 +184,9 @@ def _covariances(width: float, runs: list[dict[str, np.ndarray]]) -> dict[tuple,
         for b in names:
             both = [(run[a], run[b]) for run in runs if a in run and b in run]
             size = sum(x.size for x, _ in both)
-            if size:
-                sums = [sum(float(x[: x.size - lag] @ y[lag:]) for x, y in both) for lag in lags]
+            if size:  # runs one after the other, too far apart to be seen together
+                x, y = (np.concatenate([np.pad(e[k], (0, most)) for e in both]) for k in (0, 1))
+                sums = [float(x[: x.size - lag] @ y[lag:]) for lag in lags]
                 found[a, b] = taper * np.array(sums) / size
     return found
 

@@ -90,13 +90,23 @@ class ParameterSpace:
 
     def columns(self, group: Group, rows: np.ndarray, effects: bool) -> dict[str, np.ndarray]:
         """Parameters by full name [SI] for rows of x, shape (m, size)."""
+        places = self._shown(group, effects)
+        chosen = [self.parameters[place] for place in places]
+        centre, scale, low, high = np.array(
+            [(each.centre, each.scale, each.low, each.high) for each in chosen]
+        ).T[:, :, np.newaxis]
+        values = np.clip(centre + scale * rows.T[places], low, high)
+        found = dict(zip((each.name for each in chosen), values, strict=True))
+        return self._moved(found, rows) if effects else found
+
+    def _shown(self, group: Group, effects: bool) -> list[int]:
+        """Indices of what is a parameter of a group's model, with or without those of effects."""
         acting = self.acting(group)
-        found = {
-            each.name: each.value(rows[:, place])
+        return [
+            place
             for place, each in enumerate(self.parameters)
             if acting[place] and not each.moves and (effects or not each.effect)
-        }
-        return self._moved(found, rows) if effects else found
+        ]
 
     def _moved(self, columns: dict[str, np.ndarray], rows: np.ndarray) -> dict[str, np.ndarray]:
         """Columns with what faults of parts move; rows of x, shape (m, size)."""

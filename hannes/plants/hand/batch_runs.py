@@ -20,6 +20,7 @@ FIRMWARE: tuple[str, ...] = ("reference_time", "sensed_current", "measured_curre
 FIRMWARE += ("delayed_position", "delayed_current", "duty")
 FINEST = 32.0  # bits of an encoder that rounds to a nanoradian
 COUNTED = 1e-3  # of a step: rounding error of a number read from a file
+SAME = 1e-9  # s: times that differ by rounding alone
 NOISE = "controller.current_noise"
 USUAL = 3500.0  # evaluations of the hand's equations for a second of an ordinary grasp
 Channels = dict[str, np.ndarray]
@@ -82,13 +83,14 @@ def many(
 
     `exact` runs the experiment's own controller, else the continuous one. All effects of the hand
     are in the model, whatever their sizes. Rows with noisy sensors (`noisy`) must be near each
-    other.
+    other. Use only differences between rows whose controller rounds nothing (`unrounded`): the
+    tolerance is wide, and the solver's error cancels in them.
     """
     asked = experiment if exact else replace(experiment, controller="continuous")
     runs = _Runs(hand, asked, recording, tuple(channels))
     if exact and NOISE in columns:
         return runs.near(columns)
-    return runs.of(columns, TOLERANCE)
+    return runs.of(columns, WIDE if unrounded(1).keys() <= columns.keys() else TOLERANCE)
 
 
 @dataclass(frozen=True)
@@ -135,8 +137,7 @@ class _Runs:
         for run in runs:
             evaluations += run.cost.evaluations
             done = run.outcome is Outcome.COMPLETED
-            at = {name: np.interp(since, run.time, run[name]) for name in self.channels if done}
-            made.append(at or None)
+            made.append(_sampled_at(since, run, self.channels) if done else None)
         return MadeRuns(made, evaluations / USUAL)
 
     def near(self, columns: Mapping[str, np.ndarray]) -> list[Channels | None]:
@@ -160,6 +161,14 @@ class _Runs:
         if "position" in run and _in_steps(self.recording["position"], step):
             run["position"] = step * np.round(run["position"] / step)
         return run
+
+
+def _sampled_at(times: np.ndarray, run: Grasp, channels: Sequence[str]) -> Channels:
+    """Channels of a run at some times [s], as they are where it was sampled then."""
+    own = run.time
+    if own.size == times.size and np.abs(own - times).max() < SAME:
+        return {name: run[name] for name in channels}
+    return {name: np.interp(times, own, run[name]) for name in channels}
 
 
 def counted(hand: Hand, recording: Recording) -> bool:

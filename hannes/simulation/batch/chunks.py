@@ -101,14 +101,16 @@ class Table:
         given = {name: _numbers(name, value) for name, value in values.items()}
         if "controller.sampled" in given:
             raise BadInput('controller.sampled is no column: give controller = "sampled" instead')
-        for name, column in given.items():
-            _check(posed.parameters.require(name), column)
+        _check([posed.parameters.require(name) for name in given], list(given.values()))
         sizes = {column.size for column in given.values() if column.ndim}
         if len(sizes) > 1 or any(column.ndim > 1 for column in given.values()):
             shapes = ", ".join(f"{name} {column.shape}" for name, column in given.items())
             raise BadInput(f"expected single numbers and columns of one length, got {shapes}")
         count = sizes.pop() if sizes else 1
-        columns = {name: np.broadcast_to(column, count) for name, column in given.items()}
+        columns = {
+            name: column if column.ndim else np.broadcast_to(column, count)
+            for name, column in given.items()
+        }
         return Table(posed, experiment, columns, count)
 
     def windows(self, asked: Asked) -> Iterator[list[Part]]:
@@ -155,12 +157,16 @@ class Table:
         return Part(plan, [self.experiment.title] * rows.size, rows.tolist(), vectors, starts)
 
 
-def _check(declared: Parameter, column: np.ndarray) -> None:
+def _check(declared: Sequence[Parameter], columns: Sequence[np.ndarray]) -> None:
     """Raise BadInput for the first value that is not inside the bounds."""
-    low, high = declared.bounds
-    inside = (column >= low) & (column <= high)
-    if not inside.all():
-        declared.check(float(column[~inside][0]))
+    numbers = np.concatenate([column.ravel() for column in columns]) if columns else np.zeros(0)
+    bounds = np.array([each.bounds for each in declared]).reshape(-1, 2)
+    low, high = np.repeat(bounds, [column.size for column in columns], axis=0).T
+    if ((numbers >= low) & (numbers <= high)).all():
+        return
+    for each, column in zip(declared, columns, strict=True):
+        for value in column.ravel().tolist():
+            each.check(value)
 
 
 def paired(

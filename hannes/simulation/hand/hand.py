@@ -93,14 +93,18 @@ class Hand:
         packed = [values[name] for name in variables.PACKED]
         for place, share in SHARES.items():
             packed[place] *= values[share]
-        turns = any("object_angle" in term.writes for each in effects for term in each.terms)
-        derived = {} if shape is None else self._sections(shape, turns)
-        derived["distal"] = [0.0, 1.0] * (LANES // 2)
-        for slot in variables.DERIVED_SLOTS:
-            packed += derived.get(slot.name, [0.0] * slot.size)
+        packed += self._derived(shape, effects)
         for effect in effects:
             packed += [values[effect.full_name(each.name)] for each in effect.parameters]
         return np.array(packed)
+
+    def _derived(self, shape: str | None, effects: tuple[Effect, ...]) -> list[float]:
+        """Values of `DERIVED_SLOTS`, one after the other."""
+        turns = any("object_angle" in term.writes for each in effects for term in each.terms)
+        derived = {} if shape is None else self._sections(shape, turns)
+        derived["distal"] = [0.0, 1.0] * (LANES // 2)
+        slots = (derived.get(slot.name, [0.0] * slot.size) for slot in variables.DERIVED_SLOTS)
+        return [value for each in slots for value in each]
 
     def vectors(
         self,
@@ -111,12 +115,9 @@ class Hand:
     ) -> np.ndarray:
         """Pack `count` vectors that differ in `columns` (full name -> (count,)), one a row.
 
-        A column is copied to its places at once, but where the object's sections depend on it.
+        A column is copied to its places at once. The object's sections are cut once for all rows
+        that have them in common.
         """
-        if _CUT & columns.keys():
-            rows = zip(*columns.values(), strict=True)
-            posed = (self.with_values(dict(zip(columns, row, strict=True))) for row in rows)
-            return np.array([each.vector(shape, effects) for each in posed])
         base = self.vector(shape, effects)
         own = [effect.full_name(each.name) for effect in effects for each in effect.parameters]
         table = np.tile(base, (count, 1))
@@ -126,7 +127,22 @@ class Hand:
                 table[:, place] = columns.get(name, self.parameters[name])
                 if share:
                     table[:, place] *= columns.get(share, self.parameters[share])
+        cuts = {name: column for name, column in columns.items() if name in _CUT}
+        if cuts and shape is not None:
+            first = len(variables.PACKED)
+            table[:, first : base.size - len(own)] = self._derived_rows(shape, cuts, effects)
         return table
+
+    def _derived_rows(
+        self, shape: str, cuts: Mapping[str, np.ndarray], effects: tuple[Effect, ...]
+    ) -> list[list[float]]:
+        """Values of `DERIVED_SLOTS` for each row of what an object's sections depend on."""
+        made: dict[tuple[float, ...], list[float]] = {}
+        rows = list(zip(*(column.tolist() for column in cuts.values()), strict=True))
+        for row in dict.fromkeys(rows):
+            there = self.with_values(dict(zip(cuts, row, strict=True)))
+            made[row] = there._derived(shape, effects)
+        return [made[row] for row in rows]
 
     def _sections(self, shape: str, turns: bool) -> dict[str, list[float]]:
         """Values of what an object comes to, by slot; `turns`: an effect turns it."""

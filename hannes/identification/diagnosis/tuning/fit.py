@@ -29,10 +29,12 @@ class FitTuning:
     kept_reduction: float = constant(
         0.3, "1", "of the predicted reduction, which a whole step must reach", NUMERICS
     )
-    dampings: tuple[float, ...] = constant(
-        (0.0, 0.3, 3.0, 30.0, 300.0), "1", "Levenberg's, tried together where it does not", NUMERICS
+    shorter_steps: tuple[tuple[float, float], ...] = constant(
+        ((0.0, 0.35), (0.3, 1.0), (3.0, 1.0), (30.0, 1.0), (300.0, 1.0)),
+        "1",
+        "Levenberg's damping of a step and a share of it, tried together where it does not",
+        NUMERICS,
     )
-    step_shares: tuple[float, ...] = constant((1.0, 0.35), "1", "of each damped step", NUMERICS)
     rounds: int = constant(5, "1", "of new derivatives, at most, until a fit has converged", COST)
     steps_per_round: int = constant(5, "1", "with derivatives updated by Broyden's rule", COST)
     converged: float = constant(0.3, "chi2", "reduction of the last step", DEVELOPMENT)
@@ -46,7 +48,7 @@ class FitTuning:
         1.0, "chi2", "likewise, of a round with new derivatives in the search", COST
     )
     settled_share: float = constant(
-        0.02,
+        0.05,
         "1",
         "likewise, of what is left beyond `settled_above`: no law that is missing is fitted so",
         COST,

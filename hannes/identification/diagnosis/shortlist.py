@@ -1,0 +1,42 @@
+"""Which guesses of a screening are fitted: the best few, and large ones in the machine as given."""
+
+from collections.abc import Sequence
+
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.multistart import Start
+from hannes.identification.diagnosis.score_test import Guess, screened_widely
+from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.plants.part_fault import part_faults
+
+
+class AsGiven:
+    """The machine as given, and the starts in it, which one search asks for once.
+
+    Another search, beside a better baseline, knows the fits from them.
+    """
+
+    def __init__(self, nominal: Linearisation) -> None:
+        self.nominal, self._started = nominal, False
+
+    def large(self, names: Sequence[str]) -> list[Start]:
+        """Starts with each effect at sizes to the end of its range; none the second time."""
+        if self._started:
+            return []
+        guesses = screened_widely(self.nominal, names)
+        self._started = True
+        return [(self.nominal, guess) for guess in shortlist(self.nominal, guesses)]
+
+
+def shortlist(baseline: Linearisation, guesses: Sequence[Guess]) -> list[Guess]:
+    """The best guesses, few of them faults of like parts: those are many and much alike."""
+    faults = part_faults(baseline.space.effects, (each.effect for each in guesses))
+    others = [each for each in guesses if each.effect not in faults][: SEARCH.shortlist]
+    few = [each for each in guesses if each.effect in faults][: SEARCH.likely_faults]
+    return [each for each in guesses if each in others or each in few]
+
+
+def next_laws(baseline: Linearisation, guesses: Sequence[Guess]) -> list[Guess]:
+    """The laws that the shortlist has no room for, as many again."""
+    faults = part_faults(baseline.space.effects, (each.effect for each in guesses))
+    laws = [each for each in guesses if each.effect not in faults]
+    return laws[SEARCH.shortlist : 2 * SEARCH.shortlist]
