@@ -82,23 +82,38 @@ def _all_searched(
     known = global_fits(nominal, baseline, names, progress)
     given = AsGiven(nominal)
     found = _searched(given, _beside_best(baseline, known), known, progress)
-    led: np.ndarray | None = None
-    while (leader := _leading(found)) and not np.array_equal(leader.point.x, led):
-        better = _back(found.baseline, leader, found.variance_factor, progress)
-        if better is None:
-            break
-        led = leader.point.x
-        if (
-            found.baseline.chi2 - better.chi2
-            < SEARCH.second_share * leader.delta_chi2 * found.variance_factor
-        ):
-            found = _rebased(found, better)
-            break
-        fits = {each.effects[0]: each.point for each in found.trials}
-        found = _searched(given, better, {**known, **fits}, progress)
+    found = _beside_better(given, found, known, progress)
     if baseline.chi2 < found.baseline.chi2:
         found = _rebased(found, baseline)
-    return _with_further(found, seed, progress)
+    return found if found.cut_short else _with_further(found, seed, progress)
+
+
+def _beside_better(
+    given: AsGiven, found: SearchResult, known: Fits, progress: Progress
+) -> SearchResult:
+    """The result beside the baseline that its best effect leads to, where that is a better one.
+
+    Searched again while it is much better. Where the bound of work ends that, the fits of the
+    search before stand beside it.
+    """
+    led = np.zeros(0)
+    try:
+        while (leader := _leading(found)) and not np.array_equal(leader.point.x, led):
+            better = _back(found.baseline, leader, found.variance_factor, progress)
+            if better is None:
+                break
+            led, less = leader.point.x, found.baseline.chi2 - better.chi2
+            found = _rebased(found, better)
+            if less < SEARCH.second_share * leader.delta_chi2 * found.variance_factor:
+                break
+            fits = {each.effects[0]: each.point for each in found.trials}
+            found = _searched(given, better, {**known, **fits}, progress)
+    except SearchEnded:
+        if not led.size:
+            raise
+        found.baseline.model.work.extended()
+        return replace(found, cut_short=True)
+    return found
 
 
 def _beside_best(baseline: Linearisation, known: Fits) -> Linearisation:

@@ -30,7 +30,7 @@ from hannes.identification.diagnosis.score_test import (
     shapes,
     stepped,
 )
-from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
 from hannes.plants.part_fault import part_faults
 
 
@@ -101,9 +101,20 @@ def fits_from_nominal(
         points = [fitted(each, SEARCH.further_steps) for each in points]
         if points:
             best = min(points, key=lambda each: each.chi2)
-            far = best.chi2 > no_rival(baseline, below)
-            found[name] = best if far else settled(best, below=min(below, baseline.chi2))
+            far = min(no_rival(baseline, below), _idle(baseline))
+            found[name] = (
+                best if best.chi2 > far else settled(best, below=min(below, baseline.chi2))
+            )
     return {name: point for name, point in found.items() if point.chi2 < baseline.chi2}
+
+
+def _idle(baseline: Linearisation) -> float:
+    """Chi-squared from which on a fit does none of what a baseline that leaves far too much lacks.
+
+    One beside another baseline may have to settle first.
+    """
+    beyond = baseline.chi2 - SEARCH.lost_baseline * baseline.residual.size
+    return baseline.chi2 - FIT.settled_share * beyond if beyond > 0.0 else np.inf
 
 
 def absorbed_by_baseline(baseline: Linearisation, guess: Guess) -> bool:

@@ -135,10 +135,10 @@ def _crossed(best: Fits, baseline: Linearisation, needed: float, progress: Progr
             break
         leaders.append(leader)
         delta_chi2 = baseline.chi2 - best[leader].chi2
-        enough = SEARCH.crossed_share * max(delta_chi2, needed)
-        most = min(baseline.chi2 - enough, no_rival(baseline, best[leader].chi2))
         for name, point in best.items():
-            if name != leader and point.chi2 < most:
+            if name != leader and baseline.chi2 - point.chi2 > SEARCH.crossed_share * max(
+                delta_chi2, needed
+            ):
                 progress(f"{name.replace('_', ' ')}, from there")
                 best[name] = _from_machine(best[leader], point, baseline, delta_chi2)
     return best
@@ -147,11 +147,15 @@ def _crossed(best: Fits, baseline: Linearisation, needed: float, progress: Progr
 def _from_machine(
     other: Linearisation, point: Linearisation, baseline: Linearisation, delta_chi2: float
 ) -> Linearisation:
-    """A fit from another one's machine with its own effect; the better of both."""
+    """A fit from another one's machine with its own effect; the better of both.
+
+    One that is no rival of the other after some steps is not followed.
+    """
     x = point.x.copy()
     x[baseline.active] = other.x[baseline.active]
     there = point.moved(x, np.setdiff1d(point.active, baseline.active))
-    if there is None:
+    there = there and fitted(there, FIT.steps_per_round)
+    if there is None or there.chi2 > no_rival(baseline, other.chi2):
         return point
     found = settled(there, negligible(delta_chi2), point.chi2)
     return min(point, found, key=lambda each: each.chi2)
