@@ -106,6 +106,35 @@ def test_a_single_effect_stands_with_a_remainder_where_the_search_beside_it_is_e
     assert "search for further effects was ended" in found.verdict.reason
 
 
+def test_an_effect_stands_beside_a_better_baseline_where_its_second_search_is_ended(monkeypatch):
+    made, searches = effect_search._searched, []
+
+    def searched(*given):
+        searches.append(given)
+        if len(searches) > 1:
+            raise SearchEnded
+        return made(*given)
+
+    def back(baseline, leader, variance_factor, progress):
+        return replace(baseline, residual=baseline.residual * 0.9)
+
+    monkeypatch.setattr(effect_search, "_searched", searched)
+    monkeypatch.setattr(effect_search, "_back", back)
+    found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
+    assert len(searches) == 2 and found.found.baseline is not searches[0][1]
+    assert found.verdict.verdict == "named_with_remainder"
+
+
+def test_without_a_better_baseline_nothing_stands(monkeypatch):
+    def ended(*given):
+        raise SearchEnded
+
+    monkeypatch.setattr(effect_search, "_back", ended)
+    found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
+    assert found.verdict.verdict == "unknown"
+    assert "the search was ended at its bound" in found.verdict.reason
+
+
 def test_sizes_are_those_of_the_search_where_the_final_fit_does_not_end(monkeypatch):
     def ended(*arguments):
         raise SearchEnded

@@ -12,7 +12,7 @@ class SearchTuning:
     most_simulated: float = constant(
         36_000.0,
         "s",
-        "of simulated runs in one diagnosis, whose search then ends: some two to three minutes",
+        "of simulated runs in one diagnosis, whose search then ends: some two minutes",
         COST,
     )
     rivals_simulated: float = constant(
