@@ -10,6 +10,7 @@ from sled import TURBULENCE, Sled, recordings
 from hannes.identification.diagnosis import baseline, effect_search, gauss_newton, linearisation
 from hannes.identification.diagnosis.baseline import lost
 from hannes.identification.diagnosis.effect_search import search_effects
+from hannes.identification.diagnosis.global_starts import promised
 from hannes.identification.diagnosis.multistart import far_above, no_rival
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.shortlist import AsGiven
@@ -98,10 +99,15 @@ def test_beside_a_fit_that_leaves_noise_a_rival_leaves_hardly_more():
 
 def test_large_starts_in_the_machine_as_given_are_asked_for_once(searched):
     _, found = searched
-    given = AsGiven(found.nominal)
+    asked = promised(found.nominal, found.baseline, ["turbulence"])
+    given = AsGiven(found.nominal, asked)
     starts = given.large(["turbulence"])
     assert [(at, guess.effect) for at, guess in starts] == [(found.nominal, "turbulence")]
     assert given.large(["turbulence"]) == []
+    better = replace(asked, left={**asked.left, "another": 1e-9})
+    little = asked.without - 0.1 * better.most
+    better = replace(better, left={**better.left, "turbulence": little})
+    assert AsGiven(found.nominal, better).large(["turbulence"]) == []
 
 
 def test_effects_are_looked_at_beside_the_best_machine_where_the_baseline_is_lost(

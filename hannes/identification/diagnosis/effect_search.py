@@ -16,6 +16,7 @@ from hannes.identification.diagnosis.global_starts import (
     deepest_minimum,
     fits_from_nominal,
     global_fits,
+    promised,
 )
 from hannes.identification.diagnosis.like_faults import with_like_faults
 from hannes.identification.diagnosis.linearisation import Linearisation
@@ -79,8 +80,8 @@ def _all_searched(
 ) -> SearchResult:
     """Single effects beside the best baseline, then further ones."""
     names = [each.name for each in effects if each.name not in GENERIC]
-    known = global_fits(nominal, baseline, names, progress)
-    given = AsGiven(nominal)
+    given = AsGiven(nominal, promised(nominal, baseline, names))
+    known = global_fits(nominal, baseline, names, progress, given.promised)
     found = _searched(given, _beside_best(baseline, known), known, progress)
     found = _beside_better(given, found, known, progress)
     if baseline.chi2 < found.baseline.chi2:

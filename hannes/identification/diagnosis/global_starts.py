@@ -10,6 +10,7 @@ that promises nothing at any size, all else following, is not started.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -34,27 +35,67 @@ from hannes.identification.diagnosis.tuning import FIT, SEARCH
 from hannes.plants.part_fault import part_faults
 
 
-def global_fits(
-    nominal: Linearisation, baseline: Linearisation, effects: Sequence[str], progress: Progress
-) -> Fits:
-    """The best fit with each size-dependent or likely effect, of those below the baseline."""
+@dataclass(frozen=True)
+class Promised:
+    """What effects promise in the machine as given.
+
+    others: names that are no faults of like parts;  size_dependent: of these
+    left: name -> chi-squared that would be left at its best size, all else following linearly; of
+          all where the baseline leaves far too much, else of those that may start globally
+    without: the same without any effect
+    """
+
+    others: list[str]
+    size_dependent: list[str]
+    left: Mapping[str, float]
+    without: float
+
+    @property
+    def of_all(self) -> bool:
+        """Whether every effect was asked."""
+        return self.left.keys() >= set(self.others)
+
+    def reduction(self, name: str) -> float:
+        """Of chi-squared that an effect promises; infinite where it was not asked."""
+        return self.without - self.left.get(name, -np.inf)
+
+    @property
+    def most(self) -> float:
+        """The largest reduction that one promises."""
+        return self.without - min(self.left.values(), default=self.without)
+
+
+def promised(nominal: Linearisation, baseline: Linearisation, effects: Sequence[str]) -> Promised:
+    """What effects promise, as far as global starts need it."""
     faults = part_faults(nominal.space.effects, effects)
     others = [name for name in effects if name not in faults]
     names, lost = size_dependent(nominal, others), SEARCH.lost_baseline * baseline.residual.size
-    far = others if baseline.chi2 > lost else names
-    least = _least(nominal, [*far, *faults])
-    without = _without(nominal)
-    most = without - min(least.values(), default=without)
-    enough = max(baseline.chi2 - SEARCH.name_limit, without - SEARCH.crossed_share * most)
-    names += sorted((name for name in faults if least[name] < enough), key=least.__getitem__)[
-        : SEARCH.likely_faults
-    ]
-    if far is others:
-        likely = sorted(others, key=lambda name: least[name])[: SEARCH.likely_effects]
+    asked = others if baseline.chi2 > lost else names
+    return Promised(others, names, _least(nominal, [*asked, *faults]), _without(nominal))
+
+
+def global_fits(
+    nominal: Linearisation,
+    baseline: Linearisation,
+    effects: Sequence[str],
+    progress: Progress,
+    known: Promised | None = None,
+) -> Fits:
+    """The best fit with each size-dependent or likely effect, of those below the baseline.
+
+    known: what effects promise, where that was asked before
+    """
+    asked = known or promised(nominal, baseline, effects)
+    least, without, names = asked.left, asked.without, [*asked.size_dependent]
+    enough = max(baseline.chi2 - SEARCH.name_limit, without - SEARCH.crossed_share * asked.most)
+    faults = [name for name in least if name not in asked.others and least[name] < enough]
+    names += sorted(faults, key=least.__getitem__)[: SEARCH.likely_faults]
+    if asked.of_all:
+        likely = sorted(asked.others, key=least.__getitem__)[: SEARCH.likely_effects]
         names += [name for name in likely if name not in names]
-    names.sort(key=lambda name: least[name])
+    names.sort(key=least.__getitem__)
     names = [name for name in names if least[name] < without - SEARCH.name_limit]
-    some = names[: SEARCH.likely_when_lost] if far is others else names
+    some = names[: SEARCH.likely_when_lost] if asked.of_all else names
     return _while_near(nominal, baseline, {name: least[name] for name in some}, without, progress)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from hannes.identification.diagnosis.global_starts import Promised
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import Start
 from hannes.identification.diagnosis.score_test import Guess, screened_widely
@@ -15,14 +16,21 @@ class AsGiven:
     Another search, beside a better baseline, knows the fits from them.
     """
 
-    def __init__(self, nominal: Linearisation) -> None:
-        self.nominal, self._started = nominal, False
+    def __init__(self, nominal: Linearisation, promised: Promised) -> None:
+        self.nominal, self.promised, self._started = nominal, promised, False
 
     def large(self, names: Sequence[str]) -> list[Start]:
-        """Starts with each effect at sizes to the end of its range; none the second time."""
+        """Starts with each effect at sizes to the end of its range; none the second time.
+
+        One that promises far less than another at any of a few sizes is not among them.
+        """
         if self._started:
             return []
-        guesses = screened_widely(self.nominal, names)
+        asked = self.promised
+        enough = SEARCH.promising * asked.most
+        guesses = screened_widely(
+            self.nominal, [name for name in names if asked.reduction(name) >= enough]
+        )
         self._started = True
         return [(self.nominal, guess) for guess in shortlist(self.nominal, guesses)]
 

@@ -202,6 +202,12 @@ class SearchTuning:
     few_sizes: tuple[float, ...] = constant(
         (2.0, 6.0, 14.0), "steps", "the same, which decide whether an effect is started so", COST
     )
+    promising: float = constant(
+        0.15,
+        "1",
+        "of the most that one promises: with less an effect is not looked at larger",
+        COST,
+    )
     own_part: float = constant(
         0.01,
         "1",
