@@ -31,9 +31,7 @@ def parser(name: str, doc: str | None) -> argparse.ArgumentParser:
     made.add_argument("--show", action="store_true", help="measure nothing")
     made.add_argument("--cases", type=Path, metavar="FILE", help="a line for each case")
     made.add_argument("--most", type=int, metavar="N", help="the first N cases alone")
-    made.add_argument(
-        "--workers", type=int, default=1, help="processes, one a core (1)"
-    )
+    made.add_argument("--workers", type=int, default=1, help="processes, one a core (1)")
     made.add_argument("--json", metavar="FILE", help="write rows as JSON; - for standard output")
     return made
 

@@ -8,13 +8,14 @@ import pytest
 from benchmarks.truth.campaign import Spread, make
 from benchmarks.truth.faults import Fault
 from hannes.commands.diagnose import diagnose
-from hannes.identification.diagnosis import effect_search, trials
 from hannes.identification.diagnosis import like_faults as module
+from hannes.identification.diagnosis import trials
 from hannes.identification.diagnosis.like_faults import varied, with_like_faults
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.reservations import ends_reached
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.shortlist import next_laws, shortlist
 from hannes.identification.diagnosis.trials import Trial, near, priced
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.identification.effect_words import effect_words
@@ -129,10 +130,10 @@ def test_alike_faults_leave_the_laws_their_places():
     faults = [guess(name, 500.0) for name in FAULTS]
     laws = [guess(name, 100.0 - k) for k, name in enumerate(effects())]
     baseline = SimpleNamespace(space=SimpleNamespace(effects=KNOWN))
-    short = [each.effect for each in effect_search._shortlist(baseline, [*faults, *laws])]
+    short = [each.effect for each in shortlist(baseline, [*faults, *laws])]
     assert short[: SEARCH.likely_faults] == [each.effect for each in faults[: SEARCH.likely_faults]]
     assert short[SEARCH.likely_faults :] == [each.effect for each in laws[: SEARCH.shortlist]]
-    further = effect_search._next_laws(baseline, [*faults, *laws])
+    further = next_laws(baseline, [*faults, *laws])
     assert further == laws[SEARCH.shortlist : 2 * SEARCH.shortlist]
 
 

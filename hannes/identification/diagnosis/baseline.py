@@ -1,6 +1,6 @@
 """The nominal machine and the baseline fit, against which every effect is compared."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -50,18 +50,15 @@ def based(
     def model(settings: Settings) -> Model:
         return Model(plant, groups, ParameterSpace(plant, groups, settings, effects), effects, work)
 
-    fits = _fits(model(settings), seed, progress)
-    nominal, baseline = next(fits)
+    nominal, baseline = _fits(model(settings), seed, progress)
     shown = settings if lost(baseline) else settings_from_repeats(baseline.noise, settings)
     if shown != settings:
-        fits = _fits(model(shown), seed, progress, baseline)
-    return [(nominal, baseline), *fits][-1]
+        return _fits(model(shown), seed, progress, baseline)
+    return nominal, baseline
 
 
-def _fits(
-    model: Model, seed: int, progress: Progress, near: Linearisation | None = None
-) -> Iterator[Fits]:
-    """The nominal machine and the baseline fit, with noise estimated at the baseline; ever finer.
+def _fits(model: Model, seed: int, progress: Progress, near: Linearisation | None = None) -> Fits:
+    """The nominal machine and the baseline fit, with noise estimated at the baseline.
 
     near: a fit by other settings, from where this one starts
     """
@@ -70,31 +67,29 @@ def _fits(
         nominal = first(model, COARSE, seed)
     _require_answers(nominal)
     progress("the baseline")
-    fits = nominal, nominal
     try:
-        for fits in _refits(nominal, seed, near):
-            yield fits
+        return _refitted(nominal, seed, near)
     except SearchEnded:
-        yield fits
+        return nominal, nominal
 
 
-def _refits(nominal: Linearisation, seed: int, near: Linearisation | None) -> Iterator[Fits]:
-    """The nominal machine and the baseline fit, by the noise at the baseline, twice.
+def _refitted(nominal: Linearisation, seed: int, near: Linearisation | None) -> Fits:
+    """The nominal machine and the baseline fit, by the noise at the baseline.
 
-    A lost one is no machine that there is. It is not followed further, and noise is that of the
+    That is estimated roughly first: contacts change with the baseline, and with them the noise. A
+    lost baseline is no machine that there is. It is not followed further, and noise is that of the
     machine as given.
     """
     model, baseline = nominal.model, (near and _begun_at(nominal, near)) or _begun(nominal)
     if lost(baseline):
         noise = _noise_at(nominal, seed)
-        yield with_noise(nominal, noise), with_noise(baseline, noise)
-        return
+        return with_noise(nominal, noise), with_noise(baseline, noise)
     corrected = model.with_sampling_correction(baseline.x, list(model.space.effects))
     parts = part_deviations(corrected, baseline.x)
     for accuracy in (ROUGH, FINE):
         noise = estimated_noise(corrected, baseline.x, accuracy, seed, parts)
         baseline = fitted(with_noise(baseline, noise), 4)
-        yield with_noise(nominal, noise), settled(baseline) if accuracy is FINE else baseline
+    return with_noise(nominal, noise), settled(baseline)
 
 
 def _begun(nominal: Linearisation) -> Linearisation:

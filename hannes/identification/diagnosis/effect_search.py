@@ -23,9 +23,9 @@ from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
     Fits,
     Progress,
+    far_above,
     fit_beside,
     negligible,
-    no_rival,
     refitted,
     without,
 )
@@ -104,13 +104,13 @@ def _beside_better(
             if better is None:
                 break
             led, less = leader.point.x, found.baseline.chi2 - better.chi2
+            fits = {each.effects[0]: each.point for each in found.trials}
             found = _rebased(found, better)
             if less < SEARCH.second_share * leader.delta_chi2 * found.variance_factor:
                 break
-            fits = {each.effects[0]: each.point for each in found.trials}
             found = _searched(given, better, {**known, **fits}, progress)
     except SearchEnded:
-        if not led.size:
+        if not led.size or not may_be_named(found):
             raise
         found.baseline.model.work.extended()
         return replace(found, cut_short=True)
@@ -169,7 +169,7 @@ def _searched(
     biased = baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size
     if biased:
         starts += [(baseline, guess) for guess in next_laws(baseline, guesses)]
-        reached = no_rival(baseline, min((e.chi2 for e in known.values()), default=np.inf))
+        reached = far_above(baseline, min((e.chi2 for e in known.values()), default=np.inf))
         starts += given.large(names) if reached > baseline.chi2 else []
     fits = refitted(nominal, baseline, starts, known, SEARCH.name_limit, progress)
     if not biased and _at_an_end(fits):

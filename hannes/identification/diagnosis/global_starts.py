@@ -31,7 +31,7 @@ from hannes.identification.diagnosis.score_test import (
     shapes,
     stepped,
 )
-from hannes.identification.diagnosis.tuning import FIT, SEARCH
+from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.part_fault import part_faults
 
 
@@ -40,24 +40,25 @@ class Promised:
     """What effects promise in the machine as given.
 
     others: names that are no faults of like parts;  size_dependent: of these
-    left: name -> chi-squared that would be left at its best size, all else following linearly; of
-          all where the baseline leaves far too much, else of those that may start globally
+    of_all: whether all were asked, as they are where the baseline leaves far too much; else those
+            that may start globally
+    left: name -> chi-squared that would be left at its best size, all else following linearly
     without: the same without any effect
     """
 
     others: list[str]
     size_dependent: list[str]
+    of_all: bool
     left: Mapping[str, float]
     without: float
 
-    @property
-    def of_all(self) -> bool:
-        """Whether every effect was asked."""
-        return self.left.keys() >= set(self.others)
+    def promising(self, name: str) -> bool:
+        """Whether an effect promises a share of the most that one does, or none knows.
 
-    def reduction(self, name: str) -> float:
-        """Of chi-squared that an effect promises; infinite where it was not asked."""
-        return self.without - self.left.get(name, -np.inf)
+        Only the shape that an effect has at first was asked.
+        """
+        left = self.left.get(name, np.inf)
+        return left == np.inf or self.without - left >= SEARCH.promising * self.most
 
     @property
     def most(self) -> float:
@@ -70,8 +71,9 @@ def promised(nominal: Linearisation, baseline: Linearisation, effects: Sequence[
     faults = part_faults(nominal.space.effects, effects)
     others = [name for name in effects if name not in faults]
     names, lost = size_dependent(nominal, others), SEARCH.lost_baseline * baseline.residual.size
-    asked = others if baseline.chi2 > lost else names
-    return Promised(others, names, _least(nominal, [*asked, *faults]), _without(nominal))
+    of_all = baseline.chi2 > lost
+    left = _least(nominal, [*(others if of_all else names), *faults])
+    return Promised(others, names, of_all, left, _without(nominal))
 
 
 def global_fits(
@@ -142,20 +144,11 @@ def fits_from_nominal(
         points = [fitted(each, SEARCH.further_steps) for each in points]
         if points:
             best = min(points, key=lambda each: each.chi2)
-            far = min(no_rival(baseline, below), _idle(baseline))
+            far = no_rival(baseline, below)
             found[name] = (
                 best if best.chi2 > far else settled(best, below=min(below, baseline.chi2))
             )
     return {name: point for name, point in found.items() if point.chi2 < baseline.chi2}
-
-
-def _idle(baseline: Linearisation) -> float:
-    """Chi-squared from which on a fit does none of what a baseline that leaves far too much lacks.
-
-    One beside another baseline may have to settle first.
-    """
-    beyond = baseline.chi2 - SEARCH.lost_baseline * baseline.residual.size
-    return baseline.chi2 - FIT.settled_share * beyond if beyond > 0.0 else np.inf
 
 
 def absorbed_by_baseline(baseline: Linearisation, guess: Guess) -> bool:

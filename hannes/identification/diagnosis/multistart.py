@@ -59,7 +59,7 @@ def no_rival(baseline: Linearisation, left: float) -> float:
     Far above that; beside one that leaves noise alone, a rival leaves hardly more.
     """
     bins = baseline.residual.size
-    if left < SEARCH.biased_baseline * bins:
+    if left < bins:
         return SEARCH.lost_baseline * bins
     return far_above(baseline, left)
 

@@ -92,9 +92,11 @@ class ParameterSpace:
         """Parameters by full name [SI] for rows of x, shape (m, size)."""
         places = self._shown(group, effects)
         chosen = [self.parameters[place] for place in places]
-        centre, scale, low, high = np.array(
-            [(each.centre, each.scale, each.low, each.high) for each in chosen]
-        ).T[:, :, np.newaxis]
+        centre, scale, low, high = (
+            np.array([(each.centre, each.scale, each.low, each.high) for each in chosen])
+            .reshape(-1, 4)
+            .T[:, :, np.newaxis]
+        )
         values = np.clip(centre + scale * rows.T[places], low, high)
         found = dict(zip((each.name for each in chosen), values, strict=True))
         return self._moved(found, rows) if effects else found

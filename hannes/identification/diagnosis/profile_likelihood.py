@@ -65,7 +65,7 @@ def held_at(
     return (
         None
         if there is None
-        else settled(fitted(there, 4), FIT.settled, below, FIT.settled_finally)
+        else settled(fitted(there, 4), FIT.converged, below, FIT.settled_finally)
     )
 
 

@@ -59,7 +59,8 @@ class SearchResult:
     variance_factor: variance of the noise over the assumed one, by which chi-squared is divided
     generic: the best generic disturbance, where a guess makes one worth fitting
     ended: what ended the search before its end, in words, or ""
-    cut_short: whether the search for further effects alone was ended: what was found by then stands
+    cut_short: whether the search for further effects was ended, or the one beside a better
+               baseline: what was found by then stands
     """
 
     nominal: Linearisation

@@ -83,8 +83,7 @@ def many(
 
     `exact` runs the experiment's own controller, else the continuous one. All effects of the hand
     are in the model, whatever their sizes. Rows with noisy sensors (`noisy`) must be near each
-    other. Of rows whose controller rounds nothing (`unrounded`) use only differences: the solver's
-    error cancels in them.
+    other.
     """
     asked = experiment if exact else replace(experiment, controller="continuous")
     runs = _Runs(hand, asked, recording, tuple(channels))
@@ -147,7 +146,7 @@ class _Runs:
         with a controller that rounds nothing, gives it.
         """
         middle = {name: np.atleast_1d(np.mean(column)) for name, column in columns.items()}
-        middle |= {"controller.noise_seed": np.ones(1), **unrounded(1)}
+        middle |= {NOISE: np.zeros(1), "controller.noise_seed": np.ones(1), **unrounded(1)}
         fine, wide = (self.of(middle, rtol)[0] for rtol in (TOLERANCE, WIDE))
         more: Channels = {}
         if fine is not None and wide is not None:
@@ -208,12 +207,8 @@ def _noise(levels: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def unrounded(count: int) -> dict[str, np.ndarray]:
-    """Columns by which the controller of each of `count` runs rounds neither angle nor current.
-
-    Its sensors have no noise, so that such runs are fast.
-    """
+    """Columns by which the controller of each of `count` runs rounds neither angle nor current."""
     return {
         "encoder.bits": np.full(count, FINEST),
         "controller.current_step": np.zeros(count),
-        NOISE: np.zeros(count),
     }
