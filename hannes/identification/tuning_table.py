@@ -31,5 +31,6 @@ def markdown(*tunings: Any) -> str:
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        return ", ".join(map(_text, value))
+        each = (f"({_text(one)})" if isinstance(one, tuple) else _text(one) for one in value)
+        return ", ".join(each)
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -172,8 +172,7 @@ def _searched(
         reached = far_above(baseline, min((e.chi2 for e in known.values()), default=np.inf))
         starts += given.large(names) if reached > baseline.chi2 else []
     fits = refitted(nominal, baseline, starts, known, SEARCH.name_limit, progress)
-    if not biased and _at_an_end(fits):
-        starts = given.large(names)
+    if not biased and _at_an_end(fits) and (starts := given.large(names)):
         fits = refitted(nominal, baseline, starts, fits, SEARCH.name_limit, progress)
     fits = _deepened(nominal, baseline, fits, progress)
     variance_factor = estimated_variance_factor(
