@@ -24,6 +24,10 @@ from hannes.identification.diagnosis.work_bound import SearchEnded, Work, ordina
 from hannes.plants.hand.plant import HandPlant
 
 
+def ended(*_):
+    raise SearchEnded
+
+
 def spent(monkeypatch, limit):
     """What a diagnosis of a sled simulates, what it said that at most, and its verdict."""
     monkeypatch.setattr(work_bound, "SEARCH", replace(work_bound.SEARCH, most_simulated=limit))
@@ -46,9 +50,9 @@ def spent(monkeypatch, limit):
 def test_all_stages_together_keep_the_bound_that_was_said(monkeypatch, limit):
     made, bound, verdict = spent(monkeypatch, limit)
     assert made <= bound
-    ended = "the search was ended at its bound" in verdict.reason
-    assert ended == (limit < 30_000.0)
-    assert verdict.verdict == ("unknown" if ended else "named")
+    at_bound = "the search was ended at its bound" in verdict.reason
+    assert at_bound == (limit < 30_000.0)
+    assert verdict.verdict == ("unknown" if at_bound else "named")
 
 
 def test_the_shape_of_an_unknown_is_within_the_bound_that_was_said(monkeypatch):
@@ -97,9 +101,6 @@ def test_a_slow_command_counts_no_more_than_the_longest_that_counts():
 
 
 def test_a_single_effect_stands_with_a_remainder_where_the_search_beside_it_is_ended(monkeypatch):
-    def ended(found, progress):
-        raise SearchEnded
-
     monkeypatch.setattr(effect_search, "with_further_effects", ended)
     found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
     assert found.verdict.verdict == "named_with_remainder"
@@ -111,9 +112,7 @@ def test_an_effect_stands_beside_a_better_baseline_where_its_second_search_is_en
 
     def searched(*given):
         searches.append(given)
-        if len(searches) > 1:
-            raise SearchEnded
-        return made(*given)
+        return made(*given) if len(searches) == 1 else ended()
 
     def back(baseline, leader, variance_factor, progress):
         return replace(baseline, residual=baseline.residual * 0.9)
@@ -126,9 +125,6 @@ def test_an_effect_stands_beside_a_better_baseline_where_its_second_search_is_en
 
 
 def test_without_a_better_baseline_nothing_stands(monkeypatch):
-    def ended(*given):
-        raise SearchEnded
-
     monkeypatch.setattr(effect_search, "_back", ended)
     found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
     assert found.verdict.verdict == "unknown"
@@ -136,9 +132,6 @@ def test_without_a_better_baseline_nothing_stands(monkeypatch):
 
 
 def test_sizes_are_those_of_the_search_where_the_final_fit_does_not_end(monkeypatch):
-    def ended(*arguments):
-        raise SearchEnded
-
     monkeypatch.setattr(final_fit, "begun", ended)
     found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
     assert found.verdict.verdict == "named"
@@ -164,9 +157,6 @@ def silent(text):
 
 
 def test_a_controller_beyond_the_bound_is_left_as_stated_and_said(monkeypatch):
-    def ended(*arguments):
-        raise SearchEnded
-
     monkeypatch.setattr(observed_controller, "_sampled", lambda campaign: iter([None]))
     monkeypatch.setattr(observed_controller, "_apart", ended)
     made = campaign(1, ())
