@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import lsq_linear
 from sled import STIFFER, TURBULENCE, Sled, recordings
 
-from hannes.identification.diagnosis import effect_search
+from hannes.identification.diagnosis import as_given, single_effects
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import newton_step
 from hannes.identification.diagnosis.global_starts import absorbed_by_baseline
@@ -79,12 +79,12 @@ def test_a_baseline_absorbs_what_its_parameters_can_do(baseline):
 def test_what_the_baseline_absorbs_starts_in_the_nominal_machine(monkeypatch):
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
     asked = []
-    monkeypatch.setattr(effect_search, "global_fits", lambda *_: {})
+    monkeypatch.setattr(as_given, "global_fits", lambda *_: {})
     monkeypatch.setattr(
-        effect_search, "absorbed_by_baseline", lambda baseline, guess: guess.delta_chi2 > 0.0
+        single_effects, "absorbed_by_baseline", lambda baseline, guess: guess.delta_chi2 > 0.0
     )
     monkeypatch.setattr(
-        effect_search,
+        single_effects,
         "fits_from_nominal",
         lambda nominal, baseline, names, progress: asked.append(names) or {},
     )

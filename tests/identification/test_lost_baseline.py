@@ -8,18 +8,19 @@ import pytest
 from sled import TURBULENCE, Sled, recordings
 
 from hannes.identification.diagnosis import (
+    as_given,
     baseline,
+    better_baseline,
     effect_search,
     gauss_newton,
     linearisation,
-    shortlist,
 )
+from hannes.identification.diagnosis.as_given import AsGiven
 from hannes.identification.diagnosis.baseline import lost
 from hannes.identification.diagnosis.effect_search import search_effects
-from hannes.identification.diagnosis.global_starts import Promised, promised
+from hannes.identification.diagnosis.global_starts import Promised
 from hannes.identification.diagnosis.multistart import far_above, no_rival
 from hannes.identification.diagnosis.settings import Settings
-from hannes.identification.diagnosis.shortlist import AsGiven
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
 from hannes.simulation.catalogue import effects
 
@@ -88,9 +89,11 @@ def test_a_baseline_refitted_from_the_best_effect_is_not_taken_where_it_is_lost(
     _, found = searched
     x = found.baseline.x + 5.0 * np.isin(np.arange(found.baseline.x.size), found.baseline.active)
     far = found.baseline.moved(x, found.baseline.active)  # a better one is near
-    assert effect_search._back(far, found.trials[0], 1.0, lambda text: None) is None
-    monkeypatch.setattr(effect_search, "lost", lambda at: False)
-    better = effect_search._back(far, found.trials[0], 1.0, lambda text: None)
+    best = found.trials[0]
+    asked = (far, best.point, best.effects, 1.0, lambda text: None)
+    assert better_baseline.better_baseline(*asked) is None
+    monkeypatch.setattr(better_baseline, "lost", lambda at: False)
+    better = better_baseline.better_baseline(*asked)
     assert better is not None and better.chi2 < far.chi2
 
 
@@ -106,24 +109,31 @@ def test_beside_a_fit_that_leaves_noise_a_rival_leaves_hardly_more():
 
 def test_large_starts_in_the_machine_as_given_are_asked_for_once(searched):
     _, found = searched
-    asked = promised(found.nominal, found.baseline, ["turbulence"])
-    given = AsGiven(found.nominal, asked)
+    given = AsGiven(found.nominal, found.baseline, ["turbulence"])
+    asked = given.promised
     starts = given.large(["turbulence"])
     assert [(at, guess.effect) for at, guess in starts] == [(found.nominal, "turbulence")]
     assert given.large(["turbulence"]) == []
     better = replace(asked, left={**asked.left, "another": 1e-9})
     little = asked.without - 0.1 * better.most
     better = replace(better, left={**better.left, "turbulence": little})
-    assert AsGiven(found.nominal, better).large(["turbulence"]) == []
+    assert given_as(found.nominal, better).large(["turbulence"]) == []
+
+
+def given_as(nominal, promised):
+    """The machine as given, its effects asked before."""
+    given = AsGiven(nominal, None, [])
+    given.promised = promised
+    return given
 
 
 def test_what_one_shape_promises_says_nothing_of_an_effect_with_others(monkeypatch):
     asked = []
-    monkeypatch.setattr(shortlist, "screened_widely", lambda at, names: asked.extend(names) or [])
+    monkeypatch.setattr(as_given, "screened_widely", lambda at, names: asked.extend(names) or [])
     known = {name: effects()[name] for name in ("stribeck", "capstan", "gear_load")}
     nominal = SimpleNamespace(space=SimpleNamespace(effects=known))
     left = {"stribeck": 99.0, "capstan": 99.0, "gear_load": 0.0}
-    AsGiven(nominal, Promised([*known], [], True, left, 100.0)).large([*known])
+    given_as(nominal, Promised([*known], [], True, left, 100.0)).large([*known])
     assert asked == ["stribeck", "gear_load"]
 
 

@@ -108,24 +108,24 @@ def test_a_single_effect_stands_with_a_remainder_where_the_search_beside_it_is_e
 
 
 def test_an_effect_stands_beside_a_better_baseline_where_its_second_search_is_ended(monkeypatch):
-    made, searches = effect_search._searched, []
+    made, searches = effect_search.searched_beside, []
 
     def searched(*given):
         searches.append(given)
         return made(*given) if len(searches) == 1 else ended()
 
-    def back(baseline, leader, variance_factor, progress):
+    def better(baseline, *_):
         return replace(baseline, residual=baseline.residual * 0.9)
 
-    monkeypatch.setattr(effect_search, "_searched", searched)
-    monkeypatch.setattr(effect_search, "_back", back)
+    monkeypatch.setattr(effect_search, "searched_beside", searched)
+    monkeypatch.setattr(effect_search, "better_baseline", better)
     found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
-    assert len(searches) == 2 and found.found.baseline is not searches[0][1]
+    assert len(searches) == 2 and found.found.baseline is not searches[0][0]
     assert found.verdict.verdict == "named_with_remainder"
 
 
 def test_without_a_better_baseline_nothing_stands(monkeypatch):
-    monkeypatch.setattr(effect_search, "_back", ended)
+    monkeypatch.setattr(effect_search, "better_baseline", ended)
     found = diagnose_campaign(campaign(1, ((HARDENING, 900.0),)), Settings(0.02, 0.005), 0, silent)
     assert found.verdict.verdict == "unknown"
     assert "the search was ended at its bound" in found.verdict.reason

@@ -31,8 +31,9 @@ def settled(
 
     Gives up where a round reduces chi-squared by less than it still lies above `below`. Where more
     is left than `above` per bin, a round that reduces little of it is the last. One that has
-    converged so far is kept.
+    converged so far is kept. Of many bins noise alone changes chi-squared by more: less is asked.
     """
+    negligible = max(negligible, FIT.settled_per_bin * point.residual.size)
     if point.last_reduction < _enough(point, negligible, above):
         return point
     return [point, *rounds(point, negligible, below, above)][-1]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hannes.identification.diagnosis.gauss_newton import fitted, settled
+from hannes.identification.diagnosis.gauss_newton import fitted, rounds, settled
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
     Fits,
@@ -31,7 +31,7 @@ from hannes.identification.diagnosis.score_test import (
     shapes,
     stepped,
 )
-from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
 from hannes.plants.part_fault import part_faults
 
 
@@ -64,6 +64,16 @@ class Promised:
     def most(self) -> float:
         """The largest reduction that one promises."""
         return self.without - min(self.left.values(), default=self.without)
+
+
+def worth_global_starts(baseline: Linearisation) -> bool:
+    """Whether effects are started globally: not where that takes much work for little that is left.
+
+    Beside a baseline that leaves little an effect is small, or one that the baseline absorbs, which
+    is started so all the same once it is likely.
+    """
+    costly = baseline.model.round_of_derivatives() > SEARCH.much_work
+    return not costly or baseline.chi2 > SEARCH.little_left * baseline.residual.size
 
 
 def promised(nominal: Linearisation, baseline: Linearisation, effects: Sequence[str]) -> Promised:
@@ -145,10 +155,16 @@ def fits_from_nominal(
         if points:
             best = min(points, key=lambda each: each.chi2)
             far = no_rival(baseline, below)
-            found[name] = (
-                best if best.chi2 > far else settled(best, below=min(below, baseline.chi2))
-            )
+            found[name] = best if best.chi2 > far else _followed(best, min(below, baseline.chi2))
     return {name: point for name, point in found.items() if point.chi2 < baseline.chi2}
+
+
+def _followed(point: Linearisation, below: float) -> Linearisation:
+    """The fit after some rounds, until it leaves less than `below`: the best are refined later."""
+    made = rounds(point, FIT.settled, below, FIT.settled_above)
+    while point.chi2 > below and (further := next(made, None)) is not None:
+        point = further
+    return point
 
 
 def absorbed_by_baseline(baseline: Linearisation, guess: Guess) -> bool:

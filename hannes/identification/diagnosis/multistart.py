@@ -1,6 +1,6 @@
 """Fits with one more effect, each from several starting points."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,35 +15,37 @@ Start = tuple[Linearisation, Guess]
 Fits = dict[str, Linearisation]
 
 
-def refitted(
+def predicted_at(baseline: Linearisation, starts: Sequence[Start]) -> dict[str, float]:
+    """Effect -> reduction that its guess at the baseline predicts.
+
+    A guess at the machine as given also predicts what the baseline fit has achieved already.
+    """
+    return {guess.effect: guess.delta_chi2 for at, guess in starts if at is baseline}
+
+
+def refined(
     nominal: Linearisation,
     baseline: Linearisation,
-    starts: Sequence[Start],
-    known: Fits,
-    needed: float,
+    fits: Fits,
+    predicted: Mapping[str, float],
     progress: Progress,
 ) -> Fits:
-    """Best fit with each effect from every start, of those below the baseline.
+    """The fits, the best few refined with new derivatives, of those below the baseline.
 
-    The best few are refined.
-
-    known: fits from elsewhere;  needed: reduction that a name needs. A fit that ends above the
-    baseline failed: the baseline is that effect at off.
+    predicted: effect -> reduction;  one that ends above the baseline failed: the baseline is that
+    effect at off
     """
-    best = _better(_started(starts, baseline, known, progress), known)
-    # A guess at the nominal machine also predicts what the baseline fit has achieved already.
-    predicted = dict.fromkeys(best, 0.0) | {
-        g.effect: g.delta_chi2 for at, g in starts if at is baseline
-    }
+    best, needed = dict(fits), SEARCH.name_limit
     reductions = {
-        name: max(baseline.chi2 - point.chi2, predicted[name]) for name, point in best.items()
+        name: max(baseline.chi2 - point.chi2, predicted.get(name, 0.0))
+        for name, point in best.items()
     }
     enough = SEARCH.final_share * max([needed, *reductions.values()])
     most = no_rival(baseline, min((each.chi2 for each in best.values()), default=np.inf))
     for name in sorted(reductions, key=lambda each: -reductions[each])[: SEARCH.final_fits]:
         if reductions[name] > enough and best[name].chi2 < most:
             progress(f"{name.replace('_', ' ')}, once more")
-            best[name] = _from_both(best[name], baseline, nominal, predicted[name])
+            best[name] = _from_both(best[name], baseline, nominal, predicted.get(name, 0.0))
     best = _crossed(best, baseline, needed, progress)
     return {name: point for name, point in best.items() if point.chi2 < baseline.chi2}
 
@@ -64,11 +66,12 @@ def no_rival(baseline: Linearisation, left: float) -> float:
     return far_above(baseline, left)
 
 
-def _started(
-    starts: Sequence[Start], baseline: Linearisation, known: Fits, progress: Progress
+def first_fits(
+    baseline: Linearisation, starts: Sequence[Start], known: Fits, progress: Progress
 ) -> Fits:
-    """Best fit with each effect from every start, derivatives updated on the way.
+    """Best fit with each effect from every start, derivatives updated on the way, or elsewhere.
 
+    known: fits from elsewhere
     A guess that promises far less than what another effect has reached by then is no rival of it,
     nor is one that leaves far more than the best guess there.
     """
@@ -94,7 +97,7 @@ def _started(
         point = with_correction_at_size(fitted(point, 5), guess.effect)
         if guess.effect not in best or point.chi2 < best[guess.effect].chi2:
             best[guess.effect] = point
-    return best
+    return _better(best, known)
 
 
 def _better(fits: Fits, others: Fits) -> Fits:
@@ -109,12 +112,16 @@ def _from_both(
     """A converged fit with an effect; from the nominal machine too, where it may be local.
 
     The baseline is biased to hide an effect, and with contacts a fit from there may stay biased.
-    That is suspected where it reduces less than `predicted`, or where the last rounds reduced much.
+    That is suspected where it reduces less than `predicted`, or where the last rounds reduced much;
+    not where that is slight, for so is the bias, nor where the fit leaves about noise of a misfit.
     """
     found = settled(point, negligible(baseline.chi2 - point.chi2))
     delta_chi2 = baseline.chi2 - found.chi2
     far = point.chi2 - found.chi2 > max(SEARCH.far_reduction, SEARCH.far_share * delta_chi2)
-    if not far and delta_chi2 > SEARCH.kept_guess * predicted:
+    slight, bins = max(delta_chi2, predicted) < SEARCH.slight, point.residual.size
+    explains = delta_chi2 > bins and found.chi2 < SEARCH.biased_baseline * bins
+    near = not far and delta_chi2 > SEARCH.kept_guess * predicted
+    if slight or explains or near:
         return found
     places = np.setdiff1d(point.active, baseline.active)
     there = started_at(with_noise(nominal, point.noise), places, found.x[places])

@@ -47,6 +47,7 @@ class FitTuning:
     settled: float = constant(
         1.0, "chi2", "likewise, of a round with new derivatives in the search", COST
     )
+    settled_per_bin: float = constant(5e-4, "chi2 per bin", "likewise, where that is more", COST)
     settled_share: float = constant(
         0.05,
         "1",

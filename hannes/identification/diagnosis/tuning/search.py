@@ -10,16 +10,16 @@ class SearchTuning:
     """How the catalogue is searched."""
 
     most_simulated: float = constant(
-        30_000.0,
+        28_000.0,
         "s",
         "of simulated runs in one diagnosis, whose search then ends: some two minutes",
         COST,
     )
     rivals_simulated: float = constant(
-        2_000.0, "s", "likewise, of what could stand in for effects whose search was ended", COST
+        1_500.0, "s", "likewise, of what could stand in for effects whose search was ended", COST
     )
     closing_simulated: float = constant(
-        5_000.0, "s", "likewise, of what judges a search for further effects that was ended", COST
+        3_000.0, "s", "likewise, of what judges a search for further effects that was ended", COST
     )
     needed_runs: float = constant(
         130.0, "weighted runs", "of each command that every verdict needs, whatever was spent", COST
@@ -36,6 +36,12 @@ class SearchTuning:
     )
     biased_baseline: float = constant(
         1.3, "chi2 per bin", "of a baseline that may be biased by the missing effect", DEVELOPMENT
+    )
+    explained: float = constant(
+        0.85,
+        "chi2 per bin",
+        "that a fit leaves which explains all: then nothing starts in the machine as given",
+        DEVELOPMENT,
     )
     likely_faults: int = constant(2, "1", "faults of like parts that are refitted, at most", COST)
     name_limit: float = constant(
@@ -169,6 +175,12 @@ class SearchTuning:
     kept_guess: float = constant(
         0.7, "1", "of a guess's reduction: a fit with less may be in a local minimum"
     )
+    slight: float = constant(
+        64.0,
+        "chi2",
+        "reduction up to which an effect hardly biases the baseline, which is refitted first",
+        DEVELOPMENT,
+    )
     far_reduction: float = constant(10.0, "chi2", "of one refinement: likewise")
     far_share: float = constant(0.05, "1", "of the reduction, if that is more")
     crossed_share: float = constant(
@@ -229,6 +241,10 @@ class SearchTuning:
     little_work: float = constant(
         100.0, "s", "of simulated runs in a round of derivatives: then it is followed", COST
     )
+    much_work: float = constant(
+        500.0, "s", "likewise: from there on global starts are not made beside a good fit", COST
+    )
+    little_left: float = constant(1.15, "chi2 per bin", "that such a fit leaves", COST)
     found_again: float = constant(
         0.5,
         "1",

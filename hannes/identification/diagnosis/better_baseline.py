@@ -1,0 +1,56 @@
+"""The baseline refitted from where an effect led: chi-squared may have a lower minimum there."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hannes.identification.diagnosis.baseline import lost
+from hannes.identification.diagnosis.gauss_newton import fitted, relinearised, settled
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.multistart import Fits, Progress, negligible, without
+from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
+
+NONE_FRESH = np.zeros(0, int)  # no derivatives anew
+
+
+def better_baseline(
+    baseline: Linearisation,
+    best: Linearisation,
+    effects: Sequence[str],
+    variance_factor: float,
+    progress: Progress,
+) -> Linearisation | None:
+    """The baseline refitted from the best fit, without its effects; None where it is no better.
+
+    With contacts chi-squared has several local minima. An effect may only have led out of one. The
+    machine's own parameters take over as much of its work as they can. One that is lost is none.
+    """
+    progress("the baseline from there")
+    rows = without(best, effects)
+    point = baseline.moved(rows[np.argmin(baseline.chi2_at(rows))], NONE_FRESH)
+    if point is None:
+        return None
+    point = fitted(relinearised(point), FIT.steps_per_round)
+    if lost(point):
+        return None
+    point = settled(point, negligible(baseline.chi2 - best.chi2), baseline.chi2)
+    better = baseline.chi2 - point.chi2 > SEARCH.other_minimum * variance_factor
+    return settled(point) if better else None
+
+
+def led_by_little(baseline: Linearisation, fits: Fits, progress: Progress) -> Linearisation | None:
+    """A better baseline from where the best fit led, if that improves the baseline little.
+
+    Most hands that miss nothing end here: asked before rivals are refined, that takes less.
+    """
+    best = min(fits, key=lambda name: fits[name].chi2, default=None)
+    if best is None or not improves_little(baseline, fits[best]):
+        return None
+    variance_factor = estimated_variance_factor(baseline, fits[best].chi2)
+    return better_baseline(baseline, fits[best], [best], variance_factor, progress)
+
+
+def improves_little(baseline: Linearisation, point: Linearisation) -> bool:
+    """Whether a fit improves the baseline, and by little."""
+    return SEARCH.faint < baseline.chi2 - point.chi2 < SEARCH.slight

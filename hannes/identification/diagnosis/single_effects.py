@@ -1,0 +1,201 @@
+"""Single effects beside one baseline: all are looked at, the likeliest fitted, the best refined."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from hannes.identification.diagnosis.as_given import AsGiven
+from hannes.identification.diagnosis.better_baseline import led_by_little
+from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
+from hannes.identification.diagnosis.global_starts import (
+    absorbed_by_baseline,
+    deepest_minimum,
+    fits_from_nominal,
+)
+from hannes.identification.diagnosis.like_faults import with_like_faults
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.multistart import (
+    Fits,
+    Progress,
+    far_above,
+    first_fits,
+    fit_beside,
+    predicted_at,
+    refined,
+)
+from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
+from hannes.identification.diagnosis.reservations import ends_reached
+from hannes.identification.diagnosis.score_test import Guess, in_place_of, screened
+from hannes.identification.diagnosis.shortlist import next_laws, shortlist
+from hannes.identification.diagnosis.trials import (
+    SearchResult,
+    Trial,
+    converged,
+    priced,
+    with_confusable,
+)
+from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.plants.part_fault import part_faults
+
+
+def searched_beside(
+    baseline: Linearisation, given: AsGiven, known: Fits, progress: Progress
+) -> SearchResult:
+    """Single effects beside a baseline: screened, the best refitted; known: fits from elsewhere."""
+    nominal = given.nominal
+    progress("a look at every effect")
+    every = screened(baseline, list(baseline.space.effects), SEARCH.near_sizes)
+    guesses = [each for each in every if each.effect not in GENERIC]
+    fits, predicted = _begun(baseline, given, guesses, known, progress)
+    fits = refined(nominal, baseline, fits, predicted, progress)
+    better = led_by_little(baseline, fits, progress)
+    if better is not None:
+        return searched_beside(better, given, {**known, **fits}, progress)
+    if _at_an_end(fits) and (starts := given.large([each.effect for each in guesses])):
+        fits = first_fits(baseline, starts, fits, progress)
+        fits = refined(nominal, baseline, fits, {}, progress)
+    fits = _deepened(nominal, baseline, fits, progress)
+    variance_factor = estimated_variance_factor(
+        baseline, min([baseline.chi2, *(each.chi2 for each in fits.values())])
+    )
+    trials = [
+        priced(baseline, Trial((name,), point, 0.0), variance_factor)
+        for name, point in fits.items()
+    ]
+    trials.sort(key=lambda each: -each.delta_chi2)
+    if trials and trials[0].delta_chi2 > SEARCH.name_limit:
+        trials[0] = converged(baseline, trials[0], variance_factor)
+    confusable = with_confusable(baseline, guesses, trials)
+    free = [each for each in every if each.effect in GENERIC]
+    generic = _generic(baseline, free, trials, variance_factor, progress)
+    return SearchResult(
+        nominal, baseline, guesses, confusable, None, None, variance_factor, generic=generic
+    )
+
+
+def _begun(
+    baseline: Linearisation,
+    given: AsGiven,
+    guesses: Sequence[Guess],
+    known: Fits,
+    progress: Progress,
+) -> tuple[Fits, Mapping[str, float]]:
+    """Best fit with each effect from every start, and the reduction that its guess predicts.
+
+    Where the likeliest ones explain all, nothing is started in the machine as given.
+    """
+    likely = [(baseline, each) for each in shortlist(baseline, guesses)]
+    likely = [start for start in likely if start[1].delta_chi2 > SEARCH.faint]
+    starts, fits = likely, known
+    most = max((guess.delta_chi2 for _, guess in likely), default=0.0)
+    if baseline.chi2 - most < SEARCH.biased_baseline * baseline.residual.size:
+        starts, fits = [], first_fits(baseline, likely, known, progress)
+        if _explained(fits):
+            return fits, predicted_at(baseline, likely)
+    fits = {**given.global_fits(progress), **fits}
+    fits |= _absorbed(baseline, given, [guess for _, guess in likely], fits, progress)
+    if baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size:
+        starts = [*starts, *((baseline, each) for each in next_laws(baseline, guesses))]
+        reached = far_above(baseline, min((e.chi2 for e in fits.values()), default=np.inf))
+        if reached > baseline.chi2:
+            starts += given.large([each.effect for each in guesses])
+    return first_fits(baseline, starts, fits, progress), predicted_at(baseline, [*likely, *starts])
+
+
+def _explained(fits: Fits) -> bool:
+    """Whether one leaves less than noise as assumed, which is more than there mostly is."""
+    return any(each.chi2 < SEARCH.explained * each.residual.size for each in fits.values())
+
+
+def _absorbed(
+    baseline: Linearisation,
+    given: AsGiven,
+    likely: Sequence[Guess],
+    known: Fits,
+    progress: Progress,
+) -> Fits:
+    """Fits in the machine as given of likely effects that the baseline absorbs."""
+    reached = baseline.chi2 - min((each.chi2 for each in known.values()), default=baseline.chi2)
+    names = [
+        guess.effect
+        for guess in likely
+        if guess.effect not in known
+        and guess.delta_chi2 >= SEARCH.hopeless * reached
+        and absorbed_by_baseline(baseline, guess)
+    ]
+    return fits_from_nominal(given.nominal, baseline, names, progress)
+
+
+def _leaves_much(point: Linearisation) -> bool:
+    return point.chi2 > SEARCH.lost_baseline * point.residual.size
+
+
+def _at_an_end(fits: Fits) -> bool:
+    """Whether the best fit is at an end of its effect's range: others may be as large."""
+    best = min(fits, key=lambda name: fits[name].chi2, default=None)
+    return best is not None and bool(ends_reached(fits[best], (best,)))
+
+
+def _generic(
+    baseline: Linearisation,
+    guesses: Sequence[Guess],
+    trials: Sequence[Trial],
+    variance_factor: float,
+    progress: Progress,
+) -> Trial | None:
+    """The best generic disturbance, each fitted where its guess promises a reduction.
+
+    Fitted from the baseline and from the machine of the best effect, after all effects: a machine
+    that is biased by a generic disturbance is no start for an effect.
+    """
+    best = trials[0] if trials and trials[0].delta_chi2 > SEARCH.faint else None
+    worth = _promising(baseline, guesses, best, variance_factor)
+    found = []
+    for guess in guesses:
+        if guess.effect in worth:
+            progress(guess.effect.replace("_", " "))
+            point = fit_beside(baseline, guess, best.point if best else None)
+            found += (
+                [priced(baseline, Trial((guess.effect,), point, 0.0), variance_factor)]
+                if point
+                else []
+            )
+    return max(found, key=lambda each: each.delta_chi2, default=None)
+
+
+def _promising(
+    baseline: Linearisation, guesses: Sequence[Guess], best: Trial | None, variance_factor: float
+) -> set[str]:
+    """The generic disturbances whose guess promises a reduction, and one near the best effect's.
+
+    Predicted at the baseline, and in the place of the best effect, where no machine is biased.
+    """
+    least = SEARCH.faint * variance_factor
+    promised = {each.effect: each.delta_chi2 for each in guesses if each.delta_chi2 >= least}
+    if best is None or not promised:
+        return set(promised)
+    there = in_place_of(best.point, best.effects[0], screened(best.point, list(promised)))
+    near = SEARCH.generic_reach * (baseline.chi2 - best.point.chi2)
+    return {name for name, value in promised.items() if max(value, there[name].delta_chi2) >= near}
+
+
+def _deepened(
+    nominal: Linearisation, baseline: Linearisation, fits: Fits, progress: Progress
+) -> Fits:
+    """The fits with the best one refitted around its size, if its signature depends on size.
+
+    Not where it leaves much: what else is missing decides there which minimum is deepest.
+    """
+    best = min(fits, key=lambda name: fits[name].chi2, default=None)
+    if best is None or fits[best].chi2 > baseline.chi2 - _least_named(baseline, best):
+        return fits
+    if not _leaves_much(fits[best]):
+        progress(f"{best.replace('_', ' ')}, from about there")
+        fits = {**fits, best: deepest_minimum(nominal, fits[best], best)}
+    return with_like_faults(baseline, fits, best, progress)
+
+
+def _least_named(baseline: Linearisation, name: str) -> float:
+    """Reduction that an effect needs for a name, noise as assumed."""
+    fault = part_faults(baseline.space.effects, [name])
+    return SEARCH.name_limit + (SEARCH.fault_price if fault else 0.0)

@@ -1,0 +1,106 @@
+"""What a search leaves out where its work would bring little."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sled import HARDENING, TURBULENCE, Sled, recordings
+
+from hannes.identification.diagnosis import better_baseline, global_starts, multistart
+from hannes.identification.diagnosis import single_effects as single
+from hannes.identification.diagnosis.as_given import AsGiven
+from hannes.identification.diagnosis.effect_search import search_effects
+from hannes.identification.diagnosis.gauss_newton import settled
+from hannes.identification.diagnosis.global_starts import worth_global_starts
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.tuning import FIT, SEARCH
+
+BINS = 1000
+
+
+def silent(text):
+    """No progress."""
+
+
+def left(per_bin, work=0.0):
+    """A fit by what it leaves, of a machine by what a round of derivatives takes."""
+    model = SimpleNamespace(round_of_derivatives=lambda: work)
+    return SimpleNamespace(chi2=per_bin * BINS, residual=np.zeros(BINS), model=model)
+
+
+@pytest.fixture(scope="module")
+def found():
+    """The search of a sled with turbulence, one of two candidates."""
+    entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
+    return search_effects(Sled(), entries, [TURBULENCE, HARDENING], Settings(0.02, 0.005), 0)
+
+
+def test_global_starts_are_left_out_where_they_take_much_for_little():
+    much = 2.0 * SEARCH.much_work
+    assert worth_global_starts(left(1.0)) and worth_global_starts(left(1.2, much))
+    assert not worth_global_starts(left(1.1, much))
+
+
+def begun(found, monkeypatch, explained):
+    """Effects with a fit, and whether anything started in the machine as given."""
+    asked = []
+    promising = replace(SEARCH, explained=explained, biased_baseline=np.inf)
+    monkeypatch.setattr(single, "SEARCH", promising)
+    given = AsGiven(found.nominal, found.baseline, ["turbulence", "hardening"])
+    monkeypatch.setattr(given, "global_fits", lambda progress: asked.append("global") or {})
+    fits, predicted = single._begun(found.baseline, given, found.guesses, {}, silent)
+    assert set(fits) <= set(predicted)
+    return fits, asked
+
+
+def test_what_explains_all_leaves_nothing_to_start_in_the_machine_as_given(found, monkeypatch):
+    best = found.trials[0].point
+    per_bin = best.chi2 / best.residual.size
+    fits, asked = begun(found, monkeypatch, 1.05 * per_bin)
+    assert "turbulence" in fits and not asked
+    fits, asked = begun(found, monkeypatch, 0.5 * per_bin)
+    assert "turbulence" in fits and asked == ["global"]
+
+
+def test_a_global_start_is_followed_until_it_leaves_less_than_another(found):
+    start = multistart.started_at(
+        found.nominal, found.nominal.space.of("turbulence"), np.array([0.1])
+    )
+    whole = settled(start)
+    once = global_starts._followed(start, 0.5 * (start.chi2 + whole.chi2))
+    assert whole.chi2 < once.chi2 < start.chi2
+    assert global_starts._followed(start, start.chi2 + 1.0) is start
+
+
+def test_a_second_start_is_left_out_where_the_baseline_is_hardly_biased(found, monkeypatch):
+    starts, start = [], multistart.started_at
+    monkeypatch.setattr(multistart, "started_at", lambda *how: starts.append(1) or start(*how))
+    point = found.trials[0].point
+    given = (point, found.baseline, found.nominal, 1e9)  # promised more than it reaches
+    for slight, bound, expected in ((0.0, 0.0, 1), (np.inf, 0.0, 0), (0.0, 1.3, 0)):
+        starts.clear()
+        other = replace(SEARCH, slight=slight, biased_baseline=bound)
+        monkeypatch.setattr(multistart, "SEARCH", other)
+        multistart._from_both(*given)
+        assert len(starts) == expected
+
+
+def test_a_slight_improvement_asks_for_a_better_baseline_at_once(monkeypatch):
+    asked = []
+    monkeypatch.setattr(better_baseline, "estimated_variance_factor", lambda *_: 1.0)
+    monkeypatch.setattr(better_baseline, "better_baseline", lambda *given: asked.append(given))
+    baseline = left(1.0)
+    for less in (5.0, 30.0, 70.0):
+        fits = {"best": SimpleNamespace(chi2=baseline.chi2 - less)}
+        better_baseline.led_by_little(baseline, fits, silent)
+    assert [given[1].chi2 for given in asked] == [baseline.chi2 - 30.0]
+    assert better_baseline.led_by_little(baseline, {}, silent) is None
+
+
+def test_of_many_bins_a_round_that_gains_little_is_the_last(found, monkeypatch):
+    point = replace(found.trials[0].point, last_reduction=2.0)
+    assert settled(point) is not point
+    per_bin = replace(FIT, settled_per_bin=2.1 / point.residual.size)
+    monkeypatch.setattr("hannes.identification.diagnosis.gauss_newton.FIT", per_bin)
+    assert settled(point) is point
