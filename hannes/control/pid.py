@@ -27,6 +27,7 @@ PARAMETERS = (
         Parameter("speed_weight", 0.4, "1", (0.001, 1), "of the sampled speed's one-pole filter"),
         Parameter("current_step", 0.0, "A", (0, 1), "resolution of the sampled current"),
         Parameter("current_noise", 0.0, "A", (0, 1), "of every sample of it, standard deviation"),
+        Parameter("noise_bandwidth", 0.0, "Hz", (0, 1e5), "of that noise; 0: it is white"),
         Parameter("noise_seed", 0.0, "1", (0, 1e6), "whole number: which noise that is"),
     )
 )

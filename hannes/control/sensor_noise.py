@@ -5,6 +5,8 @@ import math
 from hannes.core.kernels.jit import kernel
 
 PRIME = 2147483647  # 2^31 - 1: squares of what is below it are whole numbers of 64 bits
+FARTHEST = 256  # ticks back that a filter remembers
+LEAST = 1e-3  # weight of the farthest
 
 
 @kernel
@@ -22,3 +24,20 @@ def gaussian(seed, tick):
     one = (scrambled(start) + 1.0) / (PRIME + 1.0)
     other = scrambled((start + 97003) % PRIME) / PRIME
     return math.sqrt(-2.0 * math.log(one)) * math.cos(2.0 * math.pi * other)
+
+
+@kernel
+def coloured(seed, tick, bandwidth, period):
+    """The same of a first-order autoregression with variance 1: white noise through such a filter.
+
+    bandwidth: Hz, 0 for white;  period: s, of ticks. Source: Box, Jenkins & Reinsel (2008), 3.2.
+    """
+    if bandwidth <= 0.0:
+        return gaussian(seed, tick)
+    keep = math.exp(-2.0 * math.pi * bandwidth * period)
+    weight, total, back = math.sqrt(1.0 - keep * keep), 0.0, 0
+    while back < FARTHEST and (back == 0 or weight > LEAST):
+        total += weight * gaussian(seed, tick + FARTHEST - back)
+        weight *= keep
+        back += 1
+    return total

@@ -63,6 +63,8 @@ class Plant(Protocol):
                 steps; differences between them are smooth, and derivatives come from them
     noisy(recording, rows):        columns for `many` by which the controller of each row reads its
                                    sensors with other noise, of the recording's size
+    noise_bandwidth(repeats):      bandwidth [Hz] of that noise by repeats of each command, 0 for
+                                   white noise; `noisy` then takes it as `bandwidth`
     unrounded(rows):               columns for `many` by which the controller of each row rounds
                                    nothing; this isolates the effect of sampling
     firmware:   channels that the controller reads or writes: effects on them are corrected for

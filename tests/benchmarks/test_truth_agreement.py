@@ -43,7 +43,7 @@ DYNAMIC = pytest.mark.parametrize(
 
 
 # The truth is given its noise sample by sample, and its objects do not lean.
-DRAWN = ("controller.current_noise", "controller.noise_seed")
+DRAWN = ("controller.current_noise", "controller.noise_bandwidth", "controller.noise_seed")
 APART = (*DRAWN, "object.turn", "object.tilt_x", "object.tilt_y")
 
 

@@ -26,7 +26,7 @@ HOLD = Reference([[0.0, 0.6], [0.0, 9.2]])
 BALL = {"object.radius": 0.02, "object.stiffness": 2000.0, "object.friction": 0.0}
 SHIFT = ("shift_x", "shift_y", "turned")
 # What the truth has not: its objects do not lean, and its noise is given sample by sample.
-APART = ("controller.current_noise", "controller.noise_seed")
+APART = ("controller.current_noise", "controller.noise_bandwidth", "controller.noise_seed")
 APART += ("object.turn", "object.tilt_x", "object.tilt_y")
 SPEED = ("speed_x", "speed_y", "spin")
 

@@ -47,6 +47,7 @@ class Model:
         self.work = work or Work()  # of this model and all made of it
         self._held = False  # whether effects are a fixed part of the machine
         self._known = KnownVectors()
+        self._bandwidth: list[float] = []  # of the sensors' noise [Hz], of this model and copies
 
     def with_sampling_correction(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
         """The same, quick simulations corrected for the controller's sampling near x.
@@ -251,9 +252,20 @@ class Model:
         rows[:, known] += NOISE.contact_nudge * drawn
         return [self._discretisation_error(group, rows) for group in self.groups]
 
+    def _noisy(self, group: Group, count: int) -> Mapping[str, np.ndarray]:
+        """Columns by which each of `count` runs of a group has other noise of its sensors."""
+        noisy, plant = getattr(self.small, "noisy", None), self.small
+        if noisy is None:
+            return NOTHING
+        if not self._bandwidth:
+            asked = getattr(plant, "noise_bandwidth", None)
+            repeats = [[each.recording for each in own.entries] for own in self.groups]
+            self._bandwidth.append(asked(repeats) if asked else 0.0)
+        coloured = {"bandwidth": self._bandwidth[0]} if self._bandwidth[0] else {}
+        return noisy(group.recording, count, **coloured)
+
     def _discretisation_error(self, group: Group, rows: np.ndarray) -> "DiscretisationError":
-        noisy = getattr(self.small, "noisy", None)
-        further = noisy(group.recording, len(rows)) if noisy else NOTHING
+        further = self._noisy(group, len(rows))
         made = self.simulated(group, rows, False, exact=True, further=further)
         pairs = [
             (run, smooth)

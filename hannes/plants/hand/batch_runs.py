@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hannes.core.effect import Effect
 from hannes.core.recording.recording import Recording
@@ -184,26 +185,37 @@ def _in_steps(values: np.ndarray, step: float) -> bool:
 
 
 def noisy(
-    hand: Hand, experiment: Experiment, recording: Recording, count: int
+    hand: Hand, experiment: Experiment, recording: Recording, count: int, bandwidth: float = 0.0
 ) -> dict[str, np.ndarray]:
     """Columns by which the controller of each of `count` runs reads its current with other noise.
 
     The level makes the current as noisy as the recorded one. Noise in the loop moves the motor,
-    which adds to the noise of the sensor; rounding does too.
+    which adds to the noise of the sensor; rounding does too. bandwidth: Hz, 0 for white noise
     """
     if "current" not in recording:
         return {}
-    recorded = roughness(recording["current"])
-    columns = _noise(np.array([0.0, recorded]))
+    recorded = roughness(recording["current"]) / smoothness(bandwidth, hand)
+    columns = noise_columns(np.array([0.0, recorded]), bandwidth)
     runs = _Runs(hand, experiment, recording, ("current",)).of(columns, WIDE)
     quiet, loud = (0.0 if run is None else roughness(run["current"]) for run in runs)
-    noise = max(recorded**2 - quiet**2, 0.0) / max(loud**2 - quiet**2, 1e-30)
-    return _noise(np.full(count, recorded * min(1.0, float(np.sqrt(noise)))))
+    rough = roughness(recording["current"])
+    noise = max(rough**2 - quiet**2, 0.0) / max(loud**2 - quiet**2, 1e-30)
+    return noise_columns(np.full(count, recorded * min(1.0, float(np.sqrt(noise)))), bandwidth)
 
 
-def _noise(levels: np.ndarray) -> dict[str, np.ndarray]:
+def noise_columns(levels: np.ndarray, bandwidth: ArrayLike = 0.0) -> dict[str, np.ndarray]:
+    """Columns of noise of these levels [A], each another noise, and of a bandwidth [Hz] or some."""
     seeds = np.arange(1.0, levels.size + 1.0)
-    return {NOISE: levels, "controller.noise_seed": seeds}
+    apart = {"controller.noise_bandwidth": np.broadcast_to(bandwidth, levels.size)}
+    return {NOISE: levels, "controller.noise_seed": seeds} | (apart if np.any(bandwidth) else {})
+
+
+def smoothness(bandwidth: float, hand: Hand) -> float:
+    """Roughness of noise over its standard deviation: less than 1 where it has a bandwidth [Hz]."""
+    if not bandwidth:
+        return 1.0
+    keep = np.exp(-2.0 * np.pi * bandwidth * hand.parameters["controller.period"])
+    return float(np.sqrt((6.0 - 8.0 * keep + 2.0 * keep**2) / 6.0))
 
 
 def unrounded(count: int) -> dict[str, np.ndarray]:

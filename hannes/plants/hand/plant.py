@@ -12,6 +12,7 @@ from hannes.core.parameter import ParameterSet
 from hannes.core.recording.recording import Recording
 from hannes.plants.hand import axes, batch_runs, candidate_runs, finger_faults, joint_deviations
 from hannes.plants.hand.channel_limits import EXPECTED
+from hannes.plants.hand.noise_bandwidth import noise_bandwidth
 from hannes.plants.hand.other_settings import other_settings
 from hannes.plants.hand.recorded_experiment import (
     effects_on_object,
@@ -242,9 +243,15 @@ class HandPlant(ByValue):
         """Runs near the first one, for their differences, see batch_runs.py."""
         return batch_runs.alike(self.hand, experiment_of(recording), recording, columns, channels)
 
-    def noisy(self, recording: Recording, count: int) -> dict[str, np.ndarray]:
+    def noisy(
+        self, recording: Recording, count: int, bandwidth: float = 0.0
+    ) -> dict[str, np.ndarray]:
         """Columns for `many` by which the controller reads noisy currents, see batch_runs.py."""
-        return batch_runs.noisy(self.hand, experiment_of(recording), recording, count)
+        return batch_runs.noisy(self.hand, experiment_of(recording), recording, count, bandwidth)
+
+    def noise_bandwidth(self, repeats: Sequence[Sequence[Recording]]) -> float:
+        """Bandwidth [Hz] of the current's noise in repeats of each command, 0 where it is white."""
+        return noise_bandwidth(self.hand, repeats)
 
     firmware = batch_runs.FIRMWARE
     tick = "controller.period"

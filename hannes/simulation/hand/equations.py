@@ -28,7 +28,7 @@ from hannes.control.firmware_memory import (
 )
 from hannes.control.pid import integral_rate, pid, saturated
 from hannes.control.reference import interpolate
-from hannes.control.sensor_noise import gaussian
+from hannes.control.sensor_noise import coloured
 from hannes.core.kernels.insertion import effects
 from hannes.core.kernels.vector_math import direction
 from hannes.dynamics.carts import cart_rate
@@ -83,7 +83,8 @@ def sense(t, y, dy, p, c, memory, out):
     measured_position, measured_current = effects(measured_position, measured_current)
     if p.controller_current_noise > 0.0 and p.controller_sampled > 0.5:
         seed, tick = int(p.controller_noise_seed), round(t / p.controller_period)
-        measured_current += p.controller_current_noise * gaussian(seed, tick)
+        noise = coloured(seed, tick, p.controller_noise_bandwidth, p.controller_period)
+        measured_current += p.controller_current_noise * noise
     out.position = measured_position
     out.current = measured_current
     return measured_position, measured_current
