@@ -189,7 +189,8 @@ def test_noise_in_the_firmwares_loop_moves_both_alike():
         "noise", duration, Reference(np.array(PAPER).T), Target(DYNAMOMETER["shape"], own),
         controller="sampled",
     )  # fmt: skip
-    drawn = {DRAWN[0]: np.full(runs, CURRENT), DRAWN[1]: np.arange(1.0, runs + 1.0)}
+    seeds = np.arange(1.0, runs + 1.0)
+    drawn = {"controller.current_noise": np.full(runs, CURRENT), "controller.noise_seed": seeds}
     made = simulate_many(Hand(), experiment, drawn, channels=("force",), rtol=1e-5)
     mine = np.array([each["force"] for each in made])
     rng = np.random.default_rng(5)
