@@ -40,7 +40,8 @@ def left(
     """
     base = found.found.baseline.x
     whole = found.found.baseline.model
-    model = Model(whole.small, grouped(whole.small, campaign.of("show")), whole.space, ())
+    groups = grouped(whole.small, campaign.of("show"))
+    model = Model(whole.small, groups, whole.space, (), bandwidth=whole.bandwidth)
     model.whole = whole.whole
     model = model.with_sampling_correction(found.decision.point.x, found.decision.effects)
     names = [group.entries[0].condition for group in model.groups]

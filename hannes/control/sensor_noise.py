@@ -6,7 +6,7 @@ from hannes.core.kernels.jit import kernel
 
 PRIME = 2147483647  # 2^31 - 1: squares of what is below it are whole numbers of 64 bits
 FARTHEST = 256  # ticks back that a filter remembers
-LEAST = 1e-3  # weight of the farthest
+LEAST = 0.02  # weight of the farthest, over that of the first
 
 
 @kernel
@@ -35,9 +35,10 @@ def coloured(seed, tick, bandwidth, period):
     if bandwidth <= 0.0:
         return gaussian(seed, tick)
     keep = math.exp(-2.0 * math.pi * bandwidth * period)
-    weight, total, back = math.sqrt(1.0 - keep * keep), 0.0, 0
-    while back < FARTHEST and (back == 0 or weight > LEAST):
+    weight, total, squares, back = 1.0, 0.0, 0.0, 0
+    while back < FARTHEST and weight > LEAST:
         total += weight * gaussian(seed, tick + FARTHEST - back)
+        squares += weight * weight
         weight *= keep
         back += 1
-    return total
+    return total / math.sqrt(squares)

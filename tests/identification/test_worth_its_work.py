@@ -1,13 +1,19 @@
 """What a search leaves out where its work would bring little."""
 
 from dataclasses import replace
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 
 import numpy as np
 import pytest
 from sled import HARDENING, TURBULENCE, Sled, recordings
 
-from hannes.identification.diagnosis import better_baseline, global_starts, multistart
+from hannes.identification.diagnosis import (
+    as_given,
+    better_baseline,
+    effect_search,
+    global_starts,
+    multistart,
+)
 from hannes.identification.diagnosis import single_effects as single
 from hannes.identification.diagnosis.as_given import AsGiven
 from hannes.identification.diagnosis.effect_search import search_effects
@@ -42,13 +48,13 @@ def test_global_starts_are_left_out_where_they_take_much_for_little():
     assert not worth_global_starts(left(1.1, much))
 
 
-def begun(found, monkeypatch, explained):
+def begun(found, monkeypatch, explained, elsewhere=MappingProxyType({})):
     """Effects with a fit, and whether anything started in the machine as given."""
-    asked = []
     promising = replace(SEARCH, explained=explained, biased_baseline=np.inf)
     monkeypatch.setattr(single, "SEARCH", promising)
     given = AsGiven(found.nominal, found.baseline, ["turbulence", "hardening"])
-    monkeypatch.setattr(given, "global_fits", lambda progress: asked.append("global") or {})
+    asked = []
+    monkeypatch.setattr(given, "global_fits", lambda *_: asked.append("global") or elsewhere)
     fits, predicted = single._begun(found.baseline, given, found.guesses, {}, silent)
     assert set(fits) <= set(predicted)
     return fits, asked
@@ -61,6 +67,9 @@ def test_what_explains_all_leaves_nothing_to_start_in_the_machine_as_given(found
     assert "turbulence" in fits and not asked
     fits, asked = begun(found, monkeypatch, 0.5 * per_bin)
     assert "turbulence" in fits and asked == ["global"]
+    better = replace(best, residual=0.5 * best.residual)
+    fits, _ = begun(found, monkeypatch, 0.5 * per_bin, {"turbulence": better})
+    assert fits["turbulence"] is better
 
 
 def test_a_global_start_is_followed_until_it_leaves_less_than_another(found):
@@ -68,9 +77,9 @@ def test_a_global_start_is_followed_until_it_leaves_less_than_another(found):
         found.nominal, found.nominal.space.of("turbulence"), np.array([0.1])
     )
     whole = settled(start)
-    once = global_starts._followed(start, 0.5 * (start.chi2 + whole.chi2))
+    once = global_starts.followed(start, 0.5 * (start.chi2 + whole.chi2))
     assert whole.chi2 < once.chi2 < start.chi2
-    assert global_starts._followed(start, start.chi2 + 1.0) is start
+    assert global_starts.followed(start, start.chi2 + 1.0) is start
 
 
 def test_a_second_start_is_left_out_where_the_baseline_is_hardly_biased(found, monkeypatch):
@@ -93,9 +102,10 @@ def test_a_slight_improvement_asks_for_a_better_baseline_at_once(monkeypatch):
     baseline = left(1.0)
     for less in (5.0, 30.0, 70.0):
         fits = {"best": SimpleNamespace(chi2=baseline.chi2 - less)}
-        better_baseline.led_by_little(baseline, fits, silent)
+        led = better_baseline.led_by_little(baseline, fits, silent)
+        assert led.better is None and led.by is (fits["best"] if less == 30.0 else None)
     assert [given[1].chi2 for given in asked] == [baseline.chi2 - 30.0]
-    assert better_baseline.led_by_little(baseline, {}, silent) is None
+    assert better_baseline.led_by_little(baseline, {}, silent).by is None
 
 
 def test_of_many_bins_a_round_that_gains_little_is_the_last(found, monkeypatch):
@@ -104,3 +114,34 @@ def test_of_many_bins_a_round_that_gains_little_is_the_last(found, monkeypatch):
     per_bin = replace(FIT, settled_per_bin=2.1 / point.residual.size)
     monkeypatch.setattr("hannes.identification.diagnosis.gauss_newton.FIT", per_bin)
     assert settled(point) is point
+
+
+def test_much_is_explained_by_what_explains_all():
+    baseline, little = left(5.0), replace(SEARCH).explained
+    assert single.explains_all(baseline, left(0.9 * little))
+    assert not single.explains_all(baseline, left(1.1 * little))
+    assert not single.explains_all(left(0.9 * little + 0.05), left(0.9 * little))  # of 50 in all
+
+
+def test_a_better_baseline_is_asked_for_once_from_the_same_fit(found, monkeypatch):
+    asked = []
+    monkeypatch.setattr(effect_search, "better_baseline", lambda *given: asked.append(given))
+    given = AsGiven(found.nominal, found.baseline, [])
+    best = found.trials[0].point
+    for known, times in ((None, 1), (best, 0)):
+        asked.clear()
+        effect_search._beside_better(given, replace(found, asked=known), {}, silent)
+        assert len(asked) == times
+
+
+def test_global_fits_are_followed_below_a_better_baseline(found, monkeypatch):
+    start = multistart.started_at(
+        found.nominal, found.nominal.space.of("turbulence"), np.array([0.1])
+    )
+    monkeypatch.setattr(as_given, "global_fits", lambda *_: {"turbulence": start})
+    given = AsGiven(found.nominal, found.baseline, ["turbulence"])
+    high = replace(found.baseline, residual=10.0 * found.nominal.residual)
+    assert given.global_fits(high, silent)["turbulence"] is start
+    low = settled(start)
+    between = SimpleNamespace(chi2=0.5 * (start.chi2 + low.chi2))
+    assert given.global_fits(between, silent)["turbulence"].chi2 < between.chi2

@@ -5,6 +5,7 @@ from functools import cached_property
 
 from hannes.identification.diagnosis.global_starts import (
     Promised,
+    followed,
     global_fits,
     promised,
     worth_global_starts,
@@ -33,13 +34,15 @@ class AsGiven:
         """What the effects of these names promise."""
         return promised(self.nominal, self._baseline, self.names)
 
-    def global_fits(self, progress: Progress) -> Fits:
-        """Fits from global starts, where these are worth their work."""
+    def global_fits(self, baseline: Linearisation, progress: Progress) -> Fits:
+        """Fits from global starts, where these are worth their work, followed below a baseline."""
         if self._global_fits is None:
-            worth = worth_global_starts(self._baseline)
-            given = self.nominal, self._baseline, self.names, progress
+            worth = worth_global_starts(baseline)
+            given = self.nominal, baseline, self.names, progress
             self._global_fits = global_fits(*given, self.promised) if worth else {}
-        return self._global_fits
+        for name, point in self._global_fits.items():
+            self._global_fits[name] = followed(point, baseline.chi2)
+        return dict(self._global_fits)
 
     def large(self, names: Sequence[str]) -> list[Start]:
         """Starts with each effect at sizes to the end of its range; none the second time.

@@ -10,6 +10,7 @@ from hannes.core.recording.white_noise import rounding
 from hannes.identification.diagnosis.gauss_newton import fitted, relinearised, settled
 from hannes.identification.diagnosis.linearisation import Linearisation, first, with_noise
 from hannes.identification.diagnosis.multistart import Progress
+from hannes.identification.diagnosis.noise_colour import noise_bandwidth
 from hannes.identification.diagnosis.noise_covariance import (
     NoiseAccuracy,
     NoiseCovariance,
@@ -47,8 +48,11 @@ def based(
     baseline does not show that: noise about it is not the machine's.
     """
 
+    bandwidth = noise_bandwidth(plant, groups)
+
     def model(settings: Settings) -> Model:
-        return Model(plant, groups, ParameterSpace(plant, groups, settings, effects), effects, work)
+        space = ParameterSpace(plant, groups, settings, effects)
+        return Model(plant, groups, space, effects, work, bandwidth)
 
     nominal, baseline = _fits(model(settings), seed, progress)
     shown = settings if lost(baseline) else settings_from_repeats(baseline.noise, settings)

@@ -1,6 +1,7 @@
 """The baseline refitted from where an effect led: chi-squared may have a lower minimum there."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,18 +40,20 @@ def better_baseline(
     return settled(point) if better else None
 
 
-def led_by_little(baseline: Linearisation, fits: Fits, progress: Progress) -> Linearisation | None:
+class Led(NamedTuple):
+    """A better baseline, and the fit that led there, or was asked in vain; None where none was."""
+
+    better: Linearisation | None = None
+    by: Linearisation | None = None
+
+
+def led_by_little(baseline: Linearisation, fits: Fits, progress: Progress) -> Led:
     """A better baseline from where the best fit led, if that improves the baseline little.
 
     Most hands that miss nothing end here: asked before rivals are refined, that takes less.
     """
     best = min(fits, key=lambda name: fits[name].chi2, default=None)
-    if best is None or not improves_little(baseline, fits[best]):
-        return None
-    variance_factor = estimated_variance_factor(baseline, fits[best].chi2)
-    return better_baseline(baseline, fits[best], [best], variance_factor, progress)
-
-
-def improves_little(baseline: Linearisation, point: Linearisation) -> bool:
-    """Whether a fit improves the baseline, and by little."""
-    return SEARCH.faint < baseline.chi2 - point.chi2 < SEARCH.slight
+    if best is None or not SEARCH.faint < baseline.chi2 - fits[best].chi2 < SEARCH.slight:
+        return Led()
+    point, variance_factor = fits[best], estimated_variance_factor(baseline, fits[best].chi2)
+    return Led(better_baseline(baseline, point, [best], variance_factor, progress), point)

@@ -11,7 +11,6 @@ from hannes.identification.diagnosis.as_given import AsGiven
 from hannes.identification.diagnosis.baseline import based, lost
 from hannes.identification.diagnosis.better_baseline import (
     better_baseline,
-    improves_little,
 )
 from hannes.identification.diagnosis.further_effects import with_further_effects
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
@@ -24,7 +23,12 @@ from hannes.identification.diagnosis.multistart import (
 from hannes.identification.diagnosis.noise_at_best import with_noise_at_best
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
-from hannes.identification.diagnosis.single_effects import searched_beside
+from hannes.identification.diagnosis.single_effects import (
+    explains_all,
+    looked_at,
+    promises_all,
+    searched_beside,
+)
 from hannes.identification.diagnosis.trials import (
     SearchResult,
     Trial,
@@ -66,8 +70,12 @@ def _all_searched(
 ) -> SearchResult:
     """Single effects beside the best baseline, then further ones."""
     given = AsGiven(nominal, baseline, [e.name for e in effects if e.name not in GENERIC])
-    known = given.global_fits(progress) if lost(baseline) else {}
-    found = searched_beside(_beside_best(baseline, known), given, known, progress)
+    beside, known, looked = baseline, dict[str, Linearisation](), looked_at(baseline, progress)
+    if lost(baseline) and not promises_all(baseline, looked):
+        known = given.global_fits(baseline, progress)
+        beside = _beside_best(baseline, known)
+    looked = looked if beside is baseline else []
+    found = searched_beside(beside, given, known, progress, looked)
     found = _beside_better(given, found, known, progress)
     if baseline.chi2 < found.baseline.chi2:
         found = _rebased(found, baseline)
@@ -80,13 +88,13 @@ def _beside_better(
     """The result beside the baseline that its best effect leads to, where that is a better one.
 
     Searched again while it is much better. Where the bound of work ends that, the fits of the
-    search before stand beside it.
+    search before stand beside it; beside the first baseline one that explains all.
     """
     led = np.zeros(0)
     try:
         while (leader := _leading(found)) and not np.array_equal(leader.point.x, led):
-            if leader.effects[0] not in GENERIC and improves_little(found.baseline, leader.point):
-                break  # asked before
+            if leader.point is found.asked:
+                break
             better = better_baseline(
                 found.baseline, leader.point, leader.effects, found.variance_factor, progress
             )
@@ -99,7 +107,9 @@ def _beside_better(
                 break
             found = searched_beside(better, given, {**known, **fits}, progress)
     except SearchEnded:
-        if not led.size or not may_be_named(found):
+        if not may_be_named(found):
+            raise
+        if not led.size and not explains_all(found.baseline, found.trials[0].point):
             raise
         found.baseline.model.work.extended()
         return replace(found, cut_short=True)

@@ -113,7 +113,7 @@ def separation(
         more = {n: u for n, u in getattr(plant, "loggable", {}).items() if n not in run}
         run = _rough(plant, run, recorded, more)
     group, there = Group(plant, [replace(entry, recording=run)]), baseline.model
-    model = Model(there.small, [group], there.space, (), there.work)
+    model = Model(there.small, [group], there.space, (), there.work, there.bandwidth)
     model.whole = there.whole
     try:
         for trial in pair:

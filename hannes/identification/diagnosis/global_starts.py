@@ -155,11 +155,11 @@ def fits_from_nominal(
         if points:
             best = min(points, key=lambda each: each.chi2)
             far = no_rival(baseline, below)
-            found[name] = best if best.chi2 > far else _followed(best, min(below, baseline.chi2))
+            found[name] = best if best.chi2 > far else followed(best, min(below, baseline.chi2))
     return {name: point for name, point in found.items() if point.chi2 < baseline.chi2}
 
 
-def _followed(point: Linearisation, below: float) -> Linearisation:
+def followed(point: Linearisation, below: float) -> Linearisation:
     """The fit after some rounds, until it leaves less than `below`: the best are refined later."""
     made = rounds(point, FIT.settled, below, FIT.settled_above)
     while point.chi2 > below and (further := next(made, None)) is not None:

@@ -97,10 +97,10 @@ def first_fits(
         point = with_correction_at_size(fitted(point, 5), guess.effect)
         if guess.effect not in best or point.chi2 < best[guess.effect].chi2:
             best[guess.effect] = point
-    return _better(best, known)
+    return better(best, known)
 
 
-def _better(fits: Fits, others: Fits) -> Fits:
+def better(fits: Fits, others: Fits) -> Fits:
     """Of each effect's fits the one with the smaller chi-squared."""
     every = [*fits.items(), *others.items()]
     return dict(sorted(every, key=lambda each: -each[1].chi2))

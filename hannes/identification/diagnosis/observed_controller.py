@@ -21,6 +21,7 @@ from hannes.identification.diagnosis.baseline import COARSE
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.linearisation import first
 from hannes.identification.diagnosis.multistart import Progress
+from hannes.identification.diagnosis.noise_colour import noise_bandwidth
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Group, grouped
 from hannes.identification.diagnosis.settings import Settings
@@ -171,7 +172,8 @@ def _apart(
     known = [each for each in controller.entries if each.role in ("fit", "select")]
     groups = grouped(controller.plant, known)
     space = ParameterSpace(controller.plant, groups, settings, ())
-    model = Model(controller.plant, groups, space, (), work)
+    bandwidth = noise_bandwidth(controller.plant, groups)
+    model = Model(controller.plant, groups, space, (), work, bandwidth)
     try:
         given = first(model, COARSE, seed)
         places = np.array([given.x, fitted(given, 5, restarts=1).x])

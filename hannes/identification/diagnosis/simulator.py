@@ -30,7 +30,8 @@ class Model:
 
     Simulations are quick ones. What the firmware's sampling and rounding add is computed apart
     (`discretisation_errors`) and changes little. `small` is the model without effects, `whole`
-    the one with all candidate effects, so that one compilation serves them all.
+    the one with all candidate effects, so that one compilation serves them all. `bandwidth` [Hz] is
+    that of the sensors' noise, 0 where it is white, None where the plant's own holds.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class Model:
         space: ParameterSpace,
         effects: Sequence[Effect],
         work: Work | None = None,
+        bandwidth: float | None = None,
     ) -> None:
         self.groups, self.space = list(groups), space
         self.small, self.whole = plant, plant.with_effects(*compiled_effects(tuple(effects)))
@@ -47,7 +49,7 @@ class Model:
         self.work = work or Work()  # of this model and all made of it
         self._held = False  # whether effects are a fixed part of the machine
         self._known = KnownVectors()
-        self._bandwidth: list[float] = []  # of the sensors' noise [Hz], of this model and copies
+        self.bandwidth = bandwidth
 
     def with_sampling_correction(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
         """The same, quick simulations corrected for the controller's sampling near x.
@@ -254,15 +256,12 @@ class Model:
 
     def _noisy(self, group: Group, count: int) -> Mapping[str, np.ndarray]:
         """Columns by which each of `count` runs of a group has other noise of its sensors."""
-        noisy, plant = getattr(self.small, "noisy", None), self.small
+        noisy = getattr(self.small, "noisy", None)
         if noisy is None:
             return NOTHING
-        if not self._bandwidth:
-            asked = getattr(plant, "noise_bandwidth", None)
-            repeats = [[each.recording for each in own.entries] for own in self.groups]
-            self._bandwidth.append(asked(repeats) if asked else 0.0)
-        coloured = {"bandwidth": self._bandwidth[0]} if self._bandwidth[0] else {}
-        return noisy(group.recording, count, **coloured)
+        coloured = {} if self.bandwidth is None else {"bandwidth": self.bandwidth}
+        found: Mapping[str, np.ndarray] = noisy(group.recording, count, **coloured)
+        return found
 
     def _discretisation_error(self, group: Group, rows: np.ndarray) -> "DiscretisationError":
         further = self._noisy(group, len(rows))

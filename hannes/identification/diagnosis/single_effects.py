@@ -1,6 +1,7 @@
 """Single effects beside one baseline: all are looked at, the likeliest fitted, the best refined."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
     Fits,
     Progress,
+    better,
     far_above,
     first_fits,
     fit_beside,
@@ -35,22 +37,38 @@ from hannes.identification.diagnosis.trials import (
     with_confusable,
 )
 from hannes.identification.diagnosis.tuning import SEARCH
-from hannes.plants.part_fault import part_faults
+
+
+def looked_at(baseline: Linearisation, progress: Progress) -> list[Guess]:
+    """What each effect promises beside a baseline, generic disturbances among them."""
+    progress("a look at every effect")
+    return screened(baseline, list(baseline.space.effects), SEARCH.near_sizes)
+
+
+def promises_all(baseline: Linearisation, every: Sequence[Guess]) -> bool:
+    """Whether the likeliest effect would leave little."""
+    most = max((each.delta_chi2 for each in every if each.effect not in GENERIC), default=0.0)
+    return baseline.chi2 - most < SEARCH.biased_baseline * baseline.residual.size
 
 
 def searched_beside(
-    baseline: Linearisation, given: AsGiven, known: Fits, progress: Progress
+    baseline: Linearisation,
+    given: AsGiven,
+    known: Fits,
+    progress: Progress,
+    looked: Sequence[Guess] = (),
 ) -> SearchResult:
-    """Single effects beside a baseline: screened, the best refitted; known: fits from elsewhere."""
-    nominal = given.nominal
-    progress("a look at every effect")
-    every = screened(baseline, list(baseline.space.effects), SEARCH.near_sizes)
+    """Single effects beside a baseline: screened, the best refitted.
+
+    known: fits from elsewhere;  looked: what effects promise here, where that was asked before
+    """
+    nominal, every = given.nominal, looked or looked_at(baseline, progress)
     guesses = [each for each in every if each.effect not in GENERIC]
     fits, predicted = _begun(baseline, given, guesses, known, progress)
     fits = refined(nominal, baseline, fits, predicted, progress)
-    better = led_by_little(baseline, fits, progress)
-    if better is not None:
-        return searched_beside(better, given, {**known, **fits}, progress)
+    led = led_by_little(baseline, fits, progress)
+    if led.better is not None:
+        return searched_beside(led.better, given, {**known, **fits}, progress)
     if _at_an_end(fits) and (starts := given.large([each.effect for each in guesses])):
         fits = first_fits(baseline, starts, fits, progress)
         fits = refined(nominal, baseline, fits, {}, progress)
@@ -68,9 +86,8 @@ def searched_beside(
     confusable = with_confusable(baseline, guesses, trials)
     free = [each for each in every if each.effect in GENERIC]
     generic = _generic(baseline, free, trials, variance_factor, progress)
-    return SearchResult(
-        nominal, baseline, guesses, confusable, None, None, variance_factor, generic=generic
-    )
+    result = SearchResult(nominal, baseline, guesses, confusable, None, None, variance_factor)
+    return replace(result, generic=generic, asked=led.by)
 
 
 def _begun(
@@ -86,14 +103,14 @@ def _begun(
     """
     likely = [(baseline, each) for each in shortlist(baseline, guesses)]
     likely = [start for start in likely if start[1].delta_chi2 > SEARCH.faint]
-    starts, fits = likely, known
-    most = max((guess.delta_chi2 for _, guess in likely), default=0.0)
-    if baseline.chi2 - most < SEARCH.biased_baseline * baseline.residual.size:
-        starts, fits = [], first_fits(baseline, likely, known, progress)
-        if _explained(fits):
-            return fits, predicted_at(baseline, likely)
-    fits = {**given.global_fits(progress), **fits}
-    fits |= _absorbed(baseline, given, [guess for _, guess in likely], fits, progress)
+    starts, near = likely, known
+    if promises_all(baseline, guesses):
+        starts, near = [], first_fits(baseline, likely, known, progress)
+        if any(explains_all(baseline, each) for each in near.values()):
+            return near, predicted_at(baseline, likely)
+    far = better(given.global_fits(baseline, progress), known)
+    far |= _absorbed(baseline, given, [guess for _, guess in likely], far, progress)
+    fits = better(near, far)
     if baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size:
         starts = [*starts, *((baseline, each) for each in next_laws(baseline, guesses))]
         reached = far_above(baseline, min((e.chi2 for e in fits.values()), default=np.inf))
@@ -102,9 +119,10 @@ def _begun(
     return first_fits(baseline, starts, fits, progress), predicted_at(baseline, [*likely, *starts])
 
 
-def _explained(fits: Fits) -> bool:
-    """Whether one leaves less than noise as assumed, which is more than there mostly is."""
-    return any(each.chi2 < SEARCH.explained * each.residual.size for each in fits.values())
+def explains_all(baseline: Linearisation, point: Linearisation) -> bool:
+    """Whether a fit explains much and leaves less than noise as assumed, which is overstated."""
+    much = baseline.chi2 - point.chi2 > SEARCH.slight
+    return much and point.chi2 < SEARCH.explained * point.residual.size
 
 
 def _absorbed(
@@ -187,15 +205,9 @@ def _deepened(
     Not where it leaves much: what else is missing decides there which minimum is deepest.
     """
     best = min(fits, key=lambda name: fits[name].chi2, default=None)
-    if best is None or fits[best].chi2 > baseline.chi2 - _least_named(baseline, best):
+    if best is None or fits[best].chi2 > baseline.chi2 - SEARCH.name_limit:
         return fits
     if not _leaves_much(fits[best]):
         progress(f"{best.replace('_', ' ')}, from about there")
         fits = {**fits, best: deepest_minimum(nominal, fits[best], best)}
     return with_like_faults(baseline, fits, best, progress)
-
-
-def _least_named(baseline: Linearisation, name: str) -> float:
-    """Reduction that an effect needs for a name, noise as assumed."""
-    fault = part_faults(baseline.space.effects, [name])
-    return SEARCH.name_limit + (SEARCH.fault_price if fault else 0.0)

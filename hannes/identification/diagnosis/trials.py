@@ -59,6 +59,7 @@ class SearchResult:
     variance_factor: variance of the noise over the assumed one, by which chi-squared is divided
     generic: the best generic disturbance, where a guess makes one worth fitting
     ended: what ended the search before its end, in words, or ""
+    asked: the fit from which a better baseline was looked for in vain
     cut_short: whether the search for further effects was ended, or the one beside a better
                baseline: what was found by then stands
     """
@@ -73,6 +74,7 @@ class SearchResult:
     generic: Trial | None = None
     ended: str = ""
     cut_short: bool = False
+    asked: Linearisation | None = None
 
     @property
     def bins(self) -> int:

@@ -185,36 +185,54 @@ def _in_steps(values: np.ndarray, step: float) -> bool:
 
 
 def noisy(
-    hand: Hand, experiment: Experiment, recording: Recording, count: int, bandwidth: float = 0.0
+    hand: Hand,
+    experiment: Experiment,
+    recording: Recording,
+    count: int,
+    bandwidth: float | None = None,
 ) -> dict[str, np.ndarray]:
     """Columns by which the controller of each of `count` runs reads its current with other noise.
 
     The level makes the current as noisy as the recorded one. Noise in the loop moves the motor,
-    which adds to the noise of the sensor; rounding does too. bandwidth: Hz, 0 for white noise
+    which adds to the noise of the sensor; rounding does too. bandwidth: Hz, 0 for white noise; by
+    default the hand's own
     """
     if "current" not in recording:
         return {}
-    recorded = roughness(recording["current"]) / smoothness(bandwidth, hand)
-    columns = noise_columns(np.array([0.0, recorded]), bandwidth)
+    if bandwidth is None:
+        bandwidth = hand.parameters["controller.noise_bandwidth"]
+    rough = roughness(recording["current"])
+    level = rough / smoothness(bandwidth, recording)
+    columns = noise_columns(np.array([0.0, level]), bandwidth)
     runs = _Runs(hand, experiment, recording, ("current",)).of(columns, WIDE)
     quiet, loud = (0.0 if run is None else roughness(run["current"]) for run in runs)
-    rough = roughness(recording["current"])
     noise = max(rough**2 - quiet**2, 0.0) / max(loud**2 - quiet**2, 1e-30)
-    return noise_columns(np.full(count, recorded * min(1.0, float(np.sqrt(noise)))), bandwidth)
+    return noise_columns(np.full(count, level * min(1.0, float(np.sqrt(noise)))), bandwidth)
 
 
-def noise_columns(levels: np.ndarray, bandwidth: ArrayLike = 0.0) -> dict[str, np.ndarray]:
-    """Columns of noise of these levels [A], each another noise, and of a bandwidth [Hz] or some."""
-    seeds = np.arange(1.0, levels.size + 1.0)
-    apart = {"controller.noise_bandwidth": np.broadcast_to(bandwidth, levels.size)}
-    return {NOISE: levels, "controller.noise_seed": seeds} | (apart if np.any(bandwidth) else {})
+def noise_columns(
+    levels: np.ndarray, bandwidth: ArrayLike = 0.0, first: int = 1
+) -> dict[str, np.ndarray]:
+    """Columns of noise of these levels [A], numbered from `first`.
+
+    bandwidth: Hz, one for all or one for each
+    """
+    return {
+        NOISE: levels,
+        "controller.noise_seed": np.arange(levels.size, dtype=float) + first,
+        "controller.noise_bandwidth": np.broadcast_to(np.asarray(bandwidth, float), levels.size),
+    }
 
 
-def smoothness(bandwidth: float, hand: Hand) -> float:
-    """Roughness of noise over its standard deviation: less than 1 where it has a bandwidth [Hz]."""
+def smoothness(bandwidth: float, recording: Recording) -> float:
+    """Roughness of noise over its standard deviation, in a recording's samples.
+
+    bandwidth: Hz, 0 for white noise, where that is 1
+    """
     if not bandwidth:
         return 1.0
-    keep = np.exp(-2.0 * np.pi * bandwidth * hand.parameters["controller.period"])
+    interval = float(np.median(np.diff(recording.time)))
+    keep = np.exp(-2.0 * np.pi * bandwidth * interval)
     return float(np.sqrt((6.0 - 8.0 * keep + 2.0 * keep**2) / 6.0))
 
 

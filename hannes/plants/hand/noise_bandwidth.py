@@ -22,22 +22,28 @@ WHITE = 0.0
 BANDWIDTHS = (WHITE, 300.0, 210.0, 150.0, 110.0, 80.0, 60.0, 45.0, 34.0, 25.0)  # Hz
 DISTANCES = (2, 3, 4)  # samples
 KEPT = 0.9  # share of squared differences, the smallest: the others are of contacts
-SCATTER = 0.1  # of the logarithm of their growth, in one pair of runs
+SCATTER = 0.1  # of the logarithm of their growth, in one pair of runs of USUAL samples
+USUAL = 1300.0
 CERTAIN = 12.0  # of chi-squared, that noise is not white
 ALIKE = 2.5  # of chi-squared for a pair, at most: else what differs is not noise alone
-FEWEST = 100  # samples
+FEWEST = 400  # samples
+SIMULATED = 3  # runs with noise of each bandwidth
 
 
-def noise_bandwidth(hand: Hand, repeats: Sequence[Sequence[Recording]]) -> float:
+def noise_bandwidth(hand: Hand, repeats: Sequence[Sequence[Recording]]) -> float | None:
     """Bandwidth [Hz] of the noise in the current of these runs; 0 where it may be white.
 
-    repeats: runs of each command
+    None where none of them show it. repeats: runs of each command
     """
-    known = [runs for runs in repeats if _comparable(runs)]
+    known = [
+        (misfits, len(runs) - 1)
+        for number, runs in enumerate(repeats)
+        if _comparable(runs) and (misfits := _misfits(hand, runs, number)) is not None
+    ]
     if not known:
-        return WHITE
-    total = np.sum([_misfits(hand, runs) for runs in known], axis=0)
-    best, pairs = int(np.argmin(total)), sum(len(runs) - 1 for runs in known)
+        return None
+    total = np.sum([misfits for misfits, _ in known], axis=0)
+    best, pairs = int(np.argmin(total)), sum(count for _, count in known)
     coloured = total[0] - total[best] > CERTAIN and total[best] < ALIKE * pairs
     return BANDWIDTHS[best] if coloured else WHITE
 
@@ -51,22 +57,25 @@ def _comparable(runs: Sequence[Recording]) -> bool:
     return experiment_of(runs[0]).controller == "sampled" and roughness(runs[0]["current"]) > 0.0
 
 
-def _misfits(hand: Hand, runs: Sequence[Recording]) -> np.ndarray:
-    """Chi-squared of the growth in pairs of repeats, for each bandwidth."""
+def _misfits(hand: Hand, runs: Sequence[Recording], number: int) -> np.ndarray | None:
+    """Chi-squared of the growth in pairs of repeats, for each bandwidth; None if a run fails."""
     currents = [each["current"] for each in runs]
     recorded = np.array([_growth(*pair) for pair in pairwise(currents)])
-    level = roughness(currents[0])
-    levels = np.array([level / smoothness(each, hand) for each in BANDWIDTHS])
-    columns = noise_columns(np.repeat(levels, 2), np.repeat(BANDWIDTHS, 2))
+    scatter = SCATTER * np.sqrt(USUAL / min(each.size for each in currents))
+    levels = [roughness(currents[0]) / smoothness(each, runs[0]) for each in BANDWIDTHS]
+    columns = noise_columns(
+        np.repeat(levels, SIMULATED),
+        np.repeat(BANDWIDTHS, SIMULATED),
+        1 + number * len(BANDWIDTHS) * SIMULATED,
+    )
     made = many(hand, experiment_of(runs[0]), runs[0], columns, ("current",), True)
-    found = np.zeros(len(BANDWIDTHS))
-    for place in range(found.size):
-        one, other = made[2 * place : 2 * place + 2]
-        if one is None or other is None:
-            return np.zeros_like(found)
-        off = recorded - _growth(one["current"], other["current"])
-        found[place] = np.sum((off / SCATTER) ** 2) / len(DISTANCES)
-    return found
+    drawn = [each["current"] for each in made if each is not None]
+    if len(drawn) < len(made):
+        return None
+    grown = np.array([_growth(*pair) for pair in pairwise(drawn)])
+    own = [slice(k, k + SIMULATED - 1) for k in range(0, len(drawn), SIMULATED)]
+    off = np.array([recorded - np.mean(grown[each], axis=0) for each in own]) / scatter
+    return np.asarray(np.sum(off**2, axis=(1, 2)) / len(DISTANCES))
 
 
 def _growth(one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -244,13 +244,13 @@ class HandPlant(ByValue):
         return batch_runs.alike(self.hand, experiment_of(recording), recording, columns, channels)
 
     def noisy(
-        self, recording: Recording, count: int, bandwidth: float = 0.0
+        self, recording: Recording, count: int, bandwidth: float | None = None
     ) -> dict[str, np.ndarray]:
         """Columns for `many` by which the controller reads noisy currents, see batch_runs.py."""
         return batch_runs.noisy(self.hand, experiment_of(recording), recording, count, bandwidth)
 
-    def noise_bandwidth(self, repeats: Sequence[Sequence[Recording]]) -> float:
-        """Bandwidth [Hz] of the current's noise in repeats of each command, 0 where it is white."""
+    def noise_bandwidth(self, repeats: Sequence[Sequence[Recording]]) -> float | None:
+        """Bandwidth [Hz] of the current's noise in repeats, 0 where white, None if none show it."""
         return noise_bandwidth(self.hand, repeats)
 
     firmware = batch_runs.FIRMWARE

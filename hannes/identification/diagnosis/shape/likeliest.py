@@ -85,7 +85,7 @@ def _model(found: SearchResult, known: Sequence[Description]) -> Model:
     space = ParameterSpace(whole.small, whole.groups, whole.space.settings, effects)
     work = Work(bounded=True)
     work.limit = SHAPE.most_simulated
-    return Model(whole.small, whole.groups, space, effects, work)
+    return Model(whole.small, whole.groups, space, effects, work, whole.bandwidth)
 
 
 def _carried(point: Linearisation, model: Model) -> Linearisation:
