@@ -21,6 +21,7 @@ from hannes.identification.diagnosis.gauss_newton import settled
 from hannes.identification.diagnosis.global_starts import worth_global_starts
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 BINS = 1000
 
@@ -145,3 +146,20 @@ def test_global_fits_are_followed_below_a_better_baseline(found, monkeypatch):
     low = settled(start)
     between = SimpleNamespace(chi2=0.5 * (start.chi2 + low.chi2))
     assert given.global_fits(between, silent)["turbulence"].chi2 < between.chi2
+
+
+def ended(*_):
+    raise SearchEnded
+
+
+def test_what_explains_all_stands_where_its_search_is_ended(found, monkeypatch):
+    monkeypatch.setattr(single, "_further", ended)
+    given = AsGiven(found.nominal, found.baseline, ["turbulence", "hardening"])
+    with pytest.raises(SearchEnded):
+        single.searched_beside(found.baseline, given, {}, silent)
+    best = found.trials[0].point
+    all_of_it = replace(SEARCH, explained=1.05 * best.chi2 / best.residual.size)
+    monkeypatch.setattr(single, "SEARCH", all_of_it)
+    again = single.searched_beside(found.baseline, given, {}, silent)
+    assert again.cut_short and again.trials[0].effects == ("turbulence",)
+    assert effect_search._beside_better(given, again, {}, silent) is again

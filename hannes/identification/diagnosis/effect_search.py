@@ -90,6 +90,8 @@ def _beside_better(
     Searched again while it is much better. Where the bound of work ends that, the fits of the
     search before stand beside it; beside the first baseline one that explains all.
     """
+    if found.cut_short:
+        return found
     led = np.zeros(0)
     try:
         while (leader := _leading(found)) and not np.array_equal(leader.point.x, led):

@@ -37,6 +37,7 @@ from hannes.identification.diagnosis.trials import (
     with_confusable,
 )
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 
 def looked_at(baseline: Linearisation, progress: Progress) -> list[Guess]:
@@ -69,10 +70,40 @@ def searched_beside(
     led = led_by_little(baseline, fits, progress)
     if led.better is not None:
         return searched_beside(led.better, given, {**known, **fits}, progress)
+    try:
+        fits, cut_short = _further(baseline, given, guesses, fits, progress), False
+    except SearchEnded:
+        if not any(explains_all(baseline, each) for each in fits.values()):
+            raise
+        baseline.model.work.extended()
+        cut_short = True
+    result = _compared(baseline, given, every, fits, progress)
+    return replace(result, asked=led.by, cut_short=cut_short)
+
+
+def _further(
+    baseline: Linearisation,
+    given: AsGiven,
+    guesses: Sequence[Guess],
+    fits: Fits,
+    progress: Progress,
+) -> Fits:
+    """The fits, with large starts where the best is at an end, and other minima of the best."""
     if _at_an_end(fits) and (starts := given.large([each.effect for each in guesses])):
         fits = first_fits(baseline, starts, fits, progress)
-        fits = refined(nominal, baseline, fits, {}, progress)
-    fits = _deepened(nominal, baseline, fits, progress)
+        fits = refined(given.nominal, baseline, fits, {}, progress)
+    return _deepened(given.nominal, baseline, fits, progress)
+
+
+def _compared(
+    baseline: Linearisation,
+    given: AsGiven,
+    every: Sequence[Guess],
+    fits: Fits,
+    progress: Progress,
+) -> SearchResult:
+    """The fits as trials, the best first, with the best generic disturbance."""
+    guesses = [each for each in every if each.effect not in GENERIC]
     variance_factor = estimated_variance_factor(
         baseline, min([baseline.chi2, *(each.chi2 for each in fits.values())])
     )
@@ -86,8 +117,8 @@ def searched_beside(
     confusable = with_confusable(baseline, guesses, trials)
     free = [each for each in every if each.effect in GENERIC]
     generic = _generic(baseline, free, trials, variance_factor, progress)
-    result = SearchResult(nominal, baseline, guesses, confusable, None, None, variance_factor)
-    return replace(result, generic=generic, asked=led.by)
+    known = given.nominal, baseline, guesses, confusable, None, None, variance_factor
+    return SearchResult(*known, generic=generic)
 
 
 def _begun(

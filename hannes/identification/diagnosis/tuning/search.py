@@ -10,7 +10,7 @@ class SearchTuning:
     """How the catalogue is searched."""
 
     most_simulated: float = constant(
-        24_000.0,
+        26_000.0,
         "s",
         "of simulated runs in one diagnosis, whose search then ends: some two minutes",
         COST,
