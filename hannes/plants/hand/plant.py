@@ -63,6 +63,8 @@ PLACED = dict.fromkeys(("object.x", "object.y"), 10e-3)  # m, scale of an object
 TOLERANCE = 1e-5
 Values = Mapping[str, float]
 
+Columns = dict[str, np.ndarray]  # by full name
+
 
 class HandPlant(ByValue):
     """Plant: a Hannes hand with effects in its model; see plants/protocol.py for the protocol."""
@@ -138,7 +140,7 @@ class HandPlant(ByValue):
 
     def slopes(
         self, parameters: Values, steps: Values, recording: Recording, channels: Sequence[str]
-    ) -> dict[str, dict[str, np.ndarray]]:
+    ) -> dict[str, Columns]:
         """Change of channels by parameters and by parts, see joint_deviations.py."""
         return joint_deviations.slopes(self._near(parameters, recording, channels), steps)
 
@@ -180,9 +182,7 @@ class HandPlant(ByValue):
                     f'hand has not: base = a hand.toml with effects = ["{name}"] and its parameters'
                 )
 
-    def simulate(
-        self, parameters: Mapping[str, float], recording: Recording
-    ) -> dict[str, np.ndarray]:
+    def simulate(self, parameters: Mapping[str, float], recording: Recording) -> Columns:
         """Run the recording's experiment under its reference; channels at the recorded times.
 
         The controller is the experiment's, the continuous one where the recording has none. Where
@@ -192,7 +192,7 @@ class HandPlant(ByValue):
         asked = self._with_moved_object(experiment_of(recording), parameters)
         return self._run(parameters, recording, asked)
 
-    def smooth(self, parameters: Values, recording: Recording) -> dict[str, np.ndarray]:
+    def smooth(self, parameters: Values, recording: Recording) -> Columns:
         """As `simulate`, but always with the continuous controller: fast and differentiable."""
         return self._run(parameters, recording, self._smooth(parameters, recording))
 
@@ -216,7 +216,7 @@ class HandPlant(ByValue):
 
     def _run(
         self, parameters: Mapping[str, float], recording: Recording, experiment: Experiment
-    ) -> dict[str, np.ndarray]:
+    ) -> Columns:
         hand = self.hand.with_values(parameters)
         run = simulate(hand, experiment, rtol=TOLERANCE, effects=hand.effects).require()
         judged = (*self.judged, "reference")
@@ -231,7 +231,7 @@ class HandPlant(ByValue):
         recording: Recording,
         channels: Sequence[str],
         exact: bool,
-    ) -> list[dict[str, np.ndarray] | None]:
+    ) -> list[Columns | None]:
         """Many runs at once, see batch_runs.py; None for one that fails."""
         return batch_runs.many(
             self.hand, experiment_of(recording), recording, columns, channels, exact
@@ -239,13 +239,11 @@ class HandPlant(ByValue):
 
     def alike(
         self, columns: Mapping[str, np.ndarray], recording: Recording, channels: Sequence[str]
-    ) -> list[dict[str, np.ndarray] | None]:
+    ) -> list[Columns | None]:
         """Runs near the first one, for their differences, see batch_runs.py."""
         return batch_runs.alike(self.hand, experiment_of(recording), recording, columns, channels)
 
-    def noisy(
-        self, recording: Recording, count: int, bandwidth: float | None = None
-    ) -> dict[str, np.ndarray]:
+    def noisy(self, recording: Recording, count: int, bandwidth: float | None = None) -> Columns:
         """Columns for `many` by which the controller reads noisy currents, see batch_runs.py."""
         return batch_runs.noisy(self.hand, experiment_of(recording), recording, count, bandwidth)
 
@@ -257,13 +255,8 @@ class HandPlant(ByValue):
     tick = "controller.period"
     quantities = staticmethod(axes.quantities)
 
-    def sampled(self, recording: Recording) -> Recording | None:
-        """The recording under firmware's ticks; None where its experiment has them already."""
-        return with_sampled_controller(recording)
-
-    def unrounded(self, count: int) -> dict[str, np.ndarray]:
-        """Columns for `many` by which the controller rounds nothing, see batch_runs.py."""
-        return batch_runs.unrounded(count)
+    sampled = staticmethod(with_sampled_controller)
+    unrounded = staticmethod(batch_runs.unrounded)
 
     def counted(self, recording: Recording) -> bool:
         """Whether its position stands in whole counts of this hand's encoder."""
@@ -292,7 +285,7 @@ class HandPlant(ByValue):
         """Every sample is compared."""
         return np.ones(len(recording), bool)
 
-    def phases(self, recording: Recording) -> dict[str, np.ndarray]:
+    def phases(self, recording: Recording) -> Columns:
         """Start (first 0.1 s of motion), closing, holding, opening, by the reference."""
         speed = np.gradient(motion(recording), recording.time)
         slow = 0.02 * max(np.abs(speed).max(), 1e-9)

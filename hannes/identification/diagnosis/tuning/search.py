@@ -10,7 +10,7 @@ class SearchTuning:
     """How the catalogue is searched."""
 
     most_simulated: float = constant(
-        26_000.0,
+        25_000.0,
         "s",
         "of simulated runs in one diagnosis, whose search then ends: some two minutes",
         COST,
@@ -19,7 +19,7 @@ class SearchTuning:
         1_000.0, "s", "likewise, of what could stand in for effects whose search was ended", COST
     )
     closing_simulated: float = constant(
-        3_500.0, "s", "likewise, of what judges a search for further effects that was ended", COST
+        3_000.0, "s", "likewise, of what judges a search for further effects that was ended", COST
     )
     needed_runs: float = constant(
         130.0, "weighted runs", "of each command that every verdict needs, whatever was spent", COST
