@@ -64,7 +64,8 @@ class Plant(Protocol):
     noisy(recording, rows):        columns for `many` by which the controller of each row reads its
                                    sensors with other noise, of the recording's size
     noise_bandwidth(repeats):      bandwidth [Hz] of that noise by repeats of each command, 0 for
-                                   white noise; `noisy` then takes it as `bandwidth`
+                                   white noise; `noisy` then takes it as `bandwidth`. None where
+                                   none show it: `noisy` is then asked without
     unrounded(rows):               columns for `many` by which the controller of each row rounds
                                    nothing; this isolates the effect of sampling
     firmware:   channels that the controller reads or writes: effects on them are corrected for

@@ -86,7 +86,7 @@ def test_what_the_baseline_absorbs_starts_in_the_nominal_machine(monkeypatch):
     monkeypatch.setattr(
         single_effects,
         "fits_from_nominal",
-        lambda nominal, baseline, names, progress: asked.append(names) or {},
+        lambda nominal, baseline, names, *_: asked.append(names) or {},
     )
     search_effects(Sled(), entries, [TURBULENCE], Settings(0.02, 0.005), 0)
     assert asked[0] == ["turbulence"]

@@ -158,8 +158,30 @@ def test_what_explains_all_stands_where_its_search_is_ended(found, monkeypatch):
     with pytest.raises(SearchEnded):
         single.searched_beside(found.baseline, given, {}, silent)
     best = found.trials[0].point
-    all_of_it = replace(SEARCH, explained=1.05 * best.chi2 / best.residual.size)
+    all_of_it = replace(
+        SEARCH, biased_baseline=1.0, explained=1.05 * best.chi2 / best.residual.size
+    )
     monkeypatch.setattr(single, "SEARCH", all_of_it)
     again = single.searched_beside(found.baseline, given, {}, silent)
     assert again.cut_short and again.trials[0].effects == ("turbulence",)
     assert effect_search._beside_better(given, again, {}, silent) is again
+
+
+def test_a_fault_of_one_of_like_parts_does_not_stand_alone(found, monkeypatch):
+    best = found.trials[0].point
+    all_of_it = replace(SEARCH, explained=1.05 * best.chi2 / best.residual.size)
+    monkeypatch.setattr(single, "SEARCH", all_of_it)
+    assert single.stands(found.baseline, {"turbulence": best})
+    assert not single.stands(found.baseline, {})
+    monkeypatch.setattr(single, "like_faults", lambda effects, name: ["another"])
+    assert not single.stands(found.baseline, {"turbulence": best})
+
+
+def test_a_second_search_that_was_cut_short_is_the_last(found, monkeypatch):
+    short, asked = replace(found, cut_short=True), []
+    better = replace(found.baseline, residual=0.5 * found.baseline.residual)
+    monkeypatch.setattr(effect_search, "better_baseline", lambda *_: asked.append(1) or better)
+    monkeypatch.setattr(effect_search, "searched_beside", lambda *_: short)
+    given = AsGiven(found.nominal, found.baseline, [])
+    assert effect_search._beside_better(given, found, {}, silent) is short
+    assert len(asked) == 1

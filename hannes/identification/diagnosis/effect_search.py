@@ -24,10 +24,10 @@ from hannes.identification.diagnosis.noise_at_best import with_noise_at_best
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.single_effects import (
-    explains_all,
     looked_at,
     promises_all,
     searched_beside,
+    stands,
 )
 from hannes.identification.diagnosis.trials import (
     SearchResult,
@@ -108,10 +108,13 @@ def _beside_better(
             if less < SEARCH.second_share * leader.delta_chi2 * found.variance_factor:
                 break
             found = searched_beside(better, given, {**known, **fits}, progress)
+            if found.cut_short:
+                break
     except SearchEnded:
         if not may_be_named(found):
             raise
-        if not led.size and not explains_all(found.baseline, found.trials[0].point):
+        fits = {each.effects[0]: each.point for each in found.trials}
+        if not led.size and not stands(found.baseline, fits):
             raise
         found.baseline.model.work.extended()
         return replace(found, cut_short=True)

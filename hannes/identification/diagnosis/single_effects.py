@@ -38,6 +38,7 @@ from hannes.identification.diagnosis.trials import (
 )
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded
+from hannes.plants.part_fault import like_faults
 
 
 def looked_at(baseline: Linearisation, progress: Progress) -> list[Guess]:
@@ -71,14 +72,24 @@ def searched_beside(
     if led.better is not None:
         return searched_beside(led.better, given, {**known, **fits}, progress)
     try:
-        fits, cut_short = _further(baseline, given, guesses, fits, progress), False
+        fits = _further(baseline, given, guesses, fits, progress)
+        result, cut_short = _compared(baseline, given, every, fits, progress), False
     except SearchEnded:
-        if not any(explains_all(baseline, each) for each in fits.values()):
+        if not stands(baseline, fits):
             raise
         baseline.model.work.extended()
-        cut_short = True
-    result = _compared(baseline, given, every, fits, progress)
+        baseline.model.work.extended_for_rivals()
+        result, cut_short = _compared(baseline, given, every, fits, progress), True
     return replace(result, asked=led.by, cut_short=cut_short)
+
+
+def stands(baseline: Linearisation, fits: Fits) -> bool:
+    """Whether the best fit stands without more: it explains all, and no other part may have it."""
+    best = min(fits, key=lambda name: fits[name].chi2, default="")
+    if not best or like_faults(baseline.space.effects, best):
+        return False
+    biased = baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size
+    return biased and explains_all(baseline, fits[best])
 
 
 def _further(
@@ -140,8 +151,9 @@ def _begun(
         if any(explains_all(baseline, each) for each in near.values()):
             return near, predicted_at(baseline, likely)
     far = better(given.global_fits(baseline, progress), known)
-    far |= _absorbed(baseline, given, [guess for _, guess in likely], far, progress)
-    fits = better(near, far)
+    left = min((each.chi2 for each in better(near, far).values()), default=baseline.chi2)
+    others = [guess for _, guess in likely if guess.effect not in far]
+    fits = better(near, far | _absorbed(baseline, given, others, left, progress))
     if baseline.chi2 > SEARCH.biased_baseline * baseline.residual.size:
         starts = [*starts, *((baseline, each) for each in next_laws(baseline, guesses))]
         reached = far_above(baseline, min((e.chi2 for e in fits.values()), default=np.inf))
@@ -160,19 +172,20 @@ def _absorbed(
     baseline: Linearisation,
     given: AsGiven,
     likely: Sequence[Guess],
-    known: Fits,
+    left: float,
     progress: Progress,
 ) -> Fits:
-    """Fits in the machine as given of likely effects that the baseline absorbs."""
-    reached = baseline.chi2 - min((each.chi2 for each in known.values()), default=baseline.chi2)
+    """Fits in the machine as given of likely effects that the baseline absorbs.
+
+    left: chi-squared that the best fit leaves by then
+    """
     names = [
         guess.effect
         for guess in likely
-        if guess.effect not in known
-        and guess.delta_chi2 >= SEARCH.hopeless * reached
+        if guess.delta_chi2 >= SEARCH.hopeless * (baseline.chi2 - left)
         and absorbed_by_baseline(baseline, guess)
     ]
-    return fits_from_nominal(given.nominal, baseline, names, progress)
+    return fits_from_nominal(given.nominal, baseline, names, progress, left)
 
 
 def _leaves_much(point: Linearisation) -> bool:
