@@ -50,7 +50,7 @@ class Led(NamedTuple):
 def led_by_little(baseline: Linearisation, fits: Fits, progress: Progress) -> Led:
     """A better baseline from where the best fit led, if that improves the baseline little.
 
-    Most hands that miss nothing end here: asked before rivals are refined, that takes less.
+    Most hands that miss nothing end here: asked before faults of other parts, that takes less.
     """
     best = min(fits, key=lambda name: fits[name].chi2, default=None)
     if best is None or not SEARCH.faint < baseline.chi2 - fits[best].chi2 < SEARCH.slight:

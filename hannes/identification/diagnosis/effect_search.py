@@ -9,9 +9,7 @@ from hannes.campaigns.campaign import Entry
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.as_given import AsGiven
 from hannes.identification.diagnosis.baseline import based, lost
-from hannes.identification.diagnosis.better_baseline import (
-    better_baseline,
-)
+from hannes.identification.diagnosis.better_baseline import better_baseline
 from hannes.identification.diagnosis.further_effects import with_further_effects
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.linearisation import Linearisation
