@@ -4,19 +4,12 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
-from sled import investigation
 
 from hannes.identification.diagnosis import shape_rival
 from hannes.identification.diagnosis.decision import decide
 from hannes.identification.diagnosis.score_test import screened
 from hannes.identification.diagnosis.trials import Trial
 from hannes.identification.diagnosis.tuning import SEARCH
-
-
-@pytest.fixture(scope="module")
-def investigated():
-    return investigation()
 
 
 def test_a_law_that_fits_better_stands_against_a_free_shape(investigated, monkeypatch):

@@ -3,16 +3,10 @@
 from types import SimpleNamespace
 
 import pytest
-from sled import investigation
 
 from hannes.identification.diagnosis import effect_removal
 from hannes.identification.diagnosis.heldout import stands_on_heldout
 from hannes.identification.diagnosis.tuning import SEARCH
-
-
-@pytest.fixture(scope="module")
-def investigated():
-    return investigation()
 
 
 def test_a_law_that_is_there_lowers_what_was_held_out(investigated, monkeypatch):
