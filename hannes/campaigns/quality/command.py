@@ -9,7 +9,7 @@ from hannes.campaigns.foreign.raw_values import usual_rate
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, note, warning
 from hannes.campaigns.quality.motion import UNLIKE, found_lag, pace, timed, unlike
-from hannes.campaigns.quality.retimed import pace_of
+from hannes.campaigns.quality.retimed import pace_of, refuted
 from hannes.campaigns.quality.subject import Plan, Subject
 from hannes.campaigns.quality.zero import begins_moving
 from hannes.core.recording.time_lag import Lag
@@ -122,7 +122,8 @@ def paces(subject: Subject) -> Iterator[Finding]:
             continue
         rate, rest = _paced_as(subject, name, plan)
         least = OTHER_PACE if _ends_on_its_way(plan) else LEAST_PACE
-        if rest < FITS * size and abs(rate - 1.0) > max(least, OWN_LAG * rest / size):
+        far = abs(rate - 1.0) > max(least, OWN_LAG * rest / size)
+        if rest < FITS * size and far and not refuted(subject, rate):
             yield _pace(name, command, rate)
 
 

@@ -5,6 +5,7 @@ slower than it was, the error is wrong and the law fails; with the right pace it
 motion alone shows its pace far less well, for a machine lags, and not by the same everywhere.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,7 @@ AHEAD = 6e-3  # s, over which a command's speed is taken
 SHARE, LEFT = 0.45, 0.1  # squared residual that a pace explains; what it leaves of the drive
 GOOD = 0.004  # of the drive, that a law leaves which holds
 LEAST = 2e-3  # of the pace
+FAILS = 1.5  # times what a law leaves at its own pace, that it leaves at one which is not so
 
 
 @dataclass(frozen=True)
@@ -61,20 +63,7 @@ def pace_of(subject: Subject) -> float | None:
 
     None, too, where no drive and command were recorded, or where no law holds.
     """
-    for name, moved in drives_of(subject):
-        asked = subject.asked_at(moved)
-        if asked is None or np.ptp(asked[1]) == 0.0 or subject.time.size < FEWEST:
-            continue
-        size = min(subject.time.size, LONGEST)
-        few = slice(0, size, max(size // ENOUGH, 1))
-        motion, time = subject.recording[moved][:size], subject.time[:size]
-        answer = _Answer(
-            subject.time[few],
-            motion[few],
-            np.gradient(motion, time)[few],
-            subject.recording[name][few],
-            _within(asked, float(time[0]), float(time[-1])),
-        )
+    for answer in _answers(subject):
         before = answer.left(1.0)
         if before < GOOD:
             continue
@@ -83,6 +72,34 @@ def pace_of(subject: Subject) -> float | None:
         if left < LEFT and left**2 < (1.0 - SHARE) * before**2 and abs(pace - 1.0) > LEAST:
             return pace
     return None
+
+
+def refuted(subject: Subject, pace: float) -> bool:
+    """Whether a controller's law that holds at the command's own pace fails at this one.
+
+    A machine whose friction falls in a run lags less and less, and its motion looks faster.
+    """
+    return any(
+        answer.left(1.0) < min(LEFT, answer.left(pace) / FAILS) for answer in _answers(subject)
+    )
+
+
+def _answers(subject: Subject) -> Iterator[_Answer]:
+    """Of each controller whose drive and command were recorded for long enough."""
+    for name, moved in drives_of(subject):
+        asked = subject.asked_at(moved)
+        if asked is None or np.ptp(asked[1]) == 0.0 or subject.time.size < FEWEST:
+            continue
+        size = min(subject.time.size, LONGEST)
+        few = slice(0, size, max(size // ENOUGH, 1))
+        motion, time = subject.recording[moved][:size], subject.time[:size]
+        yield _Answer(
+            subject.time[few],
+            motion[few],
+            np.gradient(motion, time)[few],
+            subject.recording[name][few],
+            _within(asked, float(time[0]), float(time[-1])),
+        )
 
 
 def _within(
