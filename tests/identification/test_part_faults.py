@@ -163,7 +163,7 @@ def test_of_pairs_the_finger_alone_makes_the_limit_narrow():
 
 
 def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
-    left = {"index": 1300.0, "middle": 99.5, "ring": 101.0, "little": 140.0}
+    left = {"index": 1300.0, "middle": 99.5, "ring": 101.0, "little": 140.0, "thumb": 99.8}
     begun, converged = [], []
 
     def transferred(baseline, leader, best, name):
@@ -182,11 +182,13 @@ def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
     found = with_like_faults(baseline, fits, "thumb_weak_spring", lambda text: None)
     assert [name for name, _ in begun] == [f"{finger}_weak_spring" for finger in left]
     leaders = [best.partition("_")[0] for _, best in begun]
-    assert leaders == ["thumb", "thumb", "middle", "middle"]  # the better one goes on
+    # The better one goes on; the first was led by none, and starts from the best.
+    assert leaders == ["thumb", "thumb", "middle", "middle", "middle"]
     assert set(found) == {
         f"{finger}_weak_spring" for finger in ("middle", "ring", "little", "thumb")
     }
-    assert converged == [100.0, 99.5, 101.0]  # the others are far from as good
+    assert found["thumb_weak_spring"].chi2 == 99.8
+    assert converged == [99.8, 99.5, 101.0]  # the others are far from as good
     assert with_like_faults(baseline, {"capstan": fits}, "capstan", print) == {"capstan": fits}
 
 

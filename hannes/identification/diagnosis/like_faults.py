@@ -20,17 +20,40 @@ def with_like_faults(baseline: Linearisation, fits: Fits, best: str, progress: P
     """
     found, first, leader = dict(fits), best, fits[best]
     others = like_faults(baseline.space.effects, best)
+    led = {first: first}  # by whom a fault was led
     for name in others:
         progress(f"{name.replace('_', ' ')}, as {best.replace('_', ' ')}")
+        led[name] = best
         points = [_transferred(baseline, leader, best, name), found.get(name)]
         there = [each for each in points if each is not None and each.chi2 < baseline.chi2]
         if there:
             found[name] = min(there, key=lambda each: each.chi2)
             best = min(best, name, key=lambda each: found[each].chi2)
             leader = found[best]
+    found = _led_again(baseline, found, best, led, progress)
+    best = min((name for name in led if name in found), key=lambda name: found[name].chi2)
     for name in (first, *others):
         if name in found and (name != first or best != first):
             found[name] = _caught_up(baseline, found[best], found[name])
+    return found
+
+
+def _led_again(
+    baseline: Linearisation, fits: Fits, best: str, led: Mapping[str, str], progress: Progress
+) -> Fits:
+    """The fits with rivals of the best one started from it, where an earlier one had led them.
+
+    One that was led by a worse fit may have come to rest above its own least.
+    """
+    found, leader = dict(fits), fits[best]
+    least = SEARCH.like_share * (baseline.chi2 - leader.chi2)
+    for name, by in led.items():
+        if name not in found or best in (name, by) or baseline.chi2 - found[name].chi2 < least:
+            continue
+        progress(f"{name.replace('_', ' ')}, as {best.replace('_', ' ')}")
+        point = _transferred(baseline, leader, best, name)
+        if point is not None:
+            found[name] = min(found[name], point, key=lambda each: each.chi2)
     return found
 
 

@@ -189,6 +189,9 @@ class SearchTuning:
         "of the best reduction: such a rival is refitted from the best one's machine",
         DEVELOPMENT,
     )
+    like_share: float = constant(
+        0.8, "1", "of the best reduction: a like fault led by a worse one starts from the best too"
+    )
     takeover_shares: tuple[float, ...] = constant(
         (0.0, 0.5, 1.0), "1", "of a removed effect's work that other parameters take over", NUMERICS
     )
