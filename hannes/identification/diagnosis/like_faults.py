@@ -18,8 +18,10 @@ def with_like_faults(baseline: Linearisation, fits: Fits, best: str, progress: P
 
     One that leaves less takes its place, and those that come near it fast go on.
     """
-    found, first, leader = dict(fits), best, fits[best]
     others = like_faults(baseline.space.effects, best)
+    if not others:
+        return fits
+    found, first, leader = dict(fits), best, fits[best]
     led = {first: first}  # by whom a fault was led
     for name in others:
         progress(f"{name.replace('_', ' ')}, as {best.replace('_', ' ')}")
