@@ -152,7 +152,10 @@ def _effects(
             advice = "leave it out; `hannes diagnose --describe` fits it where it is needed"
             root.refuse("effects", f'"{name}" describes and names no cause: {advice}')
         try:
-            own[_rooted(name, path.parent)] = effect(name, path.parent, path)
+            mine = effect(name, path.parent, path)
+            known = {**effects(), **own_catalogue(plant), **own}
+            taken = known.get(mine.name, mine) is not mine
+            own[str((path.parent / name).resolve()) if taken else mine.name] = mine
         except BadInput as error:
             root.refuse("effects", f"cannot be used: {error}")
     found = {**effects(), **own_catalogue(plant), **own}
@@ -164,11 +167,6 @@ def _effects(
     except BadInput as error:
         root.refuse("effects", f"cannot be used: {error}")
     return found
-
-
-def _rooted(name: str, folder: Path) -> str:
-    """A user's effect by its absolute path: a verdict may be written elsewhere."""
-    return str((folder / name).resolve()) if ".py:" in name else name
 
 
 def _entries(row: Table, folder: Path, plant: Plant) -> list[tuple[Path, str, Entry]]:

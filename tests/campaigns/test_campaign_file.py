@@ -174,7 +174,8 @@ def test_a_shipped_campaign_is_found_by_name():
 )
 def test_a_bad_campaign_is_one_line_with_its_name(tmp_path, text, said):
     file = campaign(tmp_path, text)
-    (tmp_path / "own.py").write_text("from hannes.dynamics.capstan import EFFECT as MINE\n")
+    mine = "from dataclasses import replace\nfrom hannes.dynamics.capstan import EFFECT\n"
+    (tmp_path / "own.py").write_text(mine + "MINE = replace(EFFECT, source='mine')\n")
     with pytest.raises(BadInput, match=said) as caught:
         read_campaign(file, trust=True)
     assert str(tmp_path) in str(caught.value) and "\n" not in str(caught.value)

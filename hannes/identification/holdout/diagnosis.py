@@ -20,9 +20,9 @@ from hannes.identification.gap_change import GapChange, gap_changes, refusal
 from hannes.identification.holdout import decision
 from hannes.identification.holdout.effect_test import (
     Trial,
-    judge,
     minimum_detectable_sizes,
     ranked,
+    tried,
     with_confusable,
 )
 from hannes.identification.holdout.least_squares import Fitted, Progress, WeightedResidual, fit
@@ -121,6 +121,7 @@ class _HoldoutDiagnosis:
         self, training: Sequence[Segment], baseline: Fitted, scales: Mapping[str, float]
     ) -> list[Trial]:
         validation, rng = self.residual(self.of("select")), np.random.default_rng(self.seed)
+        residual = WeightedResidual(self.plant, training, scales)
         present, made = {each.name for each in self.plant.effects}, []
         for name, effect in self.candidates():
             if why := self.plant.accepts(effect):
@@ -128,15 +129,7 @@ class _HoldoutDiagnosis:
             elif effect.name in present:
                 made.append(Trial(name, effect, "already in the model"))
             else:
-                extended = self.plant.with_effects(effect)
-                residual = WeightedResidual(self.plant, training, scales)
-                fitted = fit(residual, extended, baseline.values, self.progress)
-                trial = Trial(name, effect, fitted=fitted)
-                made.append(
-                    judge(trial, validation, baseline, rng)
-                    if validation.segments
-                    else replace(trial, why="no recording is left to choose by")
-                )
+                made.append(tried(name, effect, residual, baseline, validation, rng, self.progress))
         return ranked(with_confusable(made))
 
     def candidates(self) -> list[tuple[str, Effect]]:

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from hannes.core.effect import Effect
+from hannes.core.errors import ComputationFailed
 from hannes.core.parameter import Parameter
-from hannes.identification.holdout.least_squares import Fitted, WeightedResidual
+from hannes.identification.holdout.least_squares import Fitted, Progress, WeightedResidual, fit
 from hannes.identification.holdout.tuning import HOLDOUT
 
 POWER_80 = 3.42  # standard deviations seen with 80 % power at ALPHA, two-sided: 2.576 + 0.842
@@ -44,6 +45,26 @@ class Trial:
     def applicable(self) -> bool:
         """True where the plant can carry it."""
         return self.fitted is not None
+
+
+def tried(
+    name: str,
+    effect: Effect,
+    training: WeightedResidual,
+    baseline: Fitted,
+    validation: WeightedResidual,
+    rng: np.random.Generator,
+    progress: Progress,
+) -> Trial:
+    """One effect fitted and judged; not applicable where no run with it succeeds."""
+    try:
+        extended = training.plant.with_effects(effect)
+        trial = Trial(name, effect, fitted=fit(training, extended, baseline.values, progress))
+        if not validation.segments:
+            return replace(trial, why="no recording is left to choose by")
+        return judge(trial, validation, baseline, rng)
+    except ComputationFailed as failed:
+        return Trial(name, effect, f"not applicable: with it no run succeeds: {failed}")
 
 
 def judge(

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.campaigns.segments import Segment
+from hannes.core.errors import ComputationFailed
 from hannes.identification.holdout.tuning import HOLDOUT
 from hannes.plants.protocol import Plant, free_amplitudes, robust
 
@@ -54,7 +55,8 @@ class WeightedResidual:
         for segment in self.segments:
             key = self.plant.same_run(segment.recording)
             if key not in runs:
-                runs[key] = plant.simulate(values, segment.recording)
+                with np.errstate(over="ignore", invalid="ignore"):  # a run that runs away says so
+                    runs[key] = plant.simulate(values, segment.recording)
             found.append(self._difference(segment, runs[key]))
         return found
 
@@ -64,6 +66,13 @@ class WeightedResidual:
             for name in self.noise_floors
             if name in segment.recording
         }
+
+    def of(self, plant: Plant, values: Mapping[str, float]) -> np.ndarray:
+        """`weighted` at some values; infinite where no run succeeds: a search steps back there."""
+        try:
+            return self.weighted(self.raw(plant, values))
+        except ComputationFailed:
+            return np.full(self.clusters().size, np.inf)
 
     def weighted(self, raw: Sequence[Mapping[str, np.ndarray]]) -> np.ndarray:
         """One vector in units of the noise floor, counting correlated samples once."""
@@ -109,12 +118,11 @@ def fit(
 ) -> Fitted:
     """Refit the free parameters of `plant` and all those of its effects, from `start`.
 
-    Raises ComputationFailed where a simulation fails.
+    Raises ComputationFailed where the machine cannot be simulated at the start.
     """
     from scipy.optimize import least_squares
 
-    scales = _scales(plant)
-    names, scale = tuple(scales), np.array(list(scales.values()))
+    names, scale = tuple(scales := _scales(plant)), np.array(list(scales.values()))
     nominal = np.array([plant.parameters[name] for name in names])
     known = start or {}
     begin = np.array([known.get(name, plant.parameters[name]) for name in names])
@@ -126,14 +134,16 @@ def fit(
         return dict(zip(names, np.clip(nominal + x * scale, *bounds).tolist(), strict=True))
 
     def data(x: np.ndarray) -> np.ndarray:
-        return residual.weighted(residual.raw(plant, values(x)))
+        return residual.of(plant, values(x))
 
     def columns(x: np.ndarray, step: float) -> np.ndarray:
         progress(", ".join(each.name for each in plant.effects) or "baseline")
         return differences(data, x, low, high, step)
 
     unknown = [k for k, name in enumerate(names) if name not in plant.free and name not in known]
-    x = _scanned_start(data, (begin - nominal) / scale, unknown, low, high)
+    x = (begin - nominal) / scale
+    residual.raw(plant, values(x))
+    x = _scanned_start(data, x, unknown, low, high)
     for step in HOLDOUT.difference_steps:
         found = least_squares(
             lambda x: np.concatenate((data(x), prior * x)),
@@ -187,14 +197,30 @@ def differences(
     high: np.ndarray,
     size: float,
 ) -> np.ndarray:
-    """Forward differences by `size`, backward at the upper bound; shape (samples, parameters)."""
+    """Forward differences by `size`, backward at the upper bound; shape (samples, parameters).
+
+    Backward, too, where no run succeeds ahead; zero where none does either way.
+    """
     baseline, columns = data(x), []
     for place in range(x.size):
-        step = size if x[place] + size <= high[place] else -size
-        moved = x.copy()
-        moved[place] = max(x[place] + step, low[place])
-        columns.append((data(moved) - baseline) / step)
+        steps = (size, -size) if x[place] + size <= high[place] else (-size, size)
+        made = (_difference(data, baseline, x, place, step, low) for step in steps)
+        found = (each for each in made if np.isfinite(each).all())
+        columns.append(next(found, np.zeros_like(baseline)))
     return np.array(columns).T
+
+
+def _difference(
+    data: Callable[[np.ndarray], np.ndarray],
+    baseline: np.ndarray,
+    x: np.ndarray,
+    place: int,
+    step: float,
+    low: np.ndarray,
+) -> np.ndarray:
+    moved = x.copy()
+    moved[place] = max(x[place] + step, low[place])
+    return (data(moved) - baseline) / step
 
 
 def _covariance(
