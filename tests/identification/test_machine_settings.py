@@ -38,6 +38,8 @@ def test_a_plant_with_nothing_uncertain_takes_no_scatter():
         ({"scater": "2 %"}, "scatter"),
         ({"start_time": "2 mm"}, "start_time"),
         ({"start_time": "-1 ms"}, "not negative"),
+        ({"work": 0}, "whole number from 1 to 50"),
+        ({"work": "2"}, "without quotes"),
     ],
 )
 def test_what_a_campaign_says_of_its_machine_is_checked(content, message):

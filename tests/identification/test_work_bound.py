@@ -59,8 +59,8 @@ def test_the_shape_of_an_unknown_is_within_the_bound_that_was_said(monkeypatch):
     whole = []
 
     class Counted(Work):
-        def __init__(self, bounded=False):
-            super().__init__(bounded)
+        def __init__(self, bounded=False, times=1):
+            super().__init__(bounded, times)
             whole.append(self)
 
     for module in (campaign_diagnosis, likeliest):
@@ -71,6 +71,26 @@ def test_the_shape_of_an_unknown_is_within_the_bound_that_was_said(monkeypatch):
     search, shape = whole
     assert found.verdict.verdict == "unknown" and shape.spent > 0.0
     assert search.limit + shape.limit <= search.most([], 0)
+
+
+def test_a_user_lets_a_search_last_longer(monkeypatch):
+    monkeypatch.setattr(work_bound, "SEARCH", replace(work_bound.SEARCH, most_simulated=40.0))
+    made = campaign(1, ((HARDENING, 900.0),))
+    verdicts = [
+        diagnose_campaign(made, Settings(0.02, 0.005, work=times), 0, lambda text: None).verdict
+        for times in (1, 2, 50)
+    ]
+    assert [each.verdict for each in verdicts] == ["unknown", "unknown", "named"]
+    assert "40 s of simulated runs" in verdicts[0].reason and "work = 2 in" in verdicts[0].reason
+    assert "80 s of simulated runs" in verdicts[1].reason and "work = 4 in" in verdicts[1].reason
+
+
+def test_the_shape_of_what_is_missing_is_fitted_where_a_search_was_ended(monkeypatch):
+    monkeypatch.setattr(work_bound, "SEARCH", replace(work_bound.SEARCH, most_simulated=40.0))
+    made = replace(campaign(1, ((HARDENING, 900.0),)), plant=Described())
+    found = diagnose_campaign(made, Settings(0.02, 0.005), 0, lambda text: None)
+    assert "ended at its bound" in found.verdict.reason
+    assert found.verdict.shape["name"] == "generic_force"
 
 
 def test_what_is_needed_in_any_case_is_counted_and_made():

@@ -93,7 +93,7 @@ def diagnose_campaign(
     tried = candidates(campaign)
     usable = [each for each, why in tried.values() if not why]
     usable += [each for each in GENERIC if not campaign.plant.accepts(each)]
-    work = Work(bounded=True)
+    work = Work(bounded=True, times=settings.work)
     durations = command_durations(campaign)
     progress(said(work.most(durations, len(uncertain(campaign.plant))), durations))
     with threadpool_limits(1, "blas"):  # sums over several threads round otherwise
@@ -171,7 +171,7 @@ class _Closing:
         raws = {key: stages.raw(k, "show") for k, key in enumerate(STAGES)}
         tables = EvidenceTables(self.found, self.names)
         shape = None
-        if decision.kind == "unknown" and not self.found.ended:
+        if decision.kind == "unknown":
             shape = shape_of(self.found, stages, self.owner(), progress)
         verdict = Verdict(
             verdict=decision.kind,

@@ -8,24 +8,27 @@ from hannes.core.io.toml_table import Table
 if TYPE_CHECKING:  # the help of the command line shows these defaults, and answers at once
     from hannes.plants.protocol import Plant
 
-KEYS = ("scatter", "run_scatter", "start_time", "scatter_apart")
+KEYS = ("scatter", "run_scatter", "start_time", "scatter_apart", "work")
+MOST_WORK = 50  # times the usual bound
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Standard deviations of what is uncertain.
+    """Standard deviations of what is uncertain, and how long a search may last.
 
     scatter:     share by which any nominal value of the machine may be off
     run_scatter: share by which friction varies from run to run; a plant's own run-to-run
                  variability (`run_to_run`) is for 1 %, and scales in proportion
     start_time:  s, of the moment at which a run starts
     scatter_apart: share by which each of several like parts (joints) is off for itself, besides
+    work:        times the usual bound that a search may simulate
     """
 
     scatter: float = 0.03
     run_scatter: float = 0.01
     start_time: float = 0.0
     scatter_apart: float = 0.01
+    work: int = 1
 
 
 def read_settings(table: Table, plant: "Plant") -> Settings:
@@ -39,6 +42,7 @@ def read_settings(table: Table, plant: "Plant") -> Settings:
         _share(table, "run_scatter", Settings.run_scatter),
         _time(table, plant),
         _share(table, "scatter_apart", Settings.scatter_apart, none=True),
+        table.whole("work", 1, MOST_WORK, Settings.work),
     )
 
 

@@ -29,10 +29,14 @@ class SearchEnded(Exception):
 
 
 class Work:
-    """Simulated time [s] spent so far, weighted; SearchEnded beyond the limit where `bounded`."""
+    """Simulated time [s] spent so far, weighted; SearchEnded beyond the limit where `bounded`.
 
-    def __init__(self, bounded: bool = False) -> None:
-        self.limit, self.spent, self.bounded = SEARCH.most_simulated, 0.0, bounded
+    times: the usual limit
+    """
+
+    def __init__(self, bounded: bool = False, times: int = 1) -> None:
+        self.times, self.search = times, times * SEARCH.most_simulated
+        self.limit, self.spent, self.bounded = self.search, 0.0, bounded
         self._closing = self._rivals = False
 
     def add(self, runs: int, duration: float, exact: bool) -> None:
@@ -87,8 +91,9 @@ class Work:
     def ended(self) -> str:
         """What a verdict says where it ended the search."""
         return (
-            f"the search was ended at its bound, {SEARCH.most_simulated:,.0f} s of simulated runs: "
-            "nothing is named by half a search"
+            f"the search was ended at its bound, {self.search:,.0f} s of simulated runs: nothing is "
+            f"named by half a search; work = {2 * self.times} in [diagnose] lets it last twice as "
+            "long"
         )
 
 
