@@ -83,7 +83,7 @@ campaign.toml (docs/reference/campaign.md has all of it):
   scatter_apart = "0.5 %"                 # each joint for itself (1 %)
   run_scatter = "0.5 %"                   # of friction from run to run ({RUN_SCATTER})
   start_time = "0.2 ms"                   # of when a run starts (10 ms for a hand)
-  work = 2                                # for a search that was ended at its bound: twice as long""",
+  work = 2                                # twice as long, where a search was ended""",
     **cli_recordings.EXAMPLES,
     **cli_compare.EXAMPLES,
     **cli_learning.EXAMPLES,

@@ -84,6 +84,18 @@ def test_what_moves_less_than_runs_differ_is_neither_and_is_called_faint():
     assert refusal(moved) == "" and too_faint(moved)
 
 
+def test_of_an_unknown_no_machine_is_taken_that_nobody_has():
+    names = SimpleNamespace(parameters=[SimpleNamespace(name="sled.mass")])
+    for size, taken in ((9.0, True), (-28.0, False)):
+        base = SimpleNamespace(x=np.array([size]), name="base", space=names)
+        made = replace(stages(LACKING, RIGHT, RIGHT), points=(POINTS[0], base, POINTS[2]))
+        found = guarded(decided("unknown"), made)
+        assert found.refitted is taken
+        assert found.decision.point is (base if taken else POINTS[0])
+        said = "it takes sled.mass 28 times as far from its given value as scatter allows"
+        assert found.cautions == ([] if taken else [f"the refitted baseline is not taken: {said}"])
+
+
 def test_two_repeats_say_that_they_could_hardly_show_a_rise():
     few = replace(stages(LACKING, RIGHT, RIGHT), segments=segments()[-2:], runs=([LACKING] * 2,
                   [RIGHT] * 2, [RIGHT] * 2))  # fmt: skip

@@ -8,11 +8,14 @@ whole. It is withdrawn where it raises a gap, lowers none, or leaves too much an
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from hannes.campaigns.segments import Segment, in_roles
 from hannes.identification.diagnosis.before_after import left
 from hannes.identification.diagnosis.decision import Decision
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.repeat_groups import Channels
+from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.identification.gap_change import (
     GapChange,
     gap_changes,
@@ -94,6 +97,9 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
     if why := stages.refusal(0, 1):
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
+    elif decision.kind == "unknown" and (why := nobodys(stages.points[1])):
+        cautions.append(f"the refitted baseline is not taken: {why}")
+        stages, refitted = stages.with_stage(1, 0), False
     if decision.effects:
         decision, more = _named(decision, stages)
         cautions += more
@@ -105,6 +111,15 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
         stages = stages.with_stage(2, 1)
         decision = replace(decision, point=stages.points[2])
     return Guarded(decision, stages, cautions, refitted)
+
+
+def nobodys(baseline: Linearisation) -> str:
+    """Why a refitted baseline is a machine that nobody has, or an empty string."""
+    place = int(np.argmax(np.abs(baseline.x)))
+    if (far := abs(float(baseline.x[place]))) <= SEARCH.far_away:
+        return ""
+    name = baseline.space.parameters[place].name
+    return f"it takes {name} {far:.0f} times as far from its given value as scatter allows"
 
 
 def _named(decision: Decision, stages: Stages) -> tuple[Decision, list[str]]:

@@ -91,9 +91,9 @@ class Work:
     def ended(self) -> str:
         """What a verdict says where it ended the search."""
         return (
-            f"the search was ended at its bound, {self.search:,.0f} s of simulated runs: nothing is "
-            f"named by half a search; work = {2 * self.times} in [diagnose] lets it last twice as "
-            "long"
+            f"the search was ended at its bound, {self.search:,.0f} s of simulated runs: nothing "
+            f"is named by half a search; work = {2 * self.times} in [diagnose] lets it last twice "
+            "as long"
         )
 
 

@@ -45,9 +45,9 @@ class SearchTuning:
     )
     likely_faults: int = constant(2, "1", "faults of like parts that are refitted, at most", COST)
     name_limit: float = constant(
-        16.0,
+        24.0,
         "chi2",
-        "reduction for which an effect is named: chance gives any of the 53 that in 1 of 300",
+        "reduction for which an effect is named: where much was recorded, sound hands reached 23",
         DEVELOPMENT,
     )
     parameter_price: float = constant(
