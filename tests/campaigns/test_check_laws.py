@@ -248,6 +248,14 @@ def test_a_machine_that_lags_less_and_less_was_not_overridden(channels):
     assert [each.kind for each in check(recording, HandPlant()) if each.level == "fault"] == []
 
 
+def test_a_machine_on_a_weak_supply_was_not_overridden():
+    """Its current's law alone seems to hold at another pace."""
+    grasp = Condition("dynamometer", PAPER, 1, DYNAMOMETER, sensor=True)
+    made = make(Protocol((grasp,), RICH), 5, {"supply_sag.resistance": 0.854})
+    (recording,) = made.recordings.values()
+    assert [each.kind for each in check(recording, HandPlant()) if each.level == "fault"] == []
+
+
 @pytest.mark.parametrize(("of", "seen"), [("current", False), ("duty", True)])
 def test_a_duty_at_its_end_hides_no_slip(of, seen):
     drive = np.concatenate([np.linspace(0.0, 1.0, 50), np.ones(100)])

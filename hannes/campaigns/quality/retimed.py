@@ -69,7 +69,8 @@ def pace_of(subject: Subject) -> float | None:
             continue
         pace = _best(answer)
         left = answer.left(pace)
-        if left < LEFT and left**2 < (1.0 - SHARE) * before**2 and abs(pace - 1.0) > LEAST:
+        better = left < LEFT and left**2 < (1.0 - SHARE) * before**2
+        if better and abs(pace - 1.0) > LEAST and not refuted(subject, pace):
             return pace
     return None
 
@@ -77,7 +78,8 @@ def pace_of(subject: Subject) -> float | None:
 def refuted(subject: Subject, pace: float) -> bool:
     """Whether a controller's law that holds at the command's own pace fails at this one.
 
-    A machine whose friction falls in a run lags less and less, and its motion looks faster.
+    A machine whose friction falls in a run lags less and less, and its motion looks faster. A
+    weak supply bends the law of one drive alone.
     """
     return any(
         answer.left(1.0) < min(LEFT, answer.left(pace) / FAILS) for answer in _answers(subject)
