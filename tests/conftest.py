@@ -38,6 +38,14 @@ def compiling():
         pytest.skip("nothing is compiled here")
 
 
+@pytest.fixture
+def investigated():
+    """What an investigation of a sled finds in which turbulence is hidden; made once a process."""
+    from sled import investigation
+
+    return investigation()
+
+
 # Each file goes to one worker, in this order: a model is compiled by one of them, once, and the
 # longest do not end alone. The first ones need different models, or none; others find them made.
 FIRST = (
