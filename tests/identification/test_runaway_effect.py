@@ -58,7 +58,7 @@ def test_an_effect_that_never_runs_is_said_to_be_none_that_applies(monkeypatch):
     verdict = searched(Stopping(), {"turbulence": TURBULENCE, "hardening": effect(0.0)})
     why = {each["effect"]: each["why"] for each in verdict.tried}
     assert verdict.effects == ["turbulence"]
-    assert why["hardening"] == ("not applicable: with it no run succeeds: the sled leaves its rail")
+    assert why["hardening"] == ("not applicable: a run with it fails: the sled leaves its rail")
 
 
 def test_a_derivative_goes_the_way_on_which_a_run_succeeds():

@@ -123,7 +123,7 @@ def paces(subject: Subject) -> Iterator[Finding]:
         rate, rest = _paced_as(subject, name, plan)
         least = OTHER_PACE if _ends_on_its_way(plan) else LEAST_PACE
         far = abs(rate - 1.0) > max(least, OWN_LAG * rest / size)
-        if rest < FITS * size and far and not refuted(subject, rate):
+        if rest < FITS * size and far and not refuted(subject, rate, name):
             yield _pace(name, command, rate)
 
 

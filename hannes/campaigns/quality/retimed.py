@@ -63,31 +63,32 @@ def pace_of(subject: Subject) -> float | None:
 
     None, too, where no drive and command were recorded, or where no law holds.
     """
-    for answer in _answers(subject):
+    for moved, answer in _answers(subject):
         before = answer.left(1.0)
         if before < GOOD:
             continue
         pace = _best(answer)
         left = answer.left(pace)
         better = left < LEFT and left**2 < (1.0 - SHARE) * before**2
-        if better and abs(pace - 1.0) > LEAST and not refuted(subject, pace):
+        if better and abs(pace - 1.0) > LEAST and not refuted(subject, pace, moved):
             return pace
     return None
 
 
-def refuted(subject: Subject, pace: float) -> bool:
-    """Whether a controller's law that holds at the command's own pace fails at this one.
+def refuted(subject: Subject, pace: float, moved: str) -> bool:
+    """Whether a law of a motion's controller holds at the command's own pace, and fails at this.
 
     A machine whose friction falls in a run lags less and less, and its motion looks faster. A
     weak supply bends the law of one drive alone.
     """
     return any(
-        answer.left(1.0) < min(LEFT, answer.left(pace) / FAILS) for answer in _answers(subject)
+        of == moved and answer.left(1.0) < min(LEFT, answer.left(pace) / FAILS)
+        for of, answer in _answers(subject)
     )
 
 
-def _answers(subject: Subject) -> Iterator[_Answer]:
-    """Of each controller whose drive and command were recorded for long enough."""
+def _answers(subject: Subject) -> Iterator[tuple[str, _Answer]]:
+    """Motion and answer of each controller; its drive and command were recorded for long enough."""
     for name, moved in drives_of(subject):
         asked = subject.asked_at(moved)
         if asked is None or np.ptp(asked[1]) == 0.0 or subject.time.size < FEWEST:
@@ -95,12 +96,15 @@ def _answers(subject: Subject) -> Iterator[_Answer]:
         size = min(subject.time.size, LONGEST)
         few = slice(0, size, max(size // ENOUGH, 1))
         motion, time = subject.recording[moved][:size], subject.time[:size]
-        yield _Answer(
-            subject.time[few],
-            motion[few],
-            np.gradient(motion, time)[few],
-            subject.recording[name][few],
-            _within(asked, float(time[0]), float(time[-1])),
+        yield (
+            moved,
+            _Answer(
+                subject.time[few],
+                motion[few],
+                np.gradient(motion, time)[few],
+                subject.recording[name][few],
+                _within(asked, float(time[0]), float(time[-1])),
+            ),
         )
 
 

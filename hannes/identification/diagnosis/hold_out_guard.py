@@ -97,9 +97,6 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
     if why := stages.refusal(0, 1):
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
-    elif decision.kind == "unknown" and (why := nobodys(stages.points[1])):
-        cautions.append(f"the refitted baseline is not taken: {why}")
-        stages, refitted = stages.with_stage(1, 0), False
     if decision.effects:
         decision, more = _named(decision, stages)
         cautions += more
@@ -107,6 +104,9 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
         decision = _recalibrated(decision, stages, refitted)
     elif decision.kind == "no_gap":
         decision = _as_given(decision, stages)
+    if decision.kind == "unknown" and refitted and (why := nobodys(stages.points[1])):
+        cautions.append(f"the refitted baseline is not taken: {why}")
+        stages, refitted = stages.with_stage(1, 0), False
     if not decision.effects:
         stages = stages.with_stage(2, 1)
         decision = replace(decision, point=stages.points[2])

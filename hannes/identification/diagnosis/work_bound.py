@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
+from hannes.identification.diagnosis.settings import MOST_WORK
 from hannes.identification.diagnosis.tuning import SEARCH, SHAPE
 
 T = TypeVar("T")
@@ -31,7 +32,7 @@ class SearchEnded(Exception):
 class Work:
     """Simulated time [s] spent so far, weighted; SearchEnded beyond the limit where `bounded`.
 
-    times: the usual limit
+    times: factor on the usual limit
     """
 
     def __init__(self, bounded: bool = False, times: int = 1) -> None:
@@ -90,10 +91,12 @@ class Work:
     @property
     def ended(self) -> str:
         """What a verdict says where it ended the search."""
+        twice = 2 * self.times
+        more = f"; work = {twice} in [diagnose] lets it last twice as long"
+        more = more if twice <= MOST_WORK else ""
         return (
             f"the search was ended at its bound, {self.search:,.0f} s of simulated runs: nothing "
-            f"is named by half a search; work = {2 * self.times} in [diagnose] lets it last twice "
-            "as long"
+            f"is named by half a search{more}"
         )
 
 

@@ -56,7 +56,7 @@ def tried(
     rng: np.random.Generator,
     progress: Progress,
 ) -> Trial:
-    """One effect fitted and judged; not applicable where no run with it succeeds."""
+    """One effect fitted and judged; not applicable where its start, or a run to judge it, fails."""
     try:
         extended = training.plant.with_effects(effect)
         trial = Trial(name, effect, fitted=fit(training, extended, baseline.values, progress))
@@ -64,7 +64,7 @@ def tried(
             return replace(trial, why="no recording is left to choose by")
         return judge(trial, validation, baseline, rng)
     except ComputationFailed as failed:
-        return Trial(name, effect, f"not applicable: with it no run succeeds: {failed}")
+        return Trial(name, effect, f"not applicable: a run with it fails: {failed}")
 
 
 def judge(

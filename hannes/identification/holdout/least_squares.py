@@ -204,7 +204,7 @@ def differences(
     baseline, columns = data(x), []
     for place in range(x.size):
         steps = (size, -size) if x[place] + size <= high[place] else (-size, size)
-        made = (_difference(data, baseline, x, place, step, low) for step in steps)
+        made = (_difference(data, baseline, x, place, step, (low, high)) for step in steps)
         found = (each for each in made if np.isfinite(each).all())
         columns.append(next(found, np.zeros_like(baseline)))
     return np.array(columns).T
@@ -216,11 +216,13 @@ def _difference(
     x: np.ndarray,
     place: int,
     step: float,
-    low: np.ndarray,
+    bounds: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
+    """Infinite where no run succeeds, or no step is left within the bounds."""
     moved = x.copy()
-    moved[place] = max(x[place] + step, low[place])
-    return (data(moved) - baseline) / step
+    moved[place] = np.clip(x[place] + step, *(each[place] for each in bounds))
+    made = moved[place] - x[place]
+    return (data(moved) - baseline) / made if made else np.full_like(baseline, np.inf)
 
 
 def _covariance(

@@ -26,8 +26,8 @@ def most_simulations(plant: Plant, segments: Sequence[Segment], tried: Sequence[
 
 def _fit(parameters: int, unknown: int) -> int:
     """Of one fit: its scan, then its residuals and the differences of its Jacobians."""
-    steps = HOLDOUT.max_evaluations * (1 + 1 + parameters) + 1
-    return 1 + len(HOLDOUT.scanned_sizes) * unknown + len(HOLDOUT.difference_steps) * steps
+    steps = HOLDOUT.max_evaluations * (1 + 1 + 2 * parameters) + 1
+    return 2 + len(HOLDOUT.scanned_sizes) * unknown + len(HOLDOUT.difference_steps) * steps
 
 
 def _starts(free: int) -> int:

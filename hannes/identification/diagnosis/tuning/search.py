@@ -48,7 +48,7 @@ class SearchTuning:
         24.0,
         "chi2",
         "reduction for which an effect is named: where much was recorded, sound hands reached 23",
-        DEVELOPMENT,
+        "sound hands of the quoted study of 737365f",
     )
     parameter_price: float = constant(
         6.0, "chi2", "of each parameter of an effect beyond its first", DEVELOPMENT
