@@ -104,7 +104,7 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
         decision = _recalibrated(decision, stages, refitted)
     elif decision.kind == "no_gap":
         decision = _as_given(decision, stages)
-    if decision.kind == "unknown" and refitted and (why := nobodys(stages.points[1])):
+    if decision.kind == "unknown" and refitted and (why := implausible(stages.points[1])):
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
     if not decision.effects:
@@ -113,8 +113,8 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
     return Guarded(decision, stages, cautions, refitted)
 
 
-def nobodys(baseline: Linearisation) -> str:
-    """Why a refitted baseline is a machine that nobody has, or an empty string."""
+def implausible(baseline: Linearisation) -> str:
+    """Why a refitted baseline is no machine that there is, or an empty string."""
     place = int(np.argmax(np.abs(baseline.x)))
     if (far := abs(float(baseline.x[place]))) <= SEARCH.far_away:
         return ""

@@ -36,8 +36,8 @@ class Work:
     """
 
     def __init__(self, bounded: bool = False, times: int = 1) -> None:
-        self.times, self.search = times, times * SEARCH.most_simulated
-        self.limit, self.spent, self.bounded = self.search, 0.0, bounded
+        self.times, self.spent, self.bounded = times, 0.0, bounded
+        self.limit = times * SEARCH.most_simulated
         self._closing = self._rivals = False
 
     def add(self, runs: int, duration: float, exact: bool) -> None:
@@ -91,11 +91,11 @@ class Work:
     @property
     def ended(self) -> str:
         """What a verdict says where it ended the search."""
-        twice = 2 * self.times
+        bound, twice = self.times * SEARCH.most_simulated, 2 * self.times
         more = f"; work = {twice} in [diagnose] lets it last twice as long"
         more = more if twice <= MOST_WORK else ""
         return (
-            f"the search was ended at its bound, {self.search:,.0f} s of simulated runs: nothing "
+            f"the search was ended at its bound, {bound:,.0f} s of simulated runs: nothing "
             f"is named by half a search{more}"
         )
 

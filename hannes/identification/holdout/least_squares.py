@@ -122,10 +122,11 @@ def fit(
     """
     from scipy.optimize import least_squares
 
-    names, scale = tuple(scales := _scales(plant)), np.array(list(scales.values()))
+    scales = _scales(plant)
+    names, scale = tuple(scales), np.array(list(scales.values()))
     nominal = np.array([plant.parameters[name] for name in names])
     known = start or {}
-    begin = np.array([known.get(name, plant.parameters[name]) for name in names])
+    x = (np.array([known.get(name, plant.parameters[name]) for name in names]) - nominal) / scale
     bounds = np.array([plant.parameters.declared[name].bounds for name in names], float).T
     low, high = (bounds - nominal) / scale + [[-1e-9], [1e-9]]
     prior = np.array([1.0 if name in plant.free else 0.1 for name in names])
@@ -141,7 +142,6 @@ def fit(
         return differences(data, x, low, high, step)
 
     unknown = [k for k, name in enumerate(names) if name not in plant.free and name not in known]
-    x = (begin - nominal) / scale
     residual.raw(plant, values(x))
     x = _scanned_start(data, x, unknown, low, high)
     for step in HOLDOUT.difference_steps:

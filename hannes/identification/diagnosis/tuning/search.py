@@ -47,7 +47,7 @@ class SearchTuning:
     name_limit: float = constant(
         24.0,
         "chi2",
-        "reduction for which an effect is named: where much was recorded, sound hands reached 23",
+        "reduction for which an effect is named: of 45 sound hands two reached 23 and 40",
         "sound hands of the quoted study of 737365f",
     )
     parameter_price: float = constant(
