@@ -203,11 +203,17 @@ def lacks_gain(changes: Sequence[GapChange]) -> bool:
 
 def refusal(changes: Sequence[GapChange]) -> str:
     """Why what made this change is not taken, or an empty string."""
-    if worse := worsened(changes):
-        return f"on recordings that were not fitted it raises the gap, {worse}"
+    if why := refused_rise(changes):
+        return why
     if lacks_gain(changes):
         return "on recordings that were not fitted no gap falls by more than runs differ by"
     return ""
+
+
+def refused_rise(changes: Sequence[GapChange]) -> str:
+    """The same where no gap need fall."""
+    worse = worsened(changes)
+    return f"on recordings that were not fitted it raises the gap, {worse}" if worse else ""
 
 
 def too_faint(changes: Sequence[GapChange]) -> bool:

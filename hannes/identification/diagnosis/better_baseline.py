@@ -35,9 +35,10 @@ def better_baseline(
     point = fitted(relinearised(point), FIT.steps_per_round)
     if lost(point):
         return None
-    point = settled(point, negligible(baseline.chi2 - best.chi2), baseline.chi2)
-    better = baseline.chi2 - point.chi2 > SEARCH.other_minimum * variance_factor
-    return settled(point) if better else None
+    little = negligible(baseline.chi2 - best.chi2)
+    point = settled(point, little, baseline.chi2)
+    better = baseline.chi2 - point.chi2 > max(SEARCH.other_minimum * variance_factor, little)
+    return settled(point, little) if better else None
 
 
 class Led(NamedTuple):

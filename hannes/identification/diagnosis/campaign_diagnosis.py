@@ -25,6 +25,7 @@ from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
 from hannes.identification.diagnosis.nearest import nearest
 from hannes.identification.diagnosis.observed_controller import as_recorded
 from hannes.identification.diagnosis.probability import tabled_probabilities
+from hannes.identification.diagnosis.remainder_floors import remainder_floors
 from hannes.identification.diagnosis.repeat_groups import Channels
 from hannes.identification.diagnosis.run_to_run import disagreement
 from hannes.identification.diagnosis.settings import Settings
@@ -228,8 +229,9 @@ class _Closing:
             there = [each[k] for each in made]
             runs.append([each for each in there if each] if k not in failed else runs[-1])
         plant = self.campaign.plant
+        floors = remainder_floors(self.noise_floors, self.found.baseline.noise)
         return Stages(
-            plant, self.segments, self.noise_floors, points, tuple(runs), frozenset(failed)
+            plant, self.segments, self.noise_floors, points, tuple(runs), floors, frozenset(failed)
         )
 
     def goes_with(self, stages: Stages) -> dict[str, Any]:

@@ -29,12 +29,16 @@ from hannes.identification.effect_words import effect_words
 
 @dataclass(frozen=True)
 class Decision:
-    """The verdict's kind, the effects named, the reason, and the fit that the result stands for."""
+    """The verdict's kind, the effects named, the reason, and the fit that the result stands for.
+
+    held_out: by how much the misfit of held-out runs falls, those in role select
+    """
 
     kind: str
     effects: tuple[str, ...]
     reason: str
     point: Linearisation
+    held_out: float = 0.0
 
 
 def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int]) -> Decision:
@@ -62,8 +66,10 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
     if doubt := doubt_about(found, trial):
         return Decision("unknown", (), f"{reason}, but {doubt}", found.baseline)
     if left := something_more(found, trial):
-        return _unclean(found, trial, f"{reason}; {left}")
-    return _beside(found, trial, _clean(found, trial, reason))
+        decision = _unclean(found, trial, f"{reason}; {left}")
+    else:
+        decision = _beside(found, trial, _clean(found, trial, reason))
+    return replace(decision, held_out=delta_chi2)
 
 
 def allowed(delta_chi2: float) -> float:

@@ -11,7 +11,11 @@ import numpy as np
 from hannes.identification.diagnosis.effect_removal import pruned_effects, with_rivals
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
-from hannes.identification.diagnosis.global_starts import global_fits
+from hannes.identification.diagnosis.global_starts import (
+    absorbed_by_baseline,
+    fits_from_nominal,
+    global_fits,
+)
 from hannes.identification.diagnosis.joint_starts import started_together
 from hannes.identification.diagnosis.like_faults import varied
 from hannes.identification.diagnosis.linearisation import with_noise
@@ -21,6 +25,7 @@ from hannes.identification.diagnosis.multistart import (
     started_at_guess,
     with_correction_at_size,
 )
+from hannes.identification.diagnosis.reservations import far_from_prior
 from hannes.identification.diagnosis.score_test import SMALL, Guess, screened_widely
 from hannes.identification.diagnosis.trials import (
     Joint,
@@ -197,8 +202,8 @@ def _enlarged(
             break  # the first does what it promised, and this one promises far less
         larger += _beside(found, best, guess, progress)
     gain = max((each.delta_chi2 for each in larger), default=best.delta_chi2) - best.delta_chi2
-    if gain < needed and leaves_much(found, best):
-        larger += _beside_globally(found, best, guesses, progress)
+    if gain < needed and (leaves_much(found, best) or far_from_prior(best)):
+        larger += _beside_as_given(found, best, guesses, progress)
     return best_first(larger)
 
 
@@ -213,15 +218,23 @@ def _beside(found: SearchResult, best: Trial, guess: Guess, progress: Progress) 
     return [priced(found.baseline, Trial(effects, point, 0.0), found.variance_factor)]
 
 
-def _beside_globally(
+def _beside_as_given(
     found: SearchResult, best: Trial, guesses: Sequence[Guess], progress: Progress
 ) -> list[Trial]:
-    """Further effects whose signatures depend on size, beside the best ones."""
+    """Further effects beside the best ones in the machine as given.
+
+    Those whose signatures depend on size where much is left; else those whose work the machine does
+    although that is improbable of it.
+    """
     own = best.point.space.of(*best.effects)
     start = started_at(with_noise(found.nominal, best.point.noise), own, best.point.x[own])
     if start is None:
         return []
-    fits = global_fits(start, best.point, [each.effect for each in guesses], progress)
+    if leaves_much(found, best):
+        fits = global_fits(start, best.point, [each.effect for each in guesses], progress)
+    else:
+        names = [each.effect for each in guesses if absorbed_by_baseline(best.point, each)]
+        fits = fits_from_nominal(start, best.point, names, progress)
     larger = [Trial((*best.effects, name), point, 0.0) for name, point in fits.items()]
     return [priced(found.baseline, each, found.variance_factor) for each in larger]
 

@@ -2,7 +2,9 @@
 
 A fit moves a hundred parameters and compares bin means with quick simulations. What it leads to may
 do otherwise under firmware's ticks, or between bins. So what was refitted or named is simulated
-whole. It is withdrawn where it raises a gap, lowers none, or leaves too much anywhere.
+whole. It is withdrawn where it raises a gap, lowers none, or leaves too much anywhere. A gap is
+dominated by what runs differ by at low frequency. So an effect that leaves noise of a misfit may
+lower none, where it lowers the misfit of held-out runs by as much as a name needs.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,12 +17,13 @@ from hannes.identification.diagnosis.before_after import left
 from hannes.identification.diagnosis.decision import Decision
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.repeat_groups import Channels
-from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 from hannes.identification.gap_change import (
     GapChange,
     gap_changes,
     hardly_tested,
     refusal,
+    refused_rise,
     too_faint,
 )
 from hannes.identification.remainder import SMALL, Remainder, largest, remainders
@@ -38,6 +41,7 @@ class Stages:
     """The machine as given, refitted, and with what was found: points and their simulations.
 
     runs: of each point, the channels of every segment;  failed: points that cannot be simulated
+    remainder_floors: by which what is left is judged
     """
 
     plant: Plant
@@ -45,6 +49,7 @@ class Stages:
     noise_floors: Mapping[str, float]
     points: tuple[Linearisation, ...]
     runs: tuple[Sequence[Channels], ...]
+    remainder_floors: Mapping[str, float]
     failed: frozenset[int] = frozenset()
 
     def raw(self, number: int, *roles: str) -> Raw:
@@ -62,7 +67,7 @@ class Stages:
     def remaining(self, one: int, other: int) -> list[Remainder]:
         """What is left in each place at one stage, beside another."""
         before, after = self.raw(one), self.raw(other)
-        return remainders(self.plant, self.segments, before, after, self.noise_floors)
+        return remainders(self.plant, self.segments, before, after, self.remainder_floors)
 
     def with_stage(self, number: int, other: int) -> "Stages":
         """The same with one stage in place of another."""
@@ -70,11 +75,15 @@ class Stages:
         points[number], runs[number] = points[other], runs[other]
         return replace(self, points=tuple(points), runs=tuple(runs))
 
-    def refusal(self, one: int, other: int) -> str:
-        """Why another stage is not taken after one, or an empty string."""
+    def refusal(self, one: int, other: int, shown: bool = False) -> str:
+        """Why another stage is not taken after one, or an empty string.
+
+        shown: whether held-out runs have shown a gain, so that no gap need fall
+        """
         if other in self.failed:
             return "it cannot be simulated as the machine runs"
-        return refusal(self.change(one, other))
+        changes = self.change(one, other)
+        return refused_rise(changes) if shown else refusal(changes)
 
 
 @dataclass(frozen=True)
@@ -124,7 +133,7 @@ def implausible(baseline: Linearisation) -> str:
 
 def _named(decision: Decision, stages: Stages) -> tuple[Decision, list[str]]:
     """The same, or unknown; and a caution where unfitted recordings can say nothing."""
-    if why := stages.refusal(1, 2):
+    if why := stages.refusal(1, 2, _shown(decision)):
         return _unknown(decision, stages, why), []
     rest = stages.remaining(1, 2)
     if worst := largest(rest):
@@ -132,6 +141,12 @@ def _named(decision: Decision, stages: Stages) -> tuple[Decision, list[str]]:
     if decision.kind == "named_with_remainder" and rest:
         decision = replace(decision, reason=f"{decision.reason}; most is left as {rest[0].text}")
     return decision, [FAINT] if too_faint(stages.change(1, 2)) else []
+
+
+def _shown(decision: Decision) -> bool:
+    """Whether held-out runs show what is named, and it leaves noise alone."""
+    left = decision.point.chi2 / decision.point.residual.size
+    return decision.held_out > SEARCH.name_limit and left <= VERDICT.clean
 
 
 def _recalibrated(decision: Decision, stages: Stages, refitted: bool) -> Decision:

@@ -42,10 +42,13 @@ def refined(
     }
     enough = SEARCH.final_share * max([needed, *reductions.values()])
     most = no_rival(baseline, min((each.chi2 for each in best.values()), default=np.inf))
+    below = np.inf
     for name in sorted(reductions, key=lambda each: -reductions[each])[: SEARCH.final_fits]:
         if reductions[name] > enough and best[name].chi2 < most:
             progress(f"{name.replace('_', ' ')}, once more")
-            best[name] = _from_both(best[name], baseline, nominal, predicted.get(name, 0.0))
+            promised = predicted.get(name, 0.0)
+            best[name] = _from_both(best[name], baseline, nominal, promised, below)
+            below = min(below, _as_a_rival(baseline, best[name]))
     best = _crossed(best, baseline, needed, progress)
     return {name: point for name, point in best.items() if point.chi2 < baseline.chi2}
 
@@ -64,6 +67,12 @@ def no_rival(baseline: Linearisation, left: float) -> float:
     if left < bins:
         return SEARCH.lost_baseline * bins
     return far_above(baseline, left)
+
+
+def _as_a_rival(baseline: Linearisation, leader: Linearisation) -> float:
+    """Chi-squared from which on a fit is told from this one for sure: it need not converge."""
+    delta_chi2 = baseline.chi2 - leader.chi2
+    return leader.chi2 + max(SEARCH.rival, SEARCH.rival_share * delta_chi2)
 
 
 def first_fits(
@@ -107,15 +116,21 @@ def better(fits: Fits, others: Fits) -> Fits:
 
 
 def _from_both(
-    point: Linearisation, baseline: Linearisation, nominal: Linearisation, predicted: float
+    point: Linearisation,
+    baseline: Linearisation,
+    nominal: Linearisation,
+    predicted: float,
+    below: float,
 ) -> Linearisation:
     """A converged fit with an effect; from the nominal machine too, where it may be local.
+
+    below: chi-squared that it must come near; else it is given up
 
     The baseline is biased to hide an effect, and with contacts a fit from there may stay biased.
     That is suspected where it reduces less than `predicted`, or where the last rounds reduced much;
     not where that is slight, for so is the bias, nor where the fit leaves about noise of a misfit.
     """
-    found = settled(point, negligible(baseline.chi2 - point.chi2))
+    found = settled(point, negligible(baseline.chi2 - point.chi2), below)
     delta_chi2 = baseline.chi2 - found.chi2
     far = point.chi2 - found.chi2 > max(SEARCH.far_reduction, SEARCH.far_share * delta_chi2)
     slight, bins = max(delta_chi2, predicted) < SEARCH.slight, point.residual.size
@@ -125,7 +140,8 @@ def _from_both(
         return found
     places = np.setdiff1d(point.active, baseline.active)
     there = started_at(with_noise(nominal, point.noise), places, found.x[places])
-    other = found if there is None else settled(there, negligible(delta_chi2), found.chi2)
+    below = min(below, found.chi2)
+    other = found if there is None else settled(there, negligible(delta_chi2), below)
     return min(found, other, key=lambda each: each.chi2)
 
 
@@ -164,7 +180,8 @@ def _from_machine(
     there = there and fitted(there, FIT.steps_per_round)
     if there is None or there.chi2 > no_rival(baseline, other.chi2):
         return point
-    found = settled(there, negligible(delta_chi2), point.chi2)
+    below = min(point.chi2, _as_a_rival(baseline, other))
+    found = settled(there, negligible(delta_chi2), below)
     return min(point, found, key=lambda each: each.chi2)
 
 

@@ -62,11 +62,10 @@ def held_at(
     x = point.x.copy()
     x[places] = values
     there = point.with_active(np.setdiff1d(point.active, places)).moved(x, np.array([], int))
-    return (
-        None
-        if there is None
-        else settled(fitted(there, 4), FIT.converged, below, FIT.settled_finally)
-    )
+    there = there and fitted(there, 4)
+    if there is None or there.predicted_reduction < FIT.foreseen:
+        return there
+    return settled(there, FIT.converged, below, FIT.settled_finally)
 
 
 def _walk(point: Linearisation, place: int, step: float) -> Iterator[Linearisation]:

@@ -44,9 +44,10 @@ def _without_one(
     surely = [k for k in places if wald(point, [k]) > SEARCH.surely_missed * variance_factor]
     if len(surely) == len(places):
         return None
-    fits = {k: _at_off(point, k) for k in places if k not in surely}
+    most = point.chi2 + (SEARCH.parameter_price + FIT.missed_more) * variance_factor
+    fits = {k: _at_off(point, k, most) for k in places if k not in surely}
     if any(_rise(point, fit, variance_factor) <= SEARCH.parameter_price for fit in fits.values()):
-        fits |= {k: _at_off(point, k) for k in surely}
+        fits |= {k: _at_off(point, k, most) for k in surely}
     rises = {k: _rise(point, fits.get(k), variance_factor) for k in places}
     least, next_least = sorted(rises, key=lambda place: rises[place])[:2]
     fit = fits.get(least)
@@ -59,8 +60,9 @@ def _without_one(
     return least, fit
 
 
-def _at_off(point: Linearisation, place: int) -> Linearisation | None:
-    return held_at(point, np.array([place]), np.zeros(1))
+def _at_off(point: Linearisation, place: int, most: float) -> Linearisation | None:
+    """The fit without one size; one that stays far above `most` is given up: it is missed."""
+    return held_at(point, np.array([place]), np.zeros(1), most)
 
 
 def _rise(point: Linearisation, fit: Linearisation | None, variance_factor: float) -> float:

@@ -115,13 +115,13 @@ def something_more(found: SearchResult, trial: Trial) -> str:
         return f"{_further(found, rest)}, so something else is there"
     if found.cut_short:
         return "the search for further effects was ended at its bound, so more may be there"
-    if far := _far_from_prior(trial):
+    if far := far_from_prior(trial):
         ratio = f"{far.ratio:.1f} times as far as scatter allows"
         return f"it takes a machine whose values are off {ratio}: so they are, or hide something"
     return ""
 
 
-def _far_from_prior(trial: Trial) -> PriorDistance | None:
+def far_from_prior(trial: Trial) -> PriorDistance | None:
     """How far the machine fitted with these effects is off its prior, where that is improbable."""
     found = prior_distance(trial.point)
     return found if found.p_value < VERDICT.prior_p_value else None
@@ -191,7 +191,7 @@ def explained_share(found: SearchResult, trial: Trial) -> float:
     if trend and instead and instead.delta_chi2 > delta_chi2:
         return 0.0
     beyond = max(found.baseline.chi2 - min(1.0, found.variance_factor) * found.bins, 1.0)
-    far = _far_from_prior(trial)
+    far = far_from_prior(trial)
     rests = (
         residual.excess if residual else 0.0,
         trend.delta_chi2 if trend else 0.0,

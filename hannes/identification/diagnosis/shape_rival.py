@@ -3,51 +3,55 @@
 What is free in shape follows any law to some extent. Where the law is right it fits better, also
 after the numbers of both are paid for, and beside it nothing is left for a free shape. Where it is
 wrong the shape fits better, or has something left to do beside it. An effect that is nested in a
-generic disturbance, as gravity is in a torque over the angle, never fits better before the numbers
-are paid for.
+generic disturbance, as gravity is in a torque over the angle, never fits much better before the
+numbers are paid for. There the shape must fit better than chance lets its further numbers.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
-
-import numpy as np
 
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.score_test import (
-    Guess,
-    amplitude_names,
-    projected,
-    screened,
-)
+from hannes.identification.diagnosis.score_test import Guess, screened
 from hannes.identification.diagnosis.trials import SearchResult, Trial
-from hannes.identification.diagnosis.tuning import FIT, SEARCH
+from hannes.identification.diagnosis.tuning import SEARCH
 
 
 def stands_against(found: SearchResult, trial: Trial, generic: Trial) -> bool:
     """Whether a trial fits better than a generic one, numbers paid, and leaves it nothing."""
     better = (generic.point.chi2 - trial.point.chi2) / found.variance_factor
     priced = trial.delta_chi2 - generic.delta_chi2
-    if priced <= 0.0:
+    surely = min(better, priced) > SEARCH.rival
+    numbers = generic.point.space.of(*generic.effects).size
+    if not surely and not _nested(trial, numbers, better):
         return False
-    shapes = _shapes(trial.point)
-    if left_beside(found, shapes) > _little(trial):
-        return False
-    return min(better, priced) > SEARCH.rival or _nested(trial, shapes, generic)
+    most = _little(trial) if surely else SEARCH.rival
+    return left_beside(found, _shapes(trial.point)) <= most
 
 
-def _nested(trial: Trial, shapes: Sequence[Guess], generic: Trial) -> bool:
-    """Whether one effect is nearly nested in a generic disturbance of more numbers, and large.
+def raises_no_doubt(trial: Trial, shape: Guess, variance_factor: float) -> bool:
+    """Whether a law stands against a generic disturbance, by what that would do beside it.
 
-    What a large one does not follow, the disturbance would show.
+    What fits both together bounds what the disturbance fits alone.
     """
-    known = {each.effect: each for each in shapes}
-    shape = known.get(generic.effects[0])
-    if shape is None or len(trial.effects) > 1:
+    beside = shape.delta_chi2 / variance_factor
+    price = SEARCH.generic_price * (len(shape.places) - 1)
+    return beside - price <= SEARCH.rival and _nested(trial, len(shape.places), -beside)
+
+
+def _nested(trial: Trial, numbers: int, better: float) -> bool:
+    """Whether one effect fits as well as a generic disturbance but for chance, which may show that.
+
+    By the likelihood ratio of nested models (Wilks 1938). A small effect must fit better: what it
+    does not follow, the disturbance would not show. numbers: of the disturbance, which has more
+    """
+    from scipy.stats import chi2
+
+    law = trial.point.space.of(*trial.effects).size
+    if numbers <= law or len(trial.effects) > 1:
         return False
-    fewer = trial.point.space.of(*trial.effects).size < len(shape.places)
     large = trial.delta_chi2 > SEARCH.nested_limit * SEARCH.name_limit
-    return fewer and large and followed(trial, shape) > SEARCH.nested_share
+    chance = float(chi2.sf(max(0.0, -better), numbers - law))
+    return chance > SEARCH.nested_chance and (large or better > 0.0)
 
 
 def left_beside(found: SearchResult, shapes: Sequence[Guess]) -> float:
@@ -62,23 +66,6 @@ def left_beside(found: SearchResult, shapes: Sequence[Guess]) -> float:
         ),
         default=0.0,
     )
-
-
-def followed(trial: Trial, shape: Guess) -> float:
-    """Share of what a trial's effect does, squared, that a generic disturbance can do.
-
-    By the linearisation at the trial, the machine following; noise has no part in it.
-    """
-    point, [effect] = trial.point, trial.effects
-    sizes = [point.space.place(name) for name in amplitude_names(point.space.effects[effect])]
-    acting = np.isin(point.active, sizes)
-    kept = ~np.isin(point.active, point.space.of(effect))
-    machine = replace(point, active=point.active[kept], jacobian=point.jacobian[kept])
-    done = point.x[point.active[acting]] @ point.jacobian[acting]
-    _, whole = projected(machine, np.vstack([done, shape.signature]))
-    own, between, other = whole[0, 0], whole[0, 1:], whole[1:, 1:]
-    weights = other + FIT.effect_prior_weight * np.eye(len(other))
-    return float(between @ np.linalg.solve(weights, between) / own) if own > 0.0 else 0.0
 
 
 def _shapes(point: Linearisation) -> list[Guess]:

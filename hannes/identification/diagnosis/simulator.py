@@ -13,8 +13,8 @@ from hannes.identification.diagnosis.known_vectors import KnownVectors
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.sampling_error import DiscretisationError, SamplingCorrection
-from hannes.identification.diagnosis.tuning import NOISE
-from hannes.identification.diagnosis.work_bound import Work, ordinary_time
+from hannes.identification.diagnosis.tuning import NOISE, SEARCH
+from hannes.identification.diagnosis.work_bound import Work, as_single, ordinary_time
 from hannes.plants.part_fault import compiled_effects
 from hannes.plants.protocol import Plant
 
@@ -139,13 +139,13 @@ class Model:
         further: columns by full name [SI], shape (m,) each, beside those of x
         """
         effects = effects or self._held
-        self._count(group, len(rows), exact)
+        counted = self._count(group, len(rows), exact)
         plant = self.whole if effects else self.small
         columns = self.space.columns(group, rows, effects) | dict(further)
         many = getattr(plant, "many", None)
         if many is not None:
             made = many(columns, group.recording, group.names, exact)
-            return self.work.taken(made, self._duration(group), exact)
+            return self.work.taken(made, counted)
         singly = [
             {name: float(column[k]) for name, column in columns.items()} for k in range(len(rows))
         ]
@@ -172,7 +172,7 @@ class Model:
         columns = self.space.columns(group, x[np.newaxis], self._held)
         values = {name: float(column[0]) for name, column in columns.items()}
         found = simulated(values, share, group.recording, group.names)
-        self._count(group, 1 + 2 * len(found), False)
+        self._count(group, as_single(1 + 2 * len(found)), False)
         return found
 
     def round_of_derivatives(self) -> float:
@@ -182,8 +182,8 @@ class Model:
     def _duration(self, group: Group) -> float:
         return ordinary_time(self.small, float(np.ptp(group.recording.time)))
 
-    def _count(self, group: Group, runs: int, exact: bool) -> None:
-        self.work.add(runs, self._duration(group), exact)
+    def _count(self, group: Group, runs: float, exact: bool) -> float:
+        return self.work.add(runs, self._duration(group), exact)
 
     def vectors(
         self, group: Group, rows: np.ndarray, effects: bool, exact: bool = False
@@ -220,10 +220,10 @@ class Model:
         if same_steps is None:
             made = self.vectors(group, stacked, effects)
         else:
-            self._count(group, len(stacked), False)
+            counted = self._count(group, as_single(len(stacked)), False)
             columns = self.space.columns(group, stacked, effects)
             runs = same_steps(columns, group.recording, group.names)
-            made = self._vectors(group, self.work.taken(runs, self._duration(group), False))
+            made = self._vectors(group, self.work.taken(runs, counted, SEARCH.alike_weight))
             made = self._corrected(group, made, stacked) if effects else made
         return made[1:] - made[0]
 

@@ -28,6 +28,7 @@ from hannes.identification.diagnosis.multistart import (
 from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
 from hannes.identification.diagnosis.reservations import ends_reached
 from hannes.identification.diagnosis.score_test import Guess, in_place_of, screened
+from hannes.identification.diagnosis.shape_rival import raises_no_doubt
 from hannes.identification.diagnosis.shortlist import next_laws, shortlist
 from hannes.identification.diagnosis.trials import (
     SearchResult,
@@ -236,9 +237,15 @@ def _promising(
     promised = {each.effect: each.delta_chi2 for each in guesses if each.delta_chi2 >= least}
     if best is None or not promised:
         return set(promised)
-    there = in_place_of(best.point, best.effects[0], screened(best.point, list(promised)))
+    beside = screened(best.point, list(promised))
+    there = in_place_of(best.point, best.effects[0], beside)
     near = SEARCH.generic_reach * (baseline.chi2 - best.point.chi2)
-    return {name for name, value in promised.items() if max(value, there[name].delta_chi2) >= near}
+    return {
+        each.effect
+        for each in beside
+        if max(promised[each.effect], there[each.effect].delta_chi2) >= near
+        and not raises_no_doubt(best, each, variance_factor)
+    }
 
 
 def _deepened(

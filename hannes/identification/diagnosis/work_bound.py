@@ -2,8 +2,9 @@
 
 Processor time would end a search elsewhere on another machine. So simulated time is counted, which
 is the same everywhere. A run with the sampled controller counts more, as it takes more steps. So
-does a run whose plant says that it took more (a ripple, say, which the solver must follow). Of a
-slow command a plant may count less: its solver takes long steps there.
+does a run whose plant says that it took more (a ripple, say, which the solver must follow). Runs
+that go side by side by the steps of the first one count less. Of a slow command a plant may count
+less: its solver takes long steps there.
 Everything counts: the choice of a controller, baseline fits, all starts, the search, hold-out, the
 final fit and the run proposed next; the shape of an unknown has a bound of its own. Whatever comes
 first must leave the rest less. Only what every verdict needs is made in any case: the machine as
@@ -40,20 +41,24 @@ class Work:
         self.limit = times * SEARCH.most_simulated
         self._closing = self._rivals = False
 
-    def add(self, runs: int, duration: float, exact: bool) -> None:
-        """Count runs before they are made; SearchEnded where that is more than the limit."""
+    def add(self, runs: float, duration: float, exact: bool) -> float:
+        """Count runs before they are made, and say as how much [s].
+
+        SearchEnded where that is more than the limit.
+        """
         cost = runs * duration * (SEARCH.exact_weight if exact else 1.0)
         if self.bounded and self.spent + cost > self.limit:
             raise SearchEnded
         self.spent += cost
+        return cost
 
-    def taken(self, made: list[T], duration: float, exact: bool) -> list[T]:
-        """Runs once made, after counting what they took beyond what `add` counted.
+    def taken(self, made: list[T], counted: float, share: float = 1.0) -> list[T]:
+        """Runs once made, after counting what they took beyond what `add` counted [s].
 
-        A plant says that by `work` of the list, as seconds of ordinary runs.
+        A plant says that by `work` of the list, as seconds of ordinary runs, of which such runs
+        take a share.
         """
-        known = len(made) * duration * (SEARCH.exact_weight if exact else 1.0)
-        self.spent += max(0.0, getattr(made, "work", 0.0) - known)
+        self.spent += max(0.0, share * getattr(made, "work", 0.0) - counted)
         return made
 
     def extended(self) -> None:
@@ -100,6 +105,11 @@ class Work:
         )
 
 
+def as_single(rows: int) -> float:
+    """As how many single runs count some that go side by side by the steps of the first one."""
+    return SEARCH.alike_call + SEARCH.alike_weight * rows
+
+
 def said(most: float, durations: Sequence[float]) -> str:
     """A bound [s] in words, for commands of these durations [s]."""
-    return f"at most {most / (sum(durations) / len(durations)):,.0f} simulations"
+    return f"at most as much as {most / (sum(durations) / len(durations)):,.0f} single simulations"

@@ -72,6 +72,9 @@ class FitTuning:
     profile_steps: int = constant(5, "1", "each way", COST)
     profile_rise: float = constant(6.0, "chi2", "above the least met: far enough", NUMERICS)
     other_valley: float = constant(16.0, "chi2", "above the least met: another minimum", NUMERICS)
+    foreseen: float = constant(
+        0.5, "chi2", "reduction by a whole step, below which a fit of a profile is converged", COST
+    )
     local_minima: float = constant(3.0, "chi2", "by which fits end higher or lower by chance")
     interval_widening: float = constant(
         1.5,

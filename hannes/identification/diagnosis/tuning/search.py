@@ -10,16 +10,16 @@ class SearchTuning:
     """How the catalogue is searched."""
 
     most_simulated: float = constant(
-        25_000.0,
+        20_000.0,
         "s",
-        "of simulated runs in one diagnosis, whose search then ends: some two minutes",
+        "of single runs in one diagnosis, whose search then ends: one to two minutes",
         COST,
     )
     rivals_simulated: float = constant(
-        1_000.0, "s", "likewise, of what could stand in for effects whose search was ended", COST
+        700.0, "s", "likewise, of what could stand in for effects whose search was ended", COST
     )
     closing_simulated: float = constant(
-        3_000.0, "s", "likewise, of what judges a search for further effects that was ended", COST
+        2_000.0, "s", "likewise, of what judges a search for further effects that was ended", COST
     )
     needed_runs: float = constant(
         130.0, "weighted runs", "of each command that every verdict needs, whatever was spent", COST
@@ -28,8 +28,12 @@ class SearchTuning:
         6.0, "runs", "likewise, for each uncertain parameter of the machine", COST
     )
     exact_weight: float = constant(
-        4.0, "1", "of a run with the sampled controller among these", COST
+        2.5, "1", "of a run with the sampled controller among these", COST
     )
+    alike_weight: float = constant(
+        0.31, "1", "of each of some runs side by side by the same steps among these", COST
+    )
+    alike_call: float = constant(0.8, "runs", "as which all of them count beside that", COST)
     shortlist: int = constant(5, "1", "effects of each screening that are refitted", COST)
     faint: float = constant(
         6.0, "chi2", "reduction below which an effect is not refitted", DEVELOPMENT
@@ -45,7 +49,7 @@ class SearchTuning:
     )
     likely_faults: int = constant(2, "1", "faults of like parts that are refitted, at most", COST)
     name_limit: float = constant(
-        24.0,
+        20.0,
         "chi2",
         "reduction for which an effect is named: of 45 sound hands two reached 23 and 40",
         "sound hands of the quoted study of 737365f",
@@ -74,16 +78,16 @@ class SearchTuning:
     rival: float = constant(
         10.0, "chi2", "within which a rival is not separated from the best", DEVELOPMENT
     )
-    nested_share: float = constant(
-        0.8,
+    nested_chance: float = constant(
+        0.05,
         "1",
-        "of an effect's squared change that a generic disturbance can do: it is nested in that",
-        DEVELOPMENT,
+        "that further numbers of a generic disturbance fit so much better: then no law stands",
+        "convention",
     )
     nested_limit: float = constant(
-        20.0,
+        3.0,
         "times a name's limit",
-        "chi-squared reduction that such an effect needs: of less a wrong one would stand, too",
+        "chi-squared reduction that a law needs which fits no better than such a disturbance",
         DEVELOPMENT,
     )
     rival_share: float = constant(

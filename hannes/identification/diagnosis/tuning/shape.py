@@ -10,7 +10,7 @@ class ShapeTuning:
     """How what cannot be named is described."""
 
     most_simulated: float = constant(
-        6_000.0, "s", "of simulated runs for the shape, beside those of the search", COST
+        3_000.0, "s", "of single runs for the shape, beside those of the search", COST
     )
     fitted: int = constant(4, "1", "generic disturbances that are fitted, the likeliest", COST)
     steps: int = constant(5, "1", "of each fit; the best one goes on until it has converged", COST)

@@ -37,7 +37,7 @@ class VerdictTuning:
     heldout_share: float = constant(0.05, "1", "of its reduction, if that is more", DEVELOPMENT)
     heldout_most: float = constant(12.0, "chi2", "that it may add in any case", DEVELOPMENT)
     doubt: float = constant(
-        20.0,
+        17.0,
         "chi2",
         "reduction too small for a name, larger than chance",
         "sound hands of the quoted study of 737365f",
@@ -68,7 +68,7 @@ class VerdictTuning:
         (8, 24), "1", "slowest cosine components that are tested; the rest is taken as noise"
     )
     residual_p_value: float = constant(
-        0.01, "1", "of a residual test over all channels", CONVENTION
+        0.001, "1", "of a residual test over all channels", CONVENTION
     )
     heldout_steps: int = constant(3, "1", "of the fits without the held-out runs", COST)
     compared: int = constant(8, "1", "effects in the table of confusability", "room on the page")
