@@ -40,8 +40,8 @@ class Described:
     reduction: float
 
 
-def likeliest(found: SearchResult, progress: Progress) -> Described | None:
-    """The generic disturbance that lowers chi-squared most; None where none lowers it enough."""
+def likeliest(found: SearchResult, progress: Progress) -> list[Described]:
+    """The generic disturbances that lower chi-squared enough, the one that lowers it most first."""
     known = applicable(found.baseline.model.small)
     progress("generic disturbances")
     model = _model(found, list(known.values()))
@@ -57,8 +57,10 @@ def likeliest(found: SearchResult, progress: Progress) -> Described | None:
         made += [_converged(best)] if best else []
     except SearchEnded:
         pass
-    best = max(made, key=lambda each: each.reduction, default=None)
-    return best if best and best.reduction > SHAPE.least * found.variance_factor else None
+    made.sort(key=lambda each: each.reduction)
+    best_of_each = {each.description.effect.name: each for each in made}
+    enough = SHAPE.least * found.variance_factor
+    return [each for each in reversed(best_of_each.values()) if each.reduction > enough]
 
 
 def _converged(best: Described) -> Described:

@@ -45,24 +45,22 @@ class Shape:
 
 
 def shape_of(found: SearchResult, stages: Stages, owner: str, progress: Progress) -> Shape:
-    """The likeliest generic disturbance, where unfitted recordings do not oppose it.
+    """The likeliest generic disturbance of those that unfitted recordings do not oppose.
 
     stages: of which the second is the refitted baseline, or what stands for it
     owner: whose own parameters the machine takes, see ParameterSpace.values
     """
     if not applicable(stages.plant):
         return Shape({})
-    best = likeliest(found, progress)
-    if best is None:
-        return Shape(_nothing(NONE_FITS))
-    held = _held(found, best, stages)
-    if why := held.refusal(1, 2):
-        return Shape(_nothing(f"{best.description.words}: {why}"))
-    closes = _closed(held)
-    if closes < SHAPE.least_closed:
-        return Shape(_nothing(f"{best.description.words}: {TOO_LITTLE}"))
-    table = _table(best, found.variance_factor) | {"closes": closes}
-    return Shape(table, best, _machine(best, owner))
+    refused: list[Shape] = []
+    for described in likeliest(found, progress):
+        held = _held(found, described, stages)
+        closes = 0.0 if (why := held.refusal(1, 2)) else _closed(held)
+        if closes >= SHAPE.least_closed:
+            table = _table(described, found.variance_factor) | {"closes": closes}
+            return Shape(table, described, _machine(described, owner))
+        refused.append(Shape(_nothing(f"{described.description.words}: {why or TOO_LITTLE}")))
+    return refused[0] if refused else Shape(_nothing(NONE_FITS))
 
 
 def _nothing(why: str) -> dict[str, Any]:
