@@ -1,5 +1,6 @@
 """How large what was named is, and how surely: finer bins, and the floor of a kinked valley."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -155,6 +156,7 @@ def valley(monkeypatch, chi2, at, deviation=0.1, low=-10.0):
 
 def test_a_place_that_is_far_above_is_given_up(named, monkeypatch):
     """A step of a profile that leads too far is not followed to the end."""
+    monkeypatch.setattr(profiles, "FIT", replace(FIT, foreseen=0.0))
     asked, settled = [], profiles.settled
     monkeypatch.setattr(
         profiles, "settled", lambda at, *how: asked.append(how[1]) or settled(at, *how)
@@ -163,6 +165,15 @@ def test_a_place_that_is_far_above_is_given_up(named, monkeypatch):
     place, row, _ = of(fine)
     profile(fine, place, standard_deviations(fine)[row])
     assert asked and all(each < fine.chi2 + FIT.other_valley + 1e-9 for each in asked)
+
+
+def test_a_fit_of_a_profile_that_foresees_no_reduction_takes_no_new_derivatives(named, monkeypatch):
+    monkeypatch.setattr(profiles, "FIT", replace(FIT, foreseen=np.inf))
+    monkeypatch.setattr(profiles, "settled", None)
+    fine, _ = module._finer(named, NAME, FINE, 0)
+    place, row, _ = of(fine)
+    found = profile(fine, place, standard_deviations(fine)[row])
+    assert found.deviation == pytest.approx(standard_deviations(fine)[row], rel=0.15)
 
 
 def test_of_a_kinked_valley_the_minimum_is_found_from_a_local_one(monkeypatch):

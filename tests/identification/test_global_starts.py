@@ -22,7 +22,6 @@ from hannes.identification.diagnosis.global_starts import (
 )
 from hannes.identification.diagnosis.multistart import started_at
 from hannes.identification.diagnosis.noise_covariance import run_to_run_rows
-from hannes.identification.diagnosis.noise_scale import chi2_reduction
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.score_test import stepped
 from hannes.identification.diagnosis.settings import Settings
@@ -146,26 +145,6 @@ def test_run_to_run_variability_is_differenced_both_ways(shifted):
     at, more, less = model.vectors(group, ends, False)
     assert half_difference == pytest.approx(0.5 * (more - less), abs=1e-12)
     assert half_sum == pytest.approx(0.5 * (more + less) - at, abs=1e-12)
-
-
-def test_noise_assumed_too_large_counts_less_and_run_to_run_variability_as_assumed(shifted):
-    baseline, rng = shifted.baseline, np.random.default_rng(0)
-    groups = zip(baseline.model.groups, baseline.noise.discretisation, strict=True)
-    means = [group.mean - discretisation for group, discretisation in groups]
-    nothing = replace(baseline, vectors=means, residual=np.zeros(baseline.residual.size))
-    reductions = {}
-    own = baseline.noise.run_to_run[0]
-    strongest = own[np.argmax(np.linalg.norm(own, axis=1))] / np.sqrt(
-        baseline.model.groups[0].count
-    )
-    lengths = [group.part.size for group in baseline.model.groups]
-    for name, row in {"runs": strongest, "noise": 0.001 * rng.standard_normal(lengths[0])}.items():
-        rows = [row, *(np.zeros(n) for n in lengths[1:])]
-        vectors = [mean - row for mean, row in zip(means, rows, strict=True)]
-        there = replace(baseline, vectors=vectors, residual=baseline.noise.together(rows))
-        reductions[name] = chi2_reduction(there, nothing, 0.7) / chi2_reduction(there, nothing, 1.0)
-    assert reductions["noise"] == pytest.approx(1.0 / 0.7, rel=0.05)
-    assert reductions["runs"] < 1.1, reductions
 
 
 def test_about_a_fit_an_effect_is_resized_within_its_range_and_keeps_its_shape():

@@ -4,66 +4,67 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from hannes.identification.diagnosis import shape_rival
 from hannes.identification.diagnosis.decision import decide
-from hannes.identification.diagnosis.score_test import screened
+from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.trials import Trial
 from hannes.identification.diagnosis.tuning import SEARCH
+
+SHAPE = "any_torque"
+LARGE = SEARCH.nested_limit * SEARCH.name_limit
+
+
+def disturbance(law, factor, worse=0.0, priced=0.0, numbers=9):
+    """A generic disturbance that fits worse by so much, and gains less when numbers are paid."""
+    space = SimpleNamespace(of=lambda name: np.arange(numbers))
+    point = SimpleNamespace(chi2=law.point.chi2 + worse * factor, space=space)
+    return Trial((SHAPE,), point, law.delta_chi2 - priced)
 
 
 def test_a_law_that_fits_better_stands_against_a_free_shape(investigated, monkeypatch):
     best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
-    much = 0.2 * best.delta_chi2
-    rows = {  # by how much the shape fits worse, its numbers paid or not; its gain beside the law;
-        "better": (2.0, 2.0, 0.0, 0.0),  # and what of the law's work it can do
-        "better but for its numbers": (2.0, 0.5, 0.0, 0.0),
-        "hardly better": (0.5, 2.0, 0.0, 0.5),
-        "more beside": (2.0, 2.0, much, 0.0),
-        "nested": (0.0, 0.5, 0.0, 0.9),
-        "nested, too dear": (0.0, -0.1, 0.0, 0.9),
-        "nested, and more beside": (0.0, 0.5, much, 0.9),
+    much, rival = 0.2 * best.delta_chi2, SEARCH.rival
+    rows = {  # by how much the shape fits worse, its numbers paid or not; its gain beside the law
+        "better": (2.0, 2.0, 0.0),
+        "as well, by more numbers": (0.0, 0.5, 0.0),
+        "worse, by more than chance": (-2.5, -2.0, 0.0),
+        "more beside": (2.0, 2.0, much),
+        "as well, and more beside": (0.0, 0.5, 2.0 * rival),
     }
-    monkeypatch.setattr(
-        shape_rival, "_shapes", lambda at: [SimpleNamespace(effect="any_torque", places=range(9))]
-    )
+    monkeypatch.setattr(shape_rival, "_shapes", lambda at: [])
     kinds = {}
-    for name, (worse, priced, beside, follows) in rows.items():
-        chi2 = best.point.chi2 + worse * SEARCH.rival * investigated.variance_factor
-        rival = Trial(
-            ("any_torque",), SimpleNamespace(chi2=chi2), best.delta_chi2 - priced * SEARCH.rival
-        )
+    for name, (worse, priced, beside) in rows.items():
+        factor = investigated.variance_factor
+        generic = disturbance(best, factor, worse * rival, priced * rival)
         monkeypatch.setattr(shape_rival, "left_beside", lambda found, shapes, size=beside: size)
-        monkeypatch.setattr(shape_rival, "followed", lambda trial, shape, share=follows: share)
-        kinds[name] = decide(replace(investigated, generic=rival), *masks).kind
+        kinds[name] = decide(replace(investigated, generic=generic), *masks).kind
     named = [name for name, kind in kinds.items() if kind == "named"]
-    assert named == ["better", "nested"]
+    assert named == ["better", "as well, by more numbers"]
     assert set(kinds.values()) == {"named", "unknown"}
 
 
-def test_what_is_nested_is_one_large_effect_of_fewer_numbers(investigated, monkeypatch):
-    best = replace(investigated.trials[0], delta_chi2=SEARCH.nested_limit * SEARCH.name_limit + 1.0)
-    for name, value in (("left_beside", 0.0), ("followed", 0.9)):
-        monkeypatch.setattr(shape_rival, name, lambda *asked, size=value: size)
+def test_what_fits_as_well_by_chance_is_one_effect_of_fewer_numbers(investigated, monkeypatch):
+    large = replace(investigated.trials[0], delta_chi2=LARGE + 1.0)
+    monkeypatch.setattr(shape_rival, "_shapes", lambda at: [])
+    monkeypatch.setattr(shape_rival, "left_beside", lambda found, shapes: 0.0)
 
-    def stands(law=best, shape="any_torque", numbers=9, priced=1.0):
-        known = SimpleNamespace(effect=shape, places=range(numbers))
-        monkeypatch.setattr(shape_rival, "_shapes", lambda at: [known])
-        rival = Trial(("any_torque",), law.point, law.delta_chi2 - priced)
-        return shape_rival.stands_against(investigated, law, rival)
+    def stands(law=large, **shape):
+        generic = disturbance(law, investigated.variance_factor, **shape)
+        return shape_rival.stands_against(investigated, law, generic)
 
-    assert stands()
-    assert not stands(law=replace(best, delta_chi2=best.delta_chi2 - 2.0))  # too small
-    assert not stands(law=replace(best, effects=(*best.effects, *best.effects)))  # two laws
+    small = replace(large, delta_chi2=LARGE - 1.0)
+    assert stands() and stands(worse=-5.0)
+    assert not stands(law=small) and stands(law=small, worse=0.1)  # a small one must fit better
+    assert not stands(law=replace(large, effects=(*large.effects, *large.effects)))
     assert not stands(numbers=1)  # no fewer numbers
-    assert not stands(shape="any_easing")  # another shape's work
-    assert not stands(priced=-0.1)
+    assert not stands(worse=-30.0)  # more than eight numbers gain by chance
 
 
-def test_a_shape_follows_a_law_that_is_a_case_of_it(investigated):
-    """An effect's own signature follows all of it; what lies across it follows nothing."""
-    best = investigated.trials[0]
-    [own] = screened(best.point, best.effects)
-    assert shape_rival.followed(best, own) > 0.95
-    white = np.random.default_rng(0).standard_normal(own.signature.shape)
-    assert shape_rival.followed(best, replace(own, signature=white)) < 0.2
+@pytest.mark.parametrize(("beside", "doubtless"), [(5.0, True), (25.0, False)])
+def test_a_shape_that_does_little_beside_a_law_raises_no_doubt(investigated, beside, doubtless):
+    large = replace(investigated.trials[0], delta_chi2=LARGE + 1.0)
+    guess = Guess(SHAPE, beside, np.arange(9), np.zeros(9), np.zeros((9, 1)))
+    assert shape_rival.raises_no_doubt(large, guess, 1.0) is doubtless
+    assert not shape_rival.raises_no_doubt(replace(large, delta_chi2=30.0), guess, 1.0)

@@ -20,7 +20,7 @@ from hannes.identification.diagnosis.observed_controller import Apart, _nearer, 
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.shape import likeliest
 from hannes.identification.diagnosis.tuning import SEARCH
-from hannes.identification.diagnosis.work_bound import SearchEnded, Work, ordinary_time
+from hannes.identification.diagnosis.work_bound import SearchEnded, Work, as_single, ordinary_time
 from hannes.plants.hand.plant import HandPlant
 
 
@@ -108,10 +108,21 @@ def test_runs_that_took_more_than_ordinary_ones_count_by_what_they_took():
         work = 7.0
 
     work = Work(bounded=True)
-    work.add(2, 1.0, False)
-    assert work.taken([None, None], 1.0, False) == [None, None] and work.spent == 2.0
-    work.taken(Made([None, None]), 1.0, False)
+    counted = work.add(2, 1.0, False)
+    assert work.taken([None, None], counted) == [None, None] and work.spent == 2.0
+    work.taken(Made([None, None]), counted)
     assert work.spent == 7.0
+
+
+def test_runs_side_by_side_count_less_than_single_ones():
+    class Made(list):
+        work = 90.0
+
+    work = Work(bounded=True)
+    counted = work.add(as_single(60), 1.0, False)
+    assert 60 * SEARCH.alike_weight < counted < 30.0
+    work.taken(Made([None] * 60), counted, SEARCH.alike_weight)  # as if half as many more
+    assert work.spent == pytest.approx(90.0 * SEARCH.alike_weight)
 
 
 def test_a_slow_command_counts_no_more_than_the_longest_that_counts():

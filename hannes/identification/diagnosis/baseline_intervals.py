@@ -17,7 +17,7 @@ def refitted_baseline(point: Linearisation, variance_factor: float) -> dict[str,
     none becomes wider than its prior
     """
     space, declared = point.space, point.model.whole.parameters.declared
-    noise = max(1.0, variance_factor)
+    noise = variance_factor
     hessian = point.jacobian @ point.jacobian.T / noise + np.diag(point.prior**2)
     deviations = np.sqrt(np.diag(np.linalg.inv(hessian)))
     found = []

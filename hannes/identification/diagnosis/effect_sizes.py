@@ -75,4 +75,4 @@ def interval(
 
 def half_width(variance_factor: float) -> float:
     """Standard deviations from a value to an end of its interval."""
-    return NORMAL * FIT.interval_widening * float(np.sqrt(max(1.0, variance_factor)))
+    return NORMAL * FIT.interval_widening * float(np.sqrt(variance_factor))

@@ -121,7 +121,7 @@ def separation(
         difference, uncertainty = _differing(baseline, model, group, *pair)
     except ComputationFailed:
         return Separation(0.0, 0.0)
-    uncertainty *= max(1.0, found.variance_factor)
+    uncertainty *= found.variance_factor
     usual = np.repeat([name not in more for name in group.names], group.bins)
     return Separation(
         _distance(difference[usual], uncertainty[np.ix_(usual, usual)]),

@@ -35,7 +35,7 @@ def nearest(
 
 def _share(found: SearchResult, trial: Trial) -> float:
     """Of what the baseline leaves above noise, 0 to 1."""
-    above = found.baseline.chi2 - min(1.0, found.variance_factor) * found.bins
+    above = found.baseline.chi2 - found.bins
     lowered = found.baseline.chi2 - trial.point.chi2
     return float(min(1.0, max(0.0, lowered / max(above, lowered, 1.0))))
 

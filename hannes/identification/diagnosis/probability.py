@@ -36,7 +36,7 @@ def probabilities(found: SearchResult, decision: Decision) -> Probabilities:
 
     decision: an unknown says that no set of effects is believed, whatever it explains
     """
-    trials, scale = _tried(found), max(1.0, found.variance_factor)
+    trials, scale = _tried(found), found.variance_factor
     price = PROBABILITY.first_price
     gains = {effects: scale * each.delta_chi2 - price for effects, each in trials.items()}
     gains[NOTHING] = 0.0

@@ -190,7 +190,7 @@ def explained_share(found: SearchResult, trial: Trial) -> float:
     trend, instead = (significant_trend(found, p) for p in (trial.point, found.baseline))
     if trend and instead and instead.delta_chi2 > delta_chi2:
         return 0.0
-    beyond = max(found.baseline.chi2 - min(1.0, found.variance_factor) * found.bins, 1.0)
+    beyond = max(found.baseline.chi2 - found.bins, 1.0)
     far = far_from_prior(trial)
     rests = (
         residual.excess if residual else 0.0,

@@ -8,10 +8,7 @@ import numpy as np
 from hannes.identification.diagnosis.gauss_newton import settled, wald
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.noise_scale import (
-    chi2_reduction,
-    estimated_variance_factor,
-)
+from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
 from hannes.identification.diagnosis.score_test import Guess, amplitude_names, cosine_similarity
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.part_fault import like_faults, part_faults
@@ -96,7 +93,8 @@ def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Tri
     faults = part_faults(trial.point.space.effects, trial.effects)
     paid = price * further + SEARCH.fault_price * len(faults)
     paid -= sum(_spared(trial.point, name, variance_factor) for name in faults)
-    return replace(trial, delta_chi2=chi2_reduction(baseline, trial.point, variance_factor) - paid)
+    lowered = (baseline.chi2 - trial.point.chi2) / variance_factor
+    return replace(trial, delta_chi2=lowered - paid)
 
 
 def _spared(point: Linearisation, fault: str, variance_factor: float) -> float:

@@ -104,7 +104,7 @@ def _machine(best: Described, owner: str) -> Plant:
 def _table(best: Described, variance_factor: float) -> dict[str, Any]:
     """Of verdict.json: the value over its axis with its 95 % band, and the numbers behind it."""
     description, effect, point = best.description, best.description.effect, best.point
-    left = max(1.0, variance_factor, point.chi2 / point.residual.size)  # wider by what is left
+    left = max(variance_factor, point.chi2 / point.residual.size)  # wider by what is left
     spread, values = _covariance(best), list(_values(best).values())
     places = np.linspace(*description.ends, SHAPE.places)
     line, slopes = description.at(places, values), description.slopes(places, values)

@@ -47,9 +47,6 @@ class NoiseTuning:
     )
     profile_window: int = constant(5, "bins", "on each side, pooled for the noise of one bin")
     many_simulations: int = constant(20, "1", "of which correlation over time is estimated anew")
-    least_variance_factor: float = constant(
-        1.0, "1", "of the assumed noise variance, that is counted at least", DEVELOPMENT
-    )
     contact_nudge: float = constant(
         0.1, "standard deviations", "of the machine's values, over which rounding is averaged"
     )
