@@ -64,11 +64,16 @@ def test_what_eases_is_lost_exponentially_and_never_more_than_the_pull():
     assert kernel(1.0, eased, 0.5) == (-1.0, 0.0)
 
 
+def of_one_number(chi2):
+    """A fit with a generic disturbance that no law beats by fewer numbers."""
+    return SimpleNamespace(chi2=chi2, space=SimpleNamespace(of=lambda name: np.arange(1)))
+
+
 def test_what_a_generic_disturbance_explains_as_well_has_no_name(investigated):
     best, masks = investigated.trials[0], ([0b011] * 2, [0b100] * 2)
-    kinds = {}
+    kinds, point = {}, of_one_number(best.point.chi2)
     for lost in (5.0, 0.5 * best.delta_chi2):
-        rival = Trial(("any_torque",), best.point, best.delta_chi2 - lost)
+        rival = Trial(("any_torque",), point, best.delta_chi2 - lost)
         kinds[lost] = decide(replace(investigated, generic=rival), *masks)
     assert [each.kind for each in kinds.values()] == ["unknown", "named"]
     assert "something else may be there" in kinds[5.0].reason
@@ -79,7 +84,7 @@ def test_a_generic_disturbance_that_does_far_less_is_no_rival(investigated):
     best = replace(investigated.trials[0], delta_chi2=SEARCH.name_limit + 1.0)
     for apart in (SEARCH.rival + 0.1, SEARCH.rival - 0.1):
         delta_chi2 = max(best.delta_chi2 - apart, SEARCH.faint)
-        rival = Trial(("any_torque",), best.point, delta_chi2)
+        rival = Trial(("any_torque",), of_one_number(best.point.chi2), delta_chi2)
         found = replace(investigated, trials=[best], joint=None, generic=rival)
         kinds.append(decide(found, *masks).kind)
     assert kinds == ["named", "unknown"]

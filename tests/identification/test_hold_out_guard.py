@@ -16,6 +16,7 @@ from hannes.identification.diagnosis.decision import Decision
 from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
 from hannes.identification.diagnosis.reservations import _further
 from hannes.identification.diagnosis.score_test import Guess
+from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.identification.gap_change import gap_changes, refusal, too_faint
 from hannes.identification.holdout.diagnosis import diagnose_by_holdout
 from hannes.identification.remainder import largest, remainders
@@ -141,6 +142,18 @@ def test_a_name_that_lowers_no_gap_though_it_would_show_is_withdrawn():
     middle = run(WAVE + 0.1 * np.sin(25.0 * TIMES))
     stood = guarded(decided("named", "slack"), stages(middle, middle, other))
     assert stood.decision.kind == "unknown"
+
+
+@pytest.mark.parametrize(
+    ("more", "per_bin", "kind"),
+    [(1.0, 1.0, "named"), (-1.0, 1.0, "unknown"), (1.0, 2.0, "unknown")],
+)
+def test_no_gap_need_fall_where_held_out_runs_show_a_name_that_leaves_noise(more, per_bin, kind):
+    other, middle = (run(WAVE + 0.1 * wave(25.0 * TIMES)) for wave in (np.cos, np.sin))
+    point = SimpleNamespace(x=np.zeros(1), chi2=100.0 * per_bin, residual=np.zeros(100))
+    shown = {"point": point, "held_out": SEARCH.name_limit + more}
+    decision = replace(decided("named", "slack"), **shown)
+    assert guarded(decision, stages(middle, middle, other)).decision.kind == kind
 
 
 def test_a_right_name_stands():

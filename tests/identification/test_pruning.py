@@ -48,7 +48,7 @@ def fit(monkeypatch, without, effect=EFFECT, active=(3, 4), linear=None):
     names = [effect.full_name(each.name) for each in effect.amplitudes]
     space = SimpleNamespace(effects={effect.name: effect}, place=lambda n: 3 + names.index(n))
 
-    def held(point, places, values):
+    def held(point, places, values, below):
         assert not values.any()  # off
         off = (*point.off, *places.tolist())
         chi2 = without[off]

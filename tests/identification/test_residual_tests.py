@@ -32,7 +32,7 @@ def test_noise_alone_is_hardly_ever_autocorrelated_whatever_its_level(level):
 
 def test_a_slow_wave_far_below_the_noise_is_found_where_it_is():
     for seed in range(10):
-        point = left(seed, slow=0.9)
+        point = left(seed, slow=1.1)
         assert (
             point.residual @ point.residual < 1.3 * point.residual.size
         )  # which all bins together do not see

@@ -87,7 +87,7 @@ def test_a_second_start_is_left_out_where_the_baseline_is_hardly_biased(found, m
     starts, start = [], multistart.started_at
     monkeypatch.setattr(multistart, "started_at", lambda *how: starts.append(1) or start(*how))
     point = found.trials[0].point
-    given = (point, found.baseline, found.nominal, 1e9)  # promised more than it reaches
+    given = (point, found.baseline, found.nominal, 1e9, np.inf)  # promised more than it reaches
     for slight, bound, expected in ((0.0, 0.0, 1), (np.inf, 0.0, 0), (0.0, 1.3, 0)):
         starts.clear()
         other = replace(SEARCH, slight=slight, biased_baseline=bound)

@@ -145,8 +145,9 @@ def _named(decision: Decision, stages: Stages) -> tuple[Decision, list[str]]:
 
 def _shown(decision: Decision) -> bool:
     """Whether held-out runs show what is named, and it leaves noise alone."""
-    left = decision.point.chi2 / decision.point.residual.size
-    return decision.held_out > SEARCH.name_limit and left <= VERDICT.clean
+    if decision.held_out <= SEARCH.name_limit:
+        return False
+    return decision.point.chi2 <= VERDICT.clean * decision.point.residual.size
 
 
 def _recalibrated(decision: Decision, stages: Stages, refitted: bool) -> Decision:
