@@ -1,6 +1,7 @@
 """Generic disturbances: what their series are, and when one stands against a name."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
