@@ -229,9 +229,15 @@ class _Closing:
             there = [each[k] for each in made]
             runs.append([each for each in there if each] if k not in failed else runs[-1])
         plant = self.campaign.plant
-        floors = remainder_floors(self.noise_floors, self.found.baseline.noise)
+        judged_by = remainder_floors(self.noise_floors, self.found.baseline.noise)
         return Stages(
-            plant, self.segments, self.noise_floors, points, tuple(runs), floors, frozenset(failed)
+            plant,
+            self.segments,
+            self.noise_floors,
+            points,
+            tuple(runs),
+            judged_by,
+            frozenset(failed),
         )
 
     def goes_with(self, stages: Stages) -> dict[str, Any]:

@@ -70,7 +70,7 @@ def no_rival(baseline: Linearisation, left: float) -> float:
 
 
 def _as_a_rival(baseline: Linearisation, leader: Linearisation) -> float:
-    """Chi-squared from which on a fit is told from this one for sure: it need not converge."""
+    """Chi-squared from which on a fit is surely no equal of this one: it need not converge."""
     delta_chi2 = baseline.chi2 - leader.chi2
     return leader.chi2 + max(SEARCH.rival, SEARCH.rival_share * delta_chi2)
 
