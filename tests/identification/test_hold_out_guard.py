@@ -49,7 +49,7 @@ def stages(*runs, failed=()):
     """Simulations as given, refitted, and with what was found; the same for every repeat."""
     these = segments()
     many = tuple([run] * len(these) for run in runs)
-    return Stages(Sled(), these, FLOORS, POINTS, many, FLOORS, frozenset(failed))
+    return Stages(Sled(), these, FLOORS, FLOORS, POINTS, many, frozenset(failed))
 
 
 def run(position=WAVE, speed=0.0 * WAVE):

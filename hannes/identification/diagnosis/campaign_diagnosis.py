@@ -228,17 +228,9 @@ class _Closing:
         for k in range(len(points)):
             there = [each[k] for each in made]
             runs.append([each for each in there if each] if k not in failed else runs[-1])
-        plant = self.campaign.plant
-        judged_by = remainder_floors(self.noise_floors, self.found.baseline.noise)
-        return Stages(
-            plant,
-            self.segments,
-            self.noise_floors,
-            points,
-            tuple(runs),
-            judged_by,
-            frozenset(failed),
-        )
+        both = self.noise_floors, remainder_floors(self.noise_floors, self.found.baseline.noise)
+        given = self.campaign.plant, self.segments, *both
+        return Stages(*given, points, tuple(runs), frozenset(failed))
 
     def goes_with(self, stages: Stages) -> dict[str, Any]:
         """What the refitted baseline, and the result, leave of the fitted recordings."""

@@ -47,9 +47,9 @@ class Stages:
     plant: Plant
     segments: Sequence[Segment]
     noise_floors: Mapping[str, float]
+    remainder_floors: Mapping[str, float]
     points: tuple[Linearisation, ...]
     runs: tuple[Sequence[Channels], ...]
-    remainder_floors: Mapping[str, float]
     failed: frozenset[int] = frozenset()
 
     def raw(self, number: int, *roles: str) -> Raw:
