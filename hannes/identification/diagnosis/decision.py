@@ -106,7 +106,7 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
     if delta_chi2 >= VERDICT.doubt:
         name = _names(found.trials[0])
         reason = (
-            f"{name} lowers the misfit by {delta_chi2:.0f}, where a name needs "
+            f"{name} lowers the misfit by {delta_chi2:.1f}, where a name needs "
             f"{SEARCH.name_limit:.0f}"
         )
         return Decision("unknown", (), reason, found.baseline)
