@@ -222,7 +222,7 @@ def test_a_search_that_reaches_its_bound_is_unknown_and_says_so(monkeypatch):
     monkeypatch.setattr(work_bound, "SEARCH", replace(work_bound.SEARCH, most_simulated=300.0))
     verdict = found(1, ((HARDENING, 901.0),))
     assert (verdict.verdict, verdict.effects) == ("unknown", [])
-    assert verdict.reason.startswith("the search was ended at its bound, 300 s of simulated runs")
+    assert verdict.reason.startswith("the search was ended at its bound, 300 s of single runs")
 
 
 def test_a_verdict_of_absence_says_what_could_not_have_shown():

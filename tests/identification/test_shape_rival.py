@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hannes.identification.diagnosis import shape_rival
+from hannes.identification.diagnosis import shape_rival, single_effects
 from hannes.identification.diagnosis.decision import decide
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.trials import Trial
@@ -62,9 +62,19 @@ def test_what_fits_as_well_by_chance_is_one_effect_of_fewer_numbers(investigated
     assert not stands(worse=-30.0)  # more than eight numbers gain by chance
 
 
-@pytest.mark.parametrize(("beside", "doubtless"), [(5.0, True), (25.0, False)])
+@pytest.mark.parametrize(("beside", "doubtless"), [(5.0, True), (12.0, False)])
 def test_a_shape_that_does_little_beside_a_law_raises_no_doubt(investigated, beside, doubtless):
     large = replace(investigated.trials[0], delta_chi2=LARGE + 1.0)
     guess = Guess(SHAPE, beside, np.arange(9), np.zeros(9), np.zeros((9, 1)))
-    assert shape_rival.raises_no_doubt(large, guess, 1.0) is doubtless
-    assert not shape_rival.raises_no_doubt(replace(large, delta_chi2=30.0), guess, 1.0)
+    assert shape_rival.raises_no_doubt(large, guess) is doubtless
+    assert not shape_rival.raises_no_doubt(replace(large, delta_chi2=30.0), guess)
+
+
+def test_of_disturbances_that_fit_equally_well_the_one_of_fewest_numbers_is_asked(investigated):
+    best = investigated.trials[0]
+    made = [
+        disturbance(best, 1.0, numbers=numbers, priced=priced)
+        for numbers, priced in ((9, 0.0), (1, 0.9 * SEARCH.rival), (2, 1.1 * SEARCH.rival))
+    ]
+    assert single_effects._most_doubtful(made) is made[1]
+    assert single_effects._most_doubtful([]) is None

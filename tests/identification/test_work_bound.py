@@ -81,8 +81,8 @@ def test_a_user_lets_a_search_last_longer(monkeypatch):
         for times in (1, 2, 50)
     ]
     assert [each.verdict for each in verdicts] == ["unknown", "unknown", "named"]
-    assert "40 s of simulated runs" in verdicts[0].reason and "work = 2 in" in verdicts[0].reason
-    assert "80 s of simulated runs" in verdicts[1].reason and "work = 4 in" in verdicts[1].reason
+    assert "40 s of single runs" in verdicts[0].reason and "work = 2 in" in verdicts[0].reason
+    assert "80 s of single runs" in verdicts[1].reason and "work = 4 in" in verdicts[1].reason
 
 
 def test_the_shape_of_what_is_missing_is_fitted_where_a_search_was_ended(monkeypatch):

@@ -38,7 +38,7 @@ def better_baseline(
     little = negligible(baseline.chi2 - best.chi2)
     point = settled(point, little, baseline.chi2)
     better = baseline.chi2 - point.chi2 > max(SEARCH.other_minimum * variance_factor, little)
-    return settled(point, little) if better else None
+    return point if better else None
 
 
 class Led(NamedTuple):

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES
 from hannes.identification.diagnosis.heldout import heldout_reduction
 from hannes.identification.diagnosis.linearisation import Linearisation
@@ -31,7 +33,8 @@ from hannes.identification.effect_words import effect_words
 class Decision:
     """The verdict's kind, the effects named, the reason, and the fit that the result stands for.
 
-    held_out: by how much the misfit of held-out runs falls, those in role select
+    held_out: by how much the misfit of runs in role select falls, fitted without them; 0 where
+              other effects are named than were fitted
     """
 
     kind: str
@@ -69,7 +72,8 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
         decision = _unclean(found, trial, f"{reason}; {left}")
     else:
         decision = _beside(found, trial, _clean(found, trial, reason))
-    return replace(decision, held_out=delta_chi2)
+    same = decision.effects == trial.effects and np.isfinite(delta_chi2)
+    return replace(decision, held_out=delta_chi2 if same else 0.0)
 
 
 def allowed(delta_chi2: float) -> float:
@@ -83,7 +87,7 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
     delta_chi2 = 0.0 if best is None else best.delta_chi2
     least = (
         f"no effect lowers the misfit by the {SEARCH.name_limit:.0f} that a name needs "
-        f"(best {delta_chi2:.0f})"
+        f"(best {delta_chi2:.1f})"
     )
     if trend := significant_trend(found, found.baseline):
         return Decision("unknown", (), f"{trend_text(found, trend)}, and {least}", found.baseline)

@@ -234,7 +234,8 @@ def _beside_as_given(
         fits = global_fits(start, best.point, [each.effect for each in guesses], progress)
     else:
         names = [each.effect for each in guesses if absorbed_by_baseline(best.point, each)]
-        fits = fits_from_nominal(start, best.point, names, progress)
+        some = names[: SEARCH.likely_effects]
+        fits = fits_from_nominal(start, best.point, some, progress, best.point.chi2)
     larger = [Trial((*best.effects, name), point, 0.0) for name, point in fits.items()]
     return [priced(found.baseline, each, found.variance_factor) for each in larger]
 

@@ -244,11 +244,11 @@ def _signatures(point: Linearisation, effects: Sequence[str], size: float) -> di
 
 def _least(nominal: Linearisation, effects: Sequence[str]) -> dict[str, float]:
     """Chi-squared that each effect would leave at its best size, all else following."""
+    faults = part_faults(nominal.space.effects, effects)
+    sizes = {name: SEARCH.few_sizes + SEARCH.far_sizes * (name in faults) for name in effects}
     return {
-        name: float(
-            _left(nominal, name, _sizes(nominal, name, SEARCH.few_sizes)).min(initial=np.inf)
-        )
-        for name in effects
+        name: float(_left(nominal, name, _sizes(nominal, name, each)).min(initial=np.inf))
+        for name, each in sizes.items()
     }
 
 
@@ -266,7 +266,8 @@ def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
 def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
     """A few steps from the best of all sizes."""
     own = nominal.space.of(name)
-    rows = _sizes(nominal, name, SEARCH.global_sizes)
+    fault = bool(part_faults(nominal.space.effects, [name]))
+    rows = _sizes(nominal, name, SEARCH.global_sizes + SEARCH.far_sizes * fault)
     best = rows[np.argsort(_left(nominal, name, rows))[: SEARCH.starts_tried]]
     points = [started_at(nominal, own, row[own]) for row in best]
     return [fitted(each, SEARCH.start_steps) for each in points if each is not None]

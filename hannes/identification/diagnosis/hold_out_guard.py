@@ -2,9 +2,9 @@
 
 A fit moves a hundred parameters and compares bin means with quick simulations. What it leads to may
 do otherwise under firmware's ticks, or between bins. So what was refitted or named is simulated
-whole. It is withdrawn where it raises a gap, lowers none, or leaves too much anywhere. A gap is
-dominated by what runs differ by at low frequency. So an effect that leaves noise of a misfit may
-lower none, where it lowers the misfit of held-out runs by as much as a name needs.
+whole. It is withdrawn where it raises a gap, lowers none, or leaves too much anywhere. The misfit
+weighs what runs differ by, which a gap does not. So an effect that leaves noise of a misfit may
+lower no gap, where it lowers the misfit of runs in role `select` by as much as a name needs.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,6 +33,10 @@ from hannes.plants.protocol import Plant
 FAINT = (
     "what is named is too small to show in recordings that were not fitted: only the misfit of "
     "the fitted ones speaks for it"
+)
+NO_GAP_FALLS = (
+    "on recordings that were not fitted no gap falls by more than runs differ by: the misfit of "
+    "runs in role select, without which it was fitted, speaks for what is named"
 )
 
 
@@ -78,7 +82,7 @@ class Stages:
     def refusal(self, one: int, other: int, shown: bool = False) -> str:
         """Why another stage is not taken after one, or an empty string.
 
-        shown: whether held-out runs have shown a gain, so that no gap need fall
+        shown: whether runs in role select have shown a gain, so that no gap need fall
         """
         if other in self.failed:
             return "it cannot be simulated as the machine runs"
@@ -140,11 +144,14 @@ def _named(decision: Decision, stages: Stages) -> tuple[Decision, list[str]]:
         return _unknown(decision, stages, f"it leaves {worst.text}"), []
     if decision.kind == "named_with_remainder" and rest:
         decision = replace(decision, reason=f"{decision.reason}; most is left as {rest[0].text}")
-    return decision, [FAINT] if too_faint(stages.change(1, 2)) else []
+    changes = stages.change(1, 2)
+    if refusal(changes):
+        return decision, [NO_GAP_FALLS]
+    return decision, [FAINT] if too_faint(changes) else []
 
 
 def _shown(decision: Decision) -> bool:
-    """Whether held-out runs show what is named, and it leaves noise alone."""
+    """Whether runs in role select show what is named, and it leaves noise alone."""
     if decision.held_out <= SEARCH.name_limit:
         return False
     return decision.point.chi2 <= VERDICT.clean * decision.point.residual.size

@@ -71,8 +71,10 @@ def no_rival(baseline: Linearisation, left: float) -> float:
 
 def _as_a_rival(baseline: Linearisation, leader: Linearisation) -> float:
     """Chi-squared from which on a fit is surely no equal of this one: it need not converge."""
+    scale, prices = max(1.0, leader.chi2 / baseline.residual.size), SEARCH.parameter_price
+    prices += SEARCH.fault_price  # that the leader may have to pay and a rival not
     delta_chi2 = baseline.chi2 - leader.chi2
-    return leader.chi2 + max(SEARCH.rival, SEARCH.rival_share * delta_chi2)
+    return leader.chi2 + max(scale * (SEARCH.rival + prices), SEARCH.rival_share * delta_chi2)
 
 
 def first_fits(

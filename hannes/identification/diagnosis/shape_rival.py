@@ -28,12 +28,13 @@ def stands_against(found: SearchResult, trial: Trial, generic: Trial) -> bool:
     return left_beside(found, _shapes(trial.point)) <= most
 
 
-def raises_no_doubt(trial: Trial, shape: Guess, variance_factor: float) -> bool:
+def raises_no_doubt(trial: Trial, shape: Guess) -> bool:
     """Whether a law stands against a generic disturbance, by what that would do beside it.
 
-    What fits both together bounds what the disturbance fits alone.
+    Both together fit no worse than the disturbance alone. The estimate is linear, and may be one
+    by a secant of another size, which counts half: so twice that is asked, in noise as assumed.
     """
-    beside = shape.delta_chi2 / variance_factor
+    beside = 2.0 * shape.delta_chi2
     price = SEARCH.generic_price * (len(shape.places) - 1)
     return beside - price <= SEARCH.rival and _nested(trial, len(shape.places), -beside)
 
@@ -41,8 +42,9 @@ def raises_no_doubt(trial: Trial, shape: Guess, variance_factor: float) -> bool:
 def _nested(trial: Trial, numbers: int, better: float) -> bool:
     """Whether one effect fits as well as a generic disturbance but for chance, which may show that.
 
-    By the likelihood ratio of nested models (Wilks 1938). A small effect must fit better: what it
-    does not follow, the disturbance would not show. numbers: of the disturbance, which has more
+    By the likelihood ratio as of nested models (Wilks 1938), which these need not be: the test is
+    how much better chance lets further numbers fit. A small effect must fit better: what it does
+    not follow, the disturbance would not show. numbers: of the disturbance, which has more
     """
     from scipy.stats import chi2
 

@@ -176,7 +176,7 @@ class Model:
         return found
 
     def round_of_derivatives(self) -> float:
-        """What derivatives of all runs by all values of the machine take of the work [s]."""
+        """Time [s] that single runs for derivatives by all values of the machine would simulate."""
         return self.space.uncertain.size * sum(map(self._duration, self.groups))
 
     def _duration(self, group: Group) -> float:

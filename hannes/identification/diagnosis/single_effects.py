@@ -223,7 +223,18 @@ def _generic(
                 if point
                 else []
             )
-    return max(found, key=lambda each: each.delta_chi2, default=None)
+    return _most_doubtful(found)
+
+
+def _most_doubtful(found: Sequence[Trial]) -> Trial | None:
+    """The best generic disturbance; of some as good as that the one of fewest numbers."""
+    most = max((each.delta_chi2 for each in found), default=0.0)
+    equal = [each for each in found if each.delta_chi2 >= most - SEARCH.rival]
+    return min(equal, key=_numbers, default=None)
+
+
+def _numbers(trial: Trial) -> int:
+    return trial.point.space.of(*trial.effects).size
 
 
 def _promising(
@@ -244,7 +255,7 @@ def _promising(
         each.effect
         for each in beside
         if max(promised[each.effect], there[each.effect].delta_chi2) >= near
-        and not raises_no_doubt(best, each, variance_factor)
+        and not raises_no_doubt(best, each)
     }
 
 

@@ -100,7 +100,7 @@ class Work:
         more = f"; work = {twice} in [diagnose] lets it last twice as long"
         more = more if twice <= MOST_WORK else ""
         return (
-            f"the search was ended at its bound, {bound:,.0f} s of simulated runs: nothing "
+            f"the search was ended at its bound, {bound:,.0f} s of single runs: nothing "
             f"is named by half a search{more}"
         )
 

@@ -32,11 +32,11 @@ def _both(low: float, high: float) -> dict[str, tuple[float, float]]:
 
 
 def _travel(finger: str, values: Mapping[str, float]) -> dict[str, tuple[float, float]]:
-    """A stop may take nine tenths of a joint's travel: beyond, the open hand would rest on it."""
+    """A stop may take nearly all of a joint's travel: beyond, the open hand would rest on it."""
     travels = {
         kind: values[f"{finger}.end_{kind}"] - values[f"{finger}.rest_{kind}"] for kind in KINDS
     }
-    return {kind: (-0.9 * max(travel, 0.0), 0.3) for kind, travel in travels.items()}
+    return {kind: (-0.99 * max(travel, 0.0), 0.3) for kind, travel in travels.items()}
 
 
 def _fault(

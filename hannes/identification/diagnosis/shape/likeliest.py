@@ -1,4 +1,4 @@
-"""Which generic disturbance is likeliest: all by a linear fit, the best by Gauss-Newton.
+"""Which generic disturbances are likely: all by a linear fit, the best by Gauss-Newton.
 
 They have a model of their own, so that no other run carries them. Fits start at the refitted
 baseline, and at the machine as given, which the missing effect does not bias.
@@ -53,14 +53,20 @@ def likeliest(found: SearchResult, progress: Progress) -> list[Described]:
             for point in _fits(nominal, base, guess):
                 reduction = _reduction(base, point, guess)
                 made.append(Described(known[guess.effect], base, nominal, point, reduction))
-        best = max(made, key=lambda each: each.reduction, default=None)
-        made += [_converged(best)] if best else []
+        for each in _best_of_each(made):
+            made.append(_converged(each))
     except SearchEnded:
         pass
-    made.sort(key=lambda each: each.reduction)
-    best_of_each = {each.description.effect.name: each for each in made}
     enough = SHAPE.least * found.variance_factor
-    return [each for each in reversed(best_of_each.values()) if each.reduction > enough]
+    return [each for each in _best_of_each(made) if each.reduction > enough]
+
+
+def _best_of_each(made: Sequence[Described]) -> list[Described]:
+    """The best fit of each generic disturbance, the largest reduction first."""
+    best: dict[str, Described] = {}
+    for each in sorted(made, key=lambda each: -each.reduction):
+        best.setdefault(each.description.effect.name, each)
+    return list(best.values())
 
 
 def _converged(best: Described) -> Described:

@@ -51,7 +51,7 @@ class SearchTuning:
     name_limit: float = constant(
         20.0,
         "chi2",
-        "reduction for which an effect is named: of 45 sound hands two reached 23 and 40",
+        "reduction for which an effect is named: of 45 sound hands one reached more, 31",
         "sound hands of the quoted study of 737365f",
     )
     parameter_price: float = constant(
@@ -158,7 +158,10 @@ class SearchTuning:
         DEVELOPMENT,
     )
     fault_sizes: tuple[float, ...] = constant(
-        (1.0, 8.0, 25.0, -8.0, -25.0), "steps", "the same of faults of like parts", COST
+        (1.0, 8.0, 25.0, -8.0, -25.0, -44.0),
+        "steps",
+        "the same of faults of like parts: a stop may be reached from its range's end on alone",
+        COST,
     )
     sizes_beside: tuple[float, ...] = constant(
         (1.0, 8.0, 29.0, 59.0, -8.0, -29.0), "steps", "the same beside other effects", COST
@@ -220,6 +223,9 @@ class SearchTuning:
     )
     few_sizes: tuple[float, ...] = constant(
         (2.0, 6.0, 14.0), "steps", "the same, which decide whether an effect is started so", COST
+    )
+    far_sizes: tuple[float, ...] = constant(
+        (29.0, 44.0), "steps", "likewise, of faults of like parts beside these", COST
     )
     promising: float = constant(
         0.15,
