@@ -1,4 +1,4 @@
-"""The floor of a remainder: what repeats show, and of few of them what runs are stated to differ by."""
+"""The floor of a remainder: what repeats show, and of few of them what is stated of runs."""
 
 from types import SimpleNamespace
 

@@ -10,7 +10,7 @@ from sled import GUST, PLACED, TURBULENCE, UNITS, Described, Sled, campaign, eff
 from hannes.commands.diagnose import diagnose
 from hannes.core.kernels.jit import kernel
 from hannes.core.recording.recording import Recording
-from hannes.identification.diagnosis.shape.likeliest import Described, _best_of_each, applicable
+from hannes.identification.diagnosis.shape.likeliest import applicable
 from hannes.identification.diagnosis.shape.shape import _table
 from hannes.identification.shape_words import description_caution
 from hannes.report.diagnosis import page
