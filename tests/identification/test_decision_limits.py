@@ -1,5 +1,6 @@
 """Limits of a verdict: the noise that gains count in, and what a name may add to runs held out."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,7 +8,8 @@ import pytest
 
 from hannes.identification.diagnosis.decision import allowed
 from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
-from hannes.identification.diagnosis.trials import Trial, near
+from hannes.identification.diagnosis.trials import Trial, near, priced
+from hannes.identification.diagnosis.tuning import SEARCH
 
 
 @pytest.mark.parametrize(("per_bin", "noise"), [(0.5, 1.0), (0.8, 1.0), (1.5, 1.5)])
@@ -36,3 +38,12 @@ def test_a_law_that_leaves_little_has_no_rival_that_leaves_much_more(left, apart
         return Trial((name,), point, 1e5 - more)
 
     assert len(near(trial("capstan", 0.0), [trial("guide_load", apart)])) == rivals
+
+
+def test_a_name_costs_more_beside_noise_that_is_simulated(investigated):
+    best, gains = investigated.trials[0], {}
+    for simulated in (True, False):
+        noise = replace(investigated.baseline.noise, simulated_noise=simulated)
+        baseline = replace(investigated.baseline, noise=noise)
+        gains[simulated] = priced(baseline, best, 1.0).delta_chi2
+    assert gains[False] - gains[True] == pytest.approx(SEARCH.simulated_price)

@@ -87,11 +87,12 @@ class SearchResult:
 
 
 def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
-    """The trial with its reduction of chi-squared, less the price of its parameters."""
+    """The trial with its reduction of chi-squared, less what a name of its parameters costs."""
     further = trial.point.active.size - baseline.active.size - len(trial.effects)
     price = SEARCH.generic_price if trial.effects[0] in GENERIC else SEARCH.parameter_price
     faults = part_faults(trial.point.space.effects, trial.effects)
     paid = price * further + SEARCH.fault_price * len(faults)
+    paid += SEARCH.simulated_price * baseline.noise.simulated_noise
     paid -= sum(_spared(trial.point, name, variance_factor) for name in faults)
     lowered = (baseline.chi2 - trial.point.chi2) / variance_factor
     return replace(trial, delta_chi2=lowered - paid)

@@ -49,9 +49,15 @@ class SearchTuning:
     )
     likely_faults: int = constant(2, "1", "faults of like parts that are refitted, at most", COST)
     name_limit: float = constant(
-        20.0,
+        16.0,
         "chi2",
-        "reduction for which an effect is named: of 45 sound hands one reached more, 31",
+        "reduction for which an effect is named: chance gives that once in 300 campaigns",
+    )
+    simulated_price: float = constant(
+        4.0,
+        "chi2",
+        "of a name beside simulated noise, which is not right to less: of 45 sound hands one of "
+        "sixteen recordings had more than both, 31",
         "sound hands of the quoted study of 737365f",
     )
     parameter_price: float = constant(

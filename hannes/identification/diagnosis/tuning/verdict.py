@@ -37,12 +37,12 @@ class VerdictTuning:
     heldout_share: float = constant(0.05, "1", "of its reduction, if that is more", DEVELOPMENT)
     heldout_most: float = constant(12.0, "chi2", "that it may add in any case", DEVELOPMENT)
     doubt: float = constant(
-        17.0,
+        14.0,
         "chi2",
         "reduction too small for a name, larger than chance",
         "sound hands of the quoted study of 737365f",
     )
-    generic_limit: float = constant(20.0, "chi2", "the same of a generic disturbance", DEVELOPMENT)
+    generic_limit: float = constant(16.0, "chi2", "the same of a generic disturbance", DEVELOPMENT)
     remainder: float = constant(
         8.0, "chi2", "reduction of a further effect that is mentioned", DEVELOPMENT
     )
