@@ -126,11 +126,10 @@ def _from_both(
 ) -> Linearisation:
     """A converged fit with an effect; from the nominal machine too, where it may be local.
 
-    below: chi-squared that it must come near; else it is given up
-
     The baseline is biased to hide an effect, and with contacts a fit from there may stay biased.
     That is suspected where it reduces less than `predicted`, or where the last rounds reduced much;
     not where that is slight, for so is the bias, nor where the fit leaves about noise of a misfit.
+    below: chi-squared that it must come near; else it is given up
     """
     found = settled(point, negligible(baseline.chi2 - point.chi2), below)
     delta_chi2 = baseline.chi2 - found.chi2

@@ -21,8 +21,7 @@ def stands_against(found: SearchResult, trial: Trial, generic: Trial) -> bool:
     better = (generic.point.chi2 - trial.point.chi2) / found.variance_factor
     priced = trial.delta_chi2 - generic.delta_chi2
     surely = min(better, priced) > SEARCH.rival
-    numbers = generic.point.space.of(*generic.effects).size
-    if not surely and not _nested(trial, numbers, better):
+    if not surely and not _nested(trial, generic.numbers, better):
         return False
     most = _little(trial) if surely else SEARCH.rival
     return left_beside(found, _shapes(trial.point)) <= most
@@ -48,7 +47,7 @@ def _nested(trial: Trial, numbers: int, better: float) -> bool:
     """
     from scipy.stats import chi2
 
-    law = trial.point.space.of(*trial.effects).size
+    law = trial.numbers
     if numbers <= law or len(trial.effects) > 1:
         return False
     large = trial.delta_chi2 > SEARCH.nested_limit * SEARCH.name_limit

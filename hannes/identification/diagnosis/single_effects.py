@@ -230,11 +230,7 @@ def _most_doubtful(found: Sequence[Trial]) -> Trial | None:
     """The best generic disturbance; of some as good as that the one of fewest numbers."""
     most = max((each.delta_chi2 for each in found), default=0.0)
     equal = [each for each in found if each.delta_chi2 >= most - SEARCH.rival]
-    return min(equal, key=_numbers, default=None)
-
-
-def _numbers(trial: Trial) -> int:
-    return trial.point.space.of(*trial.effects).size
+    return min(equal, key=lambda each: each.numbers, default=None)
 
 
 def _promising(

@@ -27,6 +27,11 @@ class Trial:
     delta_chi2: float
     confusable: tuple[str, ...] = ()
 
+    @property
+    def numbers(self) -> int:
+        """How many parameters its effects have."""
+        return int(self.point.space.of(*self.effects).size)
+
 
 @dataclass(frozen=True)
 class Joint:

@@ -56,8 +56,7 @@ class SearchTuning:
     simulated_price: float = constant(
         4.0,
         "chi2",
-        "of a name beside simulated noise, which is not right to less: of 45 sound hands one of "
-        "sixteen recordings had more than both, 31",
+        "subtracted where noise is simulated: it is not right to less",
         "sound hands of the quoted study of 737365f",
     )
     parameter_price: float = constant(

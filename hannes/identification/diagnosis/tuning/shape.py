@@ -13,7 +13,9 @@ class ShapeTuning:
         3_000.0, "s", "of single runs for the shape, beside those of the search", COST
     )
     fitted: int = constant(4, "1", "generic disturbances that are fitted, the likeliest", COST)
-    steps: int = constant(5, "1", "of each fit; the best one goes on until it has converged", COST)
+    steps: int = constant(
+        5, "1", "of each fit; the best of each goes on until it has converged", COST
+    )
     least: float = constant(
         11.0, "chi2", "reduction for which one is drawn, as it is for an unknown", DEVELOPMENT
     )
