@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.truth import bench
+from benchmarks.truth.battery import FALL, drained
 from benchmarks.truth.faults import Fault, broken
 from benchmarks.truth.fitness import fit
 from benchmarks.truth.hidden import hidden_from, of_effects
@@ -217,6 +218,7 @@ def _run(
     """
     crept, bandwidth = state
     before = {**posed(hand, thing), "controller.current_step": bench.CURRENT_STEP}
+    before = drained(before, hidden, place[1]) if FALL in hidden else before
     rng = np.random.default_rng([place[0], RUN, place[1]])
     values, shift = run_scatter(before, rng, spread.run, spread.timing)
     noise = current_noise(rng, round(condition.duration * 1000) + 1, bandwidth)

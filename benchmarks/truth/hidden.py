@@ -1,18 +1,19 @@
-"""All that a hand of the truth can hide by name: effects, and settings other than stated."""
+"""All that a hand of the truth can hide by name: effects, settings, what changes by runs."""
 
 from collections.abc import Mapping, Sequence
 
-from benchmarks.truth import effects
+from benchmarks.truth import battery, effects
 from benchmarks.truth.parameters import to_si
 from benchmarks.truth.settings import RANGES
 from hannes.core.errors import BadInput
 
-SIZES = {**effects.SIZES, **RANGES}
+_OF_VALUES = {**RANGES, **battery.RANGES}
+SIZES = {**effects.SIZES, **_OF_VALUES}
 
 
 def of_effects(hidden: Mapping[str, float]) -> dict[str, float]:
     """Those of `hidden` that the equations have."""
-    return {name: size for name, size in hidden.items() if name not in RANGES}
+    return {name: size for name, size in hidden.items() if name not in _OF_VALUES}
 
 
 def hidden_from(words: Sequence[str]) -> dict[str, float]:

@@ -17,10 +17,12 @@ class PartFault(Effect):
 
     moves: amplitude -> the plant's parameter by full name -> its change per unit, SI
     kind:  what other parts may have as well; empty of a setting, which has none like it
+    by_run: whether it moves them once for each run of the campaign that came before
     """
 
     moves: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     kind: str = ""
+    by_run: bool = False
 
     def __post_init__(self) -> None:
         """Nothing to compile, nothing to check: the plant's parameters have bounds."""
@@ -38,6 +40,11 @@ class PartFault(Effect):
 def moved_by(effect: Effect, parameter: str) -> Mapping[str, float]:
     """What one of an effect's parameters moves of the plant's; nothing of an effect that adds."""
     return effect.moves.get(parameter, {}) if isinstance(effect, PartFault) else {}
+
+
+def moves_by_run(effect: Effect) -> bool:
+    """Whether an effect moves values of the machine further with every run of a campaign."""
+    return isinstance(effect, PartFault) and effect.by_run
 
 
 def part_faults(effects: Mapping[str, Effect], names: Iterable[str]) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment
 from hannes.core.errors import ComputationFailed
-from hannes.identification.diagnosis.repeat_groups import Channels, grouped
+from hannes.identification.diagnosis.repeat_groups import Channels, grouped, one_by_one
 from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.residuals import Raw, Traces
 
@@ -22,7 +22,9 @@ def simulated(
     Raises ComputationFailed where the first fails, the machine as given.
     """
     found: dict[int, list[Channels | None]] = {}
-    for group in grouped(model.small, entries):
+    by_run = bool(places[:, model.space.by_run].any())
+    groups = grouped(model.small, entries)
+    for group in one_by_one(groups) if by_run else groups:
         made = model.simulated(group, places, True, exact=True)
         if made[0] is None:
             raise ComputationFailed(f"{group.entries[0].name} cannot be simulated as given")

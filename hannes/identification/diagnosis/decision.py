@@ -34,7 +34,7 @@ class Decision:
     """The verdict's kind, the effects named, the reason, and the fit that the result stands for.
 
     held_out: by how much the misfit of runs in role select falls, fitted without them; 0 where
-              other effects are named than were fitted
+              what was fitted is not among what is named (of a class the first one was)
     """
 
     kind: str
@@ -72,7 +72,7 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
         decision = _unclean(found, trial, f"{reason}; {left}")
     else:
         decision = _beside(found, trial, _clean(found, trial, reason))
-    same = decision.effects == trial.effects and np.isfinite(delta_chi2)
+    same = decision.effects[: len(trial.effects)] == trial.effects and np.isfinite(delta_chi2)
     return replace(decision, held_out=delta_chi2 if same else 0.0)
 
 

@@ -11,7 +11,7 @@ from hannes.core.parameter import Parameter
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.tuning import FIT
-from hannes.plants.part_fault import moved_by
+from hannes.plants.part_fault import moved_by, moves_by_run
 from hannes.plants.protocol import Plant
 
 
@@ -21,6 +21,7 @@ class FreeParameter:
 
     owner: what the parameter belongs to where it is not the machine's;  effect: name of its effect
     moves: the machine's parameters that it moves, where it is no parameter of a model itself
+    by_run: whether it moves them once for each run of the campaign that came before
     weight: of x^2 in chi-squared; 1 where `scale` is the prior's standard deviation
     """
 
@@ -33,6 +34,7 @@ class FreeParameter:
     weight: float = 1.0
     effect: str = ""
     moves: Mapping[str, float] = field(default_factory=dict, hash=False)
+    by_run: bool = False
 
     def value(self, x: np.ndarray | float) -> np.ndarray:
         """Parameter [SI] at x."""
@@ -80,6 +82,11 @@ class ParameterSpace:
                 found[each.effect].append(place)
         return found
 
+    @cached_property
+    def by_run(self) -> np.ndarray:
+        """Which parameters act by how many runs came before, shape (size,)."""
+        return np.array([each.by_run for each in self.parameters], bool)
+
     def of(self, *effects: str) -> np.ndarray:
         """Indices of the parameters of these effects."""
         return np.array([place for name in effects for place in self._places[name]], int)
@@ -99,7 +106,7 @@ class ParameterSpace:
         )
         values = np.clip(centre + scale * rows.T[places], low, high)
         found = dict(zip((each.name for each in chosen), values, strict=True))
-        return self._moved(found, rows) if effects else found
+        return self._moved(found, rows, float(group.numbers.mean())) if effects else found
 
     def _shown(self, group: Group, effects: bool) -> list[int]:
         """Indices of what is a parameter of a group's model, with or without those of effects."""
@@ -110,15 +117,23 @@ class ParameterSpace:
             if acting[place] and not each.moves and (effects or not each.effect)
         ]
 
-    def _moved(self, columns: dict[str, np.ndarray], rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Columns with what faults of parts move; rows of x, shape (m, size)."""
+    def _moved(
+        self, columns: dict[str, np.ndarray], rows: np.ndarray, before: float = 0.0
+    ) -> dict[str, np.ndarray]:
+        """Columns with what faults of parts move; rows of x, shape (m, size).
+
+        before: how many runs of the campaign came before, by default none
+        """
         for place, each in enumerate(self.parameters):
             if not each.moves or not rows[:, place].any():
                 continue
+            times = before if each.by_run else 1.0
             for name, change in each.moves.items():
                 low, high = self._nominal.declared[name].bounds
                 here = columns.get(name, self._nominal[name])
-                columns[name] = np.clip(here + change * each.value(rows[:, place]), low, high)
+                columns[name] = np.clip(
+                    here + times * change * each.value(rows[:, place]), low, high
+                )
         return columns
 
     def values(self, x: np.ndarray, owner: str = "") -> dict[str, float]:
@@ -184,6 +199,7 @@ def _of_effect(effect: Effect, parameter: Parameter) -> FreeParameter:
         FIT.effect_prior_weight * (span / (high - low)) ** 2,
         effect.name,
         moved_by(effect, parameter.name),
+        moves_by_run(effect),
     )
 
 

@@ -123,6 +123,11 @@ def nominal_values(
     )
 
 
+def one_by_one(groups: Sequence[Group]) -> list[Group]:
+    """A group for each run."""
+    return [group.only([k]) for group in groups for k in range(group.count)]
+
+
 def grouped(plant: Plant, entries: Sequence[Entry]) -> list[Group]:
     """Groups of repeats in the order of the recordings."""
     found: dict[tuple[bytes, tuple[str, ...], int], list[Entry]] = {}

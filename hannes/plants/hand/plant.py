@@ -12,6 +12,7 @@ from hannes.core.parameter import ParameterSet
 from hannes.core.recording.recording import Recording
 from hannes.plants.hand import axes, batch_runs, candidate_runs, finger_faults, joint_deviations
 from hannes.plants.hand.channel_limits import EXPECTED
+from hannes.plants.hand.falling_supply import falling_supply
 from hannes.plants.hand.noise_bandwidth import noise_bandwidth
 from hannes.plants.hand.other_settings import other_settings
 from hannes.plants.hand.recorded_experiment import (
@@ -110,8 +111,9 @@ class HandPlant(ByValue):
 
     @property
     def catalogue(self) -> Mapping[str, Effect]:
-        """Faults of one finger, and settings other than stated."""
-        return {**finger_faults.faults(self.parameters), **other_settings(self.parameters)}
+        """Faults of one finger, settings other than stated, what changes from run to run."""
+        faults = finger_faults.faults(self.parameters)
+        return {**faults, **other_settings(self.parameters), **falling_supply()}
 
     @property
     def free(self) -> Mapping[str, float]:
