@@ -53,7 +53,7 @@ def _supply(campaign: Campaign) -> Iterator[Finding]:
         "supply",
         SUPPLY,
         f"falls by {fall:.3g} {unit} from {entries[0].name} to {entries[-1].name}: a battery runs "
-        "down, and later runs are slower; charge it, or diagnose the first runs apart",
+        "down, and later runs are slower; charge it, or diagnose it as falling_supply",
         size=fall,
     )
 

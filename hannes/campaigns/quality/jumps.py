@@ -34,6 +34,7 @@ MANY = 50_000  # samples that are enough for a quantile
 OUTSIDE = 1.5  # ranges of the other values, by which a code lies outside them
 ALIKE = 0.05  # relative, of jumps that are all of one turn
 FULL = 0.9  # of a turn, that the values of a counter that wraps reach over
+LIKE_BLOWS = 2.0  # ratio of what two sensors show of one blow, either way, at most
 STOOD = 5  # equal readings of a sensor that dropped out
 HARDER = 2.5  # times the largest change of a step elsewhere
 OFTEN = 0.1  # share of readings that are off the median of their neighbours
@@ -51,6 +52,7 @@ def inspect(subject: Subject) -> Iterator[Finding]:
             yield found
             continue
         odd = outliers(subject, name, values)
+        odd &= ~_blows(subject, name, values)
         if odd.any():
             yield _outliers(subject, name, values, odd)
         elif subject.is_motion(name):
@@ -141,6 +143,26 @@ def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool
     if single.any() and not subject.is_motion(name):  # smaller ones of the same kind
         single |= _brief(off > FAR * typical)
     return single if np.count_nonzero(single) <= MOST * values.size else none
+
+
+def _blows(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool_]:
+    """Readings that another channel of the same unit is off by as well, shape (n,).
+
+    A finger that hits shows for a sample in every force. Of a frame that was garbled a motion
+    is off, too.
+    """
+    found, units = np.zeros(values.size, np.bool_), subject.recording.units
+    if subject.is_motion(name):
+        return found
+    off = values - median_of_five(values)
+    for other in subject.recording.names:
+        if other == name or units[other] != units[name] or other in subject.commands:
+            continue
+        also = subject.recording[other] - median_of_five(subject.recording[other])
+        found |= (also * off > 0.0) & (np.abs(also) > np.abs(off) / LIKE_BLOWS) & (
+            np.abs(also) < np.abs(off) * LIKE_BLOWS
+        )
+    return found
 
 
 def _brief(far: NDArray[np.bool_]) -> NDArray[np.bool_]:
