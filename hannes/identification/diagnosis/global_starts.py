@@ -82,7 +82,7 @@ def promised(nominal: Linearisation, baseline: Linearisation, effects: Sequence[
     others = [name for name in effects if name not in faults]
     names, lost = size_dependent(nominal, others), SEARCH.lost_baseline * baseline.residual.size
     of_all = baseline.chi2 > lost
-    left = _least(nominal, [*(others if of_all else names), *faults])
+    left = _least(nominal, [*(others if of_all else names), *faults], names)
     return Promised(others, names, of_all, left, _without(nominal))
 
 
@@ -242,10 +242,17 @@ def _signatures(point: Linearisation, effects: Sequence[str], size: float) -> di
     return {name: rows for (name, _, _), rows in zip(trials, found, strict=True)}
 
 
-def _least(nominal: Linearisation, effects: Sequence[str]) -> dict[str, float]:
-    """Chi-squared that each effect would leave at its best size, all else following."""
+def _least(
+    nominal: Linearisation, effects: Sequence[str], size_dependent: Sequence[str]
+) -> dict[str, float]:
+    """Chi-squared that each effect would leave at its best size, all else following.
+
+    The right size of a size-dependent one may lie in a valley narrower than a few sizes show.
+    """
     faults = part_faults(nominal.space.effects, effects)
-    sizes = {name: SEARCH.few_sizes + SEARCH.far_sizes * (name in faults) for name in effects}
+    few = dict.fromkeys(effects, SEARCH.few_sizes)
+    few |= {name: SEARCH.few_sizes + SEARCH.far_sizes for name in faults}
+    sizes = few | dict.fromkeys(size_dependent, SEARCH.global_sizes)
     return {
         name: float(_left(nominal, name, _sizes(nominal, name, each)).min(initial=np.inf))
         for name, each in sizes.items()

@@ -224,7 +224,9 @@ class SearchTuning:
     )
     large_size: float = constant(8.0, "steps", "of the large signature")
     global_sizes: tuple[float, ...] = constant(
-        (2.0, 4.0, 6.0, 9.0, 14.0), "steps", "both ways, from which global starts are chosen"
+        (*map(float, range(1, 15)), 17.0, 20.0, 24.0, 29.0),
+        "steps",
+        "both ways, from which global starts are chosen: a misplaced object is seen within one",
     )
     few_sizes: tuple[float, ...] = constant(
         (2.0, 6.0, 14.0), "steps", "the same, which decide whether an effect is started so", COST
