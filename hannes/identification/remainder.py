@@ -14,6 +14,8 @@ SMALL_SHARE = 0.1  # of what was there before, which a small remainder may be in
 LEAST_FLOOR = 0.3  # of a channel's noise floor: at rest it may be nearly none
 FEWEST_RUNS = 4  # repeats that show the spread of one place; of fewer, the channel's counts
 FEWEST = 20  # samples of a phase that count
+TOUCH = 10e-3  # s, that a blow lasts at most; no two runs share its moment
+FORCE = "N"
 
 Raw = Sequence[Mapping[str, np.ndarray]]
 
@@ -57,7 +59,9 @@ def remainders(
     """The remainder of every place, the largest first.
 
     before, after: simulated minus recorded of each segment, over its counted samples. Repeats are
-    averaged; what their mean still holds of noise is subtracted.
+    averaged; what their mean still holds of noise is subtracted. Of forces, what is off for less
+    than a few milliseconds counts for nothing: what joints are off for themselves moves a touch,
+    which changes that are added up cannot.
     """
     found = []
     for numbers in repeated(plant, segments):
@@ -68,9 +72,15 @@ def remainders(
                 continue
             for name in (n for n in noise_floors if n in first.recording):
                 old, new = ([raw[k][name][inside] for k in numbers] for raw in (before, after))
-                was, now = _sizes(old, new, noise_floors[name])
+                brief = _brief(first.recording.time) if plant.channels[name] == FORCE else 1
+                was, now = _sizes(old, new, noise_floors[name], brief)
                 found.append(Remainder(first.entry.condition, name, phase, was, now, len(numbers)))
     return sorted(found, key=lambda each: -each.after)
+
+
+def _brief(time: np.ndarray) -> int:
+    """Samples over which the median of a force's residual is taken: an odd number."""
+    return 2 * int(0.5 * TOUCH * (time.size - 1) / float(np.ptp(time))) + 1
 
 
 def repeated(plant: Plant, segments: Sequence[Segment]) -> list[list[int]]:
@@ -84,9 +94,14 @@ def repeated(plant: Plant, segments: Sequence[Segment]) -> list[list[int]]:
 
 
 def _sizes(
-    before: Sequence[np.ndarray], after: Sequence[np.ndarray], channel_floor: float
+    before: Sequence[np.ndarray], after: Sequence[np.ndarray], channel_floor: float, brief: int
 ) -> Iterator[float]:
-    """RMS of each mean residual in noise floors of the place, less the noise of that mean."""
+    """RMS of each mean residual in noise floors of the place, less the noise of that mean.
+
+    brief: samples over which its median is taken
+    """
+    from scipy.ndimage import median_filter
+
     runs, floor = len(before), channel_floor
     if runs > 1:
         spread = np.array(after) - np.mean(after, axis=0)
@@ -94,7 +109,8 @@ def _sizes(
         least = LEAST_FLOOR if runs >= FEWEST_RUNS else 1.0
         floor = max(here, least * channel_floor)
     for rows in (before, after):
-        square = float(np.mean(np.square(np.mean(rows, axis=0))))
+        mean = median_filter(np.mean(rows, axis=0), brief, mode="nearest")
+        square = float(np.mean(np.square(mean)))
         yield float(np.sqrt(max(0.0, square - floor**2 / runs))) / floor
 
 
