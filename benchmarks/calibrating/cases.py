@@ -100,7 +100,7 @@ def case(
     """A campaign under `protocol`, with the shipped hand as the analyst's belief.
 
     `rest` is how far (relative, one standard deviation) all else of the hand lies off, which the
-    analyst then says; `limit` the relative half-width up to which a value is of use to him.
+    analyst then says, and that the values asked for are guesses; `limit` the relative half-width up to which a value is of use to him.
     """
     values = scattered(seed, parameters)
     made = truth.make(protocol, seed, hidden, truth.Spread(hand=rest), hand_text(values))
@@ -110,6 +110,7 @@ def case(
     )
     asked = {"parameters": list(parameters), "starts": starts, "limit": f"{100.0 * limit:g} %"}
     asked |= {"doubt": f"{100.0 * rest:g} %", "doubt_apart": "0 %"}
+    asked |= {"spread": dict.fromkeys(parameters, f"{100.0 * SPREAD:g} %")} if rest else {}
     plant = HandPlant()
     table = Table(asked, "calibrate", ())
     campaign = Campaign(plant, plant, entries, Path("results"), {}, "known", calibrate=table)
