@@ -116,7 +116,7 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
     elif decision.kind == "recalibrated":
         decision = _recalibrated(decision, stages, refitted)
     elif decision.kind == "no_gap":
-        decision = _as_given(decision, stages)
+        decision = _as_given(decision, stages, refitted)
     if decision.kind == "unknown" and refitted and (why := implausible(stages.points[1])):
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
@@ -169,10 +169,15 @@ def _recalibrated(decision: Decision, stages: Stages, refitted: bool) -> Decisio
     return Decision("no_gap", (), reason, stages.points[0])
 
 
-def _as_given(decision: Decision, stages: Stages) -> Decision:
-    """No gap, or unknown where the machine as given leaves much anywhere."""
+def _as_given(decision: Decision, stages: Stages, refitted: bool) -> Decision:
+    """No gap; recalibrated, or unknown, where the machine as given leaves much anywhere."""
     worst = largest(stages.remaining(0, 0))
-    return _unknown(decision, stages, f"as given it leaves {worst.text}") if worst else decision
+    if worst is None:
+        return decision
+    left = f"as given it leaves {worst.text}"
+    if refitted and not largest(stages.remaining(0, 1)):
+        return Decision("recalibrated", (), f"{left}, refitted little", stages.points[1])
+    return _unknown(decision, stages, left)
 
 
 def _unknown(decision: Decision, stages: Stages, why: str) -> Decision:
