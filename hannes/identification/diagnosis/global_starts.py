@@ -252,7 +252,7 @@ def _least(
     faults = part_faults(nominal.space.effects, effects)
     few = dict.fromkeys(effects, SEARCH.few_sizes)
     few |= {name: SEARCH.few_sizes + SEARCH.far_sizes for name in faults}
-    sizes = few | dict.fromkeys(size_dependent, SEARCH.global_sizes)
+    sizes = few | dict.fromkeys(size_dependent, SEARCH.every_size)
     return {
         name: float(_left(nominal, name, _sizes(nominal, name, each)).min(initial=np.inf))
         for name, each in sizes.items()
@@ -271,13 +271,26 @@ def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
 
 
 def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
-    """A few steps from the best of all sizes."""
+    """A few steps from the best of all sizes that are no neighbours."""
     own = nominal.space.of(name)
     fault = bool(part_faults(nominal.space.effects, [name]))
-    rows = _sizes(nominal, name, SEARCH.global_sizes + SEARCH.far_sizes * fault)
-    best = rows[np.argsort(_left(nominal, name, rows))[: SEARCH.starts_tried]]
+    sizes = SEARCH.global_sizes + SEARCH.far_sizes if fault else SEARCH.every_size
+    rows = _sizes(nominal, name, sizes)
+    best = _apart(rows[np.argsort(_left(nominal, name, rows))], nominal.x)
     points = [started_at(nominal, own, row[own]) for row in best]
     return [fitted(each, SEARCH.start_steps) for each in points if each is not None]
+
+
+def _apart(rows: np.ndarray, x: np.ndarray) -> list[np.ndarray]:
+    """The first rows that are some steps apart, as few as are tried; of neighbours the first."""
+    found: list[np.ndarray] = []
+    for row in rows:
+        least = max(SEARCH.least_apart, SEARCH.share_apart * float(np.linalg.norm(row - x)))
+        if len(found) < SEARCH.starts_tried and all(
+            np.linalg.norm(row - each) >= least for each in found
+        ):
+            found.append(row)
+    return found
 
 
 def _sizes(nominal: Linearisation, name: str, sizes: Sequence[float]) -> np.ndarray:

@@ -223,10 +223,15 @@ class SearchTuning:
         3.0, "1", "rounds as good as its last one, within which a like fault reaches the best", COST
     )
     large_size: float = constant(8.0, "steps", "of the large signature")
-    global_sizes: tuple[float, ...] = constant(
+    every_size: tuple[float, ...] = constant(
         (*map(float, range(1, 15)), 17.0, 20.0, 24.0, 29.0),
         "steps",
         "both ways, from which global starts are chosen: a misplaced object is seen within one",
+    )
+    least_apart: float = constant(2.0, "steps", "between two sizes of these that are started", COST)
+    share_apart: float = constant(0.3, "1", "of a size, likewise", COST)
+    global_sizes: tuple[float, ...] = constant(
+        (2.0, 4.0, 6.0, 9.0, 14.0), "steps", "the same of faults of like parts", COST
     )
     few_sizes: tuple[float, ...] = constant(
         (2.0, 6.0, 14.0), "steps", "the same, which decide whether an effect is started so", COST
