@@ -150,7 +150,7 @@ def test_a_name_that_lowers_no_gap_though_it_would_show_is_withdrawn():
 def test_no_gap_need_fall_where_held_out_runs_show_a_name_that_leaves_noise(more, per_bin, refused):
     other, middle = (run(WAVE + 0.1 * wave(25.0 * TIMES)) for wave in (np.cos, np.sin))
     point = SimpleNamespace(x=np.zeros(1), chi2=100.0 * per_bin, residual=np.zeros(100))
-    shown = {"point": point, "held_out": SEARCH.name_limit + more}
+    shown = {"point": point, "held_out": VERDICT.heldout_shown + more}
     decision = replace(decided("named", "slack"), **shown)
     reason = guarded(decision, stages(middle, middle, other)).decision.reason
     assert ("no gap falls" in reason) is refused

@@ -4,7 +4,7 @@ A fit moves a hundred parameters and compares bin means with quick simulations. 
 do otherwise under firmware's ticks, or between bins. So what was refitted or named is simulated
 whole. It is withdrawn where it raises a gap, lowers none, or leaves too much anywhere. The misfit
 weighs what runs differ by, which a gap does not. So an effect that leaves noise of a misfit may
-lower no gap, where it lowers the misfit of runs in role `select` by as much as a name needs.
+lower no gap, where it lowers the misfit of runs in role `select`, without which it was fitted.
 """
 
 from collections.abc import Mapping, Sequence
@@ -152,7 +152,7 @@ def _named(decision: Decision, stages: Stages) -> tuple[Decision, list[str]]:
 
 def _shown(decision: Decision) -> bool:
     """Whether runs in role select show what is named, and it leaves noise alone."""
-    if decision.held_out <= SEARCH.name_limit:
+    if decision.held_out <= VERDICT.heldout_shown:
         return False
     return decision.point.chi2 <= VERDICT.clean * decision.point.residual.size
 

@@ -7,7 +7,7 @@ with the quick ones, which only noise has (F test, Bonferroni over all tests).
 A fit also absorbs most of what is slow. Little of a missing effect may be left, and still be more
 than a machine with free parameters leaves of noise. That is tested at the baseline (score test,
 Rao 1948): the slow components of one channel are freed, all else follows as if it had no bounds,
-and what they would take of chi-squared has a chi-squared distribution.
+and what they would take of chi-squared has an F distribution: noise is known from some simulations.
 """
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.tuning import FIT, VERDICT
+from hannes.identification.diagnosis.tuning import FIT, NOISE, VERDICT
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def channel_excess(point: Linearisation) -> StructuredResidual | None:
 def _freed(point: Linearisation, level: float) -> Iterator[StructuredResidual]:
     """What free slow components of each channel take of chi-squared beyond their number."""
     from scipy.fft import idct
-    from scipy.stats import chi2
+    from scipy.stats import f
 
     inverse = np.linalg.inv(point.hessian + FIT.jitter * np.eye(point.active.size))
     residual = point.residual - point.gradient @ inverse @ point.jacobian
@@ -94,9 +94,8 @@ def _freed(point: Linearisation, level: float) -> Iterator[StructuredResidual]:
             )
             spread = np.eye(count) - moved.T @ inverse @ moved
             taken = float(left @ np.linalg.solve(spread + FIT.jitter * np.eye(count), left))
-            yield StructuredResidual(
-                name, taken - count * level, float(chi2.sf(taken / level, count))
-            )
+            p_value = float(f.sf(taken / level / count, count, NOISE.fine_samples - 1))
+            yield StructuredResidual(name, taken - count * level, p_value)
 
 
 def _least(name: str, squares: np.ndarray, usual: float) -> StructuredResidual:

@@ -36,6 +36,12 @@ class VerdictTuning:
     )
     heldout_share: float = constant(0.05, "1", "of its reduction, if that is more", DEVELOPMENT)
     heldout_most: float = constant(12.0, "chi2", "that it may add in any case", DEVELOPMENT)
+    heldout_shown: float = constant(
+        8.0,
+        "chi2",
+        "of the held-out runs, that shows an effect by itself: by chance they lose by one",
+        DEVELOPMENT,
+    )
     doubt: float = constant(
         14.0,
         "chi2",
