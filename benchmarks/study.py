@@ -111,10 +111,12 @@ def read(file: Path) -> Iterable[dict[str, Any]]:
 
 @cache
 def code(*packages: str) -> str:
-    """Digest of the sources of packages: cases that were had with other code are another study."""
+    """Digest of the sources of packages, or of modules: other code makes another study."""
     digest = hashlib.sha256()
     for package in packages:
-        (home,) = importlib.import_module(package).__path__
-        for file in sorted(Path(home).rglob("*.py")):
+        found = importlib.import_module(package)
+        whole = [Path(home) for home in getattr(found, "__path__", ())]
+        files = [file for home in whole for file in sorted(home.rglob("*.py"))]
+        for file in files or [Path(str(found.__file__))]:
             digest.update(file.read_bytes())
     return digest.hexdigest()[:12]

@@ -100,7 +100,8 @@ def case(
     """A campaign under `protocol`, with the shipped hand as the analyst's belief.
 
     `rest` is how far (relative, one standard deviation) all else of the hand lies off, which the
-    analyst then says, and that the values asked for are guesses; `limit` the relative half-width up to which a value is of use to him.
+    analyst then says, and that the values asked for are guesses; `limit` the relative half-width
+    up to which a value is of use to him.
     """
     values = scattered(seed, parameters)
     made = truth.make(protocol, seed, hidden, truth.Spread(hand=rest), hand_text(values))

@@ -16,7 +16,7 @@ from hannes.identification.diagnosis.decision import Decision
 from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
 from hannes.identification.diagnosis.reservations import _further
 from hannes.identification.diagnosis.score_test import Guess
-from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.tuning import VERDICT
 from hannes.identification.gap_change import gap_changes, refusal, too_faint
 from hannes.identification.holdout.diagnosis import diagnose_by_holdout
 from hannes.identification.remainder import largest, remainders

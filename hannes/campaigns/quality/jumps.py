@@ -159,8 +159,10 @@ def _blows(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool_]
         if other == name or units[other] != units[name] or other in subject.commands:
             continue
         also = subject.recording[other] - median_of_five(subject.recording[other])
-        found |= (also * off > 0.0) & (np.abs(also) > np.abs(off) / LIKE_BLOWS) & (
-            np.abs(also) < np.abs(off) * LIKE_BLOWS
+        found |= (
+            (also * off > 0.0)
+            & (np.abs(also) > np.abs(off) / LIKE_BLOWS)
+            & (np.abs(also) < np.abs(off) * LIKE_BLOWS)
         )
     return found
 

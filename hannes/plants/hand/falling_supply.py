@@ -10,10 +10,12 @@ MOST = 0.25  # V
 
 def falling_supply() -> dict[str, Effect]:
     """By name: the supply of the k-th run is lower by k times its size, counted from 0."""
-    fall = Parameter("fall", 0.0, "V", (0.0, MOST), "of the supply, from each run to the next", off=0)
+    fall = Parameter(
+        "fall", 0.0, "V", (0.0, MOST), "of the supply, from each run to the next", off=0
+    )
     found = PartFault(
         "falling_supply",
-        "The supply's voltage falls from each run of the campaign to the next, as a battery's does.",
+        "The supply falls from each run of a campaign to the next, as a battery's does.",
         "V_0 of run k = V_0 - k fall, k = 0, 1, 2 ... in the order of the runs",
         "Tremblay & Dessaint (2009), a battery's voltage over its charge",
         (fall,),
