@@ -11,12 +11,12 @@ from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
 from hannes.identification.diagnosis import global_starts
+from hannes.identification.diagnosis.deepest_minimum import deepest_minimum
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.global_starts import (
     _resized,
     _signatures,
-    deepest_minimum,
     global_fits,
     size_dependent,
 )
@@ -95,7 +95,7 @@ def test_where_the_baseline_leaves_far_too_much_likely_effects_start_globally(sh
     """As slack of 4.4 mm, which every slope leads away from."""
     nominal, baseline = shifted.nominal, shifted.baseline
     effects = [*KNOWN, "shifted"]
-    least = global_starts._least(nominal, effects)
+    least = global_starts._least(nominal, effects, [])
     assert min(least, key=least.__getitem__) == "shifted"
     monkeypatch.setattr(global_starts, "size_dependent", lambda *_: [])
     per_bin = baseline.chi2 / baseline.residual.size
@@ -192,3 +192,20 @@ def test_amplitudes_of_one_side_each_are_tried_each_on_its_own_side():
     assert values == pytest.approx([2.0, -2.0], rel=0.1)
     assert _signatures(found.nominal, ["lopsided"], 8.0)["lopsided"].shape[0] == 2
     assert size_dependent(found.nominal, ["lopsided"]) == []
+
+
+def test_sizes_that_are_started_are_no_neighbours():
+    x = np.zeros(2)
+    rows = np.array([[9.0, 0.0], [10.0, 0.0], [8.0, 0.0], [4.0, 0.0], [5.0, 0.0], [0.0, 9.0]])
+    assert [row.tolist() for row in global_starts._apart(rows, x)] == [[9, 0], [4, 0], [0, 9]]
+
+
+def test_a_size_dependent_effect_is_looked_at_in_every_size(monkeypatch):
+    """A valley between two of few sizes is seen."""
+    seen = {}
+    monkeypatch.setattr(global_starts, "part_faults", lambda *_: [])
+    monkeypatch.setattr(global_starts, "_sizes", lambda _, name, sizes: seen.update({name: sizes}))
+    monkeypatch.setattr(global_starts, "_left", lambda *_: np.ones(1))
+    nominal = SimpleNamespace(space=SimpleNamespace(effects={}))
+    global_starts._least(nominal, ["stribeck", "object_misplacement"], ["object_misplacement"])
+    assert seen == {"stribeck": SEARCH.few_sizes, "object_misplacement": SEARCH.every_size}

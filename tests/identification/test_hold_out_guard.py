@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from sled import HARDENING, TIMES, UNITS, Sled, found
 
-from hannes.campaigns.campaign import Campaign, Entry
+from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment
-from hannes.core.errors import BadInput
 from hannes.core.recording.recording import Recording
 from hannes.identification.diagnosis import work_bound
 from hannes.identification.diagnosis.decision import Decision
@@ -18,10 +17,7 @@ from hannes.identification.diagnosis.reservations import _further
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.tuning import VERDICT
 from hannes.identification.gap_change import gap_changes, refusal, too_faint
-from hannes.identification.holdout.diagnosis import diagnose_by_holdout
-from hannes.identification.remainder import largest, remainders
-from hannes.plants.finger.plant import Finger
-from hannes.plants.hand.plant import HandPlant
+from hannes.identification.remainder import TOUCH, largest, remainders
 
 POINTS = tuple(SimpleNamespace(x=np.zeros(1), name=name) for name in ("given", "base", "found"))
 FLOORS = {"position": 0.01, "speed": 0.1}
@@ -200,6 +196,32 @@ def test_no_gap_with_a_large_remainder_somewhere_is_unknown():
     assert guarded(decided("no_gap"), stages(RIGHT, RIGHT, RIGHT)).decision.kind == "no_gap"
 
 
+def test_what_is_left_as_given_and_not_refitted_is_recalibrated():
+    other = run(0.97 * WAVE)
+    stood = guarded(decided("no_gap"), stages(other, RIGHT, RIGHT))
+    assert stood.decision.kind == "recalibrated"
+    assert stood.decision.reason.startswith("as given it leaves")
+    still = guarded(decided("no_gap"), stages(other, other, other))
+    assert still.decision.kind == "unknown"
+
+
+def test_a_touch_that_comes_a_moment_earlier_leaves_nothing_of_a_force():
+    """A blow of two samples, which no two runs share; as much for longer counts."""
+
+    sled = Sled()
+    sled.channels = {**Sled.channels, "position": "N"}
+
+    def left(samples):
+        blow = WAVE + 3.0 * ((TIMES > 0.9) & (np.arange(TIMES.size) < hit + samples))
+        these = stages(LACKING, LACKING, run(blow))
+        return largest(remainders(sled, these.segments, these.raw(1), these.raw(2), FLOORS))
+
+    hit = int(np.searchsorted(TIMES, 0.9, side="right"))
+    brief = round(TOUCH / float(np.diff(TIMES)[0]))
+    assert left(max(1, brief // 4)) is None
+    assert left(3 * brief) is not None
+
+
 def test_a_name_with_a_large_remainder_is_unknown():
     left = run(0.97 * WAVE)
     stood = guarded(decided("named_with_remainder", "slack"), stages(LACKING, LACKING, left))
@@ -229,117 +251,6 @@ def test_a_verdict_of_absence_says_what_could_not_have_shown():
     verdict = found(2)
     assert verdict.verdict == "recalibrated"
     assert any("repeats alone" in each for each in verdict.cautions)
-
-
-def finger(contact, nearest, role, seed, effect=None):
-    """A finger that closes to an angle [counts] and touches at `contact` [100 counts]."""
-    plant, rng, time = Finger(), np.random.default_rng(seed), np.arange(0.0, 12.0, 0.02)
-    closing = np.clip(1.0 - np.abs(time % 6.0 - 3.0) / 3.0, 0.0, 1.0)
-    angle = np.round(1000.0 - (1000.0 - nearest) * closing)
-    units = {"time": "s", "angle": "1", "force": "1"}
-    bare = Recording({"time": time, "angle": angle, "force": np.zeros(time.size)}, units)
-    values = {"contact.angle": contact}
-    if effect:
-        plant = plant.with_effects(plant.catalogue[effect])
-        values[f"{effect}.time"] = 0.15
-    force = plant.simulate(values, bare)["force"] + 2.0 * rng.standard_normal(time.size)
-    return Entry(f"{seed}.csv", Recording({**bare.channels, "force": force}, units), "", role)
-
-
-def finger_campaign(contact, effect=None):
-    """Nine closings, none of which goes below the angle that the finger is given."""
-    roles = ("fit", "select", "show")
-    entries = tuple(
-        finger(contact, 790.0 + 20.0 * (k % 3), roles[k // 3], k, effect) for k in range(9)
-    )
-    return Campaign(Finger(), Finger(), entries, None, dict(Finger.catalogue), base="finger")
-
-
-def test_a_finger_that_never_touches_as_given_is_started_elsewhere():
-    from hannes.commands.diagnose import diagnose
-
-    verdict = diagnose(finger_campaign(8.6, "force_lag"), progress=False).verdict
-    assert "force_lag" in verdict.effects
-    gap = verdict.gap["force"]
-    assert gap["after"] < 2.0 * gap["floor"] < gap["before"] < gap["as_given"]
-
-
-def test_a_finger_that_cannot_touch_is_refused_in_words():
-    from hannes.commands.diagnose import diagnose
-
-    campaign = finger_campaign(8.6)
-    far = tuple(
-        replace(each, recording=Recording(
-            {**each.recording.channels, "angle": each.recording["angle"] + 2000.0},
-            each.recording.units))
-        for each in campaign.entries
-    )  # fmt: skip
-    with pytest.raises(BadInput, match=r"does not answer to contact\.stiffness, contact\.angle"):
-        diagnose(replace(campaign, entries=far), progress=False)
-
-
-def test_hold_out_keeps_the_number_that_it_said(monkeypatch):
-    made, said, counts, simulate = finger_campaign(8.6, "force_lag"), [], [], Finger.simulate
-
-    def counted(self, parameters, recording):
-        counts.append(0)
-        return simulate(self, parameters, recording)
-
-    monkeypatch.setattr(Finger, "simulate", counted)
-    diagnose_by_holdout(made, 0, said.append)
-    assert len(counts) <= int(said[0].split()[2].replace(",", ""))
-
-
-def closures(controller, runs=4):
-    """A user who states nothing: short closures by a hand, its experiments say "continuous"."""
-    text = SHORT.replace("continuous", controller)
-    stated, entries = HandPlant(), []
-    time = np.arange(0.0, 0.401, 1e-3)
-    units = {"time": "s", "reference": "rad", "position": "rad", "current": "A"}
-    blank = {"time": time, "reference": np.interp(time, [0.0, 0.25, 0.4], [0.0, 3.9, 1.4])}
-    for k in range(runs):
-        rng = np.random.default_rng(k)
-        start = {**blank, "position": 0.0 * time, "current": 0.0 * time}
-        bare = Recording(start, units, experiment=text)
-        made = stated.with_values({"motor.dry_friction": 4.75e-3}).simulate({}, bare)
-        noisy = made["current"] + 0.01 * rng.standard_normal(time.size)
-        channels = {**blank, "position": made["position"], "current": noisy}
-        recording = Recording(channels, units, experiment=SHORT)
-        entries.append(Entry(f"{k}.csv", recording, "void", ("fit", "fit", "select", "show")[k]))
-    return Campaign(stated, stated, tuple(entries), None, {})
-
-
-SHORT = """
-title = "short"
-duration = "0.4 s"
-sampling = "1 kHz"
-controller = "continuous"
-[reference]
-kind = "ramp"
-points = [["0 s", "0 rad"], ["0.25 s", "3.9 rad"], ["0.4 s", "1.4 rad"]]
-"""
-
-
-@pytest.mark.parametrize(("controller", "taken"), [("sampled", True), ("continuous", False)])
-def test_a_sampled_controller_is_read_from_the_recordings(controller, taken):
-    from hannes.identification.diagnosis.observed_controller import as_recorded
-    from hannes.identification.diagnosis.settings import Settings
-
-    campaign = closures(controller)
-    found, said = as_recorded(campaign, Settings(0.03, 0.01, 0.01), 0, lambda text: None)
-    assert bool(said) == taken
-    assert all('"sampled"' in e.recording.experiment for e in found.entries) == taken
-    bare = tuple(
-        replace(e, recording=replace(e.recording, experiment="")) for e in campaign.entries
-    )
-    alone = replace(campaign, entries=bare)
-    same, why = as_recorded(alone, Settings(0.03, 0.01, 0.01), 0, lambda text: None)
-    assert ("no experiment says" in why) == taken
-    assert all('"sampled"' in e.recording.experiment for e in same.entries) == taken
-    if taken:
-        assert "one sampled every 1 ms" in said
-        again, nothing = as_recorded(found, Settings(), 0, lambda text: None)
-        assert again is found and nothing == ""
 
 
 def test_two_repeats_that_agree_by_chance_make_no_remainder():

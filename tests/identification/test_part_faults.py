@@ -29,7 +29,7 @@ from hannes.simulation.hand.hand_file import hand_toml, load_hand
 KNOWN = {**effects(), **FAULTS}
 
 CHOSEN = [FAULTS["index_weak_spring"], FAULTS["thumb_moved_stop"]]
-GROUP = SimpleNamespace(owner="", own=(), nominal={})
+GROUP = SimpleNamespace(owner="", own=(), nominal={}, numbers=np.zeros(1))
 REPEATED = SimpleNamespace(simulated_noise=False)
 
 

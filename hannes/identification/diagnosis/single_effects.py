@@ -7,10 +7,10 @@ import numpy as np
 
 from hannes.identification.diagnosis.as_given import AsGiven
 from hannes.identification.diagnosis.better_baseline import led_by_little
+from hannes.identification.diagnosis.deepest_minimum import deepest_minimum
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.global_starts import (
     absorbed_by_baseline,
-    deepest_minimum,
     fits_from_nominal,
 )
 from hannes.identification.diagnosis.like_faults import with_like_faults
