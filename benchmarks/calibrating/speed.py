@@ -60,7 +60,8 @@ def timed(plant: HandPlant, starts: int, workers: int, seed: int = 1) -> dict[st
 
 
 def _worst(found: Calibration, true: Mapping[str, float]) -> float:
-    return max(abs(e.value / true[e.name] - 1.0) for e in found.answers if e.identified)
+    errors = [abs(e.value / true[e.name] - 1.0) for e in found.answers if e.identified]
+    return max(errors, default=float("nan"))
 
 
 def fastest() -> str:
