@@ -253,8 +253,9 @@ def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
 def _apart(rows: np.ndarray, x: np.ndarray) -> list[np.ndarray]:
     """The first rows that are some steps apart, as few as are tried; of neighbours the first."""
     found: list[np.ndarray] = []
+    steps, share = SEARCH.apart
     for row in rows:
-        least = max(SEARCH.least_apart, SEARCH.share_apart * float(np.linalg.norm(row - x)))
+        least = max(steps, share * float(np.linalg.norm(row - x)))
         if len(found) < SEARCH.starts_tried and all(
             np.linalg.norm(row - each) >= least for each in found
         ):

@@ -10,11 +10,10 @@ from hannes.core.effect import Effect
 from hannes.core.errors import BadInput
 from hannes.core.parameter import ParameterSet
 from hannes.core.recording.recording import Recording
-from hannes.plants.hand import axes, batch_runs, candidate_runs, finger_faults, joint_deviations
+from hannes.plants.hand import axes, batch_runs, candidate_runs, joint_deviations
 from hannes.plants.hand.channel_limits import EXPECTED
-from hannes.plants.hand.falling_supply import falling_supply
+from hannes.plants.hand.moved_values import moved_values
 from hannes.plants.hand.noise_bandwidth import noise_bandwidth
-from hannes.plants.hand.other_settings import other_settings
 from hannes.plants.hand.recorded_experiment import (
     effects_on_object,
     experiment_of,
@@ -112,8 +111,7 @@ class HandPlant(ByValue):
     @property
     def catalogue(self) -> Mapping[str, Effect]:
         """Faults of one finger, settings other than stated, what changes from run to run."""
-        faults = finger_faults.faults(self.parameters)
-        return {**faults, **other_settings(self.parameters), **falling_supply()}
+        return moved_values(self.parameters)
 
     @property
     def free(self) -> Mapping[str, float]:

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from hannes.identification.tuning_table import COST, DEVELOPMENT, NUMERICS, constant
 
+EVERY_STEP = (*map(float, range(1, 15)), 17.0, 20.0, 24.0, 29.0)
+
 
 @dataclass(frozen=True)
 class SearchTuning:
@@ -224,12 +226,9 @@ class SearchTuning:
     )
     large_size: float = constant(8.0, "steps", "of the large signature")
     every_size: tuple[float, ...] = constant(
-        (*map(float, range(1, 15)), 17.0, 20.0, 24.0, 29.0),
-        "steps",
-        "both ways, from which global starts are chosen: a misplaced object is seen within one",
+        EVERY_STEP, "steps", "both ways, from which global starts are chosen: valleys are narrow"
     )
-    least_apart: float = constant(2.0, "steps", "between two sizes of these that are started", COST)
-    share_apart: float = constant(0.3, "1", "of a size, likewise", COST)
+    apart: tuple[float, float] = constant((2.0, 0.3), "steps, share", "between starts", COST)
     global_sizes: tuple[float, ...] = constant(
         (2.0, 4.0, 6.0, 9.0, 14.0), "steps", "the same of faults of like parts", COST
     )
