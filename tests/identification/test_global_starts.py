@@ -11,11 +11,10 @@ from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
 from hannes.identification.diagnosis import global_starts
-from hannes.identification.diagnosis.deepest_minimum import deepest_minimum
+from hannes.identification.diagnosis.deepest_minimum import _resized, deepest_minimum
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.global_starts import (
-    _resized,
     _signatures,
     global_fits,
     size_dependent,
