@@ -10,6 +10,7 @@ from sled import KNOWN, TURBULENCE, Sled, effect, recordings
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
+from hannes.identification.diagnosis import deepest_minimum as minimum
 from hannes.identification.diagnosis import global_starts
 from hannes.identification.diagnosis.deepest_minimum import _resized, deepest_minimum
 from hannes.identification.diagnosis.effect_search import search_effects
@@ -123,11 +124,11 @@ def test_a_minimum_deeper_by_little_of_what_is_left_is_the_last(shifted, monkeyp
     own = nominal.space.of("shifted")
     scale = nominal.space.parameters[own[0]].scale
     local = fitted(started_at(nominal, own, np.array([0.1 / scale])), 5)
-    settled = global_starts.settled
+    settled = minimum.settled
     monkeypatch.setattr(
-        global_starts, "settled", lambda at, below: rounds.append(at) or settled(at, below=below)
+        minimum, "settled", lambda at, below: rounds.append(at) or settled(at, below=below)
     )
-    monkeypatch.setattr(global_starts, "SEARCH", replace(SEARCH, deeper_share=share))
+    monkeypatch.setattr(minimum, "SEARCH", replace(SEARCH, deeper_share=share))
     found = deepest_minimum(nominal, local, "shifted")
     assert found.chi2 < local.chi2 and (len(rounds) == 1) is last
 
