@@ -8,6 +8,7 @@ from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.check import check, refuse_faults
 from hannes.campaigns.mixed_runs import mixed_runs, several_units
 from hannes.campaigns.quality.finding import Finding, warning
+from hannes.plants.part_fault import moves_by_run
 
 SUPPLY = "supply"
 FEWEST_FALLING = 4  # recordings of which a fall is seen
@@ -36,6 +37,12 @@ def across_runs(campaign: Campaign) -> list[Finding]:
     return [*mixed_runs(campaign), *_supply(campaign)]
 
 
+def _how(campaign: Campaign) -> str:
+    """What else may be done, of a machine whose diagnosis knows a supply that falls."""
+    known = any(moves_by_run(each) for each in campaign.effects.values())
+    return ": `hannes diagnose` tries such a supply" if known else ", or use the first runs apart"
+
+
 def _supply(campaign: Campaign) -> Iterator[Finding]:
     """A supply voltage that falls from run to run, by more than it scatters."""
     entries = [each for each in campaign.entries if SUPPLY in each.recording]
@@ -53,7 +60,7 @@ def _supply(campaign: Campaign) -> Iterator[Finding]:
         "supply",
         SUPPLY,
         f"falls by {fall:.3g} {unit} from {entries[0].name} to {entries[-1].name}: a battery runs "
-        "down, and later runs are slower; charge it, or diagnose it as falling_supply",
+        "down, and later runs are slower; charge it between runs" + _how(campaign),
         size=fall,
     )
 

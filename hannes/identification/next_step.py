@@ -7,10 +7,7 @@ TAKEN = (
     "An experiment of the hand takes the path of that file as its hand, a campaign of any machine "
     "as its base."
 )
-SIMULATE = (
-    "Simulate with this result's hand.toml, which has what is named at its size, and what falls "
-    f"from run to run as the first run had it. {TAKEN}"
-)
+SIMULATE = f"Simulate with this result's hand.toml, which has what is named at its size. {TAKEN}"
 APART = "Record another run that separates them."
 OTHERS = "Record other runs: slower ones, other objects."
 AGAIN = "Record each run as often as those before, add them to the campaign, and diagnose again."

@@ -14,7 +14,8 @@ SMALL_SHARE = 0.1  # of what was there before, which a small remainder may be in
 LEAST_FLOOR = 0.3  # of a channel's noise floor: at rest it may be nearly none
 FEWEST_RUNS = 4  # repeats that show the spread of one place; of fewer, the channel's counts
 FEWEST = 20  # samples of a phase that count
-TOUCH = 10e-3  # s, that a blow lasts at most; no two runs share its moment
+TOUCH = 5e-3  # s, that a blow lasts at most; below 200 Hz it is one sample, which counts
+BLOWS = 0.02  # of a phase, that blows last at most: what is off for more is no touch
 FORCE = "N"
 
 Raw = Sequence[Mapping[str, np.ndarray]]
@@ -59,9 +60,9 @@ def remainders(
     """The remainder of every place, the largest first.
 
     before, after: simulated minus recorded of each segment, over its counted samples. Repeats are
-    averaged; what their mean still holds of noise is subtracted. Of forces, what is off for less
-    than a few milliseconds counts for nothing: what joints are off for themselves moves a touch,
-    which changes that are added up cannot.
+    averaged; what their mean still holds of noise is subtracted. Of forces [N] a few samples that
+    are off for less than `TOUCH` count for nothing: what joints are off for themselves moves a
+    touch, which changes that are added up cannot.
     """
     found = []
     for numbers in repeated(plant, segments):
@@ -80,7 +81,7 @@ def remainders(
 
 def _brief(time: np.ndarray) -> int:
     """Samples over which the median of a force's residual is taken: an odd number."""
-    return 2 * int(0.5 * TOUCH * (time.size - 1) / float(np.ptp(time))) + 1
+    return 2 * round(TOUCH * (time.size - 1) / float(np.ptp(time))) + 1
 
 
 def repeated(plant: Plant, segments: Sequence[Segment]) -> list[list[int]]:
@@ -100,8 +101,6 @@ def _sizes(
 
     brief: samples over which its median is taken
     """
-    from scipy.ndimage import median_filter
-
     runs, floor = len(before), channel_floor
     if runs > 1:
         spread = np.array(after) - np.mean(after, axis=0)
@@ -109,9 +108,19 @@ def _sizes(
         least = LEAST_FLOOR if runs >= FEWEST_RUNS else 1.0
         floor = max(here, least * channel_floor)
     for rows in (before, after):
-        mean = median_filter(np.mean(rows, axis=0), brief, mode="nearest")
-        square = float(np.mean(np.square(mean)))
+        square = float(np.mean(np.square(_without_blows(np.mean(rows, axis=0), brief))))
         yield float(np.sqrt(max(0.0, square - floor**2 / runs))) / floor
+
+
+def _without_blows(mean: np.ndarray, brief: int) -> np.ndarray:
+    """A mean residual whose farthest samples from the median around them are that median."""
+    from scipy.ndimage import median_filter
+
+    if brief == 1:
+        return mean
+    usual = median_filter(mean, brief, mode="nearest")
+    off = np.abs(mean - usual)
+    return np.where(off > np.quantile(off, 1.0 - BLOWS), usual, mean)
 
 
 def largest(found: Sequence[Remainder]) -> Remainder | None:

@@ -34,6 +34,17 @@ def test_a_blow_that_both_sensors_show_is_none():
     assert not outliers(grasp(BLOW, 1.1 * BLOW))
 
 
+def test_codes_and_dropouts_that_forces_share_are_no_blow():
+    made = clean.shipped("dynamometer")
+    high = int(np.argmax(made["force"] > 0.9 * made["force"].max()))
+    for value in (-9999.0, 0.0):
+        broken = {name: made[name].copy() for name in ("force", "sensor")}
+        for each in broken.values():
+            each[high] = value
+        found = outliers(replace(made, channels={**made.channels, **broken}))
+        assert {each.channel for each in found} == {"force", "sensor"}
+
+
 def test_readings_that_differ_are_no_blow():
     assert outliers(grasp(BLOW, -BLOW))
     assert outliers(grasp(4.0 * BLOW, BLOW))

@@ -17,7 +17,7 @@ from hannes.identification.diagnosis.reservations import _further
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.tuning import VERDICT
 from hannes.identification.gap_change import gap_changes, refusal, too_faint
-from hannes.identification.remainder import TOUCH, largest, remainders
+from hannes.identification.remainder import _brief, largest, remainders
 
 POINTS = tuple(SimpleNamespace(x=np.zeros(1), name=name) for name in ("given", "base", "found"))
 FLOORS = {"position": 0.01, "speed": 0.1}
@@ -200,26 +200,30 @@ def test_what_is_left_as_given_and_not_refitted_is_recalibrated():
     other = run(0.97 * WAVE)
     stood = guarded(decided("no_gap"), stages(other, RIGHT, RIGHT))
     assert stood.decision.kind == "recalibrated"
-    assert stood.decision.reason.startswith("as given it leaves")
+    assert "it fits, but as given it leaves" in stood.decision.reason
     still = guarded(decided("no_gap"), stages(other, other, other))
     assert still.decision.kind == "unknown"
 
 
 def test_a_touch_that_comes_a_moment_earlier_leaves_nothing_of_a_force():
-    """A blow of two samples, which no two runs share; as much for longer counts."""
-
+    """A blow of two samples, which no two runs share; as much for longer, or often, counts."""
     sled = Sled()
     sled.channels = {**Sled.channels, "position": "N"}
 
-    def left(samples):
-        blow = WAVE + 3.0 * ((TIMES > 0.9) & (np.arange(TIMES.size) < hit + samples))
-        these = stages(LACKING, LACKING, run(blow))
+    def left(more):
+        these = stages(LACKING, LACKING, run(WAVE + more))
         return largest(remainders(sled, these.segments, these.raw(1), these.raw(2), FLOORS))
 
-    hit = int(np.searchsorted(TIMES, 0.9, side="right"))
-    brief = round(TOUCH / float(np.diff(TIMES)[0]))
-    assert left(max(1, brief // 4)) is None
-    assert left(3 * brief) is not None
+    count = np.arange(TIMES.size)
+    assert left(3.0 * (count == 70)) is None
+    assert left(0.5 * (abs(count - 70) < 20)) is not None
+    assert left(0.1 * (-1.0) ** count) is not None
+
+
+@pytest.mark.parametrize("samples", [401, 1079, 1151, 2001])
+@pytest.mark.parametrize(("rate", "brief"), [(1000.0, 11), (2000.0, 21), (100.0, 1)])
+def test_a_blow_is_as_long_whatever_the_recording(samples, rate, brief):
+    assert _brief(5.003 + np.arange(samples) / rate) == brief
 
 
 def test_a_name_with_a_large_remainder_is_unknown():

@@ -1,6 +1,6 @@
 """A supply that falls from run to run is named, and its runs are shown with what each had."""
 
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,13 +15,39 @@ RUNS = Protocol(
     RICH,
 )
 FELL = 0.15  # V
+ONE = Protocol((Condition("void", PAPER, 8),), RICH)
+
+
+class Turns(Protocol):
+    """Conditions that take turns."""
+
+    @property
+    def runs(self):
+        return list(self.conditions) * 5
+
+
+TURNS = Turns(tuple(replace(each, repeats=1) for each in RUNS.conditions), RICH)
+
+
+def diagnosed(out, protocol, seed, fell):
+    make(protocol, seed, {FALL: fell} if fell else {}, Spread(finger=0.01)).write(out)
+    return diagnose(out / "campaign.toml", progress=False)
 
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
-    out: Path = tmp_path_factory.mktemp("fell")
-    make(RUNS, 3, {FALL: FELL}, Spread(finger=0.01)).write(out)
-    return diagnose(out / "campaign.toml", progress=False)
+    return diagnosed(tmp_path_factory.mktemp("fell"), RUNS, 3, FELL)
+
+
+@pytest.mark.parametrize(("protocol", "fell"), [(TURNS, 0.06), (ONE, 0.06), (ONE, 0.0)])
+def test_repeats_show_it_where_means_over_them_do_not(tmp_path, protocol, fell):
+    verdict = diagnosed(tmp_path, protocol, 7, fell).verdict
+    assert verdict.effects == (["falling_supply"] if fell else [])
+    if fell:
+        size = verdict.parameters["falling_supply.fall"]
+        assert size["low"] < fell < size["high"]
+    else:
+        assert verdict.verdict == "recalibrated"
 
 
 def test_it_is_named_and_its_size_is_right(found):

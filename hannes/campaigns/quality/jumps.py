@@ -35,6 +35,7 @@ OUTSIDE = 1.5  # ranges of the other values, by which a code lies outside them
 ALIKE = 0.05  # relative, of jumps that are all of one turn
 FULL = 0.9  # of a turn, that the values of a counter that wraps reach over
 LIKE_BLOWS = 2.0  # ratio of what two sensors show of one blow, either way, at most
+FORCE = "N"
 STOOD = 5  # equal readings of a sensor that dropped out
 HARDER = 2.5  # times the largest change of a step elsewhere
 OFTEN = 0.1  # share of readings that are off the median of their neighbours
@@ -52,7 +53,6 @@ def inspect(subject: Subject) -> Iterator[Finding]:
             yield found
             continue
         odd = outliers(subject, name, values)
-        odd &= ~_blows(subject, name, values)
         if odd.any():
             yield _outliers(subject, name, values, odd)
         elif subject.is_motion(name):
@@ -139,30 +139,28 @@ def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool
     if subject.is_motion(name):
         usual = float(np.quantile(steps[few], 0.97))
         far &= off > max(3.0 * usual, LEAST_JUMP * float(high - low))
-    single = _brief(far)
+    single = _brief(far & ~_blows(subject, name, values))
     if single.any() and not subject.is_motion(name):  # smaller ones of the same kind
         single |= _brief(off > FAR * typical)
     return single if np.count_nonzero(single) <= MOST * values.size else none
 
 
 def _blows(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool_]:
-    """Readings that another channel of the same unit is off by as well, shape (n,).
+    """Forces that rise for a sample as all other forces do, shape (n,): a finger that hits.
 
-    A finger that hits shows for a sample in every force. Of a frame that was garbled a motion
-    is off, too.
+    A blow is no larger than what the force does for longer. Codes and dropouts are none.
     """
-    found, units = np.zeros(values.size, np.bool_), subject.recording.units
-    if subject.is_motion(name):
-        return found
-    off = values - median_of_five(values)
-    for other in subject.recording.names:
-        if other == name or units[other] != units[name] or other in subject.commands:
-            continue
-        also = subject.recording[other] - median_of_five(subject.recording[other])
-        found |= (
-            (also * off > 0.0)
-            & (np.abs(also) > np.abs(off) / LIKE_BLOWS)
-            & (np.abs(also) < np.abs(off) * LIKE_BLOWS)
+    units = subject.recording.units
+    forces = [subject.recording[n] for n in subject.recording.names if units[n] == FORCE]
+    if units[name] != FORCE or len(forces) < 2:
+        return np.zeros(values.size, np.bool_)
+    found, off = np.ones(values.size, np.bool_), values - median_of_five(values)
+    for each in forces:
+        usual = median_of_five(each)
+        also, span = each - usual, float(np.ptp(usual))
+        found &= (np.abs(each) > np.abs(usual)) & (np.abs(also) < span) & (also * off > 0.0)
+        found &= np.maximum(np.abs(also), np.abs(off)) < LIKE_BLOWS * np.minimum(
+            np.abs(also), np.abs(off)
         )
     return found
 

@@ -30,6 +30,7 @@ from hannes.identification.diagnosis.trials import (
     priced,
 )
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.plants.part_fault import part_faults
 
 
 def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joint:
@@ -53,7 +54,9 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
             without[name] = known = less
         if known is not None:
             losses[name] = best.delta_chi2 - known.delta_chi2
-            if not _is_missed(known, best, losses[name], found.variance_factor):
+            if _is_faint_fault(known, name, losses[name]) or not _is_missed(
+                known, best, losses[name], found.variance_factor
+            ):
                 return pruned_effects(found, Joint(known), progress)
     return replace(joint, losses=losses, without=without)
 
@@ -63,6 +66,18 @@ def _is_missed(known: Trial, best: Trial, loss: float, variance_factor: float) -
     if loss < needed_beside(known, variance_factor):
         return False
     return loss >= SEARCH.sure_beside or stands_on_heldout(known.point, best.point)
+
+
+def _is_faint_fault(known: Trial, name: str, loss: float) -> bool:
+    """Whether it is one of many like faults, little beside effects that leave noise without it.
+
+    Twenty are tried, and one of them may follow what a fit of the others has not reached.
+    """
+    point = known.point
+    if not part_faults(point.space.effects, [name]):
+        return False
+    leaves_noise = point.chi2 < SEARCH.explained * point.residual.size
+    return leaves_noise and loss < SEARCH.second_share * known.delta_chi2
 
 
 def _missed(found: SearchResult, point: Linearisation, name: str) -> float:

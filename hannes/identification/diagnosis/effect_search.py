@@ -19,6 +19,7 @@ from hannes.identification.diagnosis.multistart import (
     without,
 )
 from hannes.identification.diagnosis.noise_at_best import with_noise_at_best
+from hannes.identification.diagnosis.order_of_runs import in_order
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.single_effects import (
@@ -51,7 +52,7 @@ def search_effects(
     work: what was spent before, and the limit of all
     """
     work = work or Work(bounded=True)
-    groups = grouped(plant, entries)
+    groups = in_order(grouped(plant, entries), effects)
     nominal, baseline = based(plant, groups, settings, effects, seed, progress, work)
     try:
         return _all_searched(nominal, baseline, effects, seed, progress)

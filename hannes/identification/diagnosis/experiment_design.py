@@ -57,11 +57,15 @@ def next_run(
     if proposals is None or len(pair) < 2:
         return None
     recorded: dict[str, Recording] = {}
+    after = 0  # runs that came before the next one
     for each in entries:
         recorded.setdefault(each.condition, each.recording)
+        after = max(after, each.number + 1)
+    made = proposals(recorded)
+    runs = {name: Entry(name, run, name, number=after) for name, run in made.items()}
     separations = {
-        name: separation(found, plant, Entry(name, run, name), list(recorded.values()), *pair)
-        for name, run in proposals(recorded).items()
+        name: separation(found, plant, run, list(recorded.values()), *pair)
+        for name, run in runs.items()
     }
     best = proposed(separations, [AND.join(trial.effects) for trial in pair])
     found_again = [AND.join(names.get(name, name) for name in trial.effects) for trial in pair]

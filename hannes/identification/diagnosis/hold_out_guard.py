@@ -176,7 +176,8 @@ def _as_given(decision: Decision, stages: Stages, refitted: bool) -> Decision:
         return decision
     left = f"as given it leaves {worst.text}"
     if refitted and not largest(stages.remaining(0, 1)):
-        return Decision("recalibrated", (), f"{left}, refitted little", stages.points[1])
+        reason = f"{decision.reason}, but {left}; the refitted machine leaves little anywhere"
+        return Decision("recalibrated", (), reason, stages.points[1])
     return _unknown(decision, stages, left)
 
 

@@ -30,8 +30,11 @@ def strongest_trend(point: Linearisation, guesses: Sequence[Guess]) -> Trend | N
     groups = point.model.groups
     if not any(ordered(group) for group in groups):
         return None
+    apart = [_apart(point, group) for group in groups]
     found = [
-        Trend(each.effect, _reduction(point, row)) for each in guesses for row in each.signature
+        Trend(each.effect, _reduction(point, row, apart))
+        for each in guesses
+        for row in each.signature
     ]
     return max(found, key=lambda each: each.delta_chi2, default=None)
 
@@ -41,34 +44,43 @@ def ordered(group: Group) -> bool:
     return group.count >= VERDICT.fewest_repeats and float(np.ptp(group.numbers)) > 0.0
 
 
-def _reduction(point: Linearisation, signature: np.ndarray) -> float:
+def _apart(point: Linearisation, group: Group) -> np.ndarray:
+    """Deviations of a group's runs from their mean, less what effects that act by run explain."""
+    apart = group.measured - group.mean
+    if not point.x[point.space.by_run].any():
+        return apart
+    later = group.only(range(group.count))
+    later.numbers = group.numbers + 1
+    rows = point.x[np.newaxis]
+    change = point.model.vectors(later, rows, True) - point.model.vectors(group, rows, True)
+    return apart - np.outer(group.numbers - group.numbers.mean(), change[0])
+
+
+def _reduction(point: Linearisation, signature: np.ndarray, apart: Sequence[np.ndarray]) -> float:
     """Reduction of a signature, whitened, (N,), times the number of runs before each."""
     groups = point.model.groups
     signatures = np.split(signature, np.cumsum([group.part.size for group in groups])[:-1])
     mean = np.concatenate([m * g.numbers.mean() for m, g in zip(signatures, groups, strict=True)])
     gradient, hessian = (float(each.sum()) for each in projected(point, mean[np.newaxis]))
-    inside, stiff = _inside(point, signatures)
+    inside, stiff = _inside(point, signatures, apart)
     if inside**2 < VERDICT.trend_within * stiff:
         return 0.0
     return (gradient + inside) ** 2 / (hessian + stiff)
 
 
-def _inside(point: Linearisation, signatures: Sequence[np.ndarray]) -> tuple[float, float]:
+def _inside(
+    point: Linearisation, signatures: Sequence[np.ndarray], apart: Sequence[np.ndarray]
+) -> tuple[float, float]:
     """Gradient and Hessian that the order of runs under one command adds."""
     groups, gradient, hessian = point.model.groups, 0.0, 0.0
-    runs = [_of_runs(point, k, each) for k, each in enumerate(signatures)]
+    pairs = zip(apart, signatures, strict=True)
+    runs = [point.noise.white(k, rows) @ each for k, (rows, each) in enumerate(pairs)]
     for group, along, signature in zip(groups, runs, signatures, strict=True):
         order = group.numbers - group.numbers.mean()
         gradient += float(order @ along) / group.count
         hessian += float(order @ order * (signature @ signature)) / group.count
     spread = _spread(groups, runs, signatures)
     return gradient / spread, max(hessian / spread, 1e-30)
-
-
-def _of_runs(point: Linearisation, number: int, signature: np.ndarray) -> np.ndarray:
-    """Deviations of a group's runs from their mean, along a signature, (runs,)."""
-    group = point.model.groups[number]
-    return point.noise.white(number, group.measured - group.mean) @ signature
 
 
 def _spread(

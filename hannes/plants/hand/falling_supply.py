@@ -16,7 +16,7 @@ def falling_supply() -> dict[str, Effect]:
     found = PartFault(
         "falling_supply",
         "The supply falls from each run of a campaign to the next, as a battery's does.",
-        "V_0 of run k = V_0 - k fall, k = 0, 1, 2 ... in the order of the runs",
+        "V_0 of run k = V_0 - k fall, k = 0, 1, 2 ...; hand.toml has run 0",
         "Tremblay & Dessaint (2009), a battery's voltage over its charge",
         (fall,),
         (),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from hannes.identification.tuning_table import COST, DEVELOPMENT, NUMERICS, constant
 
-EVERY_STEP = (*map(float, range(1, 15)), 17.0, 20.0, 24.0, 29.0)
+EVERY_STEP = tuple(map(float, range(1, 30)))
 
 
 @dataclass(frozen=True)
