@@ -1,6 +1,7 @@
 """The run worth recording next, and the channels worth logging in it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from benchmarks.truth.campaign import make
 from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment, noise_floors
+from hannes.identification.diagnosis import experiment_design
 from hannes.identification.diagnosis.baseline import COARSE
 from hannes.identification.diagnosis.experiment_design import (
     Separation,
@@ -144,3 +146,18 @@ def test_a_channel_that_one_recording_has_alone_has_a_floor():
               for each in logged([False, False, True])]  # fmt: skip
     found, how = noise_floors(HandPlant(), pieces)
     assert found["duty"] > 0.0 and "roughness" in how
+
+
+def test_the_next_run_comes_after_all_others(monkeypatch):
+    """A supply that falls by runs has fallen by then."""
+    asked = []
+    monkeypatch.setattr(
+        experiment_design, "separation", lambda found, plant, run, *_: asked.append(run.number)
+    )
+    monkeypatch.setattr(experiment_design, "proposed", lambda *_: None)
+    plant = SimpleNamespace(proposals=lambda recorded: dict.fromkeys(("slow", "soft")))
+    pair = [SimpleNamespace(effects=())] * 2
+    monkeypatch.setattr(experiment_design, "explanations", lambda _: pair)
+    runs = [SimpleNamespace(condition="void", recording=None, number=k) for k in (0, 3, 7)]
+    assert experiment_design.next_run(plant, None, runs, {}) is None
+    assert asked == [8, 8]

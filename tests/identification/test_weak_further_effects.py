@@ -2,11 +2,13 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hannes.identification.diagnosis import effect_removal
 from hannes.identification.diagnosis.heldout import stands_on_heldout
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.plants.hand.plant import HandPlant
 
 
 def test_a_law_that_is_there_lowers_what_was_held_out(investigated, monkeypatch):
@@ -34,3 +36,19 @@ def test_where_little_is_lost_without_an_effect_held_out_runs_decide(
     monkeypatch.setattr(effect_removal, "stands_on_heldout", lambda *_: falls)
     trial = SimpleNamespace(point=None)
     assert effect_removal._is_missed(trial, trial, loss, 1.0) is missed
+
+
+@pytest.mark.parametrize(
+    ("name", "loss", "per_bin", "faint"),
+    [
+        ("thumb_weak_spring", 30.0, 0.8, True),
+        ("thumb_weak_spring", 50.0, 0.8, False),  # more than a share of the others
+        ("thumb_weak_spring", 30.0, 0.9, False),  # without it more than noise is left
+        ("mounting", 30.0, 0.8, False),  # no part has another like it
+    ],
+)
+def test_a_fault_is_not_named_beside_a_law_that_explains_all(name, loss, per_bin, faint):
+    space = SimpleNamespace(effects=HandPlant().catalogue)
+    point = SimpleNamespace(space=space, chi2=per_bin * 100.0, residual=np.zeros(100))
+    known = SimpleNamespace(point=point, delta_chi2=1000.0)
+    assert effect_removal._is_faint_fault(known, name, loss) is faint
