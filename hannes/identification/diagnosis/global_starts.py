@@ -243,7 +243,9 @@ def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
     """A few steps from the best of all sizes that are no neighbours."""
     own = nominal.space.of(name)
     fault = bool(part_faults(nominal.space.effects, [name]))
-    sizes = SEARCH.global_sizes + SEARCH.far_sizes if fault else SEARCH.every_size
+    sizes = SEARCH.global_sizes + SEARCH.far_sizes * fault
+    if not fault and size_dependent(nominal, [name]):
+        sizes = SEARCH.every_size
     rows = _sizes(nominal, name, sizes)
     best = _apart(rows[np.argsort(_left(nominal, name, rows))], nominal.x)
     points = [started_at(nominal, own, row[own]) for row in best]

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from hannes.identification.tuning_table import COST, DEVELOPMENT, NUMERICS, constant
 
-EVERY_STEP = tuple(map(float, range(1, 30)))
-
 
 @dataclass(frozen=True)
 class SearchTuning:
@@ -223,11 +221,13 @@ class SearchTuning:
     )
     large_size: float = constant(8.0, "steps", "of the large signature")
     every_size: tuple[float, ...] = constant(
-        EVERY_STEP, "steps", "both ways, from which global starts are chosen: valleys are narrow"
+        EVERY_STEP,
+        "steps",
+        "both ways, at which a size-dependent effect starts: valleys are narrow",
     )
     apart: tuple[float, float] = constant((2.0, 0.3), "steps, share", "between starts", COST)
     global_sizes: tuple[float, ...] = constant(
-        (2.0, 4.0, 6.0, 9.0, 14.0), "steps", "the same of faults of like parts", COST
+        (2.0, 4.0, 6.0, 9.0, 14.0), "steps", "the same of other effects", COST
     )
     few_sizes: tuple[float, ...] = constant(
         (2.0, 6.0, 14.0), "steps", "the same, which decide whether an effect is started so", COST
