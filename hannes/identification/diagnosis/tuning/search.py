@@ -221,7 +221,7 @@ class SearchTuning:
     )
     large_size: float = constant(8.0, "steps", "of the large signature")
     every_size: tuple[float, ...] = constant(
-        EVERY_STEP,
+        tuple(map(float, range(1, 30))),
         "steps",
         "both ways, at which a size-dependent effect starts: valleys are narrow",
     )
