@@ -20,6 +20,6 @@ _SUPPLY = "supply.voltage"
 
 
 def drained(values: Mapping[str, Any], hidden: Mapping[str, float], before: int) -> dict[str, Any]:
-    """The hand with the supply that is left after so many runs; `values` may lack it."""
+    """The hand with the supply that is left after so many runs; `values` may lack a voltage."""
     full = values.get(_SUPPLY, NOMINAL[_SUPPLY])
-    return {**values, _SUPPLY: full * exp(-before * hidden.get(FALL, 0.0) / full)}
+    return {**values, _SUPPLY: full * exp(-before * hidden[FALL] / full)}

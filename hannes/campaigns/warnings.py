@@ -40,7 +40,7 @@ def across_runs(campaign: Campaign) -> list[Finding]:
 def _how(campaign: Campaign) -> str:
     """What else may be done, of a machine whose diagnosis knows a supply that falls."""
     known = any(moves_by_run(each) for each in campaign.effects.values())
-    return ": `hannes diagnose` tries such a supply" if known else ", or use the first runs apart"
+    return "; `hannes diagnose` tries such a supply" if known else ", or use the first runs apart"
 
 
 def _supply(campaign: Campaign) -> Iterator[Finding]:

@@ -49,11 +49,11 @@ def _apart(point: Linearisation, group: Group) -> np.ndarray:
     apart = group.measured - group.mean
     if not point.x[point.space.by_run].any():
         return apart
-    later = group.only(range(group.count))
+    # Both are copies: corrections for sampling belong to the group alone, and would not cancel.
+    here, later = (group.only(range(group.count)) for _ in range(2))
     later.numbers = group.numbers + 1
-    rows = point.x[np.newaxis]
-    change = point.model.vectors(later, rows, True) - point.model.vectors(group, rows, True)
-    return apart - np.outer(group.numbers - group.numbers.mean(), change[0])
+    made = [point.model.vectors(each, point.x[np.newaxis], True)[0] for each in (here, later)]
+    return apart - np.outer(group.numbers - group.numbers.mean(), made[1] - made[0])
 
 
 def _reduction(point: Linearisation, signature: np.ndarray, apart: Sequence[np.ndarray]) -> float:
