@@ -53,6 +53,8 @@ class Plant(Protocol):
                 at once, by normal draws of that size, two such changes each, {} where a run
                 fails: parts together do not always what they do one by one. Draws are the same
                 for every recording
+    with_parts(deviations): the plant with these like parts off for themselves (relative), by
+                name. Diagnose then simulates what it finds of them
     slopes(parameters, steps, recording, channels): name -> channel -> its change, shape (n,), per
                 unit of each parameter of `steps` [SI], and per relative deviation of each part
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, fast

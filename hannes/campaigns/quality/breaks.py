@@ -22,6 +22,7 @@ SHARE = {"range": 0.8, "slip of winding": 0.75, "slip of controller": 0.95}
 LEFT = {"range": 0.03, "slip of winding": 0.08, "slip of controller": 0.08}
 ALL, BROKEN, HELD = 0.96, 0.6, 0.2  # the same where a law does not hold at all without a slip
 END, MOSTLY = 0.05, 0.8  # of a drive's range, and of a slip, in which it is there
+NEAR, JUMPS = 2, 0.5  # parts about a switch, and share of its logarithm by which a drive jumps
 CLEAR = 2.0  # times what is left, that a change of gain is
 FINE, SURELY = 200.0, 0.97  # steps of a motion's sensor in its range; share with fewer of them
 FEWEST = 80  # samples by which steps are compared
@@ -64,10 +65,26 @@ def _is_one(law: Relation, found: Break) -> bool:
     kind = found.kind if found.kind == "range" else f"slip of {law.name}"
     if found.before == 1.0 and found.left < FAR_LEFT and found.kind == "range":
         return True  # far, by either part alone
+    if found.kind == "range" and not _jumps(law.drive, found):
+        return False
     clear = found.kind != "range" or abs(np.log(max(found.size, 1e-6))) > CLEAR * found.left
     if kind == "slip of controller" and found.share > ALL and found.before > BROKEN:
         return found.left < HELD
     return found.share > SHARE[kind] and found.left < LEFT[kind] and clear
+
+
+def _jumps(drive: FloatArray, found: Break) -> bool:
+    """Whether a drive jumps where its range was switched, by what the factor says.
+
+    A law that differs by direction, by load or by speed changes as fast as the machine does.
+    """
+    wanted = np.log(max(found.size, 1e-6))
+    for place in range(max(found.place - NEAR, 3), min(found.place + NEAR, drive.size - 4) + 1):
+        usual = (drive[place - 1] - drive[place - 3] + drive[place + 3] - drive[place + 1]) / 2.0
+        before, after = drive[place - 1] + usual / 2.0, drive[place + 1] - usual / 2.0
+        if before * after > 0.0 and np.log(after / before) / wanted > JUMPS:
+            return True
+    return False
 
 
 def _is_seen(subject: Subject, law: Relation, found: Break) -> bool:

@@ -229,8 +229,13 @@ class _Follower:
         return float(self._error[first : last + 1].max()) > FURTHER * before
 
     def is_behind(self, first: int, last: int) -> bool:
-        """Whether the command moves on in a stretch and the machine does not."""
+        """Whether the command moves on in a stretch and the machine does not.
+
+        A machine that only begins to follow is late anyway: its drive may cross zero meanwhile.
+        """
         part = slice(first, last + 1)
+        if last < self._lag:
+            return False
         goes = float(np.ptp(self._asked[part]))
         if last - first + 1 < BRIEF or goes < LEAST * self._size:
             return False

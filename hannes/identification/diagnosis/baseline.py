@@ -19,6 +19,11 @@ from hannes.identification.diagnosis.noise_covariance import (
 from hannes.identification.diagnosis.noise_model import recorded_roughness
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
 from hannes.identification.diagnosis.part_deviations import part_deviations
+from hannes.identification.diagnosis.parts_as_fitted import (
+    about,
+    leaves_noise,
+    with_parts_as_fitted,
+)
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.run_to_run import settings_from_repeats
 from hannes.identification.diagnosis.settings import Settings
@@ -93,7 +98,16 @@ def _refitted(nominal: Linearisation, seed: int, near: Linearisation | None) -> 
     for accuracy in (ROUGH, FINE):
         noise = estimated_noise(corrected, baseline.x, accuracy, seed, parts)
         baseline = fitted(with_noise(baseline, noise), 4)
-    return with_noise(nominal, noise), settled(baseline)
+    return _with_parts(nominal, baseline)
+
+
+def _with_parts(nominal: Linearisation, baseline: Linearisation) -> Fits:
+    """Both about the machine with its parts as the baseline has them, where it leaves little."""
+    found = with_parts_as_fitted(baseline) if leaves_noise(baseline) else baseline
+    given = about(nominal, found.noise) if found.model.parts_at else None
+    if given is None:
+        return with_noise(nominal, baseline.noise), settled(baseline)
+    return given, found
 
 
 def _begun(nominal: Linearisation) -> Linearisation:

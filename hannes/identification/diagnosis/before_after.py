@@ -7,7 +7,7 @@ import numpy as np
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment
 from hannes.core.errors import ComputationFailed
-from hannes.identification.diagnosis.repeat_groups import Channels, grouped, one_by_one
+from hannes.identification.diagnosis.repeat_groups import Channels, Group, grouped, one_by_one
 from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.residuals import Raw, Traces
 
@@ -25,11 +25,22 @@ def simulated(
     by_run = bool(places[:, model.space.by_run].any())
     groups = grouped(model.small, entries)
     for group in one_by_one(groups) if by_run else groups:
-        made = model.simulated(group, places, True, exact=True)
+        made = _stages(model, group, places)
         if made[0] is None:
             raise ComputationFailed(f"{group.entries[0].name} cannot be simulated as given")
         found.update({id(entry): made for entry in group.entries})
     return [found[id(entry)] for entry in entries]
+
+
+def _stages(model: Model, group: Group, places: np.ndarray) -> list[Channels | None]:
+    """A group's channels at each place; as given no part is off for itself."""
+    if not model.parts_at:
+        return model.simulated(group, places, True, exact=True)
+    given = model.with_parts_at({})
+    return [
+        *given.simulated(group, places[:1], True, exact=True),
+        *model.simulated(group, places[1:], True, exact=True),
+    ]
 
 
 def left(segments: Sequence[Segment], runs: Sequence[Channels], names: Sequence[str]) -> Raw:

@@ -15,6 +15,7 @@ from hannes.identification.diagnosis.multistart import (
     started_at,
     started_at_guess,
 )
+from hannes.identification.diagnosis.parts_as_fitted import leaves_noise, with_parts_as_fitted
 from hannes.identification.diagnosis.score_test import (
     Guess,
     amplitude_names,
@@ -53,12 +54,23 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
         if less is not None and (known is None or less.delta_chi2 > known.delta_chi2):
             without[name] = known = less
         if known is not None:
-            losses[name] = best.delta_chi2 - known.delta_chi2
+            losses[name] = _loss(found, best, known)
             if _is_faint_fault(known, name, losses[name]) or not _is_missed(
                 known, best, losses[name], found.variance_factor
             ):
                 return pruned_effects(found, Joint(known), progress)
     return replace(joint, losses=losses, without=without)
+
+
+def _loss(found: SearchResult, best: Trial, known: Trial) -> float:
+    """What is lost without one effect; where that is little, with parts as each fit has them."""
+    loss = best.delta_chi2 - known.delta_chi2
+    few = needed_beside(known, found.variance_factor) <= loss < SEARCH.sure_beside
+    if not (few and leaves_noise(known.point)):
+        return loss
+    least = [with_parts_as_fitted(t.point, found.variance_factor).chi2 for t in (known, best)]
+    less = (known.point.chi2 - best.point.chi2) - (least[0] - least[1])
+    return loss - max(0.0, less) / found.variance_factor
 
 
 def _is_missed(known: Trial, best: Trial, loss: float, variance_factor: float) -> bool:

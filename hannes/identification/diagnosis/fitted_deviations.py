@@ -29,13 +29,18 @@ def with_deviations(
     parts = points[0].noise.parts
     if parts is None:
         return [list(each) for each in made]
-    sizes = [deviations(point, variance_factor) for point in points]
+    sizes = [_beyond(parts.at, deviations(point, variance_factor)) for point in points]
     changes = _changes(points[0], parts, entries)
     return [
         [each[0], *(_moved(run, size, changes[id(entry)])
                     for run, size in zip(each[1:], sizes, strict=True))]
         for entry, each in zip(entries, made, strict=True)
     ]  # fmt: skip
+
+
+def _beyond(at: Mapping[str, float], sizes: Mapping[str, float]) -> dict[str, float]:
+    """Deviations beyond those that the simulated machine has."""
+    return {name: size - at.get(name, 0.0) for name, size in sizes.items()}
 
 
 def deviations(point: Linearisation, variance_factor: float) -> dict[str, float]:
@@ -52,9 +57,9 @@ def deviations(point: Linearisation, variance_factor: float) -> dict[str, float]
     )
     left = np.concatenate(
         [
-            noise.white(k, group.mean - made - discretisation)
-            for k, (group, made, discretisation) in enumerate(
-                zip(groups, point.vectors, noise.discretisation, strict=True)
+            noise.white(k, group.mean - made - expected)
+            for k, (group, made, expected) in enumerate(
+                zip(groups, point.vectors, noise.expected, strict=True)
             )
         ]
     )

@@ -154,10 +154,8 @@ class Linearisation:
 
 def whitened_residual(noise: NoiseCovariance, vectors: Sequence[np.ndarray]) -> np.ndarray:
     """Whitened measured minus simulated of all groups, shape (N,)."""
-    groups = zip(noise.model.groups, vectors, noise.discretisation, strict=True)
-    return noise.together(
-        [group.mean - made - discretisation for group, made, discretisation in groups]
-    )
+    groups = zip(noise.model.groups, vectors, noise.expected, strict=True)
+    return noise.together([group.mean - made - expected for group, made, expected in groups])
 
 
 def differenced(

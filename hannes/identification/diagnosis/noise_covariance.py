@@ -57,6 +57,14 @@ class NoiseCovariance:
         return Whitening.of(np.ones(whole.shape[1]), whole)
 
     @cached_property
+    def expected(self) -> list[np.ndarray]:
+        """What is expected of each group's runs beside a quick simulation, shape (n,) each."""
+        if self.parts is None or not self.parts.at:
+            return self.discretisation
+        explained = self.parts.explained(self.model.groups)
+        return [a - b for a, b in zip(self.discretisation, explained, strict=True)]
+
+    @cached_property
     def roots(self) -> list[np.ndarray]:
         """Cholesky factors of the covariance of each group's mean, shape (n, n)."""
         return [np.linalg.cholesky(each) for each in self.covariances]

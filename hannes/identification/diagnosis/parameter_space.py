@@ -1,13 +1,14 @@
 """The parameter space: all uncertain parameters, and the parameters of every candidate effect."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from hannes.core.effect import Effect
-from hannes.core.parameter import Parameter
+from hannes.core.parameter import Parameter, ParameterSet
 from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.tuning import FIT
@@ -61,6 +62,12 @@ class ParameterSpace:
         self.high = np.array([(d.high - d.centre) / d.scale for d in self.parameters])
         self.settings = settings
         self._acting: dict[str, np.ndarray] = {}
+
+    def about(self, values: ParameterSet) -> "ParameterSpace":
+        """The same about other values of what is certain of the machine."""
+        made = copy(self)
+        made._nominal = values
+        return made
 
     @property
     def size(self) -> int:

@@ -10,19 +10,25 @@ in common whose parts are all off at once: what parts do together is not the sum
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from hannes.identification.diagnosis.repeat_groups import Channels, Group
 from hannes.identification.diagnosis.simulator import Model
 
+EITHER = ", either way"  # ends the name of what both changes by a part share
+
 
 @dataclass(frozen=True)
 class PartDeviations:
-    """Changes of each group's channels by one standard deviation of each part: row -> channels."""
+    """Changes of each group's channels by one standard deviation of each part: row -> channels.
+
+    at: how far parts of the simulated machine are off already, in these, by row
+    """
 
     changes: Sequence[dict[str, Channels]]
+    at: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -39,7 +45,15 @@ class PartDeviations:
 
     def only(self, numbers: Sequence[int]) -> "PartDeviations":
         """Of the groups of these numbers."""
-        return PartDeviations([self.changes[k] for k in numbers])
+        return PartDeviations([self.changes[k] for k in numbers], self.at)
+
+    def explained(self, groups: Sequence[Group]) -> list[np.ndarray]:
+        """What the deviations of the simulated machine change in these groups, shape (n,) each.
+
+        By their rows: parts are expected to be off by nothing, and the machine is.
+        """
+        sizes = np.array([self.at.get(name, 0.0) for name in self.names])
+        return [sizes @ rows for rows in self.rows(groups)]
 
 
 def _binned(group: Group, change: Channels | None) -> np.ndarray:
@@ -51,13 +65,18 @@ def part_deviations(model: Model, x: np.ndarray) -> PartDeviations | None:
     if not model.space.settings.scatter_apart:
         return None
     found = [changes_of(model, group, x) for group in model.groups]
-    return PartDeviations(found) if any(found) else None
+    return PartDeviations(found, model.parts_at) if any(found) else None
 
 
 def changes_of(model: Model, group: Group, x: np.ndarray) -> dict[str, Channels]:
     """Changes of one group's channels at x by one standard deviation of each part, by row."""
     asked = group, x, model.space.settings.scatter_apart
     return dict(_rows(model.apart(*asked))) | dict(_drawn(model.together(*asked)))
+
+
+def of_parts(rows: Mapping[str, float]) -> dict[str, float]:
+    """Those of single parts, one way."""
+    return {name: each for name, each in rows.items() if name + EITHER in rows}
 
 
 def _drawn(draws: Sequence[tuple[Channels, Channels]]) -> Iterator[tuple[str, Channels]]:
@@ -76,4 +95,4 @@ def _rows(own: Mapping[str, tuple[Channels, Channels]]) -> Iterator[tuple[str, C
     """Of each part what its two changes do not share, and what they do."""
     for name, (up, down) in own.items():
         yield name, {n: 0.5 * (up[n] - down[n]) for n in up}
-        yield f"{name}, either way", {n: 0.5 * (up[n] + down[n]) for n in up}
+        yield name + EITHER, {n: 0.5 * (up[n] + down[n]) for n in up}

@@ -22,6 +22,7 @@ NOWHERE = (
     "the baseline cannot be simulated under a recording's reference; set `base` to a nearer machine"
 )
 NOTHING: Mapping[str, np.ndarray] = {}
+NO_PART: Mapping[str, float] = {}
 Unrounded = Callable[[int], Mapping[str, np.ndarray]]  # of a Plant, see there
 
 
@@ -31,7 +32,8 @@ class Model:
     Simulations are quick ones. What the firmware's sampling and rounding add is computed apart
     (`discretisation_errors`) and changes little. `small` is the model without effects, `whole`
     the one with all candidate effects, so that one compilation serves them all. `bandwidth` [Hz] is
-    that of the sensors' noise, 0 where it is white, None where the plant's own holds.
+    that of the sensors' noise, 0 where it is white, None where the plant's own holds. `parts_at`
+    says by how much like parts of the machine are off, in standard deviations, by name.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class Model:
     ) -> None:
         self.groups, self.space = list(groups), space
         self.small, self.whole = plant, plant.with_effects(*compiled_effects(tuple(effects)))
+        self._stated, self.parts_at = (self.small, self.whole), NO_PART
         self._corrections: dict[int, dict[int, SamplingCorrection]] = {}  # group, place
         self.work = work or Work()  # of this model and all made of it
         self._held = False  # whether effects are a fixed part of the machine
@@ -87,6 +90,17 @@ class Model:
         """The same for its runs in other bins, with the effects as a fixed part of the machine."""
         made = copy(self)
         made.groups, made.small, made._corrections, made._held = list(groups), self.whole, {}, True
+        made._stated = self._stated[1], self._stated[1]
+        return made
+
+    def with_parts_at(self, deviations: Mapping[str, float]) -> "Model":
+        """The same with like parts as far off for themselves, in standard deviations, by name."""
+        made, share = copy(self), self.space.settings.scatter_apart
+        relative = {name: share * deviation for name, deviation in deviations.items()}
+        stated = self._stated
+        made.small, made.whole = [p.with_parts(relative) for p in stated] if relative else stated
+        made.parts_at = dict(deviations)
+        made.space, made._known = self.space.about(made.whole.parameters), KnownVectors()
         return made
 
     def as_machine(self) -> "Model":

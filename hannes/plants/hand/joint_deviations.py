@@ -114,6 +114,20 @@ def together(asked: Asked, share: float) -> list[tuple[Channels, Channels]]:
     return runs.changes(draws, asked.recording)
 
 
+def shares(values: Mapping[str, float], deviations: Mapping[str, float]) -> dict[str, float]:
+    """Each joint's own values [SI] by full name, with it off by what its deviation says, relative.
+
+    values: of the hand;  deviations: by the names of `parts`
+    """
+    found = {}
+    for name, deviation in deviations.items():
+        joint, _, quantity = name.partition(".")
+        own = "{}.{}_{}".format(*joint.split("_"), quantity)
+        low, high = QUANTITIES[quantity]
+        found[own] = min(max(low, values[own] * (1.0 + deviation)), high)
+    return found
+
+
 def _moves(runs: "_Runs", experiment: Experiment, share: float) -> dict[str, np.ndarray]:
     """Name of each joint's own deviation -> change of the packed vector by it."""
     ways = _of_parts(runs.plan, runs.base, experiment)

@@ -156,6 +156,10 @@ class HandPlant(ByValue):
         """Changes of channels by all joints off at once, see joint_deviations.py."""
         return joint_deviations.together(self._near(parameters, recording, channels), share)
 
+    def with_parts(self, deviations: Values) -> "HandPlant":
+        """Return a plant whose joints are each so far off for themselves, relative."""
+        return self.with_values(joint_deviations.shares(self.parameters, deviations))
+
     def _near(self, at: Values, run: Recording, names: Sequence[str]) -> joint_deviations.Asked:
         return joint_deviations.Asked(self.hand, self._smooth(at, run), run, at, tuple(names))
 

@@ -90,10 +90,12 @@ def applicable(plant: Plant) -> dict[str, Description]:
 def _model(found: SearchResult, known: Sequence[Description]) -> Model:
     """The same runs with every generic disturbance in the machine, and a bound of its own."""
     whole, effects = found.baseline.model, [each.effect for each in known]
-    space = ParameterSpace(whole.small, whole.groups, whole.space.settings, effects)
+    plant = whole.with_parts_at({}).small
+    space = ParameterSpace(plant, whole.groups, whole.space.settings, effects)
     work = Work(bounded=True)
     work.limit = SHAPE.most_simulated
-    return Model(whole.small, whole.groups, space, effects, work, whole.bandwidth)
+    made = Model(plant, whole.groups, space, effects, work, whole.bandwidth)
+    return made.with_parts_at(whole.parts_at)
 
 
 def _carried(point: Linearisation, model: Model) -> Linearisation:

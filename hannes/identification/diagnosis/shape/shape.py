@@ -96,7 +96,7 @@ def _closed(held: Stages) -> float:
 def _machine(best: Described, owner: str) -> Plant:
     """The plant with the generic disturbance, and with what was refitted beside it."""
     space = best.point.space
-    plant = best.base.model.small.with_effects(best.description.effect)
+    plant = best.base.model.with_parts_at({}).small.with_effects(best.description.effect)
     values = space.values(best.point.x, owner)
     return plant.with_values({n: v for n, v in values.items() if n in plant.parameters})
 

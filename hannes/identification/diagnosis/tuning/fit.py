@@ -38,6 +38,18 @@ class FitTuning:
     rounds: int = constant(5, "1", "of new derivatives, at most, until a fit has converged", COST)
     steps_per_round: int = constant(5, "1", "with derivatives updated by Broyden's rule", COST)
     converged: float = constant(0.3, "chi2", "reduction of the last step", DEVELOPMENT)
+    near_parts: float = constant(
+        1.1, "1", "per bin, of a baseline about which parts are put where it has them", DEVELOPMENT
+    )
+    farthest_part: float = constant(
+        4.0, "standard deviations", "to which a part is put at most", DEVELOPMENT
+    )
+    part_rounds: int = constant(
+        4, "1", "of fits, at most, about parts as the fit before has them", COST
+    )
+    same_parts: float = constant(
+        3.0, "chi2", "by which such a fit differs from the one before, once parts stay", DEVELOPMENT
+    )
     farthest: float = constant(
         10_000.0,
         "chi2",

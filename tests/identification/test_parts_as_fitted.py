@@ -1,0 +1,101 @@
+"""Parts of a machine are put where a fit has them: what is linear of them is then little."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from benchmarks.few.cases import FULL
+from benchmarks.truth import campaign as truth
+from benchmarks.truth.protocol import RICH, Protocol
+from hannes.campaigns.campaign import Entry
+from hannes.identification.diagnosis import effect_removal
+from hannes.identification.diagnosis.baseline import ROUGH
+from hannes.identification.diagnosis.fitted_deviations import deviations
+from hannes.identification.diagnosis.gauss_newton import settled
+from hannes.identification.diagnosis.linearisation import begun, with_noise
+from hannes.identification.diagnosis.parameter_space import ParameterSpace
+from hannes.identification.diagnosis.part_deviations import of_parts, part_deviations
+from hannes.identification.diagnosis.parts_as_fitted import about, with_parts_as_fitted
+from hannes.identification.diagnosis.repeat_groups import grouped
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.simulator import Model
+from hannes.identification.diagnosis.trials import Trial
+from hannes.plants.hand.plant import HandPlant
+
+OFF = {"index_mcp.moment_arm": 0.02, "ring_pip.spring_stiffness": -0.02}
+
+
+def test_a_hand_whose_joints_are_off_is_one_of_other_shares():
+    stated = HandPlant().with_values({"index.mcp_moment_arm": 1.1})
+    moved = stated.with_parts(OFF).parameters
+    assert moved["index.mcp_moment_arm"] == pytest.approx(1.1 * 1.02)
+    assert moved["ring.pip_spring_stiffness"] == pytest.approx(0.98)
+    assert moved["index.pip_moment_arm"] == 1.0
+    assert stated.with_parts({"ring_pip.moment_arm": -2.0}).parameters["ring.pip_moment_arm"] == 0.0
+
+
+@pytest.fixture(scope="module")
+def point():
+    """A fit to the mean closure of a hand whose joints are off, known ten times as well as one."""
+    made = truth.make(Protocol((FULL,), RICH), 4)
+    plant, recording = HandPlant(), next(iter(made.recordings.values()))
+    groups = grouped(plant, [Entry("run", recording, FULL.name, "fit")])
+    settings = Settings(0.02, 0.005, scatter_apart=0.01)
+    model = Model(plant, groups, ParameterSpace(plant, groups, settings, ()), ())
+    x = np.zeros(model.space.size)
+    there = begun(model, x, model.space.uncertain, ROUGH, 0, part_deviations(model, x))
+    noise, rng = there.noise, np.random.default_rng(4)
+    off = {name: rng.standard_normal() for name in of_parts(deviations(there, 1.0))}
+    vector = model.with_parts_at(off).vectors(groups[0], x[np.newaxis], False)[0]
+    groups[0].measured = (vector + noise.discretisation[0])[np.newaxis]
+    covariances = [0.01 * each for each in noise.covariances]
+    return settled(with_noise(there, replace(noise, covariances=covariances)))
+
+
+def test_parts_about_which_a_machine_is_simulated_are_expected_where_they_were(point):
+    """By their rows the moved machine is the former one, up to what is not linear."""
+    off = {name: 0.3 * each for name, each in of_parts(deviations(point, 1.0)).items()}
+    moved = point.model.with_parts_at(off)
+    parts = part_deviations(moved, point.x)
+    assert parts.at == off
+    noise = replace(point.noise, model=moved, parts=parts)
+    (explained,) = parts.explained(moved.groups)
+    (expected,), (alone,) = noise.expected, point.noise.expected
+    assert expected == pytest.approx(alone - explained)
+    (before,), (after,) = point.vectors, about(point, noise).vectors
+    left = [point.noise.white(0, each) for each in (after - before - explained, after - before)]
+    assert np.linalg.norm(left[0]) < 0.2 * np.linalg.norm(left[1])
+
+
+def test_what_is_not_linear_in_parts_is_simulated(point):
+    found = with_parts_as_fitted(point)
+    assert found.model.parts_at
+    assert found.chi2 < 0.5 * point.chi2
+
+
+@pytest.mark.parametrize(
+    ("loss", "left", "wanted"),
+    [
+        (30.0, 0.7, 12.0),  # most of it is what parts do
+        (30.0, 1.4, 30.0),  # something else is missing, and may be in the parts
+        (90.0, 0.7, 90.0),  # too much for that
+        (10.0, 0.7, 10.0),  # not enough anyway
+    ],
+)
+def test_a_small_loss_is_that_with_parts_as_each_fit_has_them(monkeypatch, loss, left, wanted):
+    def trial(chi2):
+        at = SimpleNamespace(chi2=chi2, residual=np.zeros(1000))
+        return Trial(("a",), at, 1000.0 - chi2)
+
+    known, best = trial(1000.0 * left), trial(1000.0 * left - loss)
+    best = replace(best, delta_chi2=known.delta_chi2 + loss)
+    lower = {known.point.chi2: known.point.chi2 - 18.0, best.point.chi2: best.point.chi2}
+    monkeypatch.setattr(
+        effect_removal,
+        "with_parts_as_fitted",
+        lambda point, factor: SimpleNamespace(chi2=lower[point.chi2]),
+    )
+    found = SimpleNamespace(variance_factor=1.0)
+    assert effect_removal._loss(found, best, known) == pytest.approx(wanted)
