@@ -10,7 +10,7 @@ from benchmarks.few.cases import FULL
 from benchmarks.truth import campaign as truth
 from benchmarks.truth.protocol import RICH, Protocol
 from hannes.campaigns.campaign import Entry
-from hannes.identification.diagnosis import effect_removal
+from hannes.identification.diagnosis import effect_removal, small_gains
 from hannes.identification.diagnosis.baseline import ROUGH
 from hannes.identification.diagnosis.fitted_deviations import deviations
 from hannes.identification.diagnosis.gauss_newton import settled
@@ -93,7 +93,7 @@ def test_a_small_loss_is_that_with_parts_as_each_fit_has_them(monkeypatch, loss,
     best = replace(best, delta_chi2=known.delta_chi2 + loss)
     lower = {known.point.chi2: known.point.chi2 - 18.0, best.point.chi2: best.point.chi2}
     monkeypatch.setattr(
-        effect_removal,
+        small_gains,
         "with_parts_as_fitted",
         lambda point, factor: SimpleNamespace(chi2=lower[point.chi2]),
     )

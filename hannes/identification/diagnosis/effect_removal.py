@@ -15,13 +15,13 @@ from hannes.identification.diagnosis.multistart import (
     started_at,
     started_at_guess,
 )
-from hannes.identification.diagnosis.parts_as_fitted import leaves_noise, with_parts_as_fitted
 from hannes.identification.diagnosis.score_test import (
     Guess,
     amplitude_names,
     in_place_of,
     screened,
 )
+from hannes.identification.diagnosis.small_gains import gain_of_parts
 from hannes.identification.diagnosis.trials import (
     Joint,
     SearchResult,
@@ -65,12 +65,9 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
 def _loss(found: SearchResult, best: Trial, known: Trial) -> float:
     """What is lost without one effect; where that is little, with parts as each fit has them."""
     loss = best.delta_chi2 - known.delta_chi2
-    few = needed_beside(known, found.variance_factor) <= loss < SEARCH.sure_beside
-    if not (few and leaves_noise(known.point)):
+    if not needed_beside(known, found.variance_factor) <= loss < SEARCH.sure_beside:
         return loss
-    least = [with_parts_as_fitted(t.point, found.variance_factor).chi2 for t in (known, best)]
-    less = (known.point.chi2 - best.point.chi2) - (least[0] - least[1])
-    return loss - max(0.0, less) / found.variance_factor
+    return loss - gain_of_parts(known.point, best.point, found.variance_factor)
 
 
 def _is_missed(known: Trial, best: Trial, loss: float, variance_factor: float) -> bool:

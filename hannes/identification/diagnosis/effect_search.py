@@ -28,6 +28,7 @@ from hannes.identification.diagnosis.single_effects import (
     searched_beside,
     stands,
 )
+from hannes.identification.diagnosis.small_gains import with_small_gains
 from hannes.identification.diagnosis.trials import (
     SearchResult,
     Trial,
@@ -134,7 +135,7 @@ def _with_further(found: SearchResult, seed: int, progress: Progress) -> SearchR
     What judges and closes them then has some work of its own.
     """
     try:
-        found = with_noise_at_best(found, seed, progress)
+        found = with_small_gains(with_noise_at_best(found, seed, progress), progress)
         return with_further_effects(found, progress) if may_be_named(found) else found
     except SearchEnded:
         found.baseline.model.work.extended()

@@ -6,6 +6,7 @@ So they are put into the machine where a fit has found them, and only what they 
 added.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,10 @@ from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation, differenced, with_noise
 from hannes.identification.diagnosis.noise_covariance import NoiseCovariance
 from hannes.identification.diagnosis.part_deviations import of_parts, part_deviations
+from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.diagnosis.tuning import FIT
+
+ANEW = 1  # round in which all derivatives are made anew
 
 
 def leaves_noise(point: Linearisation) -> bool:
@@ -28,15 +32,17 @@ def with_parts_as_fitted(point: Linearisation, variance_factor: float = 1.0) -> 
     """The fit about the machine with its parts where it has them; itself where that fails.
 
     Nor is it changed where parts would be farther off than like parts are: something else is there.
+    Derivatives by parts take most of the work. They are made anew once, near where the parts stay.
     """
-    for _ in range(FIT.part_rounds):
-        there = _once(point, variance_factor)
+    known = bool(point.model.parts_at)
+    for number in range(FIT.part_rounds):
+        there = _once(point, variance_factor, number == ANEW and not known)
         if there is None:
             break
-        before, point = point, there
-        if abs(before.chi2 - there.chi2) < FIT.same_parts:
+        less, point = point.chi2 - there.chi2, there
+        if (known or number > ANEW) and abs(less) < FIT.same_parts:
             break
-    return point
+    return settled(point)
 
 
 def about(point: Linearisation, noise: NoiseCovariance) -> Linearisation | None:
@@ -47,20 +53,37 @@ def about(point: Linearisation, noise: NoiseCovariance) -> Linearisation | None:
     return with_noise(point, noise, vectors, derivatives)
 
 
-def _once(point: Linearisation, variance_factor: float) -> Linearisation | None:
+def _once(point: Linearisation, variance_factor: float, anew: bool) -> Linearisation | None:
+    """One round, with derivatives anew or those that are known."""
     off = of_parts(deviations(point, variance_factor))
     if not off or not hasattr(point.model.small, "with_parts"):
         return None
-    if max(map(abs, off.values())) > FIT.farthest_part:
+    if max(map(abs, off.values())) > FIT.farthest_part or _stay(point.model.parts_at, off):
         return None
-    moved = point.model.with_parts_at(off)
+    moved, known = point.model.with_parts_at(off), point.noise.parts
+    if known is None:
+        return None
+    if anew:
+        there = _differenced_anew(point, moved)
+    else:
+        noise = replace(point.noise, model=moved, parts=replace(known, at=off))
+        there = with_noise(point, noise).moved(point.x, np.zeros(0, int))
+    return there and fitted(there, FIT.steps_per_round)
+
+
+def _stay(at: Mapping[str, float], off: Mapping[str, float]) -> bool:
+    """Whether parts are where the machine has them."""
+    return bool(at) and max(abs(off[n] - at.get(n, 0.0)) for n in off) < FIT.parts_stay
+
+
+def _differenced_anew(point: Linearisation, moved: Model) -> Linearisation | None:
+    """The same values of the machine with its parts moved, all derivatives made there."""
     machine = moved.as_machine() if _has_effects(point) else moved
     try:
         parts = part_deviations(machine, point.x)
     except ComputationFailed:
         return None
-    there = about(point, replace(point.noise, model=moved, parts=parts))
-    return there and settled(fitted(there, FIT.steps_per_round))
+    return about(point, replace(point.noise, model=moved, parts=parts))
 
 
 def _has_effects(point: Linearisation) -> bool:

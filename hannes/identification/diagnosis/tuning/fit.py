@@ -45,7 +45,10 @@ class FitTuning:
         4.0, "standard deviations", "to which a part is put at most", DEVELOPMENT
     )
     part_rounds: int = constant(
-        4, "1", "of fits, at most, about parts as the fit before has them", COST
+        6, "1", "of fits, at most, about parts as the fit before has them", COST
+    )
+    parts_stay: float = constant(
+        0.1, "standard deviations", "by which parts move less once they are as a fit has them", COST
     )
     same_parts: float = constant(
         3.0, "chi2", "by which such a fit differs from the one before, once parts stay", DEVELOPMENT
