@@ -256,6 +256,21 @@ def test_a_machine_on_a_weak_supply_was_not_overridden():
     assert [each.kind for each in check(recording, HandPlant()) if each.level == "fault"] == []
 
 
+def test_a_current_that_loses_more_one_way_is_no_switched_range():
+    """Its driver is dead for a while at each edge, and its supply sags: less is left of a pull."""
+    slow = Condition("dynamometer, 0.25 speed", scaled(PAPER, 0.25), 1, DYNAMOMETER, sensor=True)
+    hidden = {"bridge_dead_time.share": 0.04, "supply_sag.resistance": 0.72}
+    made = make(Protocol((slow,), RICH), 5, hidden)
+    (recording,) = made.recordings.values()
+    assert "range" not in [each.kind for each in check(recording, HandPlant())]
+
+
+def test_a_drive_that_crosses_zero_while_a_machine_begins_to_follow_is_not_off():
+    made = make(Protocol((Condition("void", PAPER, 6),), POOR), 5, {"current_offset.offset": -0.048})
+    found = [each for one in made.recordings.values() for each in check(one, HandPlant())]
+    assert "disabled" not in [each.kind for each in found]
+
+
 @pytest.mark.parametrize(("of", "seen"), [("current", False), ("duty", True)])
 def test_a_duty_at_its_end_hides_no_slip(of, seen):
     drive = np.concatenate([np.linspace(0.0, 1.0, 50), np.ones(100)])
