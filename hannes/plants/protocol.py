@@ -53,8 +53,8 @@ class Plant(Protocol):
                 at once, by normal draws of that size, two such changes each, {} where a run
                 fails: parts together do not always what they do one by one. Draws are the same
                 for every recording
-    with_parts(deviations): the plant with these like parts off for themselves (relative), by
-                name. Diagnose then simulates what it finds of them
+    with_parts(deviations): the plant, effects and all, with like parts off for themselves: by the
+                names of `apart`, relative to what they are. Diagnose then simulates what it finds
     slopes(parameters, steps, recording, channels): name -> channel -> its change, shape (n,), per
                 unit of each parameter of `steps` [SI], and per relative deviation of each part
     many(columns, recording, channels, exact): as `simulate` for rows of parameters, fast
@@ -251,6 +251,15 @@ def run_to_run_spread(plant: Plant) -> Mapping[str, float]:
         stacklevel=2,
     )
     return dict(plant.restless)
+
+
+def with_parts(plant: Plant, deviations: Mapping[str, float]) -> Plant:
+    """Return the plant with like parts so far off for themselves, relative, by name.
+
+    The plant itself where none is off. One that is off needs a plant that has `with_parts`.
+    """
+    moved: Plant = getattr(plant, "with_parts")(deviations) if deviations else plant  # noqa: B009
+    return moved
 
 
 def robust(plant: Plant, channel: str) -> float:

@@ -1,6 +1,7 @@
 """What only the law of a drive shows: ranges, slips, trips, leaks, another pace of a servo."""
 
 import tomllib
+from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 
@@ -265,10 +266,24 @@ def test_a_current_that_loses_more_one_way_is_no_switched_range():
     assert "range" not in [each.kind for each in check(recording, HandPlant())]
 
 
-def test_a_drive_that_crosses_zero_while_a_machine_begins_to_follow_is_not_off():
-    made = make(Protocol((Condition("void", PAPER, 6),), POOR), 5, {"current_offset.offset": -0.048})
-    found = [each for one in made.recordings.values() for each in check(one, HandPlant())]
-    assert "disabled" not in [each.kind for each in found]
+@pytest.mark.parametrize("rested", [0, 300])  # samples before the command begins
+def test_a_drive_that_crosses_zero_while_a_machine_begins_to_follow_is_not_off(rested):
+    hidden = {"current_offset.offset": -0.048}
+    made = make(Protocol((Condition("void", PAPER, 6),), POOR), 5, hidden)
+    for one in made.recordings.values():
+        found = check(after_rest(one, rested), HandPlant())
+        assert "disabled" not in [each.kind for each in found]
+
+
+def after_rest(recording, count):
+    """The recording with samples of rest before it, its current as noisy as it is."""
+    noise = 0.007 * np.random.default_rng(1).standard_normal(count)
+    first = {name: np.full(count, each[0]) for name, each in recording.channels.items()}
+    first["current"] = 0.005 * np.round((noise - 0.048) / 0.005)
+    channels = {n: np.concatenate((first[n], each)) for n, each in recording.channels.items()}
+    interval = recording.time[1] - recording.time[0]
+    channels["time"] = interval * np.arange(recording.time.size + count)
+    return replace(recording, channels=channels)
 
 
 @pytest.mark.parametrize(("of", "seen"), [("current", False), ("duty", True)])

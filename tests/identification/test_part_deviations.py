@@ -88,6 +88,7 @@ def test_a_plant_without_like_parts_has_none():
         groups=[0],
         apart=lambda group, x, share: {},
         together=lambda group, x, share: [],
+        parts_at={},
         space=SimpleNamespace(settings=Settings()),
     )
     assert part_deviations(model, np.zeros(1)) is None

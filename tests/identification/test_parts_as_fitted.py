@@ -1,7 +1,7 @@
 """Parts of a machine are put where a fit has them: what is linear of them is then little."""
 
+from copy import copy
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +10,9 @@ from benchmarks.few.cases import FULL
 from benchmarks.truth import campaign as truth
 from benchmarks.truth.protocol import RICH, Protocol
 from hannes.campaigns.campaign import Entry
-from hannes.identification.diagnosis import effect_removal, small_gains
+from hannes.identification.diagnosis import parts_as_fitted
 from hannes.identification.diagnosis.baseline import ROUGH
+from hannes.identification.diagnosis.before_after import simulated
 from hannes.identification.diagnosis.fitted_deviations import deviations
 from hannes.identification.diagnosis.gauss_newton import settled
 from hannes.identification.diagnosis.linearisation import begun, with_noise
@@ -21,7 +22,7 @@ from hannes.identification.diagnosis.parts_as_fitted import about, with_parts_as
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
-from hannes.identification.diagnosis.trials import Trial
+from hannes.plants.hand.finger_faults import FAULTS
 from hannes.plants.hand.plant import HandPlant
 
 OFF = {"index_mcp.moment_arm": 0.02, "ring_pip.spring_stiffness": -0.02}
@@ -75,27 +76,37 @@ def test_what_is_not_linear_in_parts_is_simulated(point):
     assert found.chi2 < 0.5 * point.chi2
 
 
-@pytest.mark.parametrize(
-    ("loss", "left", "wanted"),
-    [
-        (30.0, 0.7, 12.0),  # most of it is what parts do
-        (30.0, 1.4, 30.0),  # something else is missing, and may be in the parts
-        (90.0, 0.7, 90.0),  # too much for that
-        (10.0, 0.7, 10.0),  # not enough anyway
-    ],
-)
-def test_a_small_loss_is_that_with_parts_as_each_fit_has_them(monkeypatch, loss, left, wanted):
-    def trial(chi2):
-        at = SimpleNamespace(chi2=chi2, residual=np.zeros(1000))
-        return Trial(("a",), at, 1000.0 - chi2)
+def test_parts_farther_off_than_like_parts_are_left_alone(point, monkeypatch):
+    monkeypatch.setattr(parts_as_fitted, "of_parts", lambda rows: {"index_mcp.moment_arm": 4.1})
+    assert with_parts_as_fitted(point) is None
 
-    known, best = trial(1000.0 * left), trial(1000.0 * left - loss)
-    best = replace(best, delta_chi2=known.delta_chi2 + loss)
-    lower = {known.point.chi2: known.point.chi2 - 18.0, best.point.chi2: best.point.chi2}
-    monkeypatch.setattr(
-        small_gains,
-        "with_parts_as_fitted",
-        lambda point, factor: SimpleNamespace(chi2=lower[point.chi2]),
+
+def test_a_plant_that_cannot_move_its_parts_is_left_alone(point):
+    class Plain(HandPlant):
+        with_parts = property()  # raises AttributeError
+
+    model = copy(point.model)
+    model.small = Plain()
+    assert with_parts_as_fitted(replace(point, noise=replace(point.noise, model=model))) is None
+
+
+def test_the_stated_machine_has_no_part_off(point):
+    """Nor has the machine that is written; a fault is added to what is simulated."""
+    space = ParameterSpace(
+        HandPlant(), point.model.groups, Settings(), (FAULTS["index_weak_spring"],)
     )
-    found = SimpleNamespace(variance_factor=1.0)
-    assert effect_removal._loss(found, best, known) == pytest.approx(wanted)
+    off = HandPlant().with_parts({"index_mcp.spring_stiffness": 0.01}).parameters
+    moved, x = space.simulating(off), np.zeros(space.size)
+    x[space.place("index_weak_spring.mcp_lost")] = space.parameters[-2].x(0.3)
+    (group,) = point.model.groups
+    name = "index.mcp_spring_stiffness"
+    assert moved.columns(group, x[np.newaxis], True)[name] == pytest.approx(0.71)
+    assert moved.values(x)[name] == pytest.approx(0.7)
+    model = point.model.with_parts_at({"index_mcp.moment_arm": 2.0})
+    entries, places = point.model.groups[0].entries, np.zeros((2, point.x.size))
+    given, here = simulated(model, entries, places, as_given=1)[0]
+    stated, _ = simulated(point.model, entries, places)[0]
+    np.testing.assert_array_equal(given["position"], stated["position"])
+    assert np.any(given["position"] != here["position"])
+    both = simulated(model, entries, places)[0]
+    np.testing.assert_array_equal(both[0]["position"], both[1]["position"])

@@ -204,6 +204,7 @@ class _Follower:
         self._error = np.abs(asked - motion)
         self._largest = np.maximum.accumulate(self._error)
         self._lag = min(lag, motion.size)
+        self._begins = int(np.argmax(asked != asked[0]))
 
     def is_away(self, first: int, last: int) -> bool:
         """Whether the machine is for a while far from its command, as it never was before."""
@@ -234,7 +235,7 @@ class _Follower:
         A machine that only begins to follow is late anyway: its drive may cross zero meanwhile.
         """
         part = slice(first, last + 1)
-        if last < self._lag:
+        if last < self._begins + self._lag:
             return False
         goes = float(np.ptp(self._asked[part]))
         if last - first + 1 < BRIEF or goes < LEAST * self._size:

@@ -103,9 +103,12 @@ def _refitted(nominal: Linearisation, seed: int, near: Linearisation | None) -> 
 
 def _with_parts(nominal: Linearisation, baseline: Linearisation) -> Fits:
     """Both about the machine with its parts as the baseline has them, where it leaves little."""
-    found = with_parts_as_fitted(baseline) if leaves_noise(baseline) else baseline
-    given = about(nominal, found.noise) if found.model.parts_at else None
-    if given is None:
+    try:
+        found = with_parts_as_fitted(baseline) if leaves_noise(baseline) else None
+        given = found and about(nominal, found.noise)
+    except SearchEnded:
+        return with_noise(nominal, baseline.noise), baseline
+    if given is None or found is None:
         return with_noise(nominal, baseline.noise), settled(baseline)
     return given, found
 

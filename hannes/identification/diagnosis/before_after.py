@@ -15,31 +15,31 @@ STAGES = ("as_given", "before", "after")
 
 
 def simulated(
-    model: Model, entries: Sequence[Entry], places: np.ndarray
+    model: Model, entries: Sequence[Entry], places: np.ndarray, as_given: int = 0
 ) -> list[list[Channels | None]]:
     """Channels of each recording at each of the points x, (stages, size); None where it fails.
 
+    as_given: how many of the first points are of the stated machine, of which no part is off.
     Raises ComputationFailed where the first fails, the machine as given.
     """
     found: dict[int, list[Channels | None]] = {}
     by_run = bool(places[:, model.space.by_run].any())
     groups = grouped(model.small, entries)
     for group in one_by_one(groups) if by_run else groups:
-        made = _stages(model, group, places)
+        made = _stages(model, group, places, as_given)
         if made[0] is None:
             raise ComputationFailed(f"{group.entries[0].name} cannot be simulated as given")
         found.update({id(entry): made for entry in group.entries})
     return [found[id(entry)] for entry in entries]
 
 
-def _stages(model: Model, group: Group, places: np.ndarray) -> list[Channels | None]:
-    """A group's channels at each place; as given no part is off for itself."""
-    if not model.parts_at:
+def _stages(model: Model, group: Group, places: np.ndarray, as_given: int) -> list[Channels | None]:
+    if not model.parts_at or not as_given:
         return model.simulated(group, places, True, exact=True)
     given = model.with_parts_at({})
     return [
-        *given.simulated(group, places[:1], True, exact=True),
-        *model.simulated(group, places[1:], True, exact=True),
+        *given.simulated(group, places[:as_given], True, exact=True),
+        *model.simulated(group, places[as_given:], True, exact=True),
     ]
 
 

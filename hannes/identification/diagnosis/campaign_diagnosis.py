@@ -218,7 +218,7 @@ class _Closing:
         places = np.array([each.x for each in points])
         with self.model.work.in_any_case():
             made = with_deviations(
-                simulated(self.model, _entries(self.segments), places),
+                simulated(self.model, _entries(self.segments), places, as_given=1),
                 _entries(self.segments),
                 points[1:],
                 self.found.variance_factor,

@@ -21,7 +21,6 @@ from hannes.identification.diagnosis.score_test import (
     in_place_of,
     screened,
 )
-from hannes.identification.diagnosis.small_gains import gain_of_parts
 from hannes.identification.diagnosis.trials import (
     Joint,
     SearchResult,
@@ -54,20 +53,12 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
         if less is not None and (known is None or less.delta_chi2 > known.delta_chi2):
             without[name] = known = less
         if known is not None:
-            losses[name] = _loss(found, best, known)
+            losses[name] = best.delta_chi2 - known.delta_chi2
             if _is_faint_fault(known, name, losses[name]) or not _is_missed(
                 known, best, losses[name], found.variance_factor
             ):
                 return pruned_effects(found, Joint(known), progress)
     return replace(joint, losses=losses, without=without)
-
-
-def _loss(found: SearchResult, best: Trial, known: Trial) -> float:
-    """What is lost without one effect; where that is little, with parts as each fit has them."""
-    loss = best.delta_chi2 - known.delta_chi2
-    if not needed_beside(known, found.variance_factor) <= loss < SEARCH.sure_beside:
-        return loss
-    return loss - gain_of_parts(known.point, best.point, found.variance_factor)
 
 
 def _is_missed(known: Trial, best: Trial, loss: float, variance_factor: float) -> bool:

@@ -135,7 +135,8 @@ def _with_further(found: SearchResult, seed: int, progress: Progress) -> SearchR
     What judges and closes them then has some work of its own.
     """
     try:
-        found = with_small_gains(with_noise_at_best(found, seed, progress), progress)
+        found = with_noise_at_best(found, seed, progress)
+        found = with_small_gains(found, progress)
         return with_further_effects(found, progress) if may_be_named(found) else found
     except SearchEnded:
         found.baseline.model.work.extended()

@@ -1,9 +1,9 @@
 """What like parts are off for themselves by the fitted recordings, in runs simulated whole.
 
-A fit takes the parts' own deviations as uncertain, and moves none of them: its chi-squared is the
-least over all of them. A run that is simulated without them leaves what they would have explained.
-So their means, given the fitted recordings, are added to the runs that a decision must stand on.
-Recordings that were not fitted say nothing of them.
+A fit takes the parts' own deviations as uncertain, beside those that its machine has: its
+chi-squared is the least over all of them. A run that is simulated without them leaves what they
+would have explained. So their means, given the fitted recordings, are added to the runs that a
+decision must stand on. Recordings that were not fitted say nothing of them.
 """
 
 from collections.abc import Mapping, Sequence

@@ -53,7 +53,7 @@ class ParameterSpace:
         self, plant: Plant, groups: Sequence[Group], settings: Settings, effects: Sequence[Effect]
     ) -> None:
         self.effects = {each.name: each for each in effects}
-        self._nominal = plant.parameters
+        self._stated = self._simulated = plant.parameters
         known = _uncertain(plant, groups, settings)
         self.parameters = [*known, *_of_effects(effects)]
         self.uncertain = np.arange(len(known))
@@ -63,10 +63,10 @@ class ParameterSpace:
         self.settings = settings
         self._acting: dict[str, np.ndarray] = {}
 
-    def about(self, values: ParameterSet) -> "ParameterSpace":
-        """The same about other values of what is certain of the machine."""
+    def simulating(self, values: ParameterSet) -> "ParameterSpace":
+        """The same where other values of what is certain of the machine are simulated."""
         made = copy(self)
-        made._nominal = values
+        made._simulated = values
         return made
 
     @property
@@ -113,7 +113,9 @@ class ParameterSpace:
         )
         values = np.clip(centre + scale * rows.T[places], low, high)
         found = dict(zip((each.name for each in chosen), values, strict=True))
-        return self._moved(found, rows, float(group.numbers.mean())) if effects else found
+        if not effects:
+            return found
+        return self._moved(found, rows, self._simulated, float(group.numbers.mean()))
 
     def _shown(self, group: Group, effects: bool) -> list[int]:
         """Indices of what is a parameter of a group's model, with or without those of effects."""
@@ -125,32 +127,37 @@ class ParameterSpace:
         ]
 
     def _moved(
-        self, columns: dict[str, np.ndarray], rows: np.ndarray, before: float = 0.0
+        self,
+        columns: dict[str, np.ndarray],
+        rows: np.ndarray,
+        certain: ParameterSet,
+        before: float = 0.0,
     ) -> dict[str, np.ndarray]:
         """Columns with what faults of parts move; rows of x, shape (m, size).
 
-        before: how many runs of the campaign came before, by default none
+        certain: values of what is no column;  before: how many runs of the campaign came before
         """
         for place, each in enumerate(self.parameters):
             if not each.moves or not rows[:, place].any():
                 continue
             times = before if each.by_run else 1.0
             for name, change in each.moves.items():
-                low, high = self._nominal.declared[name].bounds
-                here = columns.get(name, self._nominal[name])
+                low, high = certain.declared[name].bounds
+                here = columns.get(name, certain[name])
                 columns[name] = np.clip(
                     here + times * change * each.value(rows[:, place]), low, high
                 )
         return columns
 
     def values(self, x: np.ndarray, owner: str = "") -> dict[str, float]:
-        """Parameters of the machine at x [SI], with those of one owner."""
+        """Parameters of the stated machine at x [SI], with those of one owner."""
         columns = {
             d.name: d.value(x[k : k + 1])
             for k, d in enumerate(self.parameters)
             if not d.moves and (not d.owner or d.owner == owner)
         }
-        return {name: float(each[0]) for name, each in self._moved(columns, x[np.newaxis]).items()}
+        moved = self._moved(columns, x[np.newaxis], self._stated)
+        return {name: float(each[0]) for name, each in moved.items()}
 
     def declared(self, name: str) -> Parameter:
         """Declaration of an effect's parameter, by full name."""

@@ -23,22 +23,27 @@ from hannes.identification.diagnosis.tuning import FIT
 ANEW = 1  # round in which all derivatives are made anew
 
 
-def leaves_noise(point: Linearisation) -> bool:
+def leaves_noise(point: Linearisation, variance_factor: float = 1.0) -> bool:
     """Whether a fit leaves little: what its parts are off for themselves is then no missing law."""
-    return point.chi2 < FIT.near_parts * point.residual.size
+    return point.chi2 < FIT.near_parts * variance_factor * point.residual.size
 
 
-def with_parts_as_fitted(point: Linearisation, variance_factor: float = 1.0) -> Linearisation:
-    """The fit about the machine with its parts where it has them; itself where that fails.
+def with_parts_as_fitted(
+    point: Linearisation, variance_factor: float = 1.0
+) -> Linearisation | None:
+    """The fit about the machine with its parts where it has them; None where that fails.
 
-    Nor is it changed where parts would be farther off than like parts are: something else is there.
-    Derivatives by parts take most of the work. They are made anew once, near where the parts stay.
+    So where parts would be farther off than like parts are: something else is there. Derivatives
+    by parts take most of the work. They are made anew once, near where the parts stay.
     """
     known = bool(point.model.parts_at)
     for number in range(FIT.part_rounds):
-        there = _once(point, variance_factor, number == ANEW and not known)
-        if there is None:
+        off = of_parts(deviations(point, variance_factor))
+        if _stay(point.model.parts_at, off):
             break
+        there = _moved(point, off, number == ANEW and not known)
+        if there is None:
+            return None
         less, point = point.chi2 - there.chi2, there
         if (known or number > ANEW) and abs(less) < FIT.same_parts:
             break
@@ -53,18 +58,16 @@ def about(point: Linearisation, noise: NoiseCovariance) -> Linearisation | None:
     return with_noise(point, noise, vectors, derivatives)
 
 
-def _once(point: Linearisation, variance_factor: float, anew: bool) -> Linearisation | None:
-    """One round, with derivatives anew or those that are known."""
-    off = of_parts(deviations(point, variance_factor))
-    if not off or not hasattr(point.model.small, "with_parts"):
+def _moved(point: Linearisation, off: Mapping[str, float], anew: bool) -> Linearisation | None:
+    """The fit with its parts off so far, by derivatives made anew or those that are known."""
+    known = point.noise.parts
+    if known is None or not off or not hasattr(point.model.small, "with_parts"):
         return None
-    if max(map(abs, off.values())) > FIT.farthest_part or _stay(point.model.parts_at, off):
+    if max(map(abs, off.values())) > FIT.farthest_part:
         return None
-    moved, known = point.model.with_parts_at(off), point.noise.parts
-    if known is None:
-        return None
+    moved = point.model.with_parts_at(off)
     if anew:
-        there = _differenced_anew(point, moved)
+        there = differenced_about(point, moved)
     else:
         noise = replace(point.noise, model=moved, parts=replace(known, at=off))
         there = with_noise(point, noise).moved(point.x, np.zeros(0, int))
@@ -76,8 +79,11 @@ def _stay(at: Mapping[str, float], off: Mapping[str, float]) -> bool:
     return bool(at) and max(abs(off[n] - at.get(n, 0.0)) for n in off) < FIT.parts_stay
 
 
-def _differenced_anew(point: Linearisation, moved: Model) -> Linearisation | None:
-    """The same values of the machine with its parts moved, all derivatives made there."""
+def differenced_about(point: Linearisation, moved: Model) -> Linearisation | None:
+    """The same values of the machine with its parts moved, all derivatives made there.
+
+    None where it cannot be simulated.
+    """
     machine = moved.as_machine() if _has_effects(point) else moved
     try:
         parts = part_deviations(machine, point.x)

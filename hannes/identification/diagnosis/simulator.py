@@ -16,7 +16,7 @@ from hannes.identification.diagnosis.sampling_error import DiscretisationError, 
 from hannes.identification.diagnosis.tuning import NOISE, SEARCH
 from hannes.identification.diagnosis.work_bound import Work, as_single, ordinary_time
 from hannes.plants.part_fault import compiled_effects
-from hannes.plants.protocol import Plant
+from hannes.plants.protocol import Plant, with_parts
 
 NOWHERE = (
     "the baseline cannot be simulated under a recording's reference; set `base` to a nearer machine"
@@ -51,8 +51,7 @@ class Model:
         self._corrections: dict[int, dict[int, SamplingCorrection]] = {}  # group, place
         self.work = work or Work()  # of this model and all made of it
         self._held = False  # whether effects are a fixed part of the machine
-        self._known = KnownVectors()
-        self.bandwidth = bandwidth
+        self._known, self.bandwidth = KnownVectors(), bandwidth
 
     def with_sampling_correction(self, x: np.ndarray, effects: Sequence[str]) -> "Model":
         """The same, quick simulations corrected for the controller's sampling near x.
@@ -97,10 +96,9 @@ class Model:
         """The same with like parts as far off for themselves, in standard deviations, by name."""
         made, share = copy(self), self.space.settings.scatter_apart
         relative = {name: share * deviation for name, deviation in deviations.items()}
-        stated = self._stated
-        made.small, made.whole = [p.with_parts(relative) for p in stated] if relative else stated
+        made.small, made.whole = (with_parts(each, relative) for each in self._stated)
+        made.space, made._known = self.space.simulating(made.whole.parameters), KnownVectors()
         made.parts_at = dict(deviations)
-        made.space, made._known = self.space.about(made.whole.parameters), KnownVectors()
         return made
 
     def as_machine(self) -> "Model":

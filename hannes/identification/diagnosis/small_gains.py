@@ -1,45 +1,72 @@
-"""Small gains, judged with the machine's parts as each fit has them off for themselves.
+"""Small gains, judged beside a baseline that started in the machine as given, parts and all.
 
-Where a fit leaves noise, a small gain may be what the fit neglects: parts add up linearly in it.
+A baseline is fitted before it is known what parts are off for themselves. Where recordings inform
+much, it may so end in a local minimum, beside which an effect gains a little although nothing is
+missing. Parts add up linearly in a fit, too, and what that neglects may gain as much.
 """
 
 from dataclasses import replace
 
-from hannes.core.errors import ComputationFailed
+from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.multistart import Progress
-from hannes.identification.diagnosis.parts_as_fitted import leaves_noise, with_parts_as_fitted
-from hannes.identification.diagnosis.trials import SearchResult, Trial, best_first
-from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
-
-
-def gain_of_parts(fewer: Linearisation, more: Linearisation, variance_factor: float) -> float:
-    """How much of one fit's gain over another is gone with parts as each has them; at least 0."""
-    if not leaves_noise(fewer):
-        return 0.0
-    try:
-        least = [with_parts_as_fitted(each, variance_factor).chi2 for each in (fewer, more)]
-    except ComputationFailed:
-        return 0.0
-    less = (fewer.chi2 - more.chi2) - (least[0] - least[1])
-    return max(0.0, less) / variance_factor
+from hannes.identification.diagnosis.multistart import Progress, started_at
+from hannes.identification.diagnosis.parts_as_fitted import (
+    differenced_about,
+    leaves_noise,
+    with_parts_as_fitted,
+)
+from hannes.identification.diagnosis.trials import SearchResult, Trial, best_first, priced
+from hannes.identification.diagnosis.tuning import FIT, SEARCH, VERDICT
 
 
 def with_small_gains(found: SearchResult, progress: Progress) -> SearchResult:
-    """The result with small gains less what parts explain; unchanged where one gains much."""
+    """The result beside the lowest such baseline, its best effects refitted beside that.
+
+    Unchanged where one gains much, where the baseline leaves more than noise, and where a machine
+    has no like parts.
+    """
     every = [*found.trials, *([found.generic] if found.generic else [])]
     most = max((each.delta_chi2 for each in every), default=0.0)
-    if not VERDICT.doubt <= most < SEARCH.sure_beside or not leaves_noise(found.baseline):
+    near = leaves_noise(found.baseline, found.variance_factor)
+    if not (near and VERDICT.doubt <= most < SEARCH.sure_beside and found.baseline.model.parts_at):
         return found
-    progress("small gains, with parts as each fit has them")
-    first = [_judged(found, each) for each in found.trials[: SEARCH.small_gains]]
-    generic = found.generic and _judged(found, found.generic)
-    trials = best_first([*first, *found.trials[SEARCH.small_gains :]])
-    return replace(found, trials=trials, generic=generic)
+    progress("the baseline, from the machine as given with its parts")
+    again = _from_as_given(found.baseline, found.variance_factor)
+    if again is None or again.chi2 >= found.baseline.chi2:
+        return found
+    nominal = differenced_about(found.nominal, again.model)
+    found = replace(found, baseline=again, nominal=nominal or found.nominal)
+    generic = found.generic and _repriced(found, _beside(again, found.generic))
+    return _judged(replace(found, generic=generic), progress)
 
 
-def _judged(found: SearchResult, trial: Trial) -> Trial:
-    if trial.delta_chi2 < VERDICT.doubt:
-        return trial
-    less = gain_of_parts(found.baseline, trial.point, found.variance_factor)
-    return replace(trial, delta_chi2=trial.delta_chi2 - less)
+def _from_as_given(point: Linearisation, variance_factor: float) -> Linearisation | None:
+    """The fit from the machine as given, of which no part is off; None where that fails."""
+    x = point.x.copy()
+    x[point.space.uncertain] = 0.0
+    there = differenced_about(replace(point, x=x), point.model.with_parts_at({}))
+    return there and with_parts_as_fitted(fitted(there, FIT.steps_per_round), variance_factor)
+
+
+def _judged(found: SearchResult, progress: Progress) -> SearchResult:
+    """The effects that gain most refitted beside the baseline, until the best one is."""
+    trials = best_first([_repriced(found, each) for each in found.trials])
+    done: set[tuple[str, ...]] = set()
+    while trials and trials[0].effects not in done and trials[0].delta_chi2 >= VERDICT.doubt:
+        first, *rest = trials
+        progress(f"{' and '.join(first.effects)}, beside that".replace("_", " "))
+        done.add(first.effects)
+        trials = best_first([_repriced(found, _beside(found.baseline, first)), *rest])
+    return replace(found, trials=trials)
+
+
+def _repriced(found: SearchResult, trial: Trial) -> Trial:
+    return priced(found.baseline, trial, found.variance_factor)
+
+
+def _beside(start: Linearisation, trial: Trial) -> Trial:
+    """Its effects refitted from there on, at the sizes that they have; itself where that fails."""
+    own = trial.point.space.of(*trial.effects)
+    begun = started_at(start, own, trial.point.x[own])
+    point = begun and with_parts_as_fitted(fitted(begun, FIT.steps_per_round))
+    return trial if point is None else replace(trial, point=point)

@@ -121,7 +121,6 @@ class SearchTuning:
         "that one more needs at most, where they leave little; below, held-out runs are asked",
         DEVELOPMENT,
     )
-    small_gains: int = constant(3, "1", "effects whose small gains are judged so", COST)
     most_effects: int = constant(4, "1", "effects that are named together", COST)
     refused_effects: int = constant(
         1, "1", "that do not stay beside some that leave much: then one more is tried", COST
