@@ -15,11 +15,8 @@ from hannes.plants.hand.channel_limits import EXPECTED
 from hannes.plants.hand.moved_values import moved_values
 from hannes.plants.hand.noise_bandwidth import noise_bandwidth
 from hannes.plants.hand.recorded_experiment import (
-    effects_on_object,
-    experiment_of,
-    motion,
-    with_sampled_controller,
-)
+    effects_on_object, experiment_of, motion, with_sampled_controller,
+)  # fmt: skip
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand import variables as channels
 from hannes.simulation.hand.hand import Hand
@@ -62,7 +59,6 @@ CERTAIN_ENDINGS = ("onset", ".mount_x", ".mount_y", ".mount_z", ".facing", ".fir
 PLACED = dict.fromkeys(("object.x", "object.y"), 10e-3)  # m, scale of an object's place
 TOLERANCE = 1e-5
 Values = Mapping[str, float]
-
 Columns = dict[str, np.ndarray]  # by full name
 
 
@@ -157,7 +153,7 @@ class HandPlant(ByValue):
         return joint_deviations.together(self._near(parameters, recording, channels), share)
 
     def with_parts(self, deviations: Values) -> "HandPlant":
-        """Return a plant whose joints are each so far off for themselves, relative."""
+        """The plant with its joints so far off for themselves, relative."""
         return self.with_values(joint_deviations.shares(self.parameters, deviations))
 
     def _near(self, at: Values, run: Recording, names: Sequence[str]) -> joint_deviations.Asked:
@@ -281,9 +277,8 @@ class HandPlant(ByValue):
 
     def same_run(self, recording: Recording) -> bytes:
         """Equal where reference, times and experiment are equal."""
-        names = ("time", "reference")
-        arrays = b"".join(recording[name].tobytes() for name in names if name in recording)
-        return arrays + recording.experiment.encode()
+        arrays = (recording[n].tobytes() for n in ("time", "reference") if n in recording)
+        return b"".join(arrays) + recording.experiment.encode()
 
     def judged_part(self, recording: Recording) -> np.ndarray:
         """Every sample is compared."""
