@@ -15,7 +15,10 @@ from hannes.plants.hand.channel_limits import EXPECTED
 from hannes.plants.hand.moved_values import moved_values
 from hannes.plants.hand.noise_bandwidth import noise_bandwidth
 from hannes.plants.hand.recorded_experiment import (
-    effects_on_object, experiment_of, motion, with_sampled_controller,
+    effects_on_object,
+    experiment_of,
+    motion,
+    with_sampled_controller,
 )  # fmt: skip
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand import variables as channels
@@ -214,9 +217,7 @@ class HandPlant(ByValue):
             return experiment
         return replace(experiment, object=replace(experiment.object, values={**own, **moved}))
 
-    def _run(
-        self, parameters: Mapping[str, float], recording: Recording, experiment: Experiment
-    ) -> Columns:
+    def _run(self, parameters: Values, recording: Recording, experiment: Experiment) -> Columns:
         hand = self.hand.with_values(parameters)
         run = simulate(hand, experiment, rtol=TOLERANCE, effects=hand.effects).require()
         judged = (*self.judged, "reference")
