@@ -214,3 +214,15 @@ def test_a_fault_of_one_joint_pays_nothing_for_the_other_that_does_nothing(monke
     monkeypatch.setattr(trials, "wald", lambda point, places: lost if "mcp" in places[0] else 200.0)
     found = priced(baseline, Trial(("ring_slipped_wire",), point, 0.0), 1.0)
     assert found.delta_chi2 == 40.0 - SEARCH.fault_price - paid
+
+
+def test_a_rival_pays_nothing_for_a_number_that_it_does_not_need(monkeypatch):
+    """Of friction by direction the dry part alone does as much here, or both are needed."""
+    lost = {"direction_friction.dry": 90.0, "direction_friction.viscous": 0.5}
+    monkeypatch.setattr(trials, "wald", lambda point, places: lost[places[0]])
+    best = trial("current_offset", delta_chi2=100.0)
+    other = trial("direction_friction", delta_chi2=100.0 - SEARCH.rival - 1.0)
+    other.point.space.place = lambda name: name
+    assert near(best, [other]) == [other]
+    lost["direction_friction.viscous"] = SEARCH.parameter_price + 1.0
+    assert near(best, [other]) == []

@@ -39,7 +39,7 @@ def test_a_hand_whose_joints_are_off_is_one_of_other_shares():
 
 @pytest.fixture(scope="module")
 def point():
-    """A fit to the mean closure of a hand whose joints are off, known ten times as well as one."""
+    """A fit to the mean closure of a hand whose joints are off, known far better than that."""
     made = truth.make(Protocol((FULL,), RICH), 4)
     plant, recording = HandPlant(), next(iter(made.recordings.values()))
     groups = grouped(plant, [Entry("run", recording, FULL.name, "fit")])
@@ -51,7 +51,7 @@ def point():
     off = {name: rng.standard_normal() for name in of_parts(deviations(there, 1.0))}
     vector = model.with_parts_at(off).vectors(groups[0], x[np.newaxis], False)[0]
     groups[0].measured = (vector + noise.discretisation[0])[np.newaxis]
-    covariances = [0.01 * each for each in noise.covariances]
+    covariances = [4e-3 * each for each in noise.covariances]
     return settled(with_noise(there, replace(noise, covariances=covariances)))
 
 
@@ -67,7 +67,7 @@ def test_parts_about_which_a_machine_is_simulated_are_expected_where_they_were(p
     assert expected == pytest.approx(alone - explained)
     (before,), (after,) = point.vectors, about(point, noise).vectors
     left = [point.noise.white(0, each) for each in (after - before - explained, after - before)]
-    assert np.linalg.norm(left[0]) < 0.2 * np.linalg.norm(left[1])
+    assert np.linalg.norm(left[0]) < 0.5 * np.linalg.norm(left[1])
 
 
 def test_what_is_not_linear_in_parts_is_simulated(point):

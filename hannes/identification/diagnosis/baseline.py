@@ -103,14 +103,17 @@ def _refitted(nominal: Linearisation, seed: int, near: Linearisation | None) -> 
 
 def _with_parts(nominal: Linearisation, baseline: Linearisation) -> Fits:
     """Both about the machine with its parts as the baseline has them, where it leaves little."""
+    stays = with_noise(nominal, baseline.noise)
     try:
         found = with_parts_as_fitted(baseline) if leaves_noise(baseline) else None
-        given = found and about(nominal, found.noise)
+        if found is None:
+            return stays, settled(baseline)
+        if not found.model.parts_at:
+            return stays, found
+        given = about(nominal, found.noise)
     except SearchEnded:
-        return with_noise(nominal, baseline.noise), baseline
-    if given is None or found is None:
-        return with_noise(nominal, baseline.noise), settled(baseline)
-    return given, found
+        return stays, baseline
+    return (given, found) if given else (stays, baseline)
 
 
 def _begun(nominal: Linearisation) -> Linearisation:

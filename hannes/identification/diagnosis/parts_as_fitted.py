@@ -33,8 +33,10 @@ def with_parts_as_fitted(
 ) -> Linearisation | None:
     """The fit about the machine with its parts where it has them; None where that fails.
 
-    So where parts would be farther off than like parts are: something else is there. Derivatives
-    by parts take most of the work. They are made anew once, near where the parts stay.
+    So where parts would be farther off than like parts are: something else is there. Where little
+    is neglected by what is linear, no part is moved: recordings that inform little would only lead
+    parts astray. Derivatives by parts take most of the work. They are made anew once, near where
+    the parts stay.
     """
     known = bool(point.model.parts_at)
     for number in range(FIT.part_rounds):
@@ -44,6 +46,9 @@ def with_parts_as_fitted(
         there = _moved(point, off, number == ANEW and not known)
         if there is None:
             return None
+        if not (known or number) and _neglected(point, there) < FIT.little_neglected:
+            break
+        there = fitted(there, FIT.steps_per_round)
         less, point = point.chi2 - there.chi2, there
         if (known or number > ANEW) and abs(less) < FIT.same_parts:
             break
@@ -59,7 +64,7 @@ def about(point: Linearisation, noise: NoiseCovariance) -> Linearisation | None:
 
 
 def _moved(point: Linearisation, off: Mapping[str, float], anew: bool) -> Linearisation | None:
-    """The fit with its parts off so far, by derivatives made anew or those that are known."""
+    """The same values with parts off so far, by derivatives made anew or those that are known."""
     known = point.noise.parts
     if known is None or not off or not hasattr(point.model.small, "with_parts"):
         return None
@@ -67,11 +72,15 @@ def _moved(point: Linearisation, off: Mapping[str, float], anew: bool) -> Linear
         return None
     moved = point.model.with_parts_at(off)
     if anew:
-        there = differenced_about(point, moved)
-    else:
-        noise = replace(point.noise, model=moved, parts=replace(known, at=off))
-        there = with_noise(point, noise).moved(point.x, np.zeros(0, int))
-    return there and fitted(there, FIT.steps_per_round)
+        return differenced_about(point, moved)
+    noise = replace(point.noise, model=moved, parts=replace(known, at=off))
+    return with_noise(point, noise).moved(point.x, np.zeros(0, int))
+
+
+def _neglected(point: Linearisation, there: Linearisation) -> float:
+    """Chi-squared of what the rows of parts do not say of how parts change the machine."""
+    change = point.residual - there.residual
+    return float(change @ change)
 
 
 def _stay(at: Mapping[str, float], off: Mapping[str, float]) -> bool:

@@ -103,13 +103,12 @@ def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Tri
     return replace(trial, delta_chi2=lowered - paid)
 
 
-def _spared(point: Linearisation, fault: str, variance_factor: float) -> float:
-    """What a fault need not pay for its second joint: by the first alone less may be lost."""
-    space = point.space
-    own = [space.place(each) for each in amplitude_names(space.effects[fault])]
-    if len(own) < 2:
+def _spared(point: Linearisation, name: str, variance_factor: float) -> float:
+    """What an effect need not pay for its second number: by the first alone less may be lost."""
+    names = amplitude_names(point.space.effects[name])
+    if len(names) < 2:
         return 0.0
-    lost = min(wald(point, [place]) for place in own) / variance_factor
+    lost = min(wald(point, [point.space.place(each)]) for each in names) / variance_factor
     return max(0.0, SEARCH.parameter_price - lost)
 
 
@@ -154,8 +153,20 @@ def near(best: Trial, trials: Sequence[Trial]) -> list[Trial]:
         each
         for each in trials
         if each.effects != best.effects
-        and best.delta_chi2 - each.delta_chi2 < _far(best, each, best.delta_chi2)
+        and best.delta_chi2 - _at_its_best(each) < _far(best, each, best.delta_chi2)
     ]
+
+
+def _at_its_best(trial: Trial) -> float:
+    """A trial's reduction, were a number free that it does not need.
+
+    An effect of two numbers, one of which is nothing here, is no less likely for the other.
+    """
+    if len(trial.effects) > 1 or trial.effects[0] in GENERIC:
+        return trial.delta_chi2
+    if part_faults(trial.point.space.effects, trial.effects):  # it is in their price
+        return trial.delta_chi2
+    return trial.delta_chi2 + _spared(trial.point, trial.effects[0], 1.0)
 
 
 def joint_rivals(joint: Joint) -> list[Trial]:

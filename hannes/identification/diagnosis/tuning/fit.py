@@ -41,6 +41,12 @@ class FitTuning:
     near_parts: float = constant(
         1.1, "1", "per bin, of a baseline about which parts are put where it has them", DEVELOPMENT
     )
+    little_neglected: float = constant(
+        8.0,
+        "chi2",
+        "of what is not linear in parts, below which none is moved: half of what a name needs",
+        DEVELOPMENT,
+    )
     farthest_part: float = constant(
         4.0, "standard deviations", "to which a part is put at most", DEVELOPMENT
     )
