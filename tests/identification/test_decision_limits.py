@@ -10,6 +10,7 @@ from hannes.identification.diagnosis.decision import allowed
 from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
 from hannes.identification.diagnosis.trials import Trial, near, priced
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.simulation.catalogue import effects
 
 
 @pytest.mark.parametrize(("per_bin", "noise"), [(0.5, 1.0), (0.8, 1.0), (1.5, 1.5)])
@@ -33,7 +34,7 @@ def test_a_law_that_leaves_little_has_no_rival_that_leaves_much_more(left, apart
     """Of 100,000 explained, 2,000 less are 2 %: near where the best law is that inexact itself."""
 
     def trial(name, more):
-        space = SimpleNamespace(effects={})
+        space = SimpleNamespace(effects=effects())
         point = SimpleNamespace(chi2=700.0 + left + more, residual=np.zeros(700), space=space)
         return Trial((name,), point, 1e5 - more)
 

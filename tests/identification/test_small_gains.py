@@ -1,5 +1,6 @@
 """Small gains are judged beside a baseline that started in the machine as given."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from hannes.identification.diagnosis import small_gains
 from hannes.identification.diagnosis.small_gains import with_small_gains
 from hannes.identification.diagnosis.trials import SearchResult, Trial
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 BINS = 1000
 
@@ -15,7 +17,7 @@ BINS = 1000
 def point(chi2, moved=True):
     """A fit of a machine some of whose parts are off, or of one that is as stated."""
     model = SimpleNamespace(parts_at={"index": 1.0} if moved else {})
-    return SimpleNamespace(chi2=chi2, residual=np.zeros(BINS), model=model)
+    return SimpleNamespace(chi2=chi2, residual=np.zeros(BINS), model=model, noise=None)
 
 
 def trial(gain, name, baseline=800.0):
@@ -32,15 +34,17 @@ def result(gains, baseline=800.0, moved=True):
 def _judged(monkeypatch):
     """A baseline from the machine as given is lower by 30, and effects gain 2 beside it."""
     monkeypatch.setattr(small_gains, "_from_as_given", lambda at, factor: point(at.chi2 - 30.0))
-    monkeypatch.setattr(small_gains, "differenced_about", lambda at, model: at)
+    monkeypatch.setattr(small_gains, "about", lambda at, noise: at)
 
-    def beside(start, each):
-        return Trial(each.effects, point(start.chi2 - 2.0), 0.0)
+    def beside(found, each):
+        own = {"real": 60.0, "rival": 58.0}.get(each.effects[0], 2.0)
+        return Trial(each.effects, point(found.baseline.chi2 - own), 0.0)
 
     def repriced(found, each):
         return Trial(each.effects, each.point, found.baseline.chi2 - each.point.chi2)
 
     monkeypatch.setattr(small_gains, "_beside", beside)
+    monkeypatch.setattr(small_gains, "near", lambda best, others: [])
     monkeypatch.setattr(small_gains, "_repriced", repriced)
 
 
@@ -63,3 +67,43 @@ def test_none_of_many_small_gains_stays_unjudged():
 )
 def test_other_results_stay(found):
     assert with_small_gains(found, lambda text: None) is found
+
+
+@pytest.mark.usefixtures("_judged")
+def test_rivals_of_the_best_effect_are_judged_with_it(monkeypatch):
+    found = result([60.0, 58.0])
+    names = ("real", "rival")
+    trials = [replace(each, effects=(n,)) for each, n in zip(found.trials, names, strict=True)]
+    monkeypatch.setattr(small_gains, "near", lambda best, others: others[1:])
+    again = with_small_gains(replace(found, trials=trials), lambda text: None)
+    assert [(each.effects[0], each.delta_chi2) for each in again.trials] == [
+        ("real", 60.0), ("rival", 58.0),
+    ]  # fmt: skip
+
+
+@pytest.mark.usefixtures("_judged")
+def test_where_the_bound_of_work_ends_it_gains_are_those_beside_the_lower_baseline(monkeypatch):
+    def ended(found, each):
+        raise SearchEnded
+
+    monkeypatch.setattr(small_gains, "_beside", ended)
+    found = with_small_gains(result([40.0]), lambda text: None)
+    assert found.trials[0].delta_chi2 == pytest.approx(10.0)
+
+
+def test_an_effect_is_refitted_from_where_it_leaves_least(monkeypatch):
+    fits = iter([point(790.0), point(780.0)])
+    monkeypatch.setattr(small_gains, "started_at", lambda *given: point(0.0))
+    monkeypatch.setattr(small_gains, "about", lambda *given: point(0.0))
+    monkeypatch.setattr(small_gains, "fitted", lambda at, steps: next(fits))
+    monkeypatch.setattr(small_gains, "with_correction_at_size", lambda at, name: at)
+    asked = []
+    monkeypatch.setattr(
+        small_gains, "with_parts_as_fitted", lambda at, factor: asked.append(factor)
+    )
+    one = trial(20.0, "effect")
+    one.point.space = SimpleNamespace(of=lambda *names: np.array([0]))
+    one.point.x = np.zeros(1)
+    found = SimpleNamespace(baseline=point(800.0), variance_factor=1.05)
+    assert small_gains._beside(found, one).point.chi2 == 780.0  # its parts cannot be moved
+    assert asked == [1.05]

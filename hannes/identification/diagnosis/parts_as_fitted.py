@@ -33,10 +33,10 @@ def with_parts_as_fitted(
 ) -> Linearisation | None:
     """The fit about the machine with its parts where it has them; None where that fails.
 
-    So where parts would be farther off than like parts are: something else is there. Where little
-    is neglected by what is linear, no part is moved: recordings that inform little would only lead
-    parts astray. Derivatives by parts take most of the work. They are made anew once, near where
-    the parts stay.
+    None, too, where a part would be more than 4 standard deviations off: something else is there.
+    Where little is neglected by what is linear, no part is moved: recordings that inform little
+    would only lead parts astray. Derivatives by parts take most of the work. They are made anew
+    once, near where the parts stay.
     """
     known = bool(point.model.parts_at)
     for number in range(FIT.part_rounds):

@@ -5,39 +5,52 @@ much, it may so end in a local minimum, beside which an effect gains a little al
 missing. Parts add up linearly in a fit, too, and what that neglects may gain as much.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.multistart import Progress, started_at
+from hannes.identification.diagnosis.multistart import (
+    Progress,
+    started_at,
+    with_correction_at_size,
+)
 from hannes.identification.diagnosis.parts_as_fitted import (
+    about,
     differenced_about,
     leaves_noise,
     with_parts_as_fitted,
 )
-from hannes.identification.diagnosis.trials import SearchResult, Trial, best_first, priced
+from hannes.identification.diagnosis.trials import SearchResult, Trial, best_first, near, priced
 from hannes.identification.diagnosis.tuning import FIT, SEARCH, VERDICT
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 
 def with_small_gains(found: SearchResult, progress: Progress) -> SearchResult:
     """The result beside the lowest such baseline, its best effects refitted beside that.
 
-    Unchanged where one gains much, where the baseline leaves more than noise, and where a machine
-    has no like parts.
+    Unchanged where one gains much, where the baseline leaves more than noise, and where no part of
+    the machine was moved.
     """
     every = [*found.trials, *([found.generic] if found.generic else [])]
     most = max((each.delta_chi2 for each in every), default=0.0)
-    near = leaves_noise(found.baseline, found.variance_factor)
-    if not (near and VERDICT.doubt <= most < SEARCH.sure_beside and found.baseline.model.parts_at):
+    if not VERDICT.doubt <= most < SEARCH.sure_beside or not _moved(found.baseline):
         return found
     progress("the baseline, from the machine as given with its parts")
     again = _from_as_given(found.baseline, found.variance_factor)
     if again is None or again.chi2 >= found.baseline.chi2:
         return found
-    nominal = differenced_about(found.nominal, again.model)
-    found = replace(found, baseline=again, nominal=nominal or found.nominal)
-    generic = found.generic and _repriced(found, _beside(again, found.generic))
-    return _judged(replace(found, generic=generic), progress)
+    nominal = about(found.nominal, again.noise)
+    return (
+        _judged(found, replace(found, baseline=again, nominal=nominal), progress)
+        if nominal
+        else found
+    )
+
+
+def _moved(baseline: Linearisation) -> bool:
+    """Whether parts are where the baseline has them, which is so where it left noise."""
+    return bool(baseline.model.parts_at) and leaves_noise(baseline)
 
 
 def _from_as_given(point: Linearisation, variance_factor: float) -> Linearisation | None:
@@ -48,25 +61,49 @@ def _from_as_given(point: Linearisation, variance_factor: float) -> Linearisatio
     return there and with_parts_as_fitted(fitted(there, FIT.steps_per_round), variance_factor)
 
 
-def _judged(found: SearchResult, progress: Progress) -> SearchResult:
-    """The effects that gain most refitted beside the baseline, until the best one is."""
+def _judged(before: SearchResult, found: SearchResult, progress: Progress) -> SearchResult:
+    """The effects refitted beside the baseline: the best one until it is, and its rivals before.
+
+    Where the bound of work ends that, each with its fit before.
+    """
+    rivals = [t.effects for first in before.trials[:1] for t in near(first, before.trials)]
+    generic = found.generic and _repriced(found, found.generic)
     trials = best_first([_repriced(found, each) for each in found.trials])
-    done: set[tuple[str, ...]] = set()
-    while trials and trials[0].effects not in done and trials[0].delta_chi2 >= VERDICT.doubt:
-        first, *rest = trials
-        progress(f"{' and '.join(first.effects)}, beside that".replace("_", " "))
-        done.add(first.effects)
-        trials = best_first([_repriced(found, _beside(found.baseline, first)), *rest])
-    return replace(found, trials=trials)
+    done: list[tuple[str, ...]] = []
+    try:
+        generic = generic and _repriced(found, _beside(found, generic))
+        while (one := _next(trials, rivals, done)) is not None:
+            progress(f"{' and '.join(one.effects)}, beside that".replace("_", " "))
+            done.append(one.effects)
+            rest = [each for each in trials if each is not one]
+            trials = best_first([_repriced(found, _beside(found, one)), *rest])
+    except SearchEnded:
+        pass
+    return replace(found, trials=trials, generic=generic)
+
+
+def _next(
+    trials: Sequence[Trial], rivals: Sequence[tuple[str, ...]], done: Sequence[tuple[str, ...]]
+) -> Trial | None:
+    """The trial to be refitted next; None where nothing gains enough, or all that may have been."""
+    if not trials or trials[0].delta_chi2 < VERDICT.doubt:
+        return None
+    wanted = [trials[0].effects, *rivals]
+    return next((t for t in trials if t.effects in wanted and t.effects not in done), None)
 
 
 def _repriced(found: SearchResult, trial: Trial) -> Trial:
     return priced(found.baseline, trial, found.variance_factor)
 
 
-def _beside(start: Linearisation, trial: Trial) -> Trial:
-    """Its effects refitted from there on, at the sizes that they have; itself where that fails."""
-    own = trial.point.space.of(*trial.effects)
-    begun = started_at(start, own, trial.point.x[own])
-    point = begun and with_parts_as_fitted(fitted(begun, FIT.steps_per_round))
-    return trial if point is None else replace(trial, point=point)
+def _beside(found: SearchResult, trial: Trial) -> Trial:
+    """Its effects refitted beside the baseline, from its values and from those of its fit."""
+    base, own = found.baseline, trial.point.space.of(*trial.effects)
+    begun = [started_at(base, own, trial.point.x[own]), about(trial.point, base.noise)]
+    fits = [fitted(each, FIT.steps_per_round) for each in begun if each is not None]
+    if not fits:
+        return trial
+    point = min(fits, key=lambda each: each.chi2)
+    for name in trial.effects:
+        point = with_correction_at_size(point, name)
+    return replace(trial, point=with_parts_as_fitted(point, found.variance_factor) or point)
