@@ -8,7 +8,7 @@ import importlib
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Protocol, Self, runtime_checkable
+from typing import Protocol, Self, cast, runtime_checkable
 
 import numpy as np
 
@@ -143,6 +143,15 @@ class Plant(Protocol):
         ...
 
 
+@runtime_checkable
+class PlantOfParts(Protocol):
+    """What a plant has besides whose like parts can be off for themselves."""
+
+    def with_parts(self, deviations: Mapping[str, float]) -> Plant:
+        """Return the plant with parts so far off, relative, by the names of `apart`."""
+        ...
+
+
 PLANTS = {
     "hand": "hannes.plants.hand.plant:HandPlant",
     "axis": "hannes.plants.axis.plant:Axis",
@@ -258,8 +267,7 @@ def with_parts(plant: Plant, deviations: Mapping[str, float]) -> Plant:
 
     The plant itself where none is off. One that is off needs a plant that has `with_parts`.
     """
-    moved: Plant = getattr(plant, "with_parts")(deviations) if deviations else plant  # noqa: B009
-    return moved
+    return cast(PlantOfParts, plant).with_parts(deviations) if deviations else plant
 
 
 def robust(plant: Plant, channel: str) -> float:

@@ -19,6 +19,7 @@ from hannes.identification.diagnosis.noise_covariance import NoiseCovariance
 from hannes.identification.diagnosis.part_deviations import of_parts, part_deviations
 from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.diagnosis.tuning import FIT
+from hannes.plants.protocol import PlantOfParts
 
 ANEW = 1  # round in which all derivatives are made anew
 
@@ -66,7 +67,7 @@ def about(point: Linearisation, noise: NoiseCovariance) -> Linearisation | None:
 def _moved(point: Linearisation, off: Mapping[str, float], anew: bool) -> Linearisation | None:
     """The same values with parts off so far, by derivatives made anew or those that are known."""
     known = point.noise.parts
-    if known is None or not off or not hasattr(point.model.small, "with_parts"):
+    if known is None or not off or not isinstance(point.model.small, PlantOfParts):
         return None
     if max(map(abs, off.values())) > FIT.farthest_part:
         return None

@@ -41,11 +41,9 @@ def with_small_gains(found: SearchResult, progress: Progress) -> SearchResult:
     if again is None or again.chi2 >= found.baseline.chi2:
         return found
     nominal = about(found.nominal, again.noise)
-    return (
-        _judged(found, replace(found, baseline=again, nominal=nominal), progress)
-        if nominal
-        else found
-    )
+    if nominal is None:
+        return found
+    return _judged(found, replace(found, baseline=again, nominal=nominal), progress)
 
 
 def _moved(baseline: Linearisation) -> bool:
@@ -77,7 +75,7 @@ def _judged(before: SearchResult, found: SearchResult, progress: Progress) -> Se
             done.append(one.effects)
             rest = [each for each in trials if each is not one]
             trials = best_first([_repriced(found, _beside(found, one)), *rest])
-    except SearchEnded:
+    except SearchEnded:  # the lower baseline stands all the same
         pass
     return replace(found, trials=trials, generic=generic)
 

@@ -19,7 +19,7 @@ from hannes.plants.hand.recorded_experiment import (
     experiment_of,
     motion,
     with_sampled_controller,
-)  # fmt: skip
+)
 from hannes.simulation.experiment.experiment import Experiment
 from hannes.simulation.hand import variables as channels
 from hannes.simulation.hand.hand import Hand
