@@ -18,7 +18,7 @@ from hannes.identification.diagnosis.multistart import (
     Progress,
     without,
 )
-from hannes.identification.diagnosis.noise_at_best import with_noise_at_best
+from hannes.identification.diagnosis.noise_at_best import waits, with_noise_at_best
 from hannes.identification.diagnosis.order_of_runs import in_order
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
@@ -135,9 +135,9 @@ def _with_further(found: SearchResult, seed: int, progress: Progress) -> SearchR
     What judges and closes them then has some work of its own.
     """
     try:
-        found = with_noise_at_best(found, seed, progress)
+        found = found if waits(found) else with_noise_at_best(found, seed, progress)
         found = with_small_gains(found, progress)
-        return with_further_effects(found, progress) if may_be_named(found) else found
+        return with_further_effects(found, seed, progress) if may_be_named(found) else found
     except SearchEnded:
         found.baseline.model.work.extended()
         return replace(found, cut_short=True)

@@ -25,8 +25,14 @@ from hannes.identification.diagnosis.multistart import (
     started_at_guess,
     with_correction_at_size,
 )
-from hannes.identification.diagnosis.reservations import far_from_prior
+from hannes.identification.diagnosis.noise_at_best import waits, with_noise_at_best
+from hannes.identification.diagnosis.reservations import beyond_noise, far_from_prior
 from hannes.identification.diagnosis.score_test import SMALL, Guess, screened_widely
+from hannes.identification.diagnosis.sets_as_given import (
+    enlarged_as_given,
+    restarted,
+    surely_there,
+)
 from hannes.identification.diagnosis.trials import (
     Joint,
     SearchResult,
@@ -42,7 +48,7 @@ from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded
 
 
-def with_further_effects(found: SearchResult, progress: Progress) -> SearchResult:
+def with_further_effects(found: SearchResult, seed: int, progress: Progress) -> SearchResult:
     """Look for further effects beside the best one, and for what is left after the last.
 
     Where the bound of work ends that, what was found by then stands, with what could stand in for
@@ -50,7 +56,10 @@ def with_further_effects(found: SearchResult, progress: Progress) -> SearchResul
     """
     best = _selected(found, Joint(found.trials[0]), progress)
     try:
+        if waits(found) and not best.cut_short:
+            best = _in_their_noise(best, seed, progress)
         best = best if best.cut_short else _with_sets(best, progress)
+        best = best if best.cut_short else _from_as_given(best, progress)
         if not best.cut_short:
             return with_rivals(best, progress)
     except SearchEnded:
@@ -59,23 +68,82 @@ def with_further_effects(found: SearchResult, progress: Progress) -> SearchResul
     return with_rivals(best, progress)
 
 
+def _in_their_noise(best: SearchResult, seed: int, progress: Progress) -> SearchResult:
+    """The result in the noise of the machine with its effects, and what else is found in that."""
+    found = with_noise_at_best(best, seed, progress)
+    if found is best or found.best is None:
+        return best
+    joint = pruned_effects(found, found.joint or Joint(found.best), progress)
+    return _selected(found, joint, progress)
+
+
 def _with_sets(best: SearchResult, progress: Progress) -> SearchResult:
     """The result or, where it leaves less, that of several effects started together."""
     try:
         for trial in _together(best, progress):
             start = scaled(best, trial.point)
-            joint = Joint(priced(start.baseline, trial, start.variance_factor))
-            pruned = pruned_effects(start, joint, progress)
-            if pruned.trial.point.chi2 < _left(best) or len(pruned.trial.effects) > 1:
-                other = _selected(start, pruned, progress)
-                ended = best.cut_short or other.cut_short
-                better = _left(other) < _left(best) - SEARCH.name_limit
-                best = replace(other if better else best, cut_short=ended)
-            if best.cut_short or not leaves_much(start, joint.trial):
+            best = _better(best, trial, progress)
+            if best.cut_short or not leaves_much(start, trial):
                 break
     except SearchEnded:
         return replace(best, cut_short=True)
     return best
+
+
+def _better(
+    best: SearchResult, trial: Trial, progress: Progress, least: float = SEARCH.name_limit
+) -> SearchResult:
+    """The result or, where it leaves less, that of a search which goes on from other effects.
+
+    least: by how much less
+    """
+    start = scaled(best, trial.point)
+    joint = Joint(priced(start.baseline, trial, start.variance_factor))
+    pruned = pruned_effects(start, joint, progress)
+    if pruned.trial.point.chi2 >= _left(best) and len(pruned.trial.effects) == 1:
+        return best
+    other = _selected(start, pruned, progress)
+    better = _left(other) < _left(best) - least
+    return replace(other if better else best, cut_short=best.cut_short or other.cut_short)
+
+
+def _from_as_given(best: SearchResult, progress: Progress) -> SearchResult:
+    """The result or, where it leaves less, what its effects lead to from the machine as given.
+
+    Where something more is there, the machine found is biased by it, and shows it no more.
+    """
+    met = set[frozenset[str]]()
+    try:
+        while (trial := best.best) and frozenset(trial.effects) not in met:
+            met.add(frozenset(trial.effects))
+            if not _lacks(best, trial):
+                break
+            again = restarted(best, trial, progress)
+            if again is not None and again.point.chi2 < _left(best) - SEARCH.deeper:
+                best = _better(best, again, progress, SEARCH.deeper)
+            for other in _enlarged_as_given(best, progress):
+                best = _better(best, other, progress)
+                if best.cut_short or best.best is None or best.best.effects != trial.effects:
+                    break
+    except SearchEnded:
+        return replace(best, cut_short=True)
+    return best
+
+
+def _lacks(found: SearchResult, trial: Trial) -> bool:
+    """Whether effects leave more than noise, or take an improbable machine."""
+    return bool(beyond_noise(trial.point, found.bins)) or far_from_prior(trial) is not None
+
+
+def _enlarged_as_given(found: SearchResult, progress: Progress) -> list[Trial]:
+    """The effects that are surely there with those that enter beside them, the best first."""
+    if found.best is None or not _lacks(found, found.best):
+        return []
+    names = surely_there(found.joint) if found.joint else found.best.effects
+    return sorted(
+        enlarged_as_given(found, names, found.best.point, progress),
+        key=lambda each: each.point.chi2,
+    )
 
 
 def leaves_much(found: SearchResult, trial: Trial) -> bool:

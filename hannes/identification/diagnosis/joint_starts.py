@@ -23,16 +23,19 @@ Start = tuple[tuple[str, ...], Linearisation]
 
 
 def started_together(
-    points: Sequence[tuple[Linearisation, Sequence[Guess]]], progress: Progress
+    points: Sequence[tuple[Linearisation, Sequence[Guess]]],
+    progress: Progress,
+    counts: range = range(2, SEARCH.most_effects + 1),
 ) -> Iterator[Start]:
     """The effects that enter first at each point, and their fit; the likeliest sets first.
 
-    points: without effects, each with guesses for all of them
+    points: each with guesses for the effects that it does not have
+    counts: how many enter together
     """
     found = []
     for point, guesses in points:
         entered = entering(point, guesses)
-        for count in range(2, min(len(entered), SEARCH.most_effects) + 1):
+        for count in (each for each in counts if each <= len(entered)):
             found += _placed(point, entered[:count])
     found.sort(key=lambda each: each[0])
     met = set[frozenset[str]]()

@@ -49,7 +49,9 @@ def refined(
             promised = predicted.get(name, 0.0)
             best[name] = _from_both(best[name], baseline, nominal, promised, below)
             below = min(below, _as_a_rival(baseline, best[name]))
-    best = _crossed(best, baseline, needed, progress)
+    left = min((each.chi2 for each in best.values()), default=np.inf)
+    if left < SEARCH.lost_baseline * baseline.residual.size:  # else what is missing too decides
+        best = _crossed(best, baseline, needed, progress)
     return {name: point for name, point in best.items() if point.chi2 < baseline.chi2}
 
 

@@ -15,16 +15,36 @@ from hannes.identification.diagnosis.multistart import Progress
 from hannes.identification.diagnosis.noise_covariance import NoiseCovariance, estimated_noise
 from hannes.identification.diagnosis.noise_scale import estimated_variance_factor
 from hannes.identification.diagnosis.part_deviations import part_deviations
-from hannes.identification.diagnosis.trials import SearchResult, Trial, best_first, priced
+from hannes.identification.diagnosis.trials import (
+    Joint,
+    SearchResult,
+    Trial,
+    best_first,
+    priced,
+)
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
 
 
+def waits(found: SearchResult) -> bool:
+    """Whether noise is estimated anew once further effects are found.
+
+    Where the baseline is lost, noise is that of the machine as given. A machine whose best effect
+    leaves far too much lacks others.
+    """
+    best = found.best
+    much = SEARCH.lost_baseline * found.bins
+    return best is not None and lost(found.baseline) and best.point.chi2 > much
+
+
 def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> SearchResult:
-    """The result with its noise estimated at the best trial; unchanged where that is not needed."""
-    if not found.trials or not _lost(found, found.trials[0].point):
+    """The result with its noise estimated at the best trial; unchanged where that is not needed.
+
+    Of several effects nothing else stays: what is lost without each was so in other noise.
+    """
+    if found.best is None or not _lost(found, found.best.point):
         return found
     progress("noise, at the machine found")
-    best = found.trials[0].point
+    best = found.best.point
     try:
         noise = _noise_at(best, seed)
     except ComputationFailed:
@@ -34,8 +54,10 @@ def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> Se
         baseline = settled(fitted(baseline, FIT.steps_per_round))
     far = SEARCH.further_from_best * best.chi2
     points = [_again(each.point, noise, far) for each in found.trials]
+    several = found.joint and _again(found.joint.trial.point, noise, far)
+    points_known = [*points, several] if several else points
     variance_factor = estimated_variance_factor(
-        baseline, min(each.chi2 for each in (baseline, *points))
+        baseline, min(each.chi2 for each in (baseline, *points_known))
     )
 
     def again(trial: Trial, point: Linearisation) -> Trial:
@@ -48,6 +70,7 @@ def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> Se
         nominal=nominal,
         baseline=baseline,
         trials=best_first([each for each in trials if each.point.chi2 < baseline.chi2]),
+        joint=Joint(again(found.joint.trial, several)) if found.joint and several else None,
         generic=generic,
         variance_factor=variance_factor,
     )
