@@ -107,6 +107,11 @@ class Effect:
         """The parameters whose `off` values, taken together, make the effect vanish."""
         return tuple(each for each in self.parameters if each.off is not None)
 
+    @property
+    def has_phase(self) -> bool:
+        """Whether it goes to and fro with something, at a phase of its own."""
+        return any(each.turns is not None for each in self.parameters)
+
     def kernel_name(self, term: Term) -> str:
         """Name of one of its kernels in generated code: no plant's function begins like this."""
         return f"{self.name}__{plain(term.kernel).__name__}"

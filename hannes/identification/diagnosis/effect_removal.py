@@ -21,6 +21,7 @@ from hannes.identification.diagnosis.score_test import (
     in_place_of,
     screened,
 )
+from hannes.identification.diagnosis.shape_rival import stands_against
 from hannes.identification.diagnosis.trials import (
     Joint,
     SearchResult,
@@ -30,6 +31,7 @@ from hannes.identification.diagnosis.trials import (
     priced,
 )
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.work_bound import SearchEnded
 from hannes.plants.part_fault import part_faults
 
 
@@ -110,8 +112,7 @@ def left_out(found: SearchResult, joint: Trial, name: str, progress: Progress) -
 def with_rivals(found: SearchResult, progress: Progress) -> SearchResult:
     """The result with what could stand in for each of several effects, refitted in its place.
 
-    A set that leaves less takes the place of the joint one. Of a generic disturbance a linear
-    prediction says whether it could stand in.
+    A set that leaves less takes the place of the joint one.
     """
     joint = found.joint
     if joint is None:
@@ -147,10 +148,11 @@ def _all_stand_ins(found: SearchResult, joint: Joint, progress: Progress) -> Joi
     for name in joint.trial.effects:
         linear = in_place_of(point, name, guesses)
         missed = _missed(found, point, name) * found.variance_factor
-        generic = max((linear[each].delta_chi2 for each in GENERIC if each in linear), default=0.0)
-        if generic > missed - SEARCH.rival * found.variance_factor:
-            best = max(GENERIC, key=lambda each: linear[each].delta_chi2 if each in linear else 0.0)
-            joint = replace(joint, replaceable={**joint.replaceable, name: best})
+        free = [linear[each] for each in GENERIC if each in linear]
+        most = max(free, key=lambda each: each.delta_chi2, default=None)
+        if most is not None and most.delta_chi2 > missed - SEARCH.rival * found.variance_factor:
+            if not _stands(found, joint.trial, name, most, progress):
+                joint = replace(joint, replaceable={**joint.replaceable, name: most.effect})
         near = [each for each in linear.values() if each.effect not in GENERIC
                 and each.delta_chi2 > SEARCH.stand_in_share * missed]  # fmt: skip
         near.sort(key=lambda each: -each.delta_chi2)
@@ -162,20 +164,43 @@ def _with_stand_ins(
     found: SearchResult, joint: Joint, name: str, others: Sequence[Guess], progress: Progress
 ) -> Joint:
     """The joint effects beside those with another one in the place of one of them."""
-    tried, point = {frozenset(each.effects) for each in joint.others}, joint.trial.point
-    kept, own = tuple(each for each in joint.trial.effects if each != name), point.space.of(name)
-    x = np.where(np.isin(np.arange(point.x.size), own), 0.0, point.x)
+    tried = {frozenset(each.effects) for each in joint.others}
+    kept = {each for each in joint.trial.effects if each != name}
     for guess in others:
-        if frozenset((*kept, guess.effect)) in tried:
-            continue
-        progress(f"{guess.effect} instead of {name}".replace("_", " "))
-        start = point.with_active(np.setdiff1d(point.active, own)).moved(x, np.zeros(0, int))
-        begun = start and started_at_guess(start, guess)
-        if begun is not None:
-            rival = Trial((*kept, guess.effect), settled(fitted(begun, 4)), 0.0)
-            rival = priced(found.baseline, rival, found.variance_factor)
-            joint = replace(joint, others=(*joint.others, rival))
+        if kept | {guess.effect} not in tried:
+            rival = _instead(found, joint.trial, name, guess, progress)
+            joint = replace(joint, others=(*joint.others, rival)) if rival else joint
     return joint
+
+
+def _instead(
+    found: SearchResult, trial: Trial, name: str, guess: Guess, progress: Progress
+) -> Trial | None:
+    """The effects with another one in the place of one of them, refitted; None where that fails."""
+    progress(f"{guess.effect} instead of {name}".replace("_", " "))
+    point, own = trial.point, trial.point.space.of(name)
+    x = np.where(np.isin(np.arange(point.x.size), own), 0.0, point.x)
+    start = point.with_active(np.setdiff1d(point.active, own)).moved(x, np.zeros(0, int))
+    begun = start and started_at_guess(start, guess)
+    if begun is None:
+        return None
+    kept = tuple(each for each in trial.effects if each != name)
+    rival = Trial((*kept, guess.effect), settled(fitted(begun, 4)), 0.0)
+    return priced(found.baseline, rival, found.variance_factor)
+
+
+def _stands(
+    found: SearchResult, trial: Trial, name: str, shape: Guess, progress: Progress
+) -> bool:
+    """Whether an effect stands against a generic disturbance that linearly does as much.
+
+    Not where the bound of work ends that.
+    """
+    try:
+        generic = _instead(found, trial, name, shape, progress)
+        return generic is not None and stands_against(found, trial, generic)
+    except SearchEnded:
+        return False
 
 
 def _known_without(found: SearchResult, joint: Joint, name: str, progress: Progress) -> Joint:

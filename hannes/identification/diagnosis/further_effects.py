@@ -3,8 +3,9 @@
 After each further effect every other one is removed again, and stays only where it is missed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -25,7 +26,11 @@ from hannes.identification.diagnosis.multistart import (
     started_at_guess,
     with_correction_at_size,
 )
-from hannes.identification.diagnosis.noise_at_best import waits, with_noise_at_best
+from hannes.identification.diagnosis.noise_at_best import (
+    has_phase,
+    waits,
+    with_noise_at_best,
+)
 from hannes.identification.diagnosis.reservations import beyond_noise, far_from_prior
 from hannes.identification.diagnosis.score_test import SMALL, Guess, screened_widely
 from hannes.identification.diagnosis.sets_as_given import (
@@ -54,9 +59,9 @@ def with_further_effects(found: SearchResult, seed: int, progress: Progress) -> 
     Where the bound of work ends that, what was found by then stands, with what could stand in for
     it: that has some work of its own. Without that nothing stands but single effects.
     """
-    best = _selected(found, Joint(found.trials[0]), progress)
+    best = _selected(found, Joint(found.trials[0]), progress, until=partial(_met_phase, found))
     try:
-        if waits(found) and not best.cut_short:
+        if not best.cut_short and (waits(found) or _met_phase(found, best)):
             best = _in_their_noise(best, seed, progress)
         best = best if best.cut_short else _with_sets(best, progress)
         best = best if best.cut_short else _from_as_given(best, progress)
@@ -66,6 +71,11 @@ def with_further_effects(found: SearchResult, seed: int, progress: Progress) -> 
         best = replace(best, cut_short=True)
     best.baseline.model.work.extended_for_rivals()
     return with_rivals(best, progress)
+
+
+def _met_phase(before: SearchResult, found: SearchResult) -> bool:
+    """Whether an effect with a phase is among the best ones that was not before."""
+    return bool(found.best and has_phase(found.best)) and not has_phase(before.trials[0])
 
 
 def _in_their_noise(best: SearchResult, seed: int, progress: Progress) -> SearchResult:
@@ -171,15 +181,22 @@ def _together(found: SearchResult, progress: Progress) -> Iterator[Trial]:
         yield Trial(effects, point, 0.0)
 
 
-def _selected(found: SearchResult, joint: Joint, progress: Progress) -> SearchResult:
+def _selected(
+    found: SearchResult,
+    joint: Joint,
+    progress: Progress,
+    until: Callable[[SearchResult], bool] = lambda result: False,
+) -> SearchResult:
     """One more effect after another, each time without those that are not missed any more.
 
-    Where the bound of work ends that, with those that were found by then.
+    Where the bound of work ends that, with those that were found by then. until: no further one
     """
     result = _with(found, joint, None)
     try:
         for further in _selections(found, joint, progress):
             result = further
+            if until(result):
+                break
     except SearchEnded:
         return replace(result, cut_short=True)
     return result

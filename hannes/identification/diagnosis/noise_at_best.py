@@ -36,29 +36,43 @@ def waits(found: SearchResult) -> bool:
     return best is not None and lost(found.baseline) and best.point.chi2 > much
 
 
+def has_phase(trial: Trial) -> bool:
+    """Whether one of its effects has a phase: then sampling changes its signature with that.
+
+    No correction by its size alone is made, so that noise anew stands in for one.
+    """
+    known = trial.point.space.effects
+    return any(known[name].has_phase for name in trial.effects)
+
+
 def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> SearchResult:
     """The result with its noise estimated at the best trial; unchanged where that is not needed.
 
-    Of several effects nothing else stays: what is lost without each was so in other noise.
+    Once more where it has a phase, as the fit moves that. Of several effects nothing else stays:
+    what is lost without each was so in other noise.
     """
-    if found.best is None or not _lost(found, found.best.point):
+    if found.best is None or not (_lost(found, found.best.point) or has_phase(found.best)):
         return found
-    progress("noise, at the machine found")
+    for _ in range(1 + has_phase(found.best)):
+        progress("noise, at the machine found")
+        try:
+            found = _in_noise(found, _noise_at(found.best.point, seed))
+        except ComputationFailed:
+            break
+    return found
+
+
+def _in_noise(found: SearchResult, noise: NoiseCovariance) -> SearchResult:
+    """The result in other noise: the best effects refitted, and singles that are their rivals."""
     best = found.best.point
-    try:
-        noise = _noise_at(best, seed)
-    except ComputationFailed:
-        return found
     nominal, baseline = (with_noise(each, noise) for each in (found.nominal, found.baseline))
     if not lost(found.baseline):
         baseline = settled(fitted(baseline, FIT.steps_per_round))
     far = SEARCH.further_from_best * best.chi2
     points = [_again(each.point, noise, far) for each in found.trials]
     several = found.joint and _again(found.joint.trial.point, noise, far)
-    points_known = [*points, several] if several else points
-    variance_factor = estimated_variance_factor(
-        baseline, min(each.chi2 for each in (baseline, *points_known))
-    )
+    known = [baseline, *points, *([several] if several else [])]
+    variance_factor = estimated_variance_factor(baseline, min(each.chi2 for each in known))
 
     def again(trial: Trial, point: Linearisation) -> Trial:
         return priced(baseline, replace(trial, point=point), variance_factor)

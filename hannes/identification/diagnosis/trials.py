@@ -93,14 +93,19 @@ class SearchResult:
 
 def priced(baseline: Linearisation, trial: Trial, variance_factor: float) -> Trial:
     """The trial with its reduction of chi-squared, less what a name of its parameters costs."""
-    further = trial.point.active.size - baseline.active.size - len(trial.effects)
-    price = SEARCH.generic_price if trial.effects[0] in GENERIC else SEARCH.parameter_price
     faults = part_faults(trial.point.space.effects, trial.effects)
-    paid = price * further + SEARCH.fault_price * len(faults)
+    paid = sum(_further_numbers(trial.point, each) for each in trial.effects)
+    paid += SEARCH.fault_price * len(faults)
     paid += SEARCH.simulated_price * baseline.noise.simulated_noise
     paid -= sum(_spared(trial.point, name, variance_factor) for name in faults)
     lowered = (baseline.chi2 - trial.point.chi2) / variance_factor
     return replace(trial, delta_chi2=lowered - paid)
+
+
+def _further_numbers(point: Linearisation, name: str) -> float:
+    """What the numbers of an effect beyond its first cost."""
+    price = SEARCH.generic_price if name in GENERIC else SEARCH.parameter_price
+    return price * (point.space.of(name).size - 1)
 
 
 def _spared(point: Linearisation, name: str, variance_factor: float) -> float:
