@@ -38,8 +38,7 @@ from hannes.plants.part_fault import part_faults
 def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joint:
     """The effects without those that are not missed; what is lost without each of the others.
 
-    An effect may only have led the others out of a local minimum. One whose removal by the
-    linearisation costs many times as much as a name needs is not tried without.
+    An effect may only have led the others out of a local minimum.
     """
     best, losses, without = joint.trial, dict(joint.losses), dict(joint.without)
     if len(best.effects) == 1:
@@ -49,7 +48,7 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
         known = without.get(name)
         losses[name] = min([missed[name], *([best.delta_chi2 - known.delta_chi2] if known else [])])
         needed = needed_beside(best, found.variance_factor)
-        if missed[name] > max(SEARCH.surely_missed, SEARCH.missed_much * needed):
+        if _surely_missed(best, name, missed[name], needed):
             continue
         less = left_out(found, best, name, progress)
         if less is not None and (known is None or less.delta_chi2 > known.delta_chi2):
@@ -61,6 +60,17 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
             ):
                 return pruned_effects(found, Joint(known), progress)
     return replace(joint, losses=losses, without=without)
+
+
+def _surely_missed(best: Trial, name: str, missed: float, needed: float) -> bool:
+    """Whether a law's removal costs many times as much as it needs, by the linearisation.
+
+    Which is believed up to what all effects explain together. Faults are tried without all the
+    same: a law may do what the machine, moved, left to a finger.
+    """
+    enough = max(SEARCH.surely_missed, SEARCH.missed_much * needed)
+    fault = bool(part_faults(best.point.space.effects, [name]))
+    return enough < missed < best.delta_chi2 and not fault
 
 
 def _is_missed(known: Trial, best: Trial, loss: float, variance_factor: float) -> bool:
@@ -78,8 +88,7 @@ def _is_faint_fault(known: Trial, name: str, loss: float) -> bool:
     point = known.point
     if not part_faults(point.space.effects, [name]):
         return False
-    leaves_noise = point.chi2 < SEARCH.explained * point.residual.size
-    return leaves_noise and loss < SEARCH.second_share * known.delta_chi2
+    return point.chi2 < point.residual.size and loss < SEARCH.second_share * known.delta_chi2
 
 
 def _missed(found: SearchResult, point: Linearisation, name: str) -> float:
