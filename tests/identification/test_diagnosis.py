@@ -85,7 +85,7 @@ def test_a_first_effect_that_only_led_to_the_second_is_dropped():
     )
     guess = next(each for each in whole.guesses if each.effect == "hardening")
     wrong = Trial(("hardening",), fitted(started_at_guess(whole.baseline, guess), 5), 1e3)
-    again = with_further_effects(replace(whole, trials=[wrong]), lambda text: None)
+    again = with_further_effects(replace(whole, trials=[wrong]), 0, lambda text: None)
     assert again.trials[0].effects == ("turbulence",) and again.joint is None
     assert again.trials[0].delta_chi2 == pytest.approx(whole.trials[0].delta_chi2, rel=1e-3)
 

@@ -8,13 +8,14 @@ from sled import HARDENING, STIFFER, TURBULENCE, TWIN, Sled, recordings
 
 from hannes.identification.diagnosis import (
     effect_removal,
+    forward_selection,
     further_effects,
     gauss_newton,
     multistart,
 )
 from hannes.identification.diagnosis.better_baseline import better_baseline
 from hannes.identification.diagnosis.effect_search import _rebased, search_effects
-from hannes.identification.diagnosis.further_effects import _refuted
+from hannes.identification.diagnosis.forward_selection import _refuted
 from hannes.identification.diagnosis.linearisation import differenced
 from hannes.identification.diagnosis.multistart import _crossed, faded, started_at, without
 from hannes.identification.diagnosis.score_test import Guess
@@ -64,12 +65,12 @@ def test_a_second_effect_that_only_led_the_first_back_is_dropped(investigated, m
     point = started_at(best.point, own, np.array([0.01]))
     pair = Trial(("turbulence", "hardening"), point, best.delta_chi2)
     monkeypatch.setattr(
-        further_effects,
+        forward_selection,
         "_enlarged",
         lambda found, best, *_: [pair] if best is stuck else [],
     )
     found = further_effects.with_further_effects(
-        replace(investigated, trials=[stuck]), lambda text: None
+        replace(investigated, trials=[stuck]), 0, lambda text: None
     )
     assert found.joint is None
     assert found.trials[0].effects == best.effects

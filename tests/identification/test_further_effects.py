@@ -24,7 +24,9 @@ from hannes.identification.diagnosis import (
     each_explains,
     effect_removal,
     effect_search,
+    forward_selection,
     further_effects,
+    sets_as_given,
 )
 from hannes.identification.diagnosis.decision import Decision, _best_alone, _some_of, _surely_missed
 from hannes.identification.diagnosis.effect_search import search_effects
@@ -90,9 +92,9 @@ def test_no_further_effect_is_added_where_two_are_all(three, monkeypatch):
 
 
 def test_no_more_effects_are_named_together_than_allowed(monkeypatch):
-    monkeypatch.setattr(
-        further_effects, "SEARCH", replace(SEARCH, most_effects=2, biased_baseline=np.inf)
-    )
+    two = replace(SEARCH, most_effects=2, biased_baseline=np.inf)
+    for module in (forward_selection, sets_as_given):
+        monkeypatch.setattr(module, "SEARCH", two)
     monkeypatch.setattr(effect_search, "SEARCH", SEARCH)
     entries = [e for e in recordings(3, HIDDEN) if e.role != "show"]
     some = search_effects(Sled(), entries, list(ALL.values()), Settings(0.02, 0.005), 0)
@@ -169,9 +171,9 @@ def test_what_is_missing_enters_first_and_is_started_together(three):
 
 def test_effects_started_together_are_found_where_the_best_single_one_leads_nowhere(monkeypatch):
     """Selection stops at once: nothing is found beside the first one."""
-    enlarged = further_effects._enlarged
+    enlarged = forward_selection._enlarged
     monkeypatch.setattr(
-        further_effects,
+        forward_selection,
         "_enlarged",
         lambda found, best, *rest: enlarged(found, best, *rest) if len(best.effects) > 1 else [],
     )
@@ -182,14 +184,14 @@ def test_effects_started_together_are_found_where_the_best_single_one_leads_nowh
 
 def test_where_one_does_not_stay_beside_what_leaves_much_the_next_is_tried(three, monkeypatch):
     """The one that promises most does not stay at first, as one that held-out runs refuse."""
-    alone, asked, pruned = Joint(three.trials[0]), [], further_effects.pruned_effects
+    alone, asked, pruned = Joint(three.trials[0]), [], forward_selection.pruned_effects
 
     def without_the_first(found, joint, progress):
         asked.append(joint.trial.effects[-1])
         return alone if len(asked) == 1 else pruned(found, joint, progress)
 
-    monkeypatch.setattr(further_effects, "pruned_effects", without_the_first)
-    some = further_effects._selected(replace(three, joint=None), alone, lambda text: None)
+    monkeypatch.setattr(forward_selection, "pruned_effects", without_the_first)
+    some = forward_selection.selected(replace(three, joint=None), alone, lambda text: None)
     assert some.joint is not None and len(set(asked[:2])) == 2
     assert sorted(some.joint.trial.effects) == sorted(ALL)
 
@@ -200,15 +202,15 @@ def ended(*_):
 
 def test_where_the_bound_ends_the_search_what_was_found_by_then_stands(three, monkeypatch):
     """With a remainder, and with some work of its own for what could stand in for it."""
-    others, calls = further_effects._others, []
+    others, calls = forward_selection._others, []
 
     def ended_at_the_third(found, best):
         calls.append(best)
         return others(found, best) if len(calls) < 3 else ended()
 
-    monkeypatch.setattr(further_effects, "_others", ended_at_the_third)
+    monkeypatch.setattr(forward_selection, "_others", ended_at_the_third)
     limit = three.baseline.model.work.limit
-    some = further_effects.with_further_effects(replace(three, joint=None), lambda text: None)
+    some = further_effects.with_further_effects(replace(three, joint=None), 0, lambda text: None)
     assert some.cut_short and some.baseline.model.work.limit > limit
     assert len(some.joint.trial.effects) == 3 and some.joint.losses  # the third was complete
 
@@ -221,12 +223,12 @@ def test_where_the_bound_is_met_by_what_could_stand_in_that_is_tried_once_more(t
         return rivals(found, progress) if len(calls) > 1 else ended()
 
     monkeypatch.setattr(further_effects, "with_rivals", ended_at_first)
-    some = further_effects.with_further_effects(replace(three, joint=None), lambda text: None)
+    some = further_effects.with_further_effects(replace(three, joint=None), 0, lambda text: None)
     assert calls == [False, True] and some.cut_short
     assert len(some.joint.trial.effects) == 3
     monkeypatch.setattr(further_effects, "with_rivals", ended)
     with pytest.raises(SearchEnded):  # what could stand in for them is not known
-        further_effects.with_further_effects(replace(three, joint=None), lambda text: None)
+        further_effects.with_further_effects(replace(three, joint=None), 0, lambda text: None)
 
 
 def test_a_search_that_comes_back_to_where_it_was_ends(three, monkeypatch):
@@ -250,10 +252,10 @@ def test_a_search_that_comes_back_to_where_it_was_ends(three, monkeypatch):
         return Joint(best if name == refused else replace(best, effects=(name,)))
 
     for name, made in (("_others", others), ("_enlarged", enlarged), ("_pruned", pruned)):
-        monkeypatch.setattr(further_effects, name, made)
-    monkeypatch.setattr(further_effects, "leaves_much", lambda found, trial: True)
-    monkeypatch.setattr(further_effects, "converged", lambda baseline, trial, _: trial)
-    further_effects._selected(replace(three, joint=None), alone, lambda text: None)
+        monkeypatch.setattr(forward_selection, name, made)
+    monkeypatch.setattr(forward_selection, "leaves_much", lambda found, trial: True)
+    monkeypatch.setattr(forward_selection, "converged", lambda baseline, trial, _: trial)
+    forward_selection.selected(replace(three, joint=None), alone, lambda text: None)
     assert ((one,), other) in steps and ((other,), one) in steps
 
 

@@ -43,7 +43,7 @@ def test_where_little_is_lost_without_an_effect_held_out_runs_decide(
     [
         ("thumb_weak_spring", 30.0, 0.8, True),
         ("thumb_weak_spring", 50.0, 0.8, False),  # more than a share of the others
-        ("thumb_weak_spring", 30.0, 0.9, False),  # without it more than noise is left
+        ("thumb_weak_spring", 30.0, 1.1, False),  # without it more than noise is left
         ("mounting", 30.0, 0.8, False),  # no part has another like it
     ],
 )
@@ -52,3 +52,18 @@ def test_a_fault_is_not_named_beside_a_law_that_explains_all(name, loss, per_bin
     point = SimpleNamespace(space=space, chi2=per_bin * 100.0, residual=np.zeros(100))
     known = SimpleNamespace(point=point, delta_chi2=1000.0)
     assert effect_removal._is_faint_fault(known, name, loss) is faint
+
+
+@pytest.mark.parametrize(
+    ("effects", "missed", "sure"),
+    [
+        (("mounting", "falling_supply"), 2.0 * SEARCH.surely_missed, True),
+        (("mounting", "falling_supply"), 0.5 * SEARCH.surely_missed, False),
+        (("mounting", "falling_supply"), 1.1e4, False),  # more than both explain: nothing linear
+        (("mounting", "thumb_weak_spring"), 2.0 * SEARCH.surely_missed, False),
+    ],
+)
+def test_beside_a_fault_of_one_finger_no_effect_is_kept_by_a_linear_estimate(effects, missed, sure):
+    point = SimpleNamespace(space=SimpleNamespace(effects=HandPlant().catalogue))
+    best = SimpleNamespace(effects=effects, delta_chi2=1e4, point=point)
+    assert effect_removal._surely_missed(best, missed, SEARCH.name_limit) is sure

@@ -48,7 +48,7 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
         known = without.get(name)
         losses[name] = min([missed[name], *([best.delta_chi2 - known.delta_chi2] if known else [])])
         needed = needed_beside(best, found.variance_factor)
-        if _surely_missed(best, name, missed[name], needed):
+        if _surely_missed(best, missed[name], needed):
             continue
         less = left_out(found, best, name, progress)
         if less is not None and (known is None or less.delta_chi2 > known.delta_chi2):
@@ -62,15 +62,15 @@ def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joi
     return replace(joint, losses=losses, without=without)
 
 
-def _surely_missed(best: Trial, name: str, missed: float, needed: float) -> bool:
-    """Whether a law's removal costs many times as much as it needs, by the linearisation.
+def _surely_missed(best: Trial, missed: float, needed: float) -> bool:
+    """Whether a removal costs many times as much as an effect needs, by the linearisation.
 
-    Which is believed up to what all effects explain together. Faults are tried without all the
-    same: a law may do what the machine, moved, left to a finger.
+    It is believed up to what all effects explain together, and not beside a fault of one of like
+    parts: what a fault does may be shared with a law, as much as with the machine.
     """
     enough = max(SEARCH.surely_missed, SEARCH.missed_much * needed)
-    fault = bool(part_faults(best.point.space.effects, [name]))
-    return enough < missed < best.delta_chi2 and not fault
+    faults = part_faults(best.point.space.effects, best.effects)
+    return enough < missed < best.delta_chi2 and not faults
 
 
 def _is_missed(known: Trial, best: Trial, loss: float, variance_factor: float) -> bool:
@@ -198,9 +198,7 @@ def _instead(
     return priced(found.baseline, rival, found.variance_factor)
 
 
-def _stands(
-    found: SearchResult, trial: Trial, name: str, shape: Guess, progress: Progress
-) -> bool:
+def _stands(found: SearchResult, trial: Trial, name: str, shape: Guess, progress: Progress) -> bool:
     """Whether an effect stands against a generic disturbance that linearly does as much.
 
     Not where the bound of work ends that.

@@ -51,24 +51,25 @@ def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> Se
     Once more where it has a phase, as the fit moves that. Of several effects nothing else stays:
     what is lost without each was so in other noise.
     """
-    if found.best is None or not (_lost(found, found.best.point) or has_phase(found.best)):
+    best = found.best
+    if best is None or not (_lost(found, best.point) or has_phase(best)):
         return found
-    for _ in range(1 + has_phase(found.best)):
+    for _ in range(1 + has_phase(best)):
         progress("noise, at the machine found")
         try:
-            found = _in_noise(found, _noise_at(found.best.point, seed))
+            found = _in_noise(found, best, _noise_at(best.point, seed))
         except ComputationFailed:
             break
+        best = found.best or best
     return found
 
 
-def _in_noise(found: SearchResult, noise: NoiseCovariance) -> SearchResult:
+def _in_noise(found: SearchResult, best: Trial, noise: NoiseCovariance) -> SearchResult:
     """The result in other noise: the best effects refitted, and singles that are their rivals."""
-    best = found.best.point
     nominal, baseline = (with_noise(each, noise) for each in (found.nominal, found.baseline))
     if not lost(found.baseline):
         baseline = settled(fitted(baseline, FIT.steps_per_round))
-    far = SEARCH.further_from_best * best.chi2
+    far = SEARCH.further_from_best * best.point.chi2
     points = [_again(each.point, noise, far) for each in found.trials]
     several = found.joint and _again(found.joint.trial.point, noise, far)
     known = [baseline, *points, *([several] if several else [])]

@@ -25,7 +25,9 @@ def surely_there(joint: Joint) -> tuple[str, ...]:
 def restarted(found: SearchResult, trial: Trial, progress: Progress) -> Trial | None:
     """The effects of a trial, refitted from the machine as given; None where that fails."""
     start = _started(found, trial.effects, trial.point, progress)
-    return start and Trial(trial.effects, settled(fitted(start, SEARCH.further_steps)), 0.0)
+    if start is None:
+        return None
+    return Trial(trial.effects, settled(fitted(start, SEARCH.further_steps)), 0.0)
 
 
 def enlarged_as_given(

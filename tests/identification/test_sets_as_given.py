@@ -1,0 +1,106 @@
+"""Several effects once more in the machine as given, where what is missing moves it no more."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sled import GUST, HARDENING, KNOWN, TURBULENCE, Sled, recordings
+
+from hannes.identification.diagnosis import effect_removal, further_effects
+from hannes.identification.diagnosis.effect_search import search_effects
+from hannes.identification.diagnosis.sets_as_given import (
+    enlarged_as_given,
+    restarted,
+    surely_there,
+)
+from hannes.identification.diagnosis.settings import Settings
+from hannes.identification.diagnosis.trials import Joint, Trial, priced
+from hannes.identification.diagnosis.tuning import SEARCH
+
+ALL = {**KNOWN, "gust": GUST}
+HIDDEN = ((HARDENING, 900.0), (TURBULENCE, 2.0), (GUST, 1.0))
+
+
+@pytest.fixture(scope="module")
+def three():
+    """What a search finds of three hidden effects."""
+    entries = [e for e in recordings(3, HIDDEN) if e.role != "show"]
+    return search_effects(Sled(), entries, list(ALL.values()), Settings(0.02, 0.005), 0)
+
+
+def silent(text):
+    """Progress that nobody reads."""
+
+
+def moved(point, by):
+    """The point with its machine moved by standard deviations, and nothing refitted."""
+    x = point.x.copy()
+    x[point.space.uncertain] += by
+    return point.moved(np.clip(x, point.space.low, point.space.high), np.zeros(0, int))
+
+
+def test_effects_are_refitted_from_the_machine_as_given(three):
+    """A machine that was moved far is no start of it: only their sizes are kept."""
+    trial = three.joint.trial
+    again = restarted(three, replace(trial, point=moved(trial.point, 2.0)), silent)
+    assert again.effects == trial.effects
+    assert again.point.chi2 == pytest.approx(trial.point.chi2, abs=2.0)
+
+
+def test_others_that_are_missing_enter_beside_those_that_are_known(three):
+    """In the machine that one effect leads to by itself, the others hardly show."""
+    found = enlarged_as_given(three, ("hardening",), three.trials[0].point, silent)
+    sets = {frozenset(each.effects): each.point.chi2 for each in found}
+    assert sets[frozenset(ALL)] == pytest.approx(three.joint.trial.point.chi2, abs=2.0)
+
+
+def test_a_search_that_ended_in_a_machine_that_is_improbable_goes_on_as_given(three, monkeypatch):
+    """One effect with a machine that takes over the others' work, and no further one beside it."""
+    monkeypatch.setattr(further_effects, "selected", lambda found, joint, *rest, **more: (
+        replace(found, joint=joint if len(joint.trial.effects) > 1 else None,
+                trials=[joint.trial, *found.trials[1:]])
+    ))  # fmt: skip
+    alone = [each for each in three.trials if each.effects == ("hardening",)]
+    found = further_effects._from_as_given(replace(three, joint=None, trials=alone), silent)
+    assert sorted(found.joint.trial.effects) == sorted(ALL)
+
+
+def test_what_leaves_noise_in_a_probable_machine_is_not_tried_again(three, monkeypatch):
+    monkeypatch.setattr(further_effects, "restarted", None)
+    assert further_effects._from_as_given(three, silent) is three
+
+
+def test_effects_that_are_missed_by_little_may_stand_for_what_is_not_found_yet(three):
+    losses = {"hardening": 1e4, "turbulence": 1e3, "gust": 0.5 * SEARCH.surely_missed}
+    joint = Joint(three.joint.trial, losses=losses)
+    assert sorted(surely_there(joint)) == ["hardening", "turbulence"]
+
+
+def test_each_number_beyond_the_first_of_an_effect_is_paid_for(three):
+    """Whatever values of the machine the recordings inform about."""
+    trial = three.joint.trial
+    fewer = trial.point.with_active(trial.point.active[1:])
+    prices = [
+        priced(three.baseline, Trial(trial.effects, each, 0.0), 1.0).delta_chi2
+        for each in (trial.point, replace(fewer, residual=trial.point.residual))
+    ]
+    assert prices[0] == pytest.approx(prices[1], abs=np.sum(trial.point.x**2))
+
+
+@pytest.mark.parametrize(("stands", "kept"), [(True, {}), (False, {"gust": "any_torque"})])
+def test_a_generic_disturbance_takes_a_name_where_it_does_as_much_once_refitted(
+    three, monkeypatch, stands, kept
+):
+    """A linear prediction says no more than that it may: of large effects it is far off."""
+    shape = SimpleNamespace(effect="any_torque", delta_chi2=1e9)
+    monkeypatch.setattr(effect_removal, "screened", lambda point, names: [])
+    linear = {"gust": {"any_torque": shape}}
+    monkeypatch.setattr(
+        effect_removal, "in_place_of", lambda point, name, guesses: linear.get(name, {})
+    )
+    instead = Trial(("any_torque",), three.joint.trial.point, 0.0)
+    monkeypatch.setattr(effect_removal, "_instead", lambda *given: instead)
+    monkeypatch.setattr(effect_removal, "stands_against", lambda *given: stands)
+    joint = effect_removal._all_stand_ins(three, Joint(three.joint.trial), silent)
+    assert joint.replaceable == kept
