@@ -91,6 +91,14 @@ def test_several_effects_need_more_than_one_alone():
     assert likely[0] < 0.1 < 0.9 < likely[1]
 
 
+def test_where_several_leave_noise_one_that_leaves_much_is_not_the_likelier():
+    """It explains nine tenths, and fewer are to expect; but no law can be wrong by what it leaves."""
+    search = replace(found({"slack": 90_000.0}), joint=Joint(
+        Trial(("slack", "sag"), found({}).baseline, 100_000.0), losses={"slack": 9e4, "sag": 9e4}
+    ))  # fmt: skip
+    assert answer(search, decided("named", "slack", "sag")) > 0.9
+
+
 def test_a_search_that_was_ended_has_none():
     assert tabled_probabilities(found({}, ended="at its bound"), decided("unknown"), NAMES) == {}
 

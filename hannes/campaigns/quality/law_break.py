@@ -13,6 +13,8 @@ EDGE = 0.06  # share of the run at either end, in which no break is seen
 LEAST_FACTOR, LEAST_PART = 0.02, 0.03  # of a range, and of the drive's square to either side
 FAR, FAR_LEFT = 0.7, 0.12  # logarithm of a factor, and what either part then leaves of itself
 BRIEF = 0.35  # of the whole travel, over which an encoder slips at most
+OWN = 0.5  # of what a law with its drive's own faults leaves, that a slip explains
+BENDS = 0.02  # of a drive's range, within which a dead time turns
 RAMPS, RAMP_NEAR = 40, 4  # places at which a slip may begin or end, and parts about the best
 
 
@@ -130,7 +132,22 @@ def _slip(law: Relation) -> Break:
     found, *_ = np.linalg.lstsq(table, read, rcond=None)
     if (found[-1] > 0.0) != law.slips:  # what slips is read to move less, so its error grows
         return NOTHING
+    if _share_beside(read, np.column_stack((columns, *_bent(law))), added) < OWN:
+        return NOTHING
     return _break("slip", first, last, float(found[-1]), read, rest, read - table @ found)
+
+
+def _bent(law: Relation) -> list[FloatArray]:
+    """What a drive adds that a law does not have: a bridge's dead time, and a sensor's lag."""
+    least = BENDS * float(np.ptp(law.drive))
+    return [law.drive / np.hypot(law.drive, least), np.gradient(law.drive, law.time)]
+
+
+def _share_beside(values: FloatArray, columns: FloatArray, added: FloatArray) -> float:
+    """Share that one more column explains of what others leave of the values."""
+    base, _ = np.linalg.qr(columns)
+    rest = values - base @ (base.T @ values)
+    return float(_gains(base, rest, added[:, None])[0])
 
 
 def _best_ramp(

@@ -44,7 +44,7 @@ def probabilities(found: SearchResult, decision: Decision) -> Probabilities:
     count = max(1, len(found.guesses))
     logs = {
         effects: math.log(_expected(effects, count))
-        + (gain - gains[best]) / _temper(_apart(found, best, effects) * scale)
+        + (gain - gains[best]) / _temper(_apart(found, best, effects) * scale, _law_error(found))
         for effects, gain in gains.items()
     }
     # Where several effects are found, something else is as much to expect as one of them.
@@ -69,9 +69,21 @@ def _apart(found: SearchResult, best: frozenset[str], effects: frozenset[str]) -
     return sum(max(0.0, losses.get(name, whole)) for name in sorted(best - effects))
 
 
-def _temper(explained: float) -> float:
-    """By what differences count, as laws err by a share of what they explain; 2 where by none."""
-    return 2.0 * max(1.0, PROBABILITY.law_error * explained)
+def _law_error(found: SearchResult) -> float:
+    """Chi-squared by which the best laws may be wrong at most: what they leave above noise.
+
+    Of noise that is known to its standard deviation alone.
+    """
+    point = found.best.point if found.best else found.baseline
+    return max(point.chi2 - found.bins, math.sqrt(2.0 * found.bins))
+
+
+def _temper(explained: float, most: float = math.inf) -> float:
+    """By what differences count, as laws err by a share of what they explain; 2 where by none.
+
+    most: chi-squared by which they may be wrong at most
+    """
+    return 2.0 * max(1.0, min(PROBABILITY.law_error * explained, most))
 
 
 def _tried(found: SearchResult) -> dict[frozenset[str], Trial]:

@@ -29,7 +29,7 @@ class ProbabilityTuning:
         16.0, "chi2", "of a law of any shape, which explains all above noise", DEVELOPMENT
     )
     refused: float = constant(
-        0.3, "1", "of its probability, that an effect keeps which is not believed", DEVELOPMENT
+        0.7, "1", "of its probability, that an effect keeps which is not believed", DEVELOPMENT
     )
     beside_power: float = constant(
         8.0,
