@@ -199,18 +199,18 @@ def test_a_fault_of_one_of_like_parts_costs_more_than_a_law():
     fault = PartFault("index_worn", "", "", "", (), (), kind="worn")
     reductions = []
     for name, effect in (("slack", law), ("index_worn", fault)):
-        space = SimpleNamespace(effects={name: effect})
-        point = SimpleNamespace(chi2=70.0, active=np.arange(4), space=space)
-        baseline = SimpleNamespace(chi2=100.0, active=np.arange(3), noise=REPEATED)
+        space = SimpleNamespace(effects={name: effect}, of=lambda *names: np.arange(1))
+        point = SimpleNamespace(chi2=70.0, space=space)
+        baseline = SimpleNamespace(chi2=100.0, noise=REPEATED)
         reductions.append(priced(baseline, Trial((name,), point, 0.0), 1.0).delta_chi2)
     assert reductions == [30.0, 30.0 - SEARCH.fault_price]
 
 
 @pytest.mark.parametrize(("lost", "paid"), [(2.0, 2.0), (50.0, SEARCH.parameter_price)])
 def test_a_fault_of_one_joint_pays_nothing_for_the_other_that_does_nothing(monkeypatch, lost, paid):
-    space = SimpleNamespace(effects=KNOWN, place=str)
-    point = SimpleNamespace(chi2=60.0, active=np.arange(5), space=space)
-    baseline = SimpleNamespace(chi2=100.0, active=np.arange(3), noise=REPEATED)
+    space = SimpleNamespace(effects=KNOWN, place=str, of=lambda *names: np.arange(2))
+    point = SimpleNamespace(chi2=60.0, space=space)
+    baseline = SimpleNamespace(chi2=100.0, noise=REPEATED)
     monkeypatch.setattr(trials, "wald", lambda point, places: lost if "mcp" in places[0] else 200.0)
     found = priced(baseline, Trial(("ring_slipped_wire",), point, 0.0), 1.0)
     assert found.delta_chi2 == 40.0 - SEARCH.fault_price - paid

@@ -92,7 +92,7 @@ def test_several_effects_need_more_than_one_alone():
 
 
 def test_where_several_leave_noise_one_that_leaves_much_is_not_the_likelier():
-    """It explains nine tenths, and fewer are to expect; but no law can be wrong by what it leaves."""
+    """It explains nine tenths, and fewer are to expect; but no law is wrong by what it leaves."""
     search = replace(found({"slack": 90_000.0}), joint=Joint(
         Trial(("slack", "sag"), found({}).baseline, 100_000.0), losses={"slack": 9e4, "sag": 9e4}
     ))  # fmt: skip

@@ -31,6 +31,7 @@ from hannes.identification.diagnosis.score_test import (
     shapes,
     stepped,
 )
+from hannes.identification.diagnosis.sizes_looked_at import looked_at_sizes
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
 from hannes.plants.part_fault import part_faults
 
@@ -222,21 +223,13 @@ def _least(
     few = dict.fromkeys(effects, SEARCH.few_sizes)
     few |= {name: SEARCH.few_sizes + SEARCH.far_sizes for name in faults}
     sizes = few | dict.fromkeys(size_dependent, SEARCH.every_size)
-    return {
-        name: float(_left(nominal, name, _sizes(nominal, name, each)).min(initial=np.inf))
-        for name, each in sizes.items()
-    }
+    found = {name: looked_at_sizes(nominal, name, each) for name, each in sizes.items()}
+    return {name: float(left.min(initial=np.inf)) for name, (_, left) in found.items()}
 
 
 def _without(nominal: Linearisation) -> float:
     """Chi-squared that would be left without any effect, all else following linearly."""
     return float(nominal.chi2_at(nominal.x[np.newaxis], following=True)[0])
-
-
-def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
-    """Chi-squared at points with an effect, shape (m,), all else following linearly."""
-    own = nominal.space.of(name)
-    return nominal.with_active(np.union1d(nominal.active, own)).chi2_at(rows, following=True)
 
 
 def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
@@ -246,8 +239,8 @@ def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
     sizes = SEARCH.global_sizes + SEARCH.far_sizes * fault
     if not fault and size_dependent(nominal, [name]):
         sizes = SEARCH.every_size
-    rows = _sizes(nominal, name, sizes)
-    best = _apart(rows[np.argsort(_left(nominal, name, rows))], nominal.x)
+    rows, left = looked_at_sizes(nominal, name, sizes)
+    best = _apart(rows[np.argsort(left)], nominal.x)
     points = [started_at(nominal, own, row[own]) for row in best]
     return [fitted(each, SEARCH.start_steps) for each in points if each is not None]
 
@@ -263,17 +256,3 @@ def _apart(rows: np.ndarray, x: np.ndarray) -> list[np.ndarray]:
         ):
             found.append(row)
     return found
-
-
-def _sizes(nominal: Linearisation, name: str, sizes: Sequence[float]) -> np.ndarray:
-    """Points with each amplitude of an effect at each size inside its range, (m, size).
-
-    sizes: in steps, tried both ways
-    """
-    space = nominal.space
-    rows = []
-    for place in (space.place(each) for each in amplitude_names(space.effects[name])):
-        for size in (*sizes, *np.negative(sizes)):
-            if space.low[place] <= nominal.x[place] + size <= space.high[place]:
-                rows.append(nominal.x + size * (np.arange(space.size) == place))
-    return np.array(rows).reshape(-1, space.size)

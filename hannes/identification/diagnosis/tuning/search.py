@@ -235,6 +235,7 @@ class SearchTuning:
     far_sizes: tuple[float, ...] = constant(
         (29.0, 44.0), "steps", "likewise, of faults of like parts beside these", COST
     )
+    halvings: int = constant(2, "1", "of the distance to the sizes about a fault's best one", COST)
     promising: float = constant(
         0.15,
         "1",

@@ -1,0 +1,58 @@
+"""Sizes at which an effect is looked at in the machine as given, and what each would leave."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.score_test import amplitude_names
+from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.plants.part_fault import part_faults
+
+
+def looked_at_sizes(
+    nominal: Linearisation, name: str, sizes: Sequence[float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points with an effect at these sizes, and what each leaves, all else following.
+
+    Of a fault also at sizes about the best one: what its finger touches makes a narrow valley.
+    """
+    rows = _sizes(nominal, name, sizes)
+    left = _left(nominal, name, rows)
+    if rows.size and part_faults(nominal.space.effects, [name]):
+        for _ in range(SEARCH.halvings):
+            more = _about(rows, int(np.argmin(left)), nominal.x)
+            rows, left = np.vstack([rows, more]), np.append(left, _left(nominal, name, more))
+    return rows, left
+
+
+def _about(rows: np.ndarray, best: int, x: np.ndarray) -> np.ndarray:
+    """Points half way from one of one amplitude to the next ones on either side, (2, size)."""
+    place = int(np.argmax(np.abs(rows[best] - x)))
+    alike = np.abs(rows - x).argmax(axis=1) == place
+    sizes = np.unique(np.append(rows[alike, place], x[place]))
+    here = int(np.searchsorted(sizes, rows[best, place]))
+    ends = sizes[[max(here - 1, 0), min(here + 1, sizes.size - 1)]]
+    found = np.repeat(x[np.newaxis], 2, axis=0)
+    found[:, place] = 0.5 * (rows[best, place] + ends)
+    return found
+
+
+def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
+    """Chi-squared at points with an effect, shape (m,), all else following linearly."""
+    own = nominal.space.of(name)
+    return nominal.with_active(np.union1d(nominal.active, own)).chi2_at(rows, following=True)
+
+
+def _sizes(nominal: Linearisation, name: str, sizes: Sequence[float]) -> np.ndarray:
+    """Points with each amplitude of an effect at each size inside its range, (m, size).
+
+    sizes: in steps, tried both ways
+    """
+    space = nominal.space
+    rows = []
+    for place in (space.place(each) for each in amplitude_names(space.effects[name])):
+        for size in (*sizes, *np.negative(sizes)):
+            if space.low[place] <= nominal.x[place] + size <= space.high[place]:
+                rows.append(nominal.x + size * (np.arange(space.size) == place))
+    return np.array(rows).reshape(-1, space.size)
