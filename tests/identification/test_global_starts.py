@@ -11,7 +11,7 @@ from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
 from hannes.identification.diagnosis import deepest_minimum as minimum
-from hannes.identification.diagnosis import global_starts
+from hannes.identification.diagnosis import global_starts, sizes_looked_at
 from hannes.identification.diagnosis.deepest_minimum import _resized, deepest_minimum
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import fitted
@@ -204,8 +204,33 @@ def test_a_size_dependent_effect_is_looked_at_in_every_size(monkeypatch):
     """A valley between two of few sizes is seen."""
     seen = {}
     monkeypatch.setattr(global_starts, "part_faults", lambda *_: [])
-    monkeypatch.setattr(global_starts, "_sizes", lambda _, name, sizes: seen.update({name: sizes}))
-    monkeypatch.setattr(global_starts, "_left", lambda *_: np.ones(1))
+
+    def looked_at_sizes(_, name, sizes):
+        seen[name] = sizes
+        return None, np.ones(1)
+
+    monkeypatch.setattr(global_starts, "looked_at_sizes", looked_at_sizes)
     nominal = SimpleNamespace(space=SimpleNamespace(effects={}))
     global_starts._least(nominal, ["stribeck", "object_misplacement"], ["object_misplacement"])
     assert seen == {"stribeck": SEARCH.few_sizes, "object_misplacement": SEARCH.every_size}
+
+
+@pytest.mark.parametrize("valley", [21.0, 24.0, 5.0, 50.0])
+def test_a_fault_is_looked_at_about_its_best_size(monkeypatch, valley):
+    """A spring that lost seven tenths: neither half nor all of it lowers the misfit by much."""
+    space = SimpleNamespace(
+        effects={"worn": None}, low=np.array([-60.0, -60.0]), high=np.array([60.0, 60.0]), size=2,
+        place=int,
+    )  # fmt: skip
+    nominal = SimpleNamespace(space=space, x=np.zeros(2))
+
+    def left(_, name, rows):
+        return np.abs(rows[:, 0] - valley) + np.abs(rows[:, 1])
+
+    monkeypatch.setattr(sizes_looked_at, "amplitude_names", lambda effect: ["0", "1"])
+    monkeypatch.setattr(sizes_looked_at, "_left", left)
+    monkeypatch.setattr(sizes_looked_at, "part_faults", lambda effects, names: names)
+    sizes = (2.0, 6.0, 14.0, 29.0, 44.0)
+    rows, found = sizes_looked_at.looked_at_sizes(nominal, "worn", sizes)
+    away = min(abs(each - valley) for each in sizes)
+    assert found.min() == left(None, "worn", rows).min() <= (0.5 * away if valley < 44.0 else away)
