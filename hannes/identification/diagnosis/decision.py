@@ -196,6 +196,8 @@ def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
     if found.joint:
         return _surely_missed(found, found.joint, explained, reason)
     if near(trial, found.trials):
+        if found.cut_short and not something_more(replace(found, cut_short=False), trial):
+            return _clean(found, trial, reason)
         return Decision("unknown", (), reason, found.baseline)
     return Decision("named_with_remainder", trial.effects, reason, trial.point)
 
