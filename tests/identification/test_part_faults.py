@@ -178,9 +178,10 @@ def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
 
     monkeypatch.setattr(module, "_transferred", transferred)
     monkeypatch.setattr(module, "rounds", rounds)
+    monkeypatch.setattr(module, "_from_as_given", lambda *given: given[3])
     baseline = SimpleNamespace(chi2=1200.0, space=SimpleNamespace(effects=KNOWN))
     fits = {"thumb_weak_spring": SimpleNamespace(chi2=100.0, last_reduction=1.0)}
-    found = with_like_faults(baseline, fits, "thumb_weak_spring", lambda text: None)
+    found = with_like_faults(baseline, baseline, fits, "thumb_weak_spring", lambda text: None)
     assert [name for name, _ in begun] == [f"{finger}_weak_spring" for finger in left]
     leaders = [best.partition("_")[0] for _, best in begun]
     # The better one goes on; the first was led by none, and starts from the best.
@@ -190,7 +191,9 @@ def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
     }
     assert found["thumb_weak_spring"].chi2 == 99.8
     assert converged == [99.8, 99.5, 101.0]  # the others are far from as good
-    assert with_like_faults(baseline, {"capstan": fits}, "capstan", print) == {"capstan": fits}
+    assert with_like_faults(baseline, baseline, {"capstan": fits}, "capstan", print) == {
+        "capstan": fits
+    }
 
 
 def test_a_fault_of_one_of_like_parts_costs_more_than_a_law():

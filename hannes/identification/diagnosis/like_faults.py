@@ -6,17 +6,20 @@ import numpy as np
 
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.gauss_newton import fitted, rounds, settled
-from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.multistart import Fits, Progress, negligible
+from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
+from hannes.identification.diagnosis.multistart import Fits, Progress, negligible, started_at
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.part_fault import like_faults
 
 
-def with_like_faults(baseline: Linearisation, fits: Fits, best: str, progress: Progress) -> Fits:
+def with_like_faults(
+    nominal: Linearisation, baseline: Linearisation, fits: Fits, best: str, progress: Progress
+) -> Fits:
     """The fits with that of the best one tried in the other parts, as large as it is in its own.
 
-    One that leaves less takes its place, and those that come near it fast go on.
+    One that leaves less takes its place, and those that come near it fast go on. Of these one that
+    is still above it starts from the machine as given too: the best one's machine follows its part.
     """
     others = like_faults(baseline.space.effects, best)
     if not others:
@@ -37,7 +40,31 @@ def with_like_faults(baseline: Linearisation, fits: Fits, best: str, progress: P
     for name in (first, *others):
         if name in found and (name != first or best != first):
             found[name] = _caught_up(baseline, found[best], found[name])
+            found[name] = _from_as_given(nominal, baseline, found[best], found[name], name)
     return found
+
+
+def _from_as_given(
+    nominal: Linearisation, baseline: Linearisation, leader: Linearisation, point: Linearisation,
+    name: str,
+) -> Linearisation:  # fmt: skip
+    """A rival's fit, or one from the machine as given at its size where that leaves less."""
+    above = point.chi2 - leader.chi2
+    if not SEARCH.rival < above < _near(baseline, leader):
+        return point
+    own = point.space.of(name)
+    start = started_at(with_noise(nominal, point.noise), own, point.x[own])
+    if start is None:
+        return point
+    delta_chi2 = baseline.chi2 - leader.chi2
+    other = settled(fitted(start, 4), negligible(delta_chi2), leader.chi2)
+    return min(point, other, key=lambda each: each.chi2)
+
+
+def _near(baseline: Linearisation, leader: Linearisation) -> float:
+    """Chi-squared above the best one, within which a rival may still reach it."""
+    few = SEARCH.rounds_behind * SEARCH.rival
+    return max(few, SEARCH.rival_share * (baseline.chi2 - leader.chi2))
 
 
 def _led_again(
@@ -67,7 +94,7 @@ def _caught_up(
     Parts that recordings do not separate end near each other; others stay far above.
     """
     few = SEARCH.rounds_behind * SEARCH.rival
-    made, near = rounds(point), max(few, SEARCH.rival_share * (baseline.chi2 - leader.chi2))
+    made, near = rounds(point), _near(baseline, leader)
     while True:
         above = point.chi2 - leader.chi2
         reach = max(few, SEARCH.rounds_behind * point.last_reduction)

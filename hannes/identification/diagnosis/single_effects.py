@@ -268,4 +268,4 @@ def _deepened(
     if not _leaves_much(fits[best]):
         progress(f"{best.replace('_', ' ')}, from about there")
         fits = {**fits, best: deepest_minimum(nominal, fits[best], best)}
-    return with_like_faults(baseline, fits, best, progress)
+    return with_like_faults(nominal, baseline, fits, best, progress)
