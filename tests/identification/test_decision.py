@@ -137,3 +137,28 @@ def test_what_is_too_faint_to_name_is_unknown():
         decision = decide(replace(empty, trials=[], generic=rival), [0b011] * 2, [0b100] * 2)
         assert decision.kind == kind
         assert decision.reason.startswith("a torque over") == (kind == "unknown")
+
+
+@pytest.mark.parametrize(("other", "kind"), [("", "one_of"), ("more is left", "unknown")])
+def test_a_class_stands_where_only_further_effects_were_not_searched_to_the_end(
+    investigated, monkeypatch, other, kind
+):
+    best = investigated.trials[0]
+    rival = replace(best, effects=("hardening",), delta_chi2=best.delta_chi2 - 1.0)
+    found = replace(investigated, trials=[best, rival], joint=None, cut_short=True)
+    monkeypatch.setattr(
+        choices,
+        "something_more",
+        lambda found, trial: other or ("ended" if found.cut_short else ""),
+    )
+    monkeypatch.setattr(choices, "explained_share", lambda *given: 1.0)
+    masks = (runs_in_role(found.baseline.model.groups, role) for role in ("fit", "select"))
+    assert decide(found, *masks).kind == kind
+
+
+def test_several_effects_are_named_whatever_single_ones_do(investigated):
+    """In the noise of the machine with all of them, none may lower the misfit by itself."""
+    joint = Joint(replace(investigated.trials[0], effects=("turbulence", "hardening")))
+    masks = [runs_in_role(investigated.baseline.model.groups, r) for r in ("fit", "select")]
+    found = decide(replace(investigated, trials=[], joint=joint), *masks)
+    assert found.effects == ("turbulence", "hardening")

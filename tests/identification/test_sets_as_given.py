@@ -17,6 +17,7 @@ from hannes.identification.diagnosis.sets_as_given import (
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import Joint, Trial, priced
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 ALL = {**KNOWN, "gust": GUST}
 HIDDEN = ((HARDENING, 900.0), (TURBULENCE, 2.0), (GUST, 1.0))
@@ -71,6 +72,19 @@ def test_what_leaves_noise_in_a_probable_machine_is_not_tried_again(three, monke
     assert further_effects._from_as_given(three, silent) is three
 
 
+def test_beside_as_many_as_are_named_together_no_other_is_asked(three):
+    point = three.joint.trial.point
+    assert enlarged_as_given(three, ("a", "b", "c", "d"), point, None) == []
+
+
+def test_a_selection_that_a_phase_broke_off_goes_on_where_noise_fails(three, monkeypatch):
+    """Else what was not searched any more would look like nothing more there."""
+    alone = replace(three, joint=None)
+    monkeypatch.setattr(further_effects, "with_noise_at_best", lambda found, *rest: found)
+    found = further_effects._in_their_noise(alone, 0, silent)
+    assert sorted(found.joint.trial.effects) == sorted(ALL)
+
+
 def test_effects_that_are_missed_by_little_may_stand_for_what_is_not_found_yet(three):
     losses = {"hardening": 1e4, "turbulence": 1e3, "gust": 0.5 * SEARCH.surely_missed}
     joint = Joint(three.joint.trial, losses=losses)
@@ -83,9 +97,10 @@ def test_each_number_beyond_the_first_of_an_effect_is_paid_for(three):
     fewer = trial.point.with_active(trial.point.active[1:])
     prices = [
         priced(three.baseline, Trial(trial.effects, each, 0.0), 1.0).delta_chi2
-        for each in (trial.point, replace(fewer, residual=trial.point.residual))
+        for each in (trial.point, fewer)
     ]
-    assert prices[0] == pytest.approx(prices[1], abs=np.sum(trial.point.x**2))
+    paid = SEARCH.simulated_price * three.baseline.noise.simulated_noise
+    assert prices == pytest.approx([three.baseline.chi2 - trial.point.chi2 - paid] * 2)
 
 
 @pytest.mark.parametrize(("stands", "kept"), [(True, {}), (False, {"gust": "any_torque"})])
@@ -104,3 +119,14 @@ def test_a_generic_disturbance_takes_a_name_where_it_does_as_much_once_refitted(
     monkeypatch.setattr(effect_removal, "stands_against", lambda *given: stands)
     joint = effect_removal._all_stand_ins(three, Joint(three.joint.trial), silent)
     assert joint.replaceable == kept
+
+
+def test_where_work_ends_a_refit_rivals_have_their_own_before_a_name_is_taken(three, monkeypatch):
+    def ended(*given):
+        raise SearchEnded
+
+    monkeypatch.setattr(effect_removal, "_instead", ended)
+    asked = three.joint.trial, "gust", SimpleNamespace(effect="any_torque"), silent
+    with pytest.raises(SearchEnded):
+        effect_removal._stands(three, *asked)
+    assert not effect_removal._stands(replace(three, cut_short=True), *asked)

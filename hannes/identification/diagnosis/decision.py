@@ -49,10 +49,9 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
 
     fitted_runs: the training split; heldout_runs: the validation split
     """
-    best = found.trials[0] if found.trials else None
-    if best is None or best.delta_chi2 < SEARCH.name_limit:
-        return _nothing(found, best)
-    trial = found.joint.trial if found.joint else best
+    trial = found.best
+    if trial is None or trial.delta_chi2 < SEARCH.name_limit:
+        return _nothing(found, trial)
     delta_chi2 = (
         heldout_reduction(found.baseline, trial.point, fitted_runs, heldout_runs)
         / found.variance_factor
@@ -107,8 +106,8 @@ def _nothing(found: SearchResult, best: Trial | None) -> Decision:
             f"{generic_name} would lower the misfit by {found.generic.delta_chi2:.0f}, and {least}"
         )
         return Decision("unknown", (), reason, found.baseline)
-    if delta_chi2 >= VERDICT.doubt:
-        name = _names(found.trials[0])
+    if best is not None and delta_chi2 >= VERDICT.doubt:
+        name = _names(best)
         reason = (
             f"{name} lowers the misfit by {delta_chi2:.1f}, where a name needs "
             f"{SEARCH.name_limit:.0f}"
@@ -204,15 +203,16 @@ def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
 
 def _best_alone(found: SearchResult, trial: Trial, reason: str) -> Decision:
     """Of several effects that do not stand together the best one, where it does by itself."""
-    alone = found.trials[0]
+    alone = found.trials[0] if found.trials else None
     stands = (
-        found.joint is not None
+        alone is not None
+        and found.joint is not None
         and set(alone.effects) <= set(trial.effects)
         and explained_share(found, alone) >= VERDICT.explained_share
         and not near(alone, found.trials)
         and not doubt_about(found, alone)
     )
-    if not stands:
+    if alone is None or not stands:
         return Decision("unknown", (), reason, found.baseline)
     return Decision("named_with_remainder", alone.effects, reason, alone.point)
 

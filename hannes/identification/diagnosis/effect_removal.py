@@ -201,12 +201,15 @@ def _instead(
 def _stands(found: SearchResult, trial: Trial, name: str, shape: Guess, progress: Progress) -> bool:
     """Whether an effect stands against a generic disturbance that linearly does as much.
 
-    Not where the bound of work ends that.
+    Not where that cannot be refitted, or where the bound of work ends it although rivals had
+    work of their own.
     """
     try:
         generic = _instead(found, trial, name, shape, progress)
         return generic is not None and stands_against(found, trial, generic)
     except SearchEnded:
+        if not found.cut_short:
+            raise
         return False
 
 

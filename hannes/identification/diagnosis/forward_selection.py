@@ -56,7 +56,9 @@ def selected(
 ) -> SearchResult:
     """One more effect after another, each time without those that are not missed any more.
 
-    Where the bound of work ends that, with those that were found by then. until: no further one
+    Where the bound of work ends that, with those that were found by then.
+
+    until: whether a result is the last one
     """
     result = _with(found, joint, None)
     try:

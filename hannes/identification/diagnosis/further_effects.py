@@ -42,8 +42,11 @@ def with_further_effects(found: SearchResult, seed: int, progress: Progress) -> 
     try:
         if not best.cut_short and (waits(found) or _met_phase(found, best)):
             best = _in_their_noise(best, seed, progress)
+        before = best
         best = best if best.cut_short else _with_sets(best, progress)
         best = best if best.cut_short else _from_as_given(best, progress)
+        if not best.cut_short and _met_phase(before, best):
+            best = _in_their_noise(best, seed, progress)
         if not best.cut_short:
             return with_rivals(best, progress)
     except SearchEnded:
@@ -53,16 +56,19 @@ def with_further_effects(found: SearchResult, seed: int, progress: Progress) -> 
 
 
 def _met_phase(before: SearchResult, found: SearchResult) -> bool:
-    """Whether an effect with a phase is among the best ones that was not before."""
-    return bool(found.best and has_phase(found.best)) and not has_phase(before.trials[0])
+    """Whether an effect with a phase is among the best ones, and was not among those before."""
+    new, old = (each.best is not None and has_phase(each.best) for each in (found, before))
+    return new and not old
 
 
 def _in_their_noise(best: SearchResult, seed: int, progress: Progress) -> SearchResult:
     """The result in the noise of the machine with its effects, and what else is found in that."""
     found = with_noise_at_best(best, seed, progress)
-    if found is best or found.best is None:
+    found = found if found.best else best
+    if found.best is None:
         return best
-    joint = pruned_effects(found, found.joint or Joint(found.best), progress)
+    joint = found.joint or Joint(found.best)
+    joint = joint if found is best else pruned_effects(found, joint, progress)
     return selected(found, joint, progress)
 
 
@@ -110,13 +116,19 @@ def _from_as_given(best: SearchResult, progress: Progress) -> SearchResult:
             again = restarted(best, trial, progress)
             if again is not None and again.point.chi2 < _left(best) - SEARCH.deeper:
                 best = _better(best, again, progress, SEARCH.deeper)
+            if _effects(best) != frozenset(trial.effects):
+                continue
             for other in _enlarged_as_given(best, progress):
                 best = _better(best, other, progress)
-                if best.cut_short or best.best is None or best.best.effects != trial.effects:
+                if best.cut_short or _effects(best) != frozenset(trial.effects):
                     break
     except SearchEnded:
         return replace(best, cut_short=True)
     return best
+
+
+def _effects(found: SearchResult) -> frozenset[str]:
+    return frozenset(found.best.effects) if found.best else frozenset()
 
 
 def _lacks(found: SearchResult, trial: Trial) -> bool:

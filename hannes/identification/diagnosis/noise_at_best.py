@@ -1,4 +1,6 @@
-"""Noise estimated anew at the machine that the best effect leads to, where the baseline is lost.
+"""Noise estimated anew at the machine that the best effects lead to.
+
+That is done where the baseline leaves far too much, and for an effect that has a phase.
 
 Noise is estimated at the baseline: what sensor noise makes the machine do, how runs and like parts
 differ. A baseline that takes a large missing effect upon itself is no machine that there is. Noise
@@ -48,8 +50,8 @@ def has_phase(trial: Trial) -> bool:
 def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> SearchResult:
     """The result with its noise estimated at the best trial; unchanged where that is not needed.
 
-    Once more where it has a phase, as the fit moves that. Of several effects nothing else stays:
-    what is lost without each was so in other noise.
+    Once more where it has a phase, as the fit moves that. What is lost without each of several
+    effects was so in other noise, and does not stay.
     """
     best = found.best
     if best is None or not (_lost(found, best.point) or has_phase(best)):

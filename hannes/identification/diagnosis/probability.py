@@ -122,7 +122,7 @@ def _normalised(logs: Mapping[frozenset[str], float], other: float) -> Probabili
 
 
 def _disbelieved(known: Probabilities) -> Probabilities:
-    """The same where no effect is believed: most of what effects have goes to something else."""
+    """The same where no effect is believed: some of what effects have goes to something else."""
     kept = {e: PROBABILITY.refused * each for e, each in known.effects.items() if e}
     taken = sum(each for e, each in known.effects.items() if e) - sum(kept.values())
     nothing = {NOTHING: known.effects[NOTHING]}

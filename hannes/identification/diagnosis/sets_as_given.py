@@ -37,6 +37,8 @@ def enlarged_as_given(
 
     point: a fit with them, whose sizes they have
     """
+    if len(effects) >= SEARCH.most_effects:
+        return []
     start = _started(found, effects, point, progress)
     if start is None:
         return []
@@ -50,6 +52,7 @@ def enlarged_as_given(
 def _started(
     found: SearchResult, effects: Sequence[str], point: Linearisation, progress: Progress
 ) -> Linearisation | None:
-    progress(f"{' and '.join(effects)}, in the machine as given".replace("_", " "))
+    some = " and ".join(effects) or "no effect"
+    progress(f"{some}, in the machine as given".replace("_", " "))
     own = point.space.of(*effects)
     return started_at(with_noise(found.nominal, point.noise), own, point.x[own])

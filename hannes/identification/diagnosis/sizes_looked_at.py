@@ -27,14 +27,17 @@ def looked_at_sizes(
 
 
 def _about(rows: np.ndarray, best: int, x: np.ndarray) -> np.ndarray:
-    """Points half way from one of one amplitude to the next ones on either side, (2, size)."""
+    """Points between the best one of some rows and its neighbours of the same amplitude.
+
+    Half way to each; shape (1 or 2, size), as the largest size has one neighbour.
+    """
     place = int(np.argmax(np.abs(rows[best] - x)))
     alike = np.abs(rows - x).argmax(axis=1) == place
     sizes = np.unique(np.append(rows[alike, place], x[place]))
     here = int(np.searchsorted(sizes, rows[best, place]))
-    ends = sizes[[max(here - 1, 0), min(here + 1, sizes.size - 1)]]
-    found = np.repeat(x[np.newaxis], 2, axis=0)
-    found[:, place] = 0.5 * (rows[best, place] + ends)
+    beside = [sizes[k] for k in (here - 1, here + 1) if 0 <= k < sizes.size]
+    found = np.repeat(x[np.newaxis], len(beside), axis=0)
+    found[:, place] = 0.5 * (rows[best, place] + np.array(beside))
     return found
 
 

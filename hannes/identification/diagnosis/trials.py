@@ -40,7 +40,7 @@ class Joint:
     without: the others refitted alone, by the effect that is left out, where that was tried
     losses: by how much less chi-squared is reduced without each effect, all else following
     others: as many effects, some of them other ones
-    replaceable: effect -> a generic disturbance that, linearly, does as much in its place
+    replaceable: effect -> a generic disturbance against which it does not stand, in its place
     """
 
     trial: Trial
