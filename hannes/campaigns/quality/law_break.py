@@ -132,12 +132,12 @@ def _slip(law: Relation) -> Break:
     found, *_ = np.linalg.lstsq(table, read, rcond=None)
     if (found[-1] > 0.0) != law.slips:  # what slips is read to move less, so its error grows
         return NOTHING
-    if _share_beside(read, np.column_stack((columns, *_bent(law))), added) < OWN:
+    if _share_beside(read, np.column_stack((columns, *_of_the_drive(law))), added) < OWN:
         return NOTHING
     return _break("slip", first, last, float(found[-1]), read, rest, read - table @ found)
 
 
-def _bent(law: Relation) -> list[FloatArray]:
+def _of_the_drive(law: Relation) -> list[FloatArray]:
     """What a drive adds that a law does not have: a bridge's dead time, and a sensor's lag."""
     least = BENDS * float(np.ptp(law.drive))
     return [law.drive / np.hypot(law.drive, least), np.gradient(law.drive, law.time)]

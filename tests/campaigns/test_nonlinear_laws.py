@@ -1,4 +1,4 @@
-"""A drive whose law is bent, by a bridge's dead time or a sensor's lag, is no slipping encoder."""
+"""A drive whose law is not linear, by a bridge's dead time or a sensor's lag, is no slipping encoder."""
 
 import pytest
 
@@ -14,7 +14,7 @@ SLOW = Condition("dynamometer, 0.25 speed", scaled(PAPER, 0.25), 2, DYNAMOMETER,
     ("seed", "hidden"),
     [(2, {"current_lag.time": 0.0121}), (1, {"bridge_dead_time.share": 0.067})],
 )
-def test_a_bent_law_is_no_slip(seed, hidden):
+def test_a_law_that_is_not_linear_is_no_slip(seed, hidden):
     made = make(Protocol((SLOW,), RICH), seed, hidden)
     for recording in made.recordings.values():
         assert "slip" not in [each.kind for each in check(recording, HandPlant())]
