@@ -1,4 +1,4 @@
-"""A drive whose law is not linear, by a bridge's dead time or a sensor's lag, is no slipping encoder."""
+"""A law that is not linear, by a bridge's dead time or a sensor's lag, is no slipping encoder."""
 
 import pytest
 
