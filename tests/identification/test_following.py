@@ -10,11 +10,11 @@ from hannes.identification.diagnosis import decision as choices
 from hannes.identification.diagnosis import gauss_newton, reservations
 from hannes.identification.diagnosis.decision import decide
 from hannes.identification.diagnosis.effect_search import search_effects
-from hannes.identification.diagnosis.global_starts import _sizes
 from hannes.identification.diagnosis.heldout import runs_in_role
 from hannes.identification.diagnosis.linearisation import differenced
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.simulator import Model
+from hannes.identification.diagnosis.sizes_looked_at import _sizes
 from hannes.identification.diagnosis.trend import Trend
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 

@@ -49,8 +49,7 @@ def _from_as_given(
     name: str,
 ) -> Linearisation:  # fmt: skip
     """A rival's fit, or one from the machine as given at its size where that leaves less."""
-    above = point.chi2 - leader.chi2
-    if not SEARCH.rival < above < _near(baseline, leader):
+    if not SEARCH.rival < point.chi2 - leader.chi2 < SEARCH.rounds_behind * SEARCH.rival:
         return point
     own = point.space.of(name)
     start = started_at(with_noise(nominal, point.noise), own, point.x[own])
@@ -59,12 +58,6 @@ def _from_as_given(
     delta_chi2 = baseline.chi2 - leader.chi2
     other = settled(fitted(start, 4), negligible(delta_chi2), leader.chi2)
     return min(point, other, key=lambda each: each.chi2)
-
-
-def _near(baseline: Linearisation, leader: Linearisation) -> float:
-    """Chi-squared above the best one, within which a rival may still reach it."""
-    few = SEARCH.rounds_behind * SEARCH.rival
-    return max(few, SEARCH.rival_share * (baseline.chi2 - leader.chi2))
 
 
 def _led_again(
@@ -94,7 +87,7 @@ def _caught_up(
     Parts that recordings do not separate end near each other; others stay far above.
     """
     few = SEARCH.rounds_behind * SEARCH.rival
-    made, near = rounds(point), _near(baseline, leader)
+    made, near = rounds(point), max(few, SEARCH.rival_share * (baseline.chi2 - leader.chi2))
     while True:
         above = point.chi2 - leader.chi2
         reach = max(few, SEARCH.rounds_behind * point.last_reduction)
