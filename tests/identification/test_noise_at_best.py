@@ -69,6 +69,21 @@ def test_where_an_effect_has_a_phase_noise_is_estimated_once_more_where_that_cam
     assert torque_ripple.EFFECT.has_phase and not stribeck.EFFECT.has_phase
 
 
+def test_where_the_bound_ends_the_second_noise_the_first_one_stands(one, monkeypatch):
+    monkeypatch.setattr(noise_at_best, "has_phase", lambda trial: True)
+    made, calls = noise_at_best._noise_at, []
+
+    def ended_at_the_second(point, seed):
+        calls.append(point)
+        if len(calls) > 1:
+            raise SearchEnded
+        return made(point, seed)
+
+    monkeypatch.setattr(noise_at_best, "_noise_at", ended_at_the_second)
+    again = with_noise_at_best(one, 0, lambda text: None)
+    assert again.cut_short and again.nominal.noise is not one.nominal.noise
+
+
 @pytest.mark.parametrize(
     ("lost", "left", "waits"), [(True, 350.0, True), (True, 250.0, False), (False, 350.0, False)]
 )

@@ -17,7 +17,6 @@ from hannes.identification.diagnosis.sets_as_given import (
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import Joint, Trial, priced
 from hannes.identification.diagnosis.tuning import SEARCH
-from hannes.identification.diagnosis.work_bound import SearchEnded
 
 ALL = {**KNOWN, "gust": GUST}
 HIDDEN = ((HARDENING, 900.0), (TURBULENCE, 2.0), (GUST, 1.0))
@@ -74,13 +73,15 @@ def test_what_leaves_noise_in_a_probable_machine_is_not_tried_again(three, monke
 
 def test_beside_as_many_as_are_named_together_no_other_is_asked(three):
     point = three.joint.trial.point
-    assert enlarged_as_given(three, ("a", "b", "c", "d"), point, None) == []
+    assert list(enlarged_as_given(three, ("a", "b", "c", "d"), point, None)) == []
 
 
 def test_a_selection_that_a_phase_broke_off_goes_on_where_noise_fails(three, monkeypatch):
     """Else what was not searched any more would look like nothing more there."""
     alone = replace(three, joint=None)
     monkeypatch.setattr(further_effects, "with_noise_at_best", lambda found, *rest: found)
+    assert further_effects._in_their_noise(alone, 0, silent) is alone
+    monkeypatch.setattr(further_effects, "has_phase", lambda trial: True)
     found = further_effects._in_their_noise(alone, 0, silent)
     assert sorted(found.joint.trial.effects) == sorted(ALL)
 
@@ -121,12 +122,8 @@ def test_a_generic_disturbance_takes_a_name_where_it_does_as_much_once_refitted(
     assert joint.replaceable == kept
 
 
-def test_where_work_ends_a_refit_rivals_have_their_own_before_a_name_is_taken(three, monkeypatch):
-    def ended(*given):
-        raise SearchEnded
-
-    monkeypatch.setattr(effect_removal, "_instead", ended)
+def test_where_the_search_was_ended_there_is_no_work_for_a_refit(three, monkeypatch):
+    """The linear prediction decides, as a refit would end what could stand in for the others."""
+    monkeypatch.setattr(effect_removal, "_instead", None)
     asked = three.joint.trial, "gust", SimpleNamespace(effect="any_torque"), silent
-    with pytest.raises(SearchEnded):
-        effect_removal._stands(three, *asked)
     assert not effect_removal._stands(replace(three, cut_short=True), *asked)

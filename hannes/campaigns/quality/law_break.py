@@ -13,7 +13,7 @@ EDGE = 0.06  # share of the run at either end, in which no break is seen
 LEAST_FACTOR, LEAST_PART = 0.02, 0.03  # of a range, and of the drive's square to either side
 FAR, FAR_LEFT = 0.7, 0.12  # logarithm of a factor, and what either part then leaves of itself
 BRIEF = 0.35  # of the whole travel, over which an encoder slips at most
-OWN = 0.5  # of what a law with its drive's own faults leaves, that a slip explains
+OWN = 0.5  # least share that a slip explains of what a law with dead time and lag leaves
 BENDS = 0.02  # of a drive's range, within which a dead time turns
 RAMPS, RAMP_NEAR = 40, 4  # places at which a slip may begin or end, and parts about the best
 

@@ -31,7 +31,6 @@ from hannes.identification.diagnosis.trials import (
     priced,
 )
 from hannes.identification.diagnosis.tuning import SEARCH
-from hannes.identification.diagnosis.work_bound import SearchEnded
 from hannes.plants.part_fault import part_faults
 
 
@@ -201,16 +200,13 @@ def _instead(
 def _stands(found: SearchResult, trial: Trial, name: str, shape: Guess, progress: Progress) -> bool:
     """Whether an effect stands against a generic disturbance that linearly does as much.
 
-    Not where that cannot be refitted, or where the bound of work ends it although rivals had
-    work of their own.
+    Not where that cannot be refitted. Where the bound of work ended the search, there is no work
+    for that, and the linear prediction decides.
     """
-    try:
-        generic = _instead(found, trial, name, shape, progress)
-        return generic is not None and stands_against(found, trial, generic)
-    except SearchEnded:
-        if not found.cut_short:
-            raise
+    if found.cut_short:
         return False
+    generic = _instead(found, trial, name, shape, progress)
+    return generic is not None and stands_against(found, trial, generic)
 
 
 def _known_without(found: SearchResult, joint: Joint, name: str, progress: Progress) -> Joint:

@@ -40,9 +40,9 @@ def with_further_effects(found: SearchResult, seed: int, progress: Progress) -> 
     """
     best = selected(found, Joint(found.trials[0]), progress, until=partial(_met_phase, found))
     try:
+        before = best
         if not best.cut_short and (waits(found) or _met_phase(found, best)):
             best = _in_their_noise(best, seed, progress)
-        before = best
         best = best if best.cut_short else _with_sets(best, progress)
         best = best if best.cut_short else _from_as_given(best, progress)
         if not best.cut_short and _met_phase(before, best):
@@ -62,13 +62,18 @@ def _met_phase(before: SearchResult, found: SearchResult) -> bool:
 
 
 def _in_their_noise(best: SearchResult, seed: int, progress: Progress) -> SearchResult:
-    """The result in the noise of the machine with its effects, and what else is found in that."""
+    """The result in the noise of the machine with its effects, and what else is found in that.
+
+    Where there is no such noise, a selection that a phase broke off goes on all the same. Where the
+    bound of work ends that, what is lost without each effect is known in the old noise alone.
+    """
     found = with_noise_at_best(best, seed, progress)
-    found = found if found.best else best
-    if found.best is None:
-        return best
-    joint = found.joint or Joint(found.best)
-    joint = joint if found is best else pruned_effects(found, joint, progress)
+    if best.best is None or found.cut_short:
+        return replace(best, cut_short=found.cut_short)
+    if found is best or found.best is None:
+        go_on = has_phase(best.best)
+        return selected(best, best.joint or Joint(best.best), progress) if go_on else best
+    joint = pruned_effects(found, found.joint or Joint(found.best), progress)
     return selected(found, joint, progress)
 
 
@@ -77,8 +82,9 @@ def _with_sets(best: SearchResult, progress: Progress) -> SearchResult:
     try:
         for trial in _together(best, progress):
             start = scaled(best, trial.point)
+            known = priced(start.baseline, trial, start.variance_factor)
             best = _better(best, trial, progress)
-            if best.cut_short or not leaves_much(start, trial):
+            if best.cut_short or not leaves_much(start, known):
                 break
     except SearchEnded:
         return replace(best, cut_short=True)
@@ -109,14 +115,14 @@ def _from_as_given(best: SearchResult, progress: Progress) -> SearchResult:
     """
     met = set[frozenset[str]]()
     try:
-        while (trial := best.best) and frozenset(trial.effects) not in met:
-            met.add(frozenset(trial.effects))
+        while not best.cut_short and (trial := best.best) and _effects(best) not in met:
+            met.add(_effects(best))
             if not _lacks(best, trial):
                 break
             again = restarted(best, trial, progress)
             if again is not None and again.point.chi2 < _left(best) - SEARCH.deeper:
                 best = _better(best, again, progress, SEARCH.deeper)
-            if _effects(best) != frozenset(trial.effects):
+            if best.cut_short or _effects(best) != frozenset(trial.effects):
                 continue
             for other in _enlarged_as_given(best, progress):
                 best = _better(best, other, progress)
@@ -136,15 +142,11 @@ def _lacks(found: SearchResult, trial: Trial) -> bool:
     return bool(beyond_noise(trial.point, found.bins)) or far_from_prior(trial) is not None
 
 
-def _enlarged_as_given(found: SearchResult, progress: Progress) -> list[Trial]:
-    """The effects that are surely there with those that enter beside them, the best first."""
-    if found.best is None or not _lacks(found, found.best):
-        return []
-    names = surely_there(found.joint) if found.joint else found.best.effects
-    return sorted(
-        enlarged_as_given(found, names, found.best.point, progress),
-        key=lambda each: each.point.chi2,
-    )
+def _enlarged_as_given(found: SearchResult, progress: Progress) -> Iterator[Trial]:
+    """The effects that are surely there with those that enter beside them, the likeliest first."""
+    if found.best is not None and _lacks(found, found.best):
+        names = surely_there(found.joint) if found.joint else found.best.effects
+        yield from enlarged_as_given(found, names, found.best.point, progress)
 
 
 def _left(found: SearchResult) -> float:

@@ -50,7 +50,7 @@ def refined(
             best[name] = _from_both(best[name], baseline, nominal, promised, below)
             below = min(below, _as_a_rival(baseline, best[name]))
     left = min((each.chi2 for each in best.values()), default=np.inf)
-    if left < SEARCH.lost_baseline * baseline.residual.size:  # else what is missing too decides
+    if left < SEARCH.lost_baseline * baseline.residual.size:  # beyond, other missing effects decide
         best = _crossed(best, baseline, needed, progress)
     return {name: point for name, point in best.items() if point.chi2 < baseline.chi2}
 

@@ -25,6 +25,7 @@ from hannes.identification.diagnosis.trials import (
     priced,
 )
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 
 def waits(found: SearchResult) -> bool:
@@ -50,18 +51,23 @@ def has_phase(trial: Trial) -> bool:
 def with_noise_at_best(found: SearchResult, seed: int, progress: Progress) -> SearchResult:
     """The result with its noise estimated at the best trial; unchanged where that is not needed.
 
-    Once more where it has a phase, as the fit moves that. What is lost without each of several
-    effects was so in other noise, and does not stay.
+    Once more where it has a phase, as the fit moves that. Where the bound of work ends that, the
+    first one stands. What is lost without each of several effects held for the old noise, and is
+    dropped.
     """
     best = found.best
     if best is None or not (_lost(found, best.point) or has_phase(best)):
         return found
-    for _ in range(1 + has_phase(best)):
+    for number in range(1 + has_phase(best)):
         progress("noise, at the machine found")
         try:
             found = _in_noise(found, best, _noise_at(best.point, seed))
         except ComputationFailed:
             break
+        except SearchEnded:
+            if not number:
+                raise
+            return replace(found, cut_short=True)
         best = found.best or best
     return found
 

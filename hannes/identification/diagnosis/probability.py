@@ -72,7 +72,7 @@ def _apart(found: SearchResult, best: frozenset[str], effects: frozenset[str]) -
 def _law_error(found: SearchResult) -> float:
     """Chi-squared by which the best laws may be wrong at most: what they leave above noise.
 
-    Of noise that is known to its standard deviation alone.
+    At least the standard deviation of what noise leaves.
     """
     point = found.best.point if found.best else found.baseline
     return max(point.chi2 - found.bins, math.sqrt(2.0 * found.bins))

@@ -1,11 +1,11 @@
-"""Several effects once more in the machine as given, alone and with others beside them.
+"""The effects found once more in the machine as given, alone and with others beside them.
 
 Where something more is there, a fit moves the machine to follow it. There it shows no more, and
 what gains is another effect or nothing. The machine as given is not moved. With the effects that
 are known in it, what is left shows the others.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
@@ -32,21 +32,21 @@ def restarted(found: SearchResult, trial: Trial, progress: Progress) -> Trial | 
 
 def enlarged_as_given(
     found: SearchResult, effects: Sequence[str], point: Linearisation, progress: Progress
-) -> list[Trial]:
+) -> Iterator[Trial]:
     """These effects with those that enter first beside them, refitted from there.
 
     point: a fit with them, whose sizes they have
     """
     if len(effects) >= SEARCH.most_effects:
-        return []
+        return
     start = _started(found, effects, point, progress)
     if start is None:
-        return []
+        return
     names = [name for name in start.space.effects if name not in (*effects, *GENERIC)]
     guesses = screened_widely(start, names, SEARCH.sizes_beside, SMALL)
     counts = range(1, SEARCH.most_effects - len(effects) + 1)
-    sets = started_together([(start, guesses)], progress, counts)
-    return [Trial((*effects, *more), fit, 0.0) for more, fit in sets]
+    for more, fit in started_together([(start, guesses)], progress, counts):
+        yield Trial((*effects, *more), fit, 0.0)
 
 
 def _started(
