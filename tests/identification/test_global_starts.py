@@ -95,7 +95,7 @@ def test_where_the_baseline_leaves_far_too_much_likely_effects_start_globally(sh
     """As slack of 4.4 mm, which every slope leads away from."""
     nominal, baseline = shifted.nominal, shifted.baseline
     effects = [*KNOWN, "shifted"]
-    least = global_starts._least(nominal, effects, [])
+    least = global_starts._least(nominal, effects, [], nominal.chi2)
     assert min(least, key=least.__getitem__) == "shifted"
     monkeypatch.setattr(global_starts, "size_dependent", lambda *_: [])
     per_bin = baseline.chi2 / baseline.residual.size
@@ -211,7 +211,7 @@ def test_a_size_dependent_effect_is_looked_at_in_every_size(monkeypatch):
 
     monkeypatch.setattr(global_starts, "looked_at_sizes", looked_at_sizes)
     nominal = SimpleNamespace(space=SimpleNamespace(effects={}))
-    global_starts._least(nominal, ["stribeck", "object_misplacement"], ["object_misplacement"])
+    global_starts._least(nominal, ["stribeck", "object_misplacement"], ["object_misplacement"], 2.0)
     assert seen == {"stribeck": SEARCH.few_sizes, "object_misplacement": SEARCH.every_size}
 
 
@@ -229,8 +229,26 @@ def test_a_fault_is_looked_at_about_its_best_size(monkeypatch, valley):
 
     monkeypatch.setattr(sizes_looked_at, "amplitude_names", lambda effect: ["0", "1"])
     monkeypatch.setattr(sizes_looked_at, "_left", left)
-    monkeypatch.setattr(sizes_looked_at, "part_faults", lambda effects, names: names)
     sizes = (2.0, 6.0, 14.0, 29.0, 44.0)
-    rows, found = sizes_looked_at.looked_at_sizes(nominal, "worn", sizes)
+    looked = sizes_looked_at.looked_at_sizes(nominal, "worn", sizes)
+    rows, found = sizes_looked_at.looked_at_between(nominal, "worn", looked)
     away = min(abs(abs(valley) - each) for each in sizes)
     assert found.min() == left(None, "worn", rows).min() <= 0.5 * away
+
+
+def test_only_a_fault_that_promises_enough_is_looked_at_between_sizes(monkeypatch):
+    """Twenty are tried, and most of them do nothing."""
+    left, asked = {"law": 40.0, "near": 60.0, "far": 95.0}, []
+    monkeypatch.setattr(global_starts, "part_faults", lambda *_: ["near", "far"])
+    monkeypatch.setattr(
+        global_starts, "looked_at_sizes", lambda _, name, sizes: (None, np.array([left[name]]))
+    )
+
+    def between(_, name, looked):
+        asked.append(name)
+        return None, 0.5 * looked[1]
+
+    monkeypatch.setattr(global_starts, "looked_at_between", between)
+    nominal = SimpleNamespace(space=SimpleNamespace(effects={}))
+    least = global_starts._least(nominal, list(left), [], 100.0)
+    assert least == {"law": 40.0, "near": 30.0, "far": 95.0} and asked == ["near"]

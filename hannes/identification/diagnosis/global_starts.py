@@ -31,7 +31,7 @@ from hannes.identification.diagnosis.score_test import (
     shapes,
     stepped,
 )
-from hannes.identification.diagnosis.sizes_looked_at import looked_at_sizes
+from hannes.identification.diagnosis.sizes_looked_at import looked_at_between, looked_at_sizes
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
 from hannes.plants.part_fault import part_faults
 
@@ -83,8 +83,9 @@ def promised(nominal: Linearisation, baseline: Linearisation, effects: Sequence[
     others = [name for name in effects if name not in faults]
     names, lost = size_dependent(nominal, others), SEARCH.lost_baseline * baseline.residual.size
     of_all = baseline.chi2 > lost
-    left = _least(nominal, [*(others if of_all else names), *faults], names)
-    return Promised(others, names, of_all, left, _without(nominal))
+    without = _without(nominal)
+    left = _least(nominal, [*(others if of_all else names), *faults], names, without)
+    return Promised(others, names, of_all, left, without)
 
 
 def global_fits(
@@ -213,18 +214,27 @@ def _signatures(point: Linearisation, effects: Sequence[str], size: float) -> di
 
 
 def _least(
-    nominal: Linearisation, effects: Sequence[str], size_dependent: Sequence[str]
+    nominal: Linearisation,
+    effects: Sequence[str],
+    size_dependent: Sequence[str],
+    without: float,
 ) -> dict[str, float]:
     """Chi-squared that each effect would leave at its best size, all else following.
 
-    The right size of a size-dependent one may lie in a valley narrower than a few sizes show.
+    The right size of a size-dependent one may lie in a valley narrower than a few sizes show. So
+    may that of a fault, which is looked at more closely where it promises enough.
     """
     faults = part_faults(nominal.space.effects, effects)
     few = dict.fromkeys(effects, SEARCH.few_sizes)
     few |= {name: SEARCH.few_sizes + SEARCH.far_sizes for name in faults}
     sizes = few | dict.fromkeys(size_dependent, SEARCH.every_size)
     found = {name: looked_at_sizes(nominal, name, each) for name, each in sizes.items()}
-    return {name: float(left.min(initial=np.inf)) for name, (_, left) in found.items()}
+    least = {name: float(left.min(initial=np.inf)) for name, (_, left) in found.items()}
+    enough = SEARCH.promising * (without - min(least.values(), default=without))
+    for name in faults:
+        if without - least[name] >= enough:
+            least[name] = float(looked_at_between(nominal, name, found[name])[1].min())
+    return least
 
 
 def _without(nominal: Linearisation) -> float:
@@ -239,7 +249,8 @@ def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
     sizes = SEARCH.global_sizes + SEARCH.far_sizes * fault
     if not fault and size_dependent(nominal, [name]):
         sizes = SEARCH.every_size
-    rows, left = looked_at_sizes(nominal, name, sizes)
+    looked = looked_at_sizes(nominal, name, sizes)
+    rows, left = looked_at_between(nominal, name, looked) if fault else looked
     best = _apart(rows[np.argsort(left)], nominal.x)
     points = [started_at(nominal, own, row[own]) for row in best]
     return [fitted(each, SEARCH.start_steps) for each in points if each is not None]

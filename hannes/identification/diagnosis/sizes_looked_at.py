@@ -7,22 +7,25 @@ import numpy as np
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.score_test import amplitude_names
 from hannes.identification.diagnosis.tuning import SEARCH
-from hannes.plants.part_fault import part_faults
+
+Looked = tuple[np.ndarray, np.ndarray]  # points, and chi-squared that each would leave
 
 
-def looked_at_sizes(
-    nominal: Linearisation, name: str, sizes: Sequence[float]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Points with an effect at these sizes, and what each leaves, all else following.
-
-    Of a fault also at sizes about the best one: what its finger touches makes a narrow valley.
-    """
+def looked_at_sizes(nominal: Linearisation, name: str, sizes: Sequence[float]) -> Looked:
+    """Points with an effect at these sizes, and what each leaves, all else following."""
     rows = _sizes(nominal, name, sizes)
-    left = _left(nominal, name, rows)
-    if rows.size and part_faults(nominal.space.effects, [name]):
-        for _ in range(SEARCH.halvings):
-            more = _about(rows, int(np.argmin(left)), nominal.x)
-            rows, left = np.vstack([rows, more]), np.append(left, _left(nominal, name, more))
+    return rows, _left(nominal, name, rows)
+
+
+def looked_at_between(nominal: Linearisation, name: str, looked: Looked) -> Looked:
+    """The same with sizes about the best one, twice half way to its neighbours.
+
+    What the finger of a fault touches makes a narrow valley.
+    """
+    rows, left = looked
+    for _ in range(SEARCH.halvings if rows.size else 0):
+        more = _about(rows, int(np.argmin(left)), nominal.x)
+        rows, left = np.vstack([rows, more]), np.append(left, _left(nominal, name, more))
     return rows, left
 
 
