@@ -225,3 +225,13 @@ def investigation():
     """What an investigation of hidden turbulence finds."""
     entries = [e for e in recordings(1, ((TURBULENCE, 2.0),)) if e.role != "show"]
     return search_effects(Sled(), entries, list(KNOWN.values()), Settings(0.02, 0.005), 0)
+
+
+THREE = ((HARDENING, 900.0), (TURBULENCE, 2.0), (GUST, 1.0))
+WITH_GUST = {**KNOWN, "gust": GUST}
+
+
+def three_found():
+    """What a search finds of three hidden effects; anew, as tests change its bound of work."""
+    entries = [e for e in recordings(3, THREE) if e.role != "show"]
+    return search_effects(Sled(), entries, list(WITH_GUST.values()), Settings(0.02, 0.005), 0)

@@ -6,16 +6,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from sled import (
-    GUST,
-    HARDENING,
-    KNOWN,
     STIFFER,
+    THREE,
     TURBULENCE,
     TWIN,
+    WITH_GUST,
     Sled,
     campaign,
     found,
     recordings,
+    three_found,
 )
 
 from hannes.commands.diagnose import diagnose
@@ -38,22 +38,19 @@ from hannes.identification.diagnosis.trials import Joint, Trial, joint_rivals
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded
 
-ALL = {**KNOWN, "gust": GUST}
 FAINT = np.full(10, 0.5)  # noise floors
-HIDDEN = ((HARDENING, 900.0), (TURBULENCE, 2.0), (GUST, 1.0))
 
 
 @pytest.fixture(scope="module")
 def three():
     """What a search finds of three hidden effects."""
-    entries = [e for e in recordings(3, HIDDEN) if e.role != "show"]
-    return search_effects(Sled(), entries, list(ALL.values()), Settings(0.02, 0.005), 0)
+    return three_found()
 
 
 def test_three_effects_are_all_named_and_each_explains_something(tmp_path):
-    said = diagnose(campaign(3, HIDDEN, ALL), out=tmp_path / "out", progress=False).verdict
+    said = diagnose(campaign(3, THREE, WITH_GUST), out=tmp_path / "out", progress=False).verdict
     assert said.verdict == "named" and sorted(said.effects) == ["gust", "hardening", "turbulence"]
-    for effect, size in HIDDEN:
+    for effect, size in THREE:
         assert said.parameters[f"{effect.name}.size"]["value"] == pytest.approx(size, rel=0.05)
     assert set(said.each_explains) == set(said.effects)
     for each in said.each_explains.values():
@@ -84,8 +81,8 @@ def test_no_further_effect_is_added_where_two_are_all(three, monkeypatch):
     """With room for it: what is left of three is less than a name needs."""
     assert len(three.joint.trial.effects) == 3
     assert three.remaining is None
-    entries = [e for e in recordings(3, HIDDEN[:2]) if e.role != "show"]
-    two = search_effects(Sled(), entries, list(ALL.values()), Settings(0.02, 0.005), 0)
+    entries = [e for e in recordings(3, THREE[:2]) if e.role != "show"]
+    two = search_effects(Sled(), entries, list(WITH_GUST.values()), Settings(0.02, 0.005), 0)
     assert sorted(two.joint.trial.effects) == ["hardening", "turbulence"]
     assert two.remaining.effect == "gust"
     assert two.remaining.delta_chi2 < SEARCH.name_limit * two.variance_factor
@@ -96,8 +93,8 @@ def test_no_more_effects_are_named_together_than_allowed(monkeypatch):
     for module in (forward_selection, sets_as_given):
         monkeypatch.setattr(module, "SEARCH", two)
     monkeypatch.setattr(effect_search, "SEARCH", SEARCH)
-    entries = [e for e in recordings(3, HIDDEN) if e.role != "show"]
-    some = search_effects(Sled(), entries, list(ALL.values()), Settings(0.02, 0.005), 0)
+    entries = [e for e in recordings(3, THREE) if e.role != "show"]
+    some = search_effects(Sled(), entries, list(WITH_GUST.values()), Settings(0.02, 0.005), 0)
     assert len(some.joint.trial.effects) == 2
     assert some.remaining.delta_chi2 > SEARCH.name_limit * some.variance_factor
 
@@ -160,12 +157,12 @@ def test_a_lasso_path_meets_its_conditions_of_optimality():
 
 
 def test_what_is_missing_enters_first_and_is_started_together(three):
-    guesses = screened_widely(three.baseline, list(ALL))
-    assert {each.effect for each in entering(three.baseline, guesses)} == set(ALL)
+    guesses = screened_widely(three.baseline, list(WITH_GUST))
+    assert {each.effect for each in entering(three.baseline, guesses)} == set(WITH_GUST)
     starts = list(started_together([(three.baseline, guesses)], lambda text: None))
     assert 1 <= len(starts) <= SEARCH.joint_starts
     best = {frozenset(names): point for names, point in starts}
-    assert best[frozenset(ALL)].chi2 == pytest.approx(three.joint.trial.point.chi2, abs=2.0)
+    assert best[frozenset(WITH_GUST)].chi2 == pytest.approx(three.joint.trial.point.chi2, abs=2.0)
     assert entering(three.baseline, []) == []
 
 
@@ -177,8 +174,8 @@ def test_effects_started_together_are_found_where_the_best_single_one_leads_nowh
         "_enlarged",
         lambda found, best, *rest: enlarged(found, best, *rest) if len(best.effects) > 1 else [],
     )
-    entries = [e for e in recordings(3, HIDDEN) if e.role != "show"]
-    some = search_effects(Sled(), entries, list(ALL.values()), Settings(0.02, 0.005), 0)
+    entries = [e for e in recordings(3, THREE) if e.role != "show"]
+    some = search_effects(Sled(), entries, list(WITH_GUST.values()), Settings(0.02, 0.005), 0)
     assert sorted(some.joint.trial.effects) == ["gust", "hardening", "turbulence"]
 
 
@@ -193,7 +190,7 @@ def test_where_one_does_not_stay_beside_what_leaves_much_the_next_is_tried(three
     monkeypatch.setattr(forward_selection, "pruned_effects", without_the_first)
     some = forward_selection.selected(replace(three, joint=None), alone, lambda text: None)
     assert some.joint is not None and len(set(asked[:2])) == 2
-    assert sorted(some.joint.trial.effects) == sorted(ALL)
+    assert sorted(some.joint.trial.effects) == sorted(WITH_GUST)
 
 
 def ended(*_):
@@ -233,7 +230,7 @@ def test_where_the_bound_is_met_by_what_could_stand_in_that_is_tried_once_more(t
 
 def test_a_search_that_comes_back_to_where_it_was_ends(three, monkeypatch):
     """Two minima that lead to each other: what is added drops what was there, and back again."""
-    one, refused, other = ALL
+    one, refused, other = WITH_GUST
     alone = Joint(replace(three.trials[0], effects=(one,)))
     order = {(one,): (refused, other), (other,): (refused, one)}
     steps = []
@@ -276,8 +273,8 @@ def test_what_is_lost_without_an_effect_is_as_the_linearisation_says(three):
 
 def test_an_effect_with_a_twin_is_not_named_beside_others():
     """The other two are, where they explain enough; the twins are not separated."""
-    known = {**ALL, "twin": TWIN}
-    entries = [e for e in recordings(3, HIDDEN) if e.role != "show"]
+    known = {**WITH_GUST, "twin": TWIN}
+    entries = [e for e in recordings(3, THREE) if e.role != "show"]
     some = search_effects(Sled(), entries, list(known.values()), Settings(0.02, 0.005), 0)
     rivals = joint_rivals(some.joint)
     assert [set(each.effects) ^ set(some.joint.trial.effects) for each in rivals] == [
@@ -345,7 +342,7 @@ def test_what_a_generic_disturbance_may_do_too_is_not_named(three):
 def test_large_effects_are_tried_to_the_end_of_their_range(three):
     sizes = np.abs(SEARCH.screening_sizes)
     assert {1.0, 2.0, 4.0, 8.0, 16.0} <= set(sizes) and sizes.max() > 55.0
-    wide = {each.effect: each for each in screened_widely(three.nominal, list(ALL))}
-    small = {each.effect: each for each in screened(three.nominal, list(ALL))}
-    assert all(wide[name].delta_chi2 >= small[name].delta_chi2 for name in ALL)
+    wide = {each.effect: each for each in screened_widely(three.nominal, list(WITH_GUST))}
+    small = {each.effect: each for each in screened(three.nominal, list(WITH_GUST))}
+    assert all(wide[name].delta_chi2 >= small[name].delta_chi2 for name in WITH_GUST)
     assert STIFFER.name not in wide

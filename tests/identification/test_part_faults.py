@@ -196,6 +196,27 @@ def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
     }
 
 
+@pytest.mark.parametrize(
+    ("above", "other", "left"),
+    [
+        (1.5 * SEARCH.rival, 101.0, 101.0),  # it had come to rest above its least
+        (1.5 * SEARCH.rival, 130.0, 100.0 + 1.5 * SEARCH.rival),
+        (0.5 * SEARCH.rival, 101.0, 100.0 + 0.5 * SEARCH.rival),  # it is in the class anyway
+        (10.0 * SEARCH.rival, 101.0, 100.0 + 10.0 * SEARCH.rival),  # too far
+    ],
+)
+def test_a_rival_that_is_a_little_worse_starts_from_the_machine_as_given_too(
+    monkeypatch, above, other, left
+):
+    monkeypatch.setattr(module, "started_as_given", lambda nominal, point, effects: point)
+    monkeypatch.setattr(module, "fitted", lambda point, steps: point)
+    monkeypatch.setattr(module, "settled", lambda *given: SimpleNamespace(chi2=other))
+    baseline, leader = SimpleNamespace(chi2=1000.0), SimpleNamespace(chi2=100.0)
+    point = SimpleNamespace(chi2=100.0 + above)
+    found = module._from_as_given(None, baseline, leader, point, "ring_weak_spring")
+    assert found.chi2 == left
+
+
 def test_a_fault_of_one_of_like_parts_costs_more_than_a_law():
     """Twenty are tried: chance gives the best of them more than it gives one law."""
     law = SimpleNamespace()

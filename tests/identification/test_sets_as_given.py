@@ -5,28 +5,22 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from sled import GUST, HARDENING, KNOWN, TURBULENCE, Sled, recordings
+from sled import WITH_GUST, three_found
 
 from hannes.identification.diagnosis import effect_removal, further_effects
-from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.sets_as_given import (
     enlarged_as_given,
     restarted,
     surely_there,
 )
-from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.trials import Joint, Trial, priced
 from hannes.identification.diagnosis.tuning import SEARCH
-
-ALL = {**KNOWN, "gust": GUST}
-HIDDEN = ((HARDENING, 900.0), (TURBULENCE, 2.0), (GUST, 1.0))
 
 
 @pytest.fixture(scope="module")
 def three():
     """What a search finds of three hidden effects."""
-    entries = [e for e in recordings(3, HIDDEN) if e.role != "show"]
-    return search_effects(Sled(), entries, list(ALL.values()), Settings(0.02, 0.005), 0)
+    return three_found()
 
 
 def silent(text):
@@ -52,7 +46,7 @@ def test_others_that_are_missing_enter_beside_those_that_are_known(three):
     """In the machine that one effect leads to by itself, the others hardly show."""
     found = enlarged_as_given(three, ("hardening",), three.trials[0].point, silent)
     sets = {frozenset(each.effects): each.point.chi2 for each in found}
-    assert sets[frozenset(ALL)] == pytest.approx(three.joint.trial.point.chi2, abs=2.0)
+    assert sets[frozenset(WITH_GUST)] == pytest.approx(three.joint.trial.point.chi2, abs=2.0)
 
 
 def test_a_search_that_ended_in_a_machine_that_is_improbable_goes_on_as_given(three, monkeypatch):
@@ -63,7 +57,7 @@ def test_a_search_that_ended_in_a_machine_that_is_improbable_goes_on_as_given(th
     ))  # fmt: skip
     alone = [each for each in three.trials if each.effects == ("hardening",)]
     found = further_effects._from_as_given(replace(three, joint=None, trials=alone), silent)
-    assert sorted(found.joint.trial.effects) == sorted(ALL)
+    assert sorted(found.joint.trial.effects) == sorted(WITH_GUST)
 
 
 def test_what_leaves_noise_in_a_probable_machine_is_not_tried_again(three, monkeypatch):
@@ -83,7 +77,7 @@ def test_a_selection_that_a_phase_broke_off_goes_on_where_noise_fails(three, mon
     assert further_effects._in_their_noise(alone, 0, silent) is alone
     monkeypatch.setattr(further_effects, "has_phase", lambda trial: True)
     found = further_effects._in_their_noise(alone, 0, silent)
-    assert sorted(found.joint.trial.effects) == sorted(ALL)
+    assert sorted(found.joint.trial.effects) == sorted(WITH_GUST)
 
 
 def test_effects_that_are_missed_by_little_may_stand_for_what_is_not_found_yet(three):

@@ -8,11 +8,11 @@ import numpy as np
 from hannes.identification.diagnosis.gauss_newton import fitted, settled, wald
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.heldout import stands_on_heldout
-from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
+from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
     Progress,
     faded,
-    started_at,
+    started_as_given,
     started_at_guess,
 )
 from hannes.identification.diagnosis.score_test import (
@@ -105,10 +105,9 @@ def left_out(found: SearchResult, joint: Trial, name: str, progress: Progress) -
     """
     kept = tuple(each for each in joint.effects if each != name)
     progress(f"{' and '.join(kept)} without {name}".replace("_", " "))
-    own = joint.point.space.of(*kept)
     gradually = faded(joint.point, name)
     fits = [settled(gradually)] if gradually is not None else []
-    again = started_at(with_noise(found.nominal, joint.point.noise), own, joint.point.x[own])
+    again = started_as_given(found.nominal, joint.point, kept)
     if again is not None:
         below = min([found.baseline.chi2, *(each.chi2 for each in fits)])
         fits.append(settled(fitted(again, 4), below=below))

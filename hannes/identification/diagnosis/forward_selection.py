@@ -17,10 +17,9 @@ from hannes.identification.diagnosis.global_starts import (
     global_fits,
 )
 from hannes.identification.diagnosis.like_faults import varied
-from hannes.identification.diagnosis.linearisation import with_noise
 from hannes.identification.diagnosis.multistart import (
     Progress,
-    started_at,
+    started_as_given,
     started_at_guess,
     with_correction_at_size,
 )
@@ -180,8 +179,7 @@ def _beside_as_given(
     Those whose signatures depend on size where much is left; else those whose work the machine does
     although that is improbable of it.
     """
-    own = best.point.space.of(*best.effects)
-    start = started_at(with_noise(found.nominal, best.point.noise), own, best.point.x[own])
+    start = started_as_given(found.nominal, best.point, best.effects)
     if start is None:
         return []
     if leaves_much(found, best):

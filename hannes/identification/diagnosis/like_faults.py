@@ -6,8 +6,8 @@ import numpy as np
 
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.gauss_newton import fitted, rounds, settled
-from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
-from hannes.identification.diagnosis.multistart import Fits, Progress, negligible, started_at
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.multistart import Fits, Progress, negligible, started_as_given
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.part_fault import like_faults
@@ -19,7 +19,7 @@ def with_like_faults(
     """The fits with that of the best one tried in the other parts, as large as it is in its own.
 
     One that leaves less takes its place, and those that come near it fast go on. Of these one that
-    is still above it starts from the machine as given too: the best one's machine follows its part.
+    is still above it starts from the machine as given too: the best one's machine is biased by it.
     """
     others = like_faults(baseline.space.effects, best)
     if not others:
@@ -51,8 +51,7 @@ def _from_as_given(
     """A rival's fit, or one from the machine as given at its size where that leaves less."""
     if not SEARCH.rival < point.chi2 - leader.chi2 < SEARCH.rounds_behind * SEARCH.rival:
         return point
-    own = point.space.of(name)
-    start = started_at(with_noise(nominal, point.noise), own, point.x[own])
+    start = started_as_given(nominal, point, [name])
     if start is None:
         return point
     delta_chi2 = baseline.chi2 - leader.chi2

@@ -268,6 +268,14 @@ def started_at(
     return start.with_active(np.union1d(start.active, places)).moved(x, np.sort(places))
 
 
+def started_as_given(
+    nominal: Linearisation, point: Linearisation, effects: Sequence[str]
+) -> Linearisation | None:
+    """The machine as given with effects at the sizes that a fit has, in the noise of that fit."""
+    own = point.space.of(*effects)
+    return started_at(with_noise(nominal, point.noise), own, point.x[own])
+
+
 def negligible(delta_chi2: float) -> float:
     """Reduction below which a round is the last, where the whole reduction is this large."""
     return max(FIT.settled, SEARCH.last_round_share * delta_chi2)

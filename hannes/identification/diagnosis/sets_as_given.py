@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.joint_starts import started_together
-from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
-from hannes.identification.diagnosis.multistart import Progress, started_at
+from hannes.identification.diagnosis.linearisation import Linearisation
+from hannes.identification.diagnosis.multistart import Progress, started_as_given
 from hannes.identification.diagnosis.score_test import SMALL, screened_widely
 from hannes.identification.diagnosis.trials import Joint, SearchResult, Trial
 from hannes.identification.diagnosis.tuning import SEARCH
@@ -54,5 +54,4 @@ def _started(
 ) -> Linearisation | None:
     some = " and ".join(effects) or "no effect"
     progress(f"{some}, in the machine as given".replace("_", " "))
-    own = point.space.of(*effects)
-    return started_at(with_noise(found.nominal, point.noise), own, point.x[own])
+    return started_as_given(found.nominal, point, effects)
