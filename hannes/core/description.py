@@ -57,3 +57,17 @@ def coefficients(unit: str, most: float, count: int = 5) -> tuple[Parameter, ...
         )
         for k in range(count)
     )  # fmt: skip
+
+
+def waves(unit: str, most: float) -> tuple[Parameter, ...]:
+    """Of the cosines c_0 to c_6."""
+    return tuple(_wave(k, unit, most) for k in range(7))
+
+
+def waves_from_zero(unit: str, most: float) -> tuple[Parameter, ...]:
+    """Of the cosines c_1 to c_6, whose sum is taken from its value at 0; the finer the smaller."""
+    return tuple(_wave(k, unit, most / k) for k in range(1, 7))
+
+
+def _wave(k: int, unit: str, most: float) -> Parameter:
+    return Parameter(f"c_{k}", 0.0, unit, (-most, most), f"of cosine {k}", "choice", off=0.0)

@@ -1,15 +1,15 @@
 """Generic disturbance: a share of the load's torque on the motor that depends on its angle."""
 
-from hannes.core.description import Description
+from hannes.core.description import Description, waves
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
-from hannes.dynamics.generic_motor_torque import TRAVEL, cosines, waves
+from hannes.dynamics.generic_motor_torque import TRAVEL, over_angle
 
 
 @kernel
 def share_of_load(motor_angle, gear_ratio, load, c_0, c_1, c_2, c_3, c_4, c_5, c_6):
     """Torque on the rotor [N m]."""
-    return load * cosines(motor_angle / gear_ratio, c_0, c_1, c_2, c_3, c_4, c_5, c_6)
+    return load * over_angle(motor_angle / gear_ratio, c_0, c_1, c_2, c_3, c_4, c_5, c_6)
 
 
 GENERIC = Description(
@@ -27,5 +27,5 @@ GENERIC = Description(
     ends=(0.0, TRAVEL),
     value="a share of the load's torque on the motor",
     value_unit="1",
-    law=cosines,
+    law=over_angle,
 )

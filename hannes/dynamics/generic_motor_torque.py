@@ -1,39 +1,23 @@
 """Generic disturbance: any torque on the motor over its angle, as a series of cosines."""
 
-import math
-
-from hannes.core.description import Description
+from hannes.core.description import Description, waves
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
-from hannes.core.parameter import Parameter
+from hannes.core.kernels.series import cosines
 
 TRAVEL = 10.0  # rad at the output shaft, of a whole closure: the series is mirrored beyond
 
 
 @kernel
-def cosines(angle, c_0, c_1, c_2, c_3, c_4, c_5, c_6):
-    """Sum of c_k cos(k pi angle / travel), angle at the output shaft [rad]."""
-    x = math.cos(math.pi * angle / TRAVEL)
-    t_2 = 2.0 * x * x - 1.0
-    t_3 = 2.0 * x * t_2 - x
-    t_4 = 2.0 * t_2 * t_2 - 1.0
-    t_5 = 2.0 * x * t_4 - t_3
-    t_6 = 2.0 * t_3 * t_3 - 1.0
-    return c_0 + c_1 * x + c_2 * t_2 + c_3 * t_3 + c_4 * t_4 + c_5 * t_5 + c_6 * t_6
+def over_angle(angle, c_0, c_1, c_2, c_3, c_4, c_5, c_6):
+    """Torque [N m] at an angle of the output shaft [rad]."""
+    return cosines(angle / TRAVEL, c_0, c_1, c_2, c_3, c_4, c_5, c_6)
 
 
 @kernel
 def torque(motor_angle, gear_ratio, c_0, c_1, c_2, c_3, c_4, c_5, c_6):
     """Torque on the rotor [N m]."""
-    return cosines(motor_angle / gear_ratio, c_0, c_1, c_2, c_3, c_4, c_5, c_6)
-
-
-def waves(unit: str, most: float) -> tuple[Parameter, ...]:
-    """The seven coefficients."""
-    return tuple(
-        Parameter(f"c_{k}", 0.0, unit, (-most, most), f"of cosine {k}", "choice", off=0.0)
-        for k in range(7)
-    )
+    return over_angle(motor_angle / gear_ratio, c_0, c_1, c_2, c_3, c_4, c_5, c_6)
 
 
 GENERIC = Description(
@@ -50,5 +34,5 @@ GENERIC = Description(
     ends=(0.0, TRAVEL),
     value="a torque on the motor",
     value_unit="N m",
-    law=cosines,
+    law=over_angle,
 )

@@ -5,11 +5,11 @@ The wire pulls back on the motor by the slope of that error, so that power is co
 
 import math
 
-from hannes.core.description import Description
+from hannes.core.description import Description, waves_from_zero
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
-from hannes.core.parameter import Parameter
-from hannes.dynamics.generic_motor_torque import TRAVEL, cosines
+from hannes.core.kernels.series import cosines_from_zero
+from hannes.dynamics.generic_motor_torque import TRAVEL
 
 WAVE = math.pi / TRAVEL  # 1/rad, of the slowest cosine
 
@@ -17,8 +17,7 @@ WAVE = math.pi / TRAVEL  # 1/rad, of the slowest cosine
 @kernel
 def error(angle, c_1, c_2, c_3, c_4, c_5, c_6):
     """Wire wound too much [m] at an angle of the output shaft [rad]: none at 0."""
-    whole = c_1 + c_2 + c_3 + c_4 + c_5 + c_6
-    return cosines(angle, -whole, c_1, c_2, c_3, c_4, c_5, c_6)
+    return cosines_from_zero(angle / TRAVEL, c_1, c_2, c_3, c_4, c_5, c_6)
 
 
 @kernel
@@ -50,12 +49,7 @@ GENERIC = Description(
         meaning="The motor winds wire unevenly over its angle. It describes, and names no cause.",
         equation="s_L += e, T_motor -= tl e' / r_p, e = sum c_k (cos(k pi th / (N travel)) - 1)",
         source="Fourier's series",
-        parameters=tuple(
-            Parameter(
-                f"c_{k}", 0.0, "m", (-2e-3 / k, 2e-3 / k), f"of cosine {k}", "choice", off=0.0
-            )
-            for k in range(1, 7)
-        ),
+        parameters=waves_from_zero("m", 2e-3),
         terms=(
             Term(wound, writes=("slack",), unit="m"),
             Term(pulling_back, writes=("motor_torque",), unit="N m"),

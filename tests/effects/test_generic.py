@@ -50,6 +50,33 @@ def test_the_kernel_does_what_is_drawn():
         assert made == pytest.approx(np.sign(speed) * each.at(np.array([speed]), sizes)[0])
 
 
+def test_an_encoder_off_its_centre_is_within_the_law_of_its_error():
+    """Once a turn, at any phase, and zero at rest: cosines over the travel leave a fifth of it."""
+    each = ALL["generic_position_error"]
+    places = np.linspace(*each.ends, 201)
+    columns = each.slopes(places, [0.0] * len(each.effect.parameters))
+    for phase in np.arange(0.0, 6.0, 0.5):
+        wanted = np.sin(places + phase) - np.sin(phase)
+        found = np.linalg.lstsq(columns.T, wanted, rcond=None)[0] @ columns
+        assert np.std(found - wanted) < 0.2 * np.std(wanted)
+
+
+def test_a_cart_that_jams_is_pushed_against_its_motion():
+    each = ALL["generic_cart_friction"]
+    (term,) = each.effect.terms
+    sizes = [0.5, 0.5, 0.0, 0.0, 0.0]  # from nothing at rest to 1 N at the end
+    assert plain(term.kernel)(10e-3, 1.0, 1e-3, *sizes) == pytest.approx(1.0)
+    assert plain(term.kernel)(5e-3, -1.0, 1e-3, *sizes) == pytest.approx(-0.5)
+
+
+def test_what_pushes_a_phalanx_early_does_nothing_farther_off_and_no_more_beyond_the_touch():
+    each = ALL["generic_near_force"]
+    sizes = [3.0, 0.0, 0.0, 0.0]
+    assert each.at(np.array([-1.0, -4e-3, -2e-3, 0.0, 5e-3]), sizes) == pytest.approx(
+        [0.0, 0.0, 3.0, 6.0, 6.0]
+    )
+
+
 def test_a_hand_file_names_a_generic_disturbance(tmp_path):
     each = ALL["generic_joint_torque"]
     plant = HandPlant().with_effects(each.effect)

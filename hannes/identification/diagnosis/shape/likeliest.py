@@ -1,10 +1,11 @@
 """Which generic disturbances are likely: all by a linear fit, the best by Gauss-Newton.
 
 They have a model of their own, so that no other run carries them. Fits start at the refitted
-baseline, and at the machine as given, which the missing effect does not bias.
+baseline, and at the machine as given, which the missing effect does not bias. All take some steps,
+the better half some more, and so on.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -48,13 +49,16 @@ def likeliest(found: SearchResult, progress: Progress) -> list[Described]:
     nominal, base = (_carried(each, model) for each in (found.nominal, found.baseline))
     made: list[Described] = []
     try:
+        starts = []
         for guess in _promising(nominal, base, list(known)):
             progress(guess.effect.replace("_", " "))
-            for point in _fits(nominal, base, guess):
+            for point in _starts(nominal, base, guess):
                 reduction = _reduction(base, point, guess)
-                made.append(Described(known[guess.effect], base, nominal, point, reduction))
+                starts.append(Described(known[guess.effect], base, nominal, point, reduction))
+        for each in _raced(starts):
+            made.append(each)
         for each in _best_of_each(made):
-            made.append(_converged(each))
+            made.append(_further(each, settled(each.point, _little(each))))
     except SearchEnded:
         pass
     enough = SHAPE.least * found.variance_factor
@@ -69,11 +73,30 @@ def _best_of_each(made: Sequence[Described]) -> list[Described]:
     return list(best.values())
 
 
-def _converged(best: Described) -> Described:
-    """The same with new derivatives, round after round."""
-    lowered = best.base.chi2 - best.point.chi2
-    point = settled(best.point, negligible(lowered))
-    return replace(best, point=point, reduction=best.reduction + best.point.chi2 - point.chi2)
+def _raced(starts: Sequence[Described]) -> Iterator[Described]:
+    """All fitted by some steps, the better half by some more, until one is left.
+
+    A linear fit about a machine far from the true one says little of what the whole fit reaches.
+    Two steps do: the right law then leaves a tenth of what others leave, or less.
+    """
+    racing = list(starts)
+    while racing:
+        fits = []
+        for each in racing:
+            fits.append(_further(each, fitted(each.point, SHAPE.steps)))
+            yield fits[-1]
+        racing = sorted(fits, key=lambda each: -each.reduction)[: len(fits) // 2]
+
+
+def _further(before: Described, point: Linearisation) -> Described:
+    """The same disturbance at a later point of its fit."""
+    reduction = before.reduction + before.point.chi2 - point.chi2
+    return replace(before, point=point, reduction=reduction)
+
+
+def _little(fit: Described) -> float:
+    """Reduction of chi-squared that is negligible beside what it lowers."""
+    return negligible(fit.base.chi2 - fit.point.chi2)
 
 
 def applicable(plant: Plant) -> dict[str, Description]:
@@ -128,7 +151,7 @@ def _reduction(base: Linearisation, point: Linearisation, guess: Guess) -> float
     return base.chi2 - point.chi2 - SEARCH.generic_price * (len(guess.places) - 1)
 
 
-def _fits(nominal: Linearisation, base: Linearisation, guess: Guess) -> list[Linearisation]:
-    """Fits from the baseline, and from the machine as given, derivatives updated on the way."""
+def _starts(nominal: Linearisation, base: Linearisation, guess: Guess) -> list[Linearisation]:
+    """The baseline, and the machine as given, with the disturbance as it was guessed."""
     starts = (started_at_guess(at, guess) for at in (base, with_noise(nominal, base.noise)))
-    return [fitted(each, SHAPE.steps) for each in starts if each is not None]
+    return [each for each in starts if each is not None]

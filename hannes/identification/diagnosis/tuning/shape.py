@@ -10,12 +10,10 @@ class ShapeTuning:
     """How what cannot be named is described."""
 
     most_simulated: float = constant(
-        3_000.0, "s", "of single runs for the shape, beside those of the search", COST
+        4_000.0, "s", "of single runs for the shape, beside those of the search", COST
     )
-    fitted: int = constant(4, "1", "generic disturbances that are fitted, the likeliest", COST)
-    steps: int = constant(
-        5, "1", "of each fit; the best of each goes on until it has converged", COST
-    )
+    fitted: int = constant(6, "1", "generic disturbances that are fitted, the likeliest", COST)
+    steps: int = constant(2, "1", "of each fit before the worse half is left", COST)
     least: float = constant(
         11.0, "chi2", "reduction for which one is drawn, as it is for an unknown", DEVELOPMENT
     )

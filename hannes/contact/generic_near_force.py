@@ -1,0 +1,40 @@
+"""Generic disturbance: objects push before a bare finger would touch them, over the distance."""
+
+from hannes.core.description import Description, coefficients
+from hannes.core.effect import Effect, Term
+from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.series import legendre, placed
+
+NEAR = 4e-3  # m, from which a phalanx is pushed
+
+
+@kernel
+def over_depth(depth, c_1, c_2, c_3, c_4):
+    """Normal force [N] at a depth of the finger in the object [m], which is negative before."""
+    found = legendre(placed(depth, -NEAR, 0.0), 0.0, c_1, c_2, c_3, c_4)
+    return found + c_1 - c_2 + c_3 - c_4
+
+
+@kernel
+def push(penetration, c_1, c_2, c_3, c_4):
+    """Added to the normal force of a phalanx [N]."""
+    return over_depth(penetration, c_1, c_2, c_3, c_4)
+
+
+GENERIC = Description(
+    Effect(
+        name="generic_near_force",
+        meaning="Objects push each phalanx before and beyond where it should touch them. It "
+        "describes, and names no cause.",
+        equation="F_n += sum c_k (P_k(1 + 2 x / near) - P_k(-1)), constant for x > 0",
+        source="Legendre's polynomials",
+        parameters=coefficients("N", 20.0)[1:],
+        terms=(Term(push, writes=("normal_force",), unit="N"),),
+    ),
+    axis="the depth of a phalanx in the object",
+    unit="m",
+    ends=(-NEAR, 0.0),
+    value="a further normal force",
+    value_unit="N",
+    law=over_depth,
+)
