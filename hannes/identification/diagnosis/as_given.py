@@ -5,6 +5,7 @@ from functools import cached_property
 
 from hannes.identification.diagnosis.global_starts import (
     Promised,
+    faults_from_given,
     followed,
     global_fits,
     promised,
@@ -35,11 +36,13 @@ class AsGiven:
         return promised(self.nominal, self._baseline, self.names)
 
     def global_fits(self, baseline: Linearisation, progress: Progress) -> Fits:
-        """Fits from global starts, where these are worth their work, followed below a baseline."""
+        """Fits from global starts, followed below a baseline; of faults alone where they are costly."""
         if self._global_fits is None:
-            worth = worth_global_starts(baseline)
             given = self.nominal, baseline, self.names, progress
-            self._global_fits = global_fits(*given, self.promised) if worth else {}
+            if worth_global_starts(baseline):
+                self._global_fits = global_fits(*given, self.promised)
+            else:
+                self._global_fits = faults_from_given(*given)
         for name, point in self._global_fits.items():
             self._global_fits[name] = followed(point, baseline.chi2)
         return dict(self._global_fits)

@@ -113,6 +113,26 @@ def global_fits(
     return _while_near(nominal, baseline, {name: least[name] for name in some}, without, progress)
 
 
+def faults_from_given(
+    nominal: Linearisation, baseline: Linearisation, effects: Sequence[str], progress: Progress
+) -> Fits:
+    """The same with the likeliest faults of like parts alone, where they promise more than a little.
+
+    Where recordings inform much, what parts are off for themselves takes up most of such a fault: a
+    baseline leaves little beside one, and no derivative there leads back.
+    """
+    faults, without = part_faults(nominal.space.effects, effects), _without(nominal)
+    looked = {name: looked_at_sizes(nominal, name, SEARCH.few_sizes)[1] for name in faults}
+    least = {name: float(left.min(initial=np.inf)) for name, left in looked.items()}
+    most = without - min(least.values(), default=without)
+    enough = max(SEARCH.slight, SEARCH.crossed_share * most)
+    likely = [
+        name for name in sorted(least, key=least.__getitem__) if without - least[name] > enough
+    ]
+    some = {name: least[name] for name in likely[: SEARCH.likely_faults]}
+    return _while_near(nominal, baseline, some, without, progress)
+
+
 def _while_near(
     nominal: Linearisation,
     baseline: Linearisation,
