@@ -116,7 +116,7 @@ def global_fits(
 def faults_from_given(
     nominal: Linearisation, baseline: Linearisation, effects: Sequence[str], progress: Progress
 ) -> Fits:
-    """The same with the likeliest faults of like parts alone, where they promise more than a little.
+    """The same with the likeliest faults of like parts alone, where they promise much.
 
     Where recordings inform much, what parts are off for themselves takes up most of such a fault: a
     baseline leaves little beside one, and no derivative there leads back.
