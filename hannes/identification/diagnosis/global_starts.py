@@ -122,7 +122,8 @@ def faults_from_given(
     baseline leaves little beside one, and no derivative there leads back.
     """
     faults, without = part_faults(nominal.space.effects, effects), _without(nominal)
-    looked = {name: looked_at_sizes(nominal, name, SEARCH.few_sizes)[1] for name in faults}
+    sizes = SEARCH.few_sizes + SEARCH.far_sizes
+    looked = {name: looked_at_sizes(nominal, name, sizes)[1] for name in faults}
     least = {name: float(left.min(initial=np.inf)) for name, left in looked.items()}
     most = without - min(least.values(), default=without)
     enough = max(SEARCH.slight, SEARCH.crossed_share * most)
