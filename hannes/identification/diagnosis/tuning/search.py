@@ -10,7 +10,7 @@ class SearchTuning:
     """How the catalogue is searched."""
 
     most_simulated: float = constant(
-        20_000.0, "s", "of single runs in one diagnosis, whose search then ends: some 70 s", COST
+        24_000.0, "s", "of single runs in one diagnosis, whose search then ends: some 80 s", COST
     )
     rivals_simulated: float = constant(
         700.0, "s", "likewise, of what could stand in for effects whose search was ended", COST
