@@ -3,16 +3,18 @@
 from hannes.core.description import Description, coefficients
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
-from hannes.core.kernels.series import legendre, placed
 
 NEAR = 4e-3  # m, from which a phalanx is pushed
 
 
 @kernel
 def over_depth(depth, c_1, c_2, c_3, c_4):
-    """Normal force [N] at a depth of the finger in the object [m], which is negative before."""
-    found = legendre(placed(depth, -NEAR, 0.0), 0.0, c_1, c_2, c_3, c_4)
-    return found + c_1 - c_2 + c_3 - c_4
+    """Normal force [N] at a depth of the finger in the object [m], which is negative before.
+
+    It never pulls, and stays as it is from the touch on.
+    """
+    x = min(max(1.0 + depth / NEAR, 0.0), 1.0)
+    return max(0.0, x * (c_1 + x * (c_2 + x * (c_3 + x * c_4))))
 
 
 @kernel
@@ -26,8 +28,8 @@ GENERIC = Description(
         name="generic_near_force",
         meaning="Objects push each phalanx before and beyond where it should touch them. It "
         "describes, and names no cause.",
-        equation="F_n += sum c_k (P_k(1 + 2 x / near) - P_k(-1)), constant for x > 0",
-        source="Legendre's polynomials",
+        equation="F_n += max(0, sum c_k (1 + x / near)^k), constant for x > 0",
+        source="Taylor's series",
         parameters=coefficients("N", 20.0)[1:],
         terms=(Term(push, writes=("normal_force",), unit="N"),),
     ),

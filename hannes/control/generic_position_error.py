@@ -1,4 +1,4 @@
-"""Generic disturbance: an error of the encoder, over its own value. It reads zero at rest."""
+"""Generic disturbance: an error of the encoder, over its own value; none where it was zeroed."""
 
 from hannes.core.description import Description, waves_from_zero
 from hannes.core.effect import Effect, Term

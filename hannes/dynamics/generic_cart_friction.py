@@ -1,11 +1,10 @@
 """Generic disturbance: any friction of both carts, over their travel."""
 
-import math
-
 from hannes.core.description import Description, coefficients
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.kernels.series import legendre, placed
+from hannes.core.kernels.vector_math import soft_sign
 
 TRAVEL = 10e-3  # m, of a whole closure
 
@@ -20,7 +19,7 @@ def over_travel(travel, c_0, c_1, c_2, c_3, c_4):
 def friction(cart_position, cart_speed, cart_breakaway_speed, c_0, c_1, c_2, c_3, c_4):
     """Against a cart's motion [N]."""
     level = over_travel(cart_position, c_0, c_1, c_2, c_3, c_4)
-    return math.tanh(cart_speed / cart_breakaway_speed) * level
+    return soft_sign(cart_speed / cart_breakaway_speed) * level
 
 
 GENERIC = Description(

@@ -1,4 +1,4 @@
-"""Generic disturbance: any torque of the motor beyond the constant's, over its current."""
+"""Generic disturbance: any torque beyond torque constant times current, over the current."""
 
 from hannes.core.description import Description, coefficients
 from hannes.core.effect import Effect, Term

@@ -10,7 +10,7 @@ TRAVEL = 10.0  # rad at the output shaft, of a whole closure: the series is mirr
 
 @kernel
 def over_angle(angle, c_0, c_1, c_2, c_3, c_4, c_5, c_6):
-    """Torque [N m] at an angle of the output shaft [rad]."""
+    """Value at an angle of the output shaft [rad], in the coefficients' unit."""
     return cosines(angle / TRAVEL, c_0, c_1, c_2, c_3, c_4, c_5, c_6)
 
 

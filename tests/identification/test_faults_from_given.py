@@ -2,12 +2,12 @@
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from hannes.identification.diagnosis import as_given, effect_search, global_starts
 from hannes.identification.diagnosis.as_given import AsGiven
 from hannes.identification.diagnosis.tuning import SEARCH
+from hannes.identification.diagnosis.work_bound import SearchEnded
 
 WITHOUT = 4000.0  # chi-squared, of the machine as given with all else following
 
@@ -16,11 +16,8 @@ def started(monkeypatch, **promises):
     """Names of the faults that are started, by the reduction that each promises."""
     monkeypatch.setattr(global_starts, "part_faults", lambda *_: list(promises))
     monkeypatch.setattr(global_starts, "_without", lambda nominal: WITHOUT)
-    monkeypatch.setattr(
-        global_starts,
-        "looked_at_sizes",
-        lambda nominal, name, sizes: (None, np.array([WITHOUT + 50.0, WITHOUT - promises[name]])),
-    )
+    left = {name: WITHOUT - promise for name, promise in promises.items()}
+    monkeypatch.setattr(global_starts, "_least", lambda nominal, faults, *_: left)
     monkeypatch.setattr(global_starts, "_while_near", lambda _n, _b, some, *_: some)
     nominal = SimpleNamespace(space=SimpleNamespace(effects={}))
     found = global_starts.faults_from_given(nominal, None, list(promises), lambda text: None)
@@ -48,14 +45,22 @@ def test_faults_alone_are_asked_where_all_effects_take_too_much(monkeypatch, wor
     assert list(AsGiven(None, baseline, []).global_fits(baseline, print)) == [asked]
 
 
-@pytest.mark.parametrize(
-    ("gains", "leaves", "stands"), [(2.0, 0.9, True), (2.0, 1.1, False), (0.9, 0.9, False)]
-)
-def test_a_best_effect_that_explains_all_of_much_stands(monkeypatch, gains, leaves, stands):
-    monkeypatch.setattr(effect_search, "stands", lambda *_: False)
-    bins = np.zeros(1000)
-    point = SimpleNamespace(chi2=leaves * SEARCH.explained * bins.size, residual=bins)
-    best = SimpleNamespace(effects=("fault",), point=point, delta_chi2=gains * SEARCH.sure_beside)
-    baseline = SimpleNamespace(chi2=point.chi2 + 200.0)
-    found = SimpleNamespace(baseline=baseline, trials=[best])
-    assert effect_search._stands(found) is stands
+def result(named):
+    """A search whose best effect may be named, or not."""
+    best = SimpleNamespace(effects=("fault",), point=None)
+    return SimpleNamespace(baseline=None, trials=[best], variance_factor=1.0, named=named)
+
+
+@pytest.mark.parametrize("better", [None, "another"])
+def test_a_baseline_that_was_not_asked_for_is_asked_once_more(monkeypatch, better):
+    """What stands beside it is named; where nothing does, nothing is."""
+    found, beside = result(True), {None: None, "another": result(True)}
+    monkeypatch.setattr(effect_search, "better_baseline", lambda *_: better)
+    monkeypatch.setattr(effect_search, "_rebased", lambda found, better: beside[better])
+    monkeypatch.setattr(effect_search, "may_be_named", lambda each: each.named)
+    again = effect_search._asked_again(found, print)
+    assert again is (found if better is None else beside[better])
+    beside["another"] = result(False)
+    if better:
+        with pytest.raises(SearchEnded):
+            effect_search._asked_again(found, print)

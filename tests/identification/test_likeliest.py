@@ -7,7 +7,7 @@ from hannes.identification.diagnosis.shape.likeliest import Described
 
 
 @dataclass(frozen=True)
-class Point:
+class Reached:
     """A fit of whose way to its least a tenth is left with each call."""
 
     chi2: float
@@ -16,13 +16,13 @@ class Point:
 
 
 def walked(point, _steps):
-    return Point(point.least + 0.1 * (point.chi2 - point.least), point.least, point.steps + 1)
+    return Reached(point.least + 0.1 * (point.chi2 - point.least), point.least, point.steps + 1)
 
 
 def raced(monkeypatch, *least):
     monkeypatch.setattr(likeliest, "fitted", walked)
-    starts = [Described(k, None, None, Point(100.0, each), 0.0) for k, each in enumerate(least)]
-    return list(likeliest._raced(starts))
+    starts = [Described(k, None, None, Reached(100.0, each), 0.0) for k, each in enumerate(least)]
+    return list(likeliest._raced(starts, lambda text: None))
 
 
 def test_the_better_half_goes_on_until_one_is_left(monkeypatch):

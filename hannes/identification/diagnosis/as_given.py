@@ -36,7 +36,7 @@ class AsGiven:
         return promised(self.nominal, self._baseline, self.names)
 
     def global_fits(self, baseline: Linearisation, progress: Progress) -> Fits:
-        """Fits from global starts, of faults alone where all are costly; below a baseline."""
+        """Fits from global starts below a baseline; of faults alone where others take too much."""
         if self._global_fits is None:
             given = self.nominal, baseline, self.names, progress
             if worth_global_starts(baseline):

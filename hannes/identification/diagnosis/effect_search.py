@@ -23,7 +23,6 @@ from hannes.identification.diagnosis.order_of_runs import in_order
 from hannes.identification.diagnosis.repeat_groups import grouped
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.single_effects import (
-    explains_all,
     looked_at,
     promises_all,
     searched_beside,
@@ -89,7 +88,8 @@ def _beside_better(
     """The result beside the baseline that its best effect leads to, where that is a better one.
 
     Searched again while it is much better. Where the bound of work ends that, the fits of the
-    search before stand beside it; beside the first baseline one that explains all of much.
+    search before stand beside it. That baseline itself is asked for in any case, but where the best
+    effect explains all.
     """
     if found.cut_short:
         return found
@@ -114,22 +114,26 @@ def _beside_better(
     except SearchEnded:
         if not may_be_named(found):
             raise
-        if not led.size and not _stands(found):
-            raise
         found.baseline.model.work.extended()
+        fits = {each.effects[0]: each.point for each in found.trials}
+        if not led.size and not stands(found.baseline, fits):
+            found = _asked_again(found, progress)
         return replace(found, cut_short=True)
     return found
 
 
-def _stands(found: SearchResult) -> bool:
-    """Whether the best effect stands beside a baseline that was not asked whether it is the best.
+def _asked_again(found: SearchResult, progress: Progress) -> SearchResult:
+    """The result beside the baseline that its best effect leads to, where that was not asked.
 
-    It does where it explains all of much. What another baseline takes away is less than that.
+    SearchEnded where that takes too much, and where nothing may be named beside it: candidates
+    would have to be searched beside it again.
     """
-    fits = {each.effects[0]: each.point for each in found.trials}
-    best = found.trials[0]
-    sure = best.delta_chi2 > SEARCH.sure_beside and explains_all(found.baseline, best.point)
-    return sure or stands(found.baseline, fits)
+    best, factor = found.trials[0], found.variance_factor
+    better = better_baseline(found.baseline, best.point, best.effects, factor, progress)
+    again = found if better is None else _rebased(found, better)
+    if not may_be_named(again):
+        raise SearchEnded
+    return again
 
 
 def _beside_best(baseline: Linearisation, known: Fits) -> Linearisation:

@@ -121,16 +121,15 @@ def faults_from_given(
     Where recordings inform much, what parts are off for themselves takes up most of such a fault: a
     baseline leaves little beside one, and no derivative there leads back.
     """
-    faults, without = part_faults(nominal.space.effects, effects), _without(nominal)
-    sizes = SEARCH.few_sizes + SEARCH.far_sizes
-    looked = {name: looked_at_sizes(nominal, name, sizes)[1] for name in faults}
-    least = {name: float(left.min(initial=np.inf)) for name, left in looked.items()}
+    faults = part_faults(nominal.space.effects, effects)
+    if not faults:
+        return {}
+    without = _without(nominal)
+    least = _least(nominal, faults, [], without)
     most = without - min(least.values(), default=without)
     enough = max(SEARCH.slight, SEARCH.crossed_share * most)
-    likely = [
-        name for name in sorted(least, key=least.__getitem__) if without - least[name] > enough
-    ]
-    some = {name: least[name] for name in likely[: SEARCH.likely_faults]}
+    likely = sorted(least, key=least.__getitem__)[: SEARCH.likely_faults]
+    some = {name: least[name] for name in likely if without - least[name] > enough}
     return _while_near(nominal, baseline, some, without, progress)
 
 

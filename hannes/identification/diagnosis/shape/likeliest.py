@@ -49,15 +49,15 @@ def likeliest(found: SearchResult, progress: Progress) -> list[Described]:
     nominal, base = (_carried(each, model) for each in (found.nominal, found.baseline))
     made: list[Described] = []
     try:
-        starts = []
         for guess in _promising(nominal, base, list(known)):
             progress(guess.effect.replace("_", " "))
             for point in _starts(nominal, base, guess):
                 reduction = _reduction(base, point, guess)
-                starts.append(Described(known[guess.effect], base, nominal, point, reduction))
-        for each in _raced(starts):
+                made.append(Described(known[guess.effect], base, nominal, point, reduction))
+        for each in _raced(made, progress):
             made.append(each)
         for each in _best_of_each(made):
+            progress(f"{each.description.effect.name.replace('_', ' ')}, once more")
             made.append(_further(each, settled(each.point, _little(each))))
     except SearchEnded:
         pass
@@ -73,14 +73,15 @@ def _best_of_each(made: Sequence[Described]) -> list[Described]:
     return list(best.values())
 
 
-def _raced(starts: Sequence[Described]) -> Iterator[Described]:
-    """All fitted by some steps, the better half by some more, until one is left.
+def _raced(starts: Sequence[Described], progress: Progress) -> Iterator[Described]:
+    """Fits after some steps of all, some more of the better half, until one is left.
 
-    A linear fit about a machine far from the true one says little of what the whole fit reaches.
-    Two steps do: the right law then leaves a tenth of what others leave, or less.
+    A linear fit about a machine far from the true one says little of what the whole fit reaches;
+    a few steps say more. So the likeliest is far where the bound of work ends that.
     """
     racing = list(starts)
     while racing:
+        progress(f"the best {len(racing)} fits of them")
         fits = []
         for each in racing:
             fits.append(_further(each, fitted(each.point, SHAPE.steps)))

@@ -264,7 +264,7 @@ class SearchTuning:
         100.0, "s", "of simulated runs in a round of derivatives: then it is followed", COST
     )
     much_work: float = constant(
-        500.0, "s", "likewise: from there on global starts are not made beside a good fit", COST
+        500.0, "s", "likewise: from there on faults alone start globally beside a good fit", COST
     )
     little_left: float = constant(1.15, "chi2 per bin", "that such a fit leaves", COST)
     found_again: float = constant(

@@ -13,7 +13,7 @@ class ShapeTuning:
         4_000.0, "s", "of single runs for the shape, beside those of the search", COST
     )
     fitted: int = constant(6, "1", "generic disturbances that are fitted, the likeliest", COST)
-    steps: int = constant(2, "1", "of each fit before the worse half is left", COST)
+    steps: int = constant(2, "1", "of each fit before the better half goes on", COST)
     least: float = constant(
         11.0, "chi2", "reduction for which one is drawn, as it is for an unknown", DEVELOPMENT
     )
