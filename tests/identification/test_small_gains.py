@@ -14,14 +14,15 @@ from hannes.identification.diagnosis.work_bound import SearchEnded
 BINS = 1000
 
 
-def point(chi2, moved=True):
+def point(chi2, moved=True, value=0.0):
     """A fit of a machine some of whose parts are off, or of one that is as stated."""
     model = SimpleNamespace(parts_at={"index": 1.0} if moved else {})
-    return SimpleNamespace(chi2=chi2, residual=np.zeros(BINS), model=model, noise=None)
+    known = {"space": SimpleNamespace(uncertain=np.array([0])), "x": np.array([value])}
+    return SimpleNamespace(chi2=chi2, residual=np.zeros(BINS), model=model, noise=None, **known)
 
 
 def trial(gain, name, baseline=800.0):
-    return Trial((name,), point(baseline - gain), gain)
+    return Trial((name,), point(baseline - gain, value=1.0), gain)
 
 
 def result(gains, baseline=800.0, moved=True):
@@ -30,15 +31,24 @@ def result(gains, baseline=800.0, moved=True):
     return SearchResult(here, here, [], trials, None, None, 1.0)
 
 
+def lower_from(monkeypatch, *values):
+    """A baseline is lower by 30 where it starts from one of these values of the machine."""
+
+    def started(at, start, factor):
+        return point(at.chi2 - 30.0) if float(start[0]) in values else None
+
+    monkeypatch.setattr(small_gains, "_from_no_parts", started)
+
+
 @pytest.fixture
 def _judged(monkeypatch):
     """A baseline from the machine as given is lower by 30, and effects gain 2 beside it."""
-    monkeypatch.setattr(small_gains, "_from_as_given", lambda at, factor: point(at.chi2 - 30.0))
+    lower_from(monkeypatch, 0.0)
     monkeypatch.setattr(small_gains, "about", lambda at, noise: at)
 
     def beside(found, each):
         own = {"real": 60.0, "rival": 58.0}.get(each.effects[0], 2.0)
-        return Trial(each.effects, point(found.baseline.chi2 - own), 0.0)
+        return Trial(each.effects, point(found.baseline.chi2 - own, value=1.0), 0.0)
 
     def repriced(found, each):
         return Trial(each.effects, each.point, found.baseline.chi2 - each.point.chi2)
@@ -89,6 +99,29 @@ def test_where_the_bound_of_work_ends_it_gains_are_those_beside_the_lower_baseli
     monkeypatch.setattr(small_gains, "_beside", ended)
     found = with_small_gains(result([40.0]), lambda text: None)
     assert found.trials[0].delta_chi2 == pytest.approx(10.0)
+
+
+@pytest.mark.usefixtures("_judged")
+@pytest.mark.parametrize(("values", "chi2"), [((1.0,), 770.0), ((0.0, 1.0), 770.0)])
+def test_a_baseline_is_asked_for_where_the_best_effect_led(monkeypatch, values, chi2):
+    """Not where nothing gains beside the one from the machine as given."""
+    lower_from(monkeypatch, *values)
+    found = with_small_gains(result([40.0]), lambda text: None)
+    assert (found.baseline.chi2, found.trials[0].delta_chi2) == (chi2, pytest.approx(2.0))
+
+
+@pytest.mark.usefixtures("_judged")
+def test_what_was_judged_stands_where_the_bound_ends_the_next_baseline(monkeypatch):
+    def started(at, start, factor):
+        if start.any():
+            raise SearchEnded
+        return point(at.chi2 - 30.0)
+
+    monkeypatch.setattr(small_gains, "_from_no_parts", started)
+    found = result([70.0])
+    found = replace(found, trials=[replace(each, effects=("real",)) for each in found.trials])
+    again = with_small_gains(found, lambda text: None)
+    assert (again.baseline.chi2, again.trials[0].delta_chi2) == (770.0, pytest.approx(60.0))
 
 
 def test_an_effect_is_refitted_from_where_it_leaves_least(monkeypatch):

@@ -8,6 +8,8 @@ missing. Parts add up linearly in a fit, too, and what that neglects may gain as
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from hannes.identification.diagnosis.gauss_newton import fitted
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
@@ -32,12 +34,39 @@ def with_small_gains(found: SearchResult, progress: Progress) -> SearchResult:
     Unchanged where one gains much, where the baseline leaves more than noise, and where no part of
     the machine was moved.
     """
-    every = [*found.trials, *([found.generic] if found.generic else [])]
-    most = max((each.delta_chi2 for each in every), default=0.0)
-    if not VERDICT.doubt <= most < SEARCH.sure_beside or not _moved(found.baseline):
+    if not _gain_little(found) or not _moved(found.baseline):
         return found
     progress("the baseline, from the machine as given with its parts")
-    again = _from_as_given(found.baseline, found.variance_factor)
+    given = np.zeros(found.baseline.space.uncertain.size)
+    found = _beside_lower(found, given, progress)
+    try:
+        return _beside_where_it_led(found, progress)
+    except SearchEnded:  # what stands beside the first one stands all the same
+        return found
+
+
+def _gain_little(found: SearchResult) -> bool:
+    """Whether what gains most gains enough for a doubt, and no more than a baseline may cost."""
+    every = [*found.trials, *([found.generic] if found.generic else [])]
+    most = max((each.delta_chi2 for each in every), default=0.0)
+    return VERDICT.doubt <= most < SEARCH.sure_beside
+
+
+def _beside_where_it_led(found: SearchResult, progress: Progress) -> SearchResult:
+    """The same once more from the machine of the best effect, without it, if it still gains."""
+    best = next((each for each in found.trials[:1] if each.delta_chi2 >= VERDICT.doubt), None)
+    if best is None:
+        return found
+    progress("the baseline, from there with its parts")
+    return _beside_lower(found, best.point.x[found.baseline.space.uncertain], progress)
+
+
+def _beside_lower(found: SearchResult, start: np.ndarray, progress: Progress) -> SearchResult:
+    """The effects judged beside the baseline that starts there; unchanged if that is no lower.
+
+    start: values of the machine
+    """
+    again = _from_no_parts(found.baseline, start, found.variance_factor)
     if again is None or again.chi2 >= found.baseline.chi2:
         return found
     nominal = about(found.nominal, again.noise)
@@ -51,10 +80,12 @@ def _moved(baseline: Linearisation) -> bool:
     return bool(baseline.model.parts_at) and leaves_noise(baseline)
 
 
-def _from_as_given(point: Linearisation, variance_factor: float) -> Linearisation | None:
-    """The fit from the machine as given, of which no part is off; None where that fails."""
+def _from_no_parts(
+    point: Linearisation, start: np.ndarray, variance_factor: float
+) -> Linearisation | None:
+    """The fit from values of the machine, of which no part is off; None where that fails."""
     x = point.x.copy()
-    x[point.space.uncertain] = 0.0
+    x[point.space.uncertain] = start
     there = differenced_about(replace(point, x=x), point.model.with_parts_at({}))
     return there and with_parts_as_fitted(fitted(there, FIT.steps_per_round), variance_factor)
 
