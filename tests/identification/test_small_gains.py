@@ -107,7 +107,7 @@ def test_a_baseline_is_asked_for_where_the_best_effect_led(monkeypatch, values, 
     """Not where nothing gains beside the one from the machine as given."""
     lower_from(monkeypatch, *values)
     found = with_small_gains(result([40.0]), lambda text: None)
-    assert (found.baseline.chi2, found.trials[0].delta_chi2) == (chi2, pytest.approx(2.0))
+    assert (found.baseline.chi2, found.trials[0].delta_chi2) == (chi2, pytest.approx(10.0))
 
 
 @pytest.mark.usefixtures("_judged")
