@@ -178,7 +178,7 @@ def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
 
     monkeypatch.setattr(module, "_transferred", transferred)
     monkeypatch.setattr(module, "rounds", rounds)
-    monkeypatch.setattr(module, "_from_as_given", lambda *given: given[3])
+    monkeypatch.setattr(module, "_from_as_given", lambda n, b, fits, best, name: fits[name])
     baseline = SimpleNamespace(chi2=1200.0, space=SimpleNamespace(effects=KNOWN))
     fits = {"thumb_weak_spring": SimpleNamespace(chi2=100.0, last_reduction=1.0)}
     found = with_like_faults(baseline, baseline, fits, "thumb_weak_spring", lambda text: None)
@@ -208,13 +208,21 @@ def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
 def test_a_rival_that_is_a_little_worse_starts_from_the_machine_as_given_too(
     monkeypatch, above, other, left
 ):
-    monkeypatch.setattr(module, "started_as_given", lambda nominal, point, effects: point)
+    """At its own size (0.4), and at that of the best one (0.5), which leads lower."""
+    monkeypatch.setattr(module, "with_noise", lambda nominal, noise: nominal)
+    monkeypatch.setattr(module, "started_at", lambda given, own, size: float(size[0]))
     monkeypatch.setattr(module, "fitted", lambda point, steps: point)
-    monkeypatch.setattr(module, "settled", lambda *given: SimpleNamespace(chi2=other))
-    baseline, leader = SimpleNamespace(chi2=1000.0), SimpleNamespace(chi2=100.0)
-    point = SimpleNamespace(chi2=100.0 + above)
-    found = module._from_as_given(None, baseline, leader, point, "ring_weak_spring")
-    assert found.chi2 == left
+    ends = {0.4: 140.0, 0.5: other}
+    monkeypatch.setattr(module, "settled", lambda size, *_: SimpleNamespace(chi2=ends[size]))
+    space = SimpleNamespace(of=lambda name: [0 if name == "ring_weak_spring" else 1])
+    fits = {
+        "index_weak_spring": SimpleNamespace(chi2=100.0, x=np.array([0.0, 0.5]), space=space),
+        "ring_weak_spring": SimpleNamespace(
+            chi2=100.0 + above, x=np.array([0.4, 0.0]), space=space, noise=None
+        ),
+    }
+    baseline, names = SimpleNamespace(chi2=1000.0), ("index_weak_spring", "ring_weak_spring")
+    assert module._from_as_given(None, baseline, fits, *names).chi2 == left
 
 
 def test_a_fault_of_one_of_like_parts_costs_more_than_a_law():

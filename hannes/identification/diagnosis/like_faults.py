@@ -6,8 +6,8 @@ import numpy as np
 
 from hannes.core.effect import Effect
 from hannes.identification.diagnosis.gauss_newton import fitted, rounds, settled
-from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.multistart import Fits, Progress, negligible, started_as_given
+from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
+from hannes.identification.diagnosis.multistart import Fits, Progress, negligible, started_at
 from hannes.identification.diagnosis.score_test import Guess
 from hannes.identification.diagnosis.tuning import SEARCH
 from hannes.plants.part_fault import like_faults
@@ -40,23 +40,30 @@ def with_like_faults(
     for name in (first, *others):
         if name in found and (name != first or best != first):
             found[name] = _caught_up(baseline, found[best], found[name])
-            found[name] = _from_as_given(nominal, baseline, found[best], found[name], name)
+            found[name] = _from_as_given(nominal, baseline, found, best, name)
     return found
 
 
 def _from_as_given(
-    nominal: Linearisation, baseline: Linearisation, leader: Linearisation, point: Linearisation,
+    nominal: Linearisation,
+    baseline: Linearisation,
+    fits: Fits,
+    best: str,
     name: str,
-) -> Linearisation:  # fmt: skip
-    """A rival's fit, or one from the machine as given at its size where that leaves less."""
+) -> Linearisation:
+    """A rival's fit, or one from the machine as given where that leaves less.
+
+    As large as it is in its fit, and as the best one is: contacts make local minima between.
+    """
+    leader, point = fits[best], fits[name]
     if not SEARCH.rival < point.chi2 - leader.chi2 < SEARCH.rounds_behind * SEARCH.rival:
         return point
-    start = started_as_given(nominal, point, [name])
-    if start is None:
-        return point
-    delta_chi2 = baseline.chi2 - leader.chi2
-    other = settled(fitted(start, 4), negligible(delta_chi2), leader.chi2)
-    return min(point, other, key=lambda each: each.chi2)
+    own, given = point.space.of(name), with_noise(nominal, point.noise)
+    sizes = point.x[own], leader.x[leader.space.of(best)]
+    starts = [started_at(given, own, size) for size in sizes]
+    little = negligible(baseline.chi2 - leader.chi2)
+    others = [settled(fitted(each, 4), little, leader.chi2) for each in starts if each is not None]
+    return min([point, *others], key=lambda each: each.chi2)
 
 
 def _led_again(
