@@ -88,8 +88,8 @@ def _beside_better(
     """The result beside the baseline that its best effect leads to, where that is a better one.
 
     Searched again while it is much better. Where the bound of work ends that, the fits of the
-    search before stand beside it. That baseline itself is asked for in any case, but where the best
-    effect explains all.
+    search before stand beside it. The first such baseline is then asked for in work of its own, but
+    where the best effect explains all.
     """
     if found.cut_short:
         return found

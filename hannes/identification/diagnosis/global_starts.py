@@ -68,7 +68,7 @@ class Promised:
 
 
 def worth_global_starts(baseline: Linearisation) -> bool:
-    """Whether effects are started globally: not where that takes much work for little that is left.
+    """Whether all are started globally: not where that takes much work for little that is left.
 
     Beside a baseline that leaves little an effect is small, or one that the baseline absorbs, which
     is started so all the same once it is likely.

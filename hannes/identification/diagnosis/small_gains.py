@@ -1,4 +1,4 @@
-"""Small gains, judged beside a baseline that started in the machine as given, parts and all.
+"""Small gains, judged beside baselines from no part off: as given, and where an effect led.
 
 A baseline is fitted before it is known what parts are off for themselves. Where recordings inform
 much, it may so end in a local minimum, beside which an effect gains a little although nothing is
