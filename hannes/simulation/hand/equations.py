@@ -100,14 +100,19 @@ def control(t, y, dy, p, c, memory, target, position, current, out):
         return memory[DUTY]
     angle = position * p.gear_ratio
     speed = (angle - y.position_lag) / p.position_pid_filter
-    error = target * p.gear_ratio - angle
+    position_error = target * p.gear_ratio - angle
+    position_error = effects(position_error)
     wanted = pid(
-        error, y.position_integral, speed, p.position_pid_proportional, p.position_pid_derivative
+        position_error,
+        y.position_integral,
+        speed,
+        p.position_pid_proportional,
+        p.position_pid_derivative,
     )
     asked = saturated(wanted, p.position_pid_limit)
     dy.position_lag = speed
     dy.position_integral = integral_rate(
-        error, wanted, asked, p.position_pid_proportional, p.position_pid_integral
+        position_error, wanted, asked, p.position_pid_proportional, p.position_pid_integral
     )
     rise = (current - y.current_lag) / p.current_pid_filter
     error = asked - current
@@ -144,9 +149,10 @@ def sample(t, y, dy, p, c, reference, memory, out):
         (angle - memory[LAST_ANGLE]) / period - memory[FILTERED_SPEED]
     )
     rise = (current - memory[LAST_CURRENT]) / period
-    error = target * p.gear_ratio - angle
+    position_error = target * p.gear_ratio - angle
+    position_error = effects(position_error)
     wanted = pid(
-        error,
+        position_error,
         memory[POSITION_INTEGRAL],
         memory[FILTERED_SPEED],
         p.position_pid_proportional,
@@ -154,7 +160,7 @@ def sample(t, y, dy, p, c, reference, memory, out):
     )
     asked = min(max(wanted, -p.position_pid_limit), p.position_pid_limit)
     memory[POSITION_INTEGRAL] += period * integral_rate(
-        error, wanted, asked, p.position_pid_proportional, p.position_pid_integral
+        position_error, wanted, asked, p.position_pid_proportional, p.position_pid_integral
     )
     error = asked - current
     wanted = pid(

@@ -87,6 +87,7 @@ CHANNELS = (
         delayed_current   | A | when it reaches the controller and the log
         measured_position | rad | reading of the encoder, at the output shaft
         measured_current  | A | reading of the current sensor
+        position_error    | rad | that the position loop acts on, motor side
         duty              | 1 | of the PWM drive, as it reaches the motor
         supply            | V | bus voltage
         voltage           | V | at the motor's terminals
