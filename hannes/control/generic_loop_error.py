@@ -1,24 +1,32 @@
-"""Generic disturbance: the position loop acts on other errors than it sees, over the error."""
+"""Generic disturbance: the position loop acts on another error than it sees, over that error.
+
+What it acts on has never the other sign. Small errors have finer places than large ones.
+"""
 
 from hannes.core.description import Description
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
 
-FINEST, RATIO = 3e-3, 4.0  # rad, of the output shaft: where the finest share is whole
-REACH = FINEST * RATIO**3  # rad, likewise the widest
+PLACES = 3e-3, 12e-3, 48e-3, 150e-3  # rad, of the output shaft: of the four values
+FIRST, SECOND, THIRD, FOURTH = PLACES
 
 
 @kernel
 def over_error(error, c_1, c_2, c_3, c_4):
-    """Error acted on beyond the true one [rad], over that [rad]: four ramps, each to its end."""
-    finest = FINEST
-    return (
-        c_1 * min(max(error / finest, -1.0), 1.0)
-        + c_2 * min(max(error / (finest * RATIO), -1.0), 1.0)
-        + c_3 * min(max(error / (finest * RATIO * RATIO), -1.0), 1.0)
-        + c_4 * min(max(error / (finest * RATIO * RATIO * RATIO), -1.0), 1.0)
-    )
+    """Error acted on beyond that seen [rad], over that [rad]: odd, linear from place to place."""
+    size = abs(error)
+    if size < FIRST:
+        value = c_1 * size / FIRST
+    elif size < SECOND:
+        value = c_1 + (c_2 - c_1) * (size - FIRST) / (SECOND - FIRST)
+    elif size < THIRD:
+        value = c_2 + (c_3 - c_2) * (size - SECOND) / (THIRD - SECOND)
+    elif size < FOURTH:
+        value = c_3 + (c_4 - c_3) * (size - THIRD) / (FOURTH - THIRD)
+    else:
+        value = c_4
+    return value if error > 0.0 else -value
 
 
 @kernel
@@ -27,21 +35,24 @@ def acted_on(position_error, gear_ratio, c_1, c_2, c_3, c_4):
     return gear_ratio * over_error(position_error / gear_ratio, c_1, c_2, c_3, c_4)
 
 
+def _value(number: int, place: float) -> Parameter:
+    return Parameter(
+        f"c_{number}", 0.0, "rad", (-place, place), f"at {place:g} rad", "choice", off=0.0
+    )
+
+
 GENERIC = Description(
     Effect(
         name="generic_loop_error",
         meaning="The position loop acts on another error than it sees. It names no cause.",
-        equation="e += sum c_k ramp(e / e_k), ramp(x) = x within 1, else sign(x)",
-        source="piecewise linear, each ramp four times wider",
-        parameters=tuple(
-            Parameter(f"c_{k}", 0.0, "rad", (-0.15, 0.15), f"of ramp {k}", "choice", off=0.0)
-            for k in range(1, 5)
-        ),
+        equation="e += sign(e) v(|e|), v linear between its values c_k at e_k, constant beyond",
+        source="linear interpolation",
+        parameters=tuple(_value(k, place) for k, place in enumerate(PLACES, 1)),
         terms=(Term(acted_on, writes=("position_error",), unit="rad"),),
     ),
     axis="the error at the output shaft",
     unit="rad",
-    ends=(-REACH, REACH),
+    ends=(-FOURTH, FOURTH),
     value="an error that is acted on beyond it",
     value_unit="rad",
     law=over_error,
