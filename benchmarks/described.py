@@ -29,7 +29,7 @@ from benchmarks.naming_study.draw import MENU, amplitudes
 from benchmarks.truth.campaign import Made, make
 from benchmarks.truth.effects import OUTSIDE, SIZES
 from benchmarks.truth.protocol import PROTOCOLS, Protocol
-from hannes.campaigns.campaign import Entry
+from hannes.campaigns.campaign import Entry, in_order
 from hannes.campaigns.segments import Segment
 from hannes.commands.diagnose import Diagnosis, diagnose
 from hannes.core.errors import HannesError
@@ -102,10 +102,11 @@ def described(found: Diagnosis, whole: Made, other: Sequence[str] = OTHER) -> di
         "why_not": verdict.shape.get("why_not", ""),
         "patterns": verdict.patterns,
     }
+    runs = in_order([Entry(n, whole.recordings[n], c) for n, c in whole.conditions.items()])
     fresh = [
-        Segment(Entry(n, whole.recordings[n], c), "", np.ones(len(whole.recordings[n]), bool))
-        for n, c in whole.conditions.items()
-        if c in other
+        Segment(each, "", np.ones(len(each.recording), bool))
+        for each in runs
+        if each.condition in other
     ]
     stages = _elsewhere(found, fresh)
     before, after = (_raw(found, fresh, stages, stage) for stage in (1, 2))

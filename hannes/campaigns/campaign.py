@@ -1,9 +1,10 @@
 """A campaign: recordings of one plant, each with its condition and its role."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from hannes.campaigns.earlier_runs import before_each
 from hannes.core.effect import Effect
 from hannes.core.io.toml_table import Table
 from hannes.core.recording.recording import Recording
@@ -15,7 +16,8 @@ class Entry:
     """One recording of a campaign; entries of one `condition` are repeats.
 
     `role` is fit, select (validation) or show (test split). `number` counts the recordings of the
-    campaign from 0, in their order. `unit` names which of several machines of one kind it is of.
+    campaign from 0, in their order; `earlier` is what those before it of its unit did, see
+    earlier_runs.py. `unit` names which of several machines of one kind it is of.
     `left_out` are channels of its file that the plant does not have.
     """
 
@@ -26,6 +28,16 @@ class Entry:
     number: int = 0
     unit: str = ""
     left_out: tuple[str, ...] = ()
+    earlier: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+
+def in_order(entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """The entries, each with its number and what those of its unit before it did."""
+    earlier: dict[int, Mapping[str, float]] = {}
+    for unit in dict.fromkeys(each.unit for each in entries):
+        own = [k for k, each in enumerate(entries) if each.unit == unit]
+        earlier.update(zip(own, before_each([entries[k].recording for k in own]), strict=True))
+    return tuple(replace(each, number=k, earlier=earlier[k]) for k, each in enumerate(entries))
 
 
 @dataclass(frozen=True)
@@ -50,8 +62,7 @@ class Campaign:
     inputs: frozenset[Path] = field(default=frozenset(), repr=False)
 
     def __post_init__(self) -> None:
-        numbered = (replace(each, number=k) for k, each in enumerate(self.entries))
-        object.__setattr__(self, "entries", tuple(numbered))
+        object.__setattr__(self, "entries", in_order(self.entries))
 
     def of(self, *roles: str) -> tuple[Entry, ...]:
         """Entries in any of these roles."""

@@ -17,7 +17,7 @@ class Description:
 
     axis, unit: the quantity;  ends: its range
     value, value_unit: what is drawn over it
-    law: of the quantity and then the effect's parameters in their order
+    law: of the quantity and then the effect's fitted parameters in their order
     """
 
     effect: Effect
@@ -41,7 +41,7 @@ class Description:
     def slopes(self, places: np.ndarray, values: Sequence[float]) -> np.ndarray:
         """Derivatives of that by each parameter, shape (parameters, n)."""
         here, rows = self.at(places, values), []
-        for number, each in enumerate(self.effect.parameters):
+        for number, each in enumerate(self.effect.fitted):
             step = 1e-4 * (each.bounds[1] - each.bounds[0])
             moved = [value + step * (k == number) for k, value in enumerate(values)]
             rows.append((self.at(places, moved) - here) / step)

@@ -108,6 +108,11 @@ class Effect:
         return tuple(each for each in self.parameters if each.off is not None)
 
     @property
+    def fitted(self) -> tuple[Parameter, ...]:
+        """All parameters but those that earlier runs set."""
+        return tuple(each for each in self.parameters if not each.earlier)
+
+    @property
     def has_phase(self) -> bool:
         """Whether it goes to and fro with something, at a phase of its own."""
         return any(each.turns is not None for each in self.parameters)

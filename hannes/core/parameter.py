@@ -19,6 +19,7 @@ class Parameter:
     over the bounds. A count needs them: between whole numbers an effect may have no signature.
     `turns`, added to it, reverses the sign of its effect, as half a turn does for a phase.
     `shared` names the value that like parts have in common, where this is one part's share of it.
+    `earlier` names what earlier runs of a campaign did, where that sets it: no fit moves it.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Parameter:
     tried: tuple[float, ...] = ()
     turns: float | None = None
     shared: str = ""
+    earlier: str = ""
 
     def __post_init__(self) -> None:
         _require_numbers(self)

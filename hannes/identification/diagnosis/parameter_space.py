@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from hannes.campaigns.earlier_runs import done
 from hannes.core.effect import Effect
 from hannes.core.parameter import Parameter, ParameterSet
 from hannes.identification.diagnosis.repeat_groups import Group
@@ -22,7 +23,7 @@ class FreeParameter:
 
     owner: what the parameter belongs to where it is not the machine's;  effect: name of its effect
     moves: the machine's parameters that it moves, where it is no parameter of a model itself
-    by_run: whether it moves them once for each run of the campaign that came before
+    by_run: whether it acts by the runs of the campaign that came before, moving them for each once
     weight: of x^2 in chi-squared; 1 where `scale` is the prior's standard deviation
     """
 
@@ -90,6 +91,16 @@ class ParameterSpace:
         return found
 
     @cached_property
+    def _earlier(self) -> dict[str, str]:
+        """What earlier runs set of effects, by full name -> what they did."""
+        return {
+            effect.full_name(each.name): each.earlier
+            for effect in self.effects.values()
+            for each in effect.parameters
+            if each.earlier
+        }
+
+    @cached_property
     def by_run(self) -> np.ndarray:
         """Which parameters act by how many runs came before, shape (size,)."""
         return np.array([each.by_run for each in self.parameters], bool)
@@ -115,6 +126,8 @@ class ParameterSpace:
         found = dict(zip((each.name for each in chosen), values, strict=True))
         if not effects:
             return found
+        for name, earlier in self._earlier.items():
+            found[name] = np.full(len(rows), float(group.earlier[earlier].mean()))
         return self._moved(found, rows, self._simulated, float(group.numbers.mean()))
 
     def _shown(self, group: Group, effects: bool) -> list[int]:
@@ -159,6 +172,12 @@ class ParameterSpace:
         moved = self._moved(columns, x[np.newaxis], self._stated)
         return {name: float(each[0]) for name, each in moved.items()}
 
+    def after_all(self, groups: Sequence[Group]) -> dict[str, float]:
+        """What earlier runs set of effects, by full name [SI], of a run that follows all others."""
+        last = max((each for group in groups for each in group.entries), key=lambda e: e.number)
+        own = done(last.recording)
+        return {name: last.earlier[what] + own[what] for name, what in self._earlier.items()}
+
     def declared(self, name: str) -> Parameter:
         """Declaration of an effect's parameter, by full name."""
         effect = self.effects[self.parameters[self.place(name)].effect]
@@ -195,7 +214,7 @@ def _direction(plant: Plant, name: str, owner: str, value: float, scale: float) 
 
 
 def _of_effects(effects: Sequence[Effect]) -> list[FreeParameter]:
-    return [_of_effect(effect, each) for effect in effects for each in effect.parameters]
+    return [_of_effect(effect, each) for effect in effects for each in effect.fitted]
 
 
 def _of_effect(effect: Effect, parameter: Parameter) -> FreeParameter:
@@ -213,7 +232,7 @@ def _of_effect(effect: Effect, parameter: Parameter) -> FreeParameter:
         FIT.effect_prior_weight * (span / (high - low)) ** 2,
         effect.name,
         moved_by(effect, parameter.name),
-        moves_by_run(effect),
+        moves_by_run(effect) or effect.fitted != effect.parameters,
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from hannes.campaigns.campaign import Entry
+from hannes.campaigns.earlier_runs import DONE
 from hannes.core.recording.recording import Recording
 from hannes.identification.binned_run import BIN, View
 from hannes.identification.diagnosis.tuning import FIT
@@ -24,6 +25,7 @@ class Group:
                the mean over the runs
     owner, own: the object handled, and the parameters that belong to it alone
     numbers: how many runs of the campaign came before each, shape (runs,)
+    earlier: what these did, see campaigns/earlier_runs.py, name -> shape (runs,)
     """
 
     def __init__(self, plant: Plant, entries: Sequence[Entry], finer: int = 1) -> None:
@@ -32,6 +34,9 @@ class Group:
         self.width = round(max(BIN, duration / FIT.bins) / finer, 6)
         self.entries = tuple(entries)
         self.numbers = np.array([each.number for each in entries])
+        self.earlier = {
+            name: np.array([each.earlier.get(name, 0.0) for each in entries]) for name in DONE
+        }
         self.views = [View(each, plant, channels, (), self.width) for each in entries]
         self.recording = _together([each.recording for each in entries], plant.required)
         self.names, self.part = self.views[0].channels, self.views[0].part
@@ -44,6 +49,7 @@ class Group:
         made = copy(self)
         made.entries = tuple(self.entries[k] for k in runs)
         made.numbers = self.numbers[list(runs)]
+        made.earlier = {name: each[list(runs)] for name, each in self.earlier.items()}
         made.views = [self.views[k] for k in runs]
         made.measured = self.measured[list(runs)]
         return made

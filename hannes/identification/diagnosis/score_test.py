@@ -90,7 +90,7 @@ def stepped(point: Linearisation, name: str, sizes: Sequence[float]) -> list[np.
 
 def shapes(effect: Effect) -> list[dict[str, float]]:
     """Values at which parameters without `off` are tried, by full name [SI]."""
-    free = [each for each in effect.parameters if each.off is None]
+    free = [each for each in effect.fitted if each.off is None]
     count = SEARCH.shapes if len(free) == 1 else 3
     tried = [
         np.unique([each.value, *(each.tried or _spread(*each.bounds, count - 1))]) for each in free

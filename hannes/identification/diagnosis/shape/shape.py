@@ -97,7 +97,7 @@ def _machine(best: Described, owner: str) -> Plant:
     """The plant with the generic disturbance, and with what was refitted beside it."""
     space = best.point.space
     plant = best.base.model.with_parts_at({}).small.with_effects(best.description.effect)
-    values = space.values(best.point.x, owner)
+    values = space.values(best.point.x, owner) | space.after_all(best.base.model.groups)
     return plant.with_values({n: v for n, v in values.items() if n in plant.parameters})
 
 
