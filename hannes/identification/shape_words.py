@@ -12,9 +12,18 @@ def shape_sentence(shape: Mapping[str, Any]) -> str:
         return ""
     if not shape["name"]:
         return f"No generic disturbance describes it: {shape['why_not']}."
+    return f"Likeliest shape: {shape['meaning']}. {_tested(shape)}; {NO_CAUSE}."
+
+
+def _tested(shape: Mapping[str, Any]) -> str:
+    """What recordings that were not fitted say of it."""
+    if shape["closes"] > 0.0:
+        closes = f"{100.0 * shape['closes']:.0f} %"
+        return f"On recordings that were not fitted it closes {closes} of the reducible gap"
+    explains = f"{100.0 * shape.get('explains', 0.0):.0f} %"
     return (
-        f"Likeliest shape: {shape['meaning']}. On recordings that were not fitted it closes "
-        f"{100.0 * shape['closes']:.0f} % of the reducible gap; {NO_CAUSE}."
+        f"It explains {explains} of the misfit; recordings that were not fitted cannot show it, "
+        "as runs differ too much"
     )
 
 

@@ -20,6 +20,7 @@ from hannes.identification.diagnosis.shape.likeliest import (
 )
 from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import FIT, SHAPE
+from hannes.identification.gap_change import too_faint
 from hannes.identification.residuals import tabled
 from hannes.identification.verdict import explained
 from hannes.plants.protocol import Plant
@@ -56,11 +57,26 @@ def shape_of(found: SearchResult, stages: Stages, owner: str, progress: Progress
     for described in likeliest(found, progress):
         held = _held(found, described, stages)
         closes = 0.0 if (why := held.refusal(1, 2)) else _closed(held)
-        if closes >= SHAPE.least_closed:
-            table = _table(described, found.variance_factor) | {"closes": closes}
+        if not why and (closes >= SHAPE.least_closed or _cannot_show(described, held)):
+            shares = {"closes": closes, "explains": _explains(described)}
+            table = _table(described, found.variance_factor) | shares
             return Shape(table, described, _machine(described, owner))
         refused.append(Shape(_nothing(f"{described.description.words}: {why or TOO_LITTLE}")))
     return refused[0] if refused else Shape(_nothing(NONE_FITS))
+
+
+def _cannot_show(described: Described, held: Stages) -> bool:
+    """Whether unfitted recordings cannot show a law that leaves next to nothing of the misfit.
+
+    Where runs differ much among themselves, no gap is seen to fall, however right a law is.
+    """
+    return _explains(described) >= SHAPE.explains and too_faint(held.change(1, 2))
+
+
+def _explains(described: Described) -> float:
+    """Share of the misfit beyond noise that is gone, 0 to 1."""
+    beyond = described.base.chi2 - described.base.residual.size
+    return min(1.0, max(0.0, described.reduction / beyond)) if beyond > 0.0 else 0.0
 
 
 def _nothing(why: str) -> dict[str, Any]:

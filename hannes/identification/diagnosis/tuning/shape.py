@@ -20,6 +20,9 @@ class ShapeTuning:
     least_closed: float = constant(
         0.1, "1", "of the reducible gap on recordings in role show, below which none is drawn"
     )
+    explains: float = constant(
+        0.9, "1", "of the misfit, for which no gap need fall where none could be seen to fall"
+    )
     places: int = constant(41, "1", "of its axis at which it is given", "room on the page")
 
 
