@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from hannes.campaigns.campaign import Entry
 from hannes.campaigns.earlier_runs import done
 from hannes.core.effect import Effect
 from hannes.core.parameter import Parameter, ParameterSet
@@ -172,9 +173,9 @@ class ParameterSpace:
         moved = self._moved(columns, x[np.newaxis], self._stated)
         return {name: float(each[0]) for name, each in moved.items()}
 
-    def after_all(self, groups: Sequence[Group]) -> dict[str, float]:
-        """What earlier runs set of effects, by full name [SI], of a run that follows all others."""
-        last = max((each for group in groups for each in group.entries), key=lambda e: e.number)
+    def after_all(self, entries: Sequence[Entry]) -> dict[str, float]:
+        """What earlier runs set of effects, by full name [SI], of a run that follows all these."""
+        last = max(entries, key=lambda each: each.number)
         own = done(last.recording)
         return {name: last.earlier[what] + own[what] for name, what in self._earlier.items()}
 

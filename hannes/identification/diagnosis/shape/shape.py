@@ -60,7 +60,7 @@ def shape_of(found: SearchResult, stages: Stages, owner: str, progress: Progress
         if not why and (closes >= SHAPE.least_closed or _cannot_show(described, held)):
             shares = {"closes": closes, "explains": _explains(described)}
             table = _table(described, found.variance_factor) | shares
-            return Shape(table, described, _machine(described, owner))
+            return Shape(table, described, _machine(described, owner, held))
         refused.append(Shape(_nothing(f"{described.description.words}: {why or TOO_LITTLE}")))
     return refused[0] if refused else Shape(_nothing(NONE_FITS))
 
@@ -109,11 +109,14 @@ def _closed(held: Stages) -> float:
     return explained(tabled(raws, unfitted, held.plant.channels, held.noise_floors))
 
 
-def _machine(best: Described, owner: str) -> Plant:
-    """The plant with the generic disturbance, and with what was refitted beside it."""
-    space = best.point.space
+def _machine(best: Described, owner: str, held: Stages) -> Plant:
+    """The plant with the generic disturbance, and with what was refitted beside it.
+
+    Where earlier runs set something of it, it is the machine after all of them.
+    """
+    space, entries = best.point.space, [each.entry for each in held.segments]
     plant = best.base.model.with_parts_at({}).small.with_effects(best.description.effect)
-    values = space.values(best.point.x, owner) | space.after_all(best.base.model.groups)
+    values = space.values(best.point.x, owner) | space.after_all(entries)
     return plant.with_values({n: v for n, v in values.items() if n in plant.parameters})
 
 
