@@ -7,6 +7,7 @@ import numpy as np
 from hannes.core.description import Description
 from hannes.core.effect import Effect, Term
 from hannes.core.kernels.jit import kernel
+from hannes.core.kernels.vector_math import soft_sign
 from hannes.core.parameter import Parameter
 
 PLACES = tuple(float(each) for each in np.linspace(-math.pi, math.pi, 17)[:-1])  # rad
@@ -23,7 +24,7 @@ def over_turn(angle, torque, place, width):
 def against(motor_angle, motor_speed, motor_friction_speed, gear_ratio, torque, place, width):
     """Added to what opposes the motor [N m]."""
     there = over_turn(motor_angle / gear_ratio, torque, place, width)
-    return math.tanh(motor_speed / motor_friction_speed) * there
+    return soft_sign(motor_speed / motor_friction_speed) * there
 
 
 GENERIC = Description(
