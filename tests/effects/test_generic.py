@@ -1,10 +1,13 @@
 """Generic disturbances: what they are drawn as is what they do, and a hand.toml names them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from catalogued import EXPERIMENTS
 from effect_contract import touch
 
+from hannes.control.generic_loop_error import PLACES
 from hannes.core.kernels.jit import plain
 from hannes.plants.hand.plant import HandPlant
 from hannes.plants.plant_file import load_model, plant_toml
@@ -28,18 +31,18 @@ def test_a_description_is_of_the_hand_and_says_what_it_is(name):
 def test_its_law_vanishes_at_off_and_is_finite(name):
     each = ALL[name]
     places = np.linspace(*each.ends, 9)
-    off = [p.off for p in each.effect.parameters]
+    off = [p.value if p.off is None else p.off for p in each.effect.fitted]
     at_off = each.at(places, off)
     assert np.ptp(at_off) == 0.0 and at_off[0] in (0.0, 1.0)
-    most = [p.bounds[1] for p in each.effect.parameters]
+    most = [p.bounds[1] for p in each.effect.fitted]
     assert np.isfinite(each.at(places, most)).all()
 
 
-@pytest.mark.parametrize("name", [n for n in ALL if n != "generic_easing"])
+@pytest.mark.parametrize("name", sorted(ALL.keys() - {"generic_easing", "generic_turn_friction"}))
 def test_its_slopes_are_those_of_a_linear_law(name):
     each = ALL[name]
     rng, places = np.random.default_rng(3), np.linspace(*each.ends, 7)
-    sizes = [0.5 * p.bounds[1] * rng.uniform() for p in each.effect.parameters]
+    sizes = [0.5 * p.bounds[1] * rng.uniform() for p in each.effect.fitted]
     line = np.array(sizes) @ each.slopes(places, sizes)
     assert line == pytest.approx(each.at(places, sizes), rel=1e-6, abs=1e-9)
 
@@ -105,6 +108,47 @@ def test_a_hand_that_is_pushed_early_touches_earlier():
         for hand in (bare, pushed)
     )
     assert touch(run) < touch(without) - 0.01
+
+
+def test_the_position_loop_never_acts_against_the_error_it_sees():
+    each = ALL["generic_loop_error"]
+    (term,) = each.effect.terms
+    rng, errors = np.random.default_rng(5), np.array([-0.3, -0.1, -6e-3, 1e-3, 0.02, 0.4])
+    for _ in range(20):
+        sizes = [rng.uniform(*p.bounds) for p in each.effect.parameters]
+        assert (np.sign(errors) * (errors + each.at(errors, sizes)) >= 0.0).all()
+        made = [plain(term.kernel)(19.0 * error, 19.0, *sizes) for error in errors]
+        assert made == pytest.approx(19.0 * each.at(errors, sizes))
+
+
+@pytest.mark.parametrize("controller", ["continuous", "sampled"])
+def test_a_position_loop_that_takes_small_errors_for_none_rests_as_far_off(controller):
+    each = ALL["generic_loop_error"].effect
+    experiment = replace(EXPERIMENTS["void"], controller=controller)
+    bare = Hand((each,))
+    dead = bare.with_values({each.full_name(f"c_{k}"): -p for k, p in enumerate(PLACES, 1)})
+    runs = [
+        simulate(hand, experiment, rtol=1e-6, effects=(each,)).require() for hand in (bare, dead)
+    ]
+    without, there = (abs(run["reference"][-1] - run["position"][-1]) for run in runs)
+    assert there - without == pytest.approx(PLACES[-1], rel=0.1)
+
+
+def test_a_leader_that_earlier_runs_have_lengthened_is_slack():
+    each = ALL["generic_lengthening"]
+    (term,) = each.effect.terms
+    gained, rate = plain(term.kernel)(-0.5, 1e-5, 20.0, 30.0, 1e-4, -1e-5)
+    assert gained == pytest.approx(20.0 * 1e-4 - 30.0 * 1e-5 + 1e-5)
+    assert rate == each.at(np.array([0.5]), [1e-4, -1e-5])[0] == pytest.approx(4e-5)
+
+
+def test_what_rubs_at_one_angle_of_each_turn_is_against_the_motion():
+    each = ALL["generic_turn_friction"]
+    (term,) = each.effect.terms
+    sizes = [2e-3, 1.0, 0.2]
+    for turn, sign in ((0.0, 1.0), (2.0 * np.pi, -1.0)):
+        made = plain(term.kernel)(19.0 * (1.1 + turn), sign * 400.0, 5.0, 19.0, *sizes)
+        assert made == pytest.approx(sign * each.at(np.array([1.1]), sizes)[0])
 
 
 def test_a_hand_file_names_a_generic_disturbance(tmp_path):
