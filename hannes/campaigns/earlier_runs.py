@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from hannes.core.parameter import EARLIER
 from hannes.core.recording.recording import Recording
-
-DONE = ("charge", "time")  # A s, of the current's size; s
 
 
 def done(recording: Recording) -> dict[str, float]:
@@ -20,6 +19,6 @@ def done(recording: Recording) -> dict[str, float]:
 
 def before_each(recordings: Sequence[Recording]) -> list[Mapping[str, float]]:
     """What the recordings before each of some of one machine did together, in their order."""
-    made = np.array([[each[name] for name in DONE] for each in map(done, recordings)])
-    sums = np.cumsum(made.reshape(-1, len(DONE)), axis=0) - made.reshape(-1, len(DONE))
-    return [dict(zip(DONE, row, strict=True)) for row in sums.tolist()]
+    made = np.array([[each[name] for name in EARLIER] for each in map(done, recordings)])
+    sums = np.cumsum(made.reshape(-1, len(EARLIER)), axis=0) - made.reshape(-1, len(EARLIER))
+    return [dict(zip(EARLIER, row, strict=True)) for row in sums.tolist()]

@@ -141,6 +141,7 @@ class Effect:
         for each in self.parameters:
             low, high = each.bounds
             end = f"shipped as {each.value:g}" if each.off is None else f"vanishes at {each.off:g}"
+            end = "set by earlier runs" if each.earlier else end
             lines.append(f"  {self.full_name(each.name)} [{each.unit}]: {each.doc}")
             lines.append(f"    {low:g} to {high:g}, {end}")
         return "\n".join(lines)

@@ -9,6 +9,8 @@ import numpy as np
 
 from hannes.core.errors import BadInput, nearest
 
+EARLIER = ("charge", "time")  # of the motor [A s], and of all earlier runs [s]
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -19,7 +21,8 @@ class Parameter:
     over the bounds. A count needs them: between whole numbers an effect may have no signature.
     `turns`, added to it, reverses the sign of its effect, as half a turn does for a phase.
     `shared` names the value that like parts have in common, where this is one part's share of it.
-    `earlier` names what earlier runs of a campaign did, where that sets it: no fit moves it.
+    `earlier` names what earlier runs of a campaign did, where that sets it and no fit moves it:
+    "charge" of the motor [A s] or their "time" [s].
     """
 
     name: str
@@ -42,6 +45,10 @@ class Parameter:
         off = () if self.off is None else (self.off,)
         for value in (self.value, *self.tried, *off):
             self.check(value)
+        if self.earlier not in ("", *EARLIER):
+            raise BadInput(
+                f'{self.name}: earlier = "{self.earlier}": expected one of {", ".join(EARLIER)}'
+            )
 
     def check(self, value: float) -> float:
         """Return `value` where it is finite and inside the bounds; raise BadInput otherwise."""

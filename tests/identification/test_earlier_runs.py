@@ -10,6 +10,7 @@ from hannes.campaigns.campaign import Entry, in_order
 from hannes.commands.diagnose import diagnose
 from hannes.core.description import Description
 from hannes.core.effect import Effect, Term
+from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import kernel
 from hannes.core.parameter import Parameter
 from hannes.core.recording.recording import Recording
@@ -73,6 +74,11 @@ def test_each_run_knows_what_those_of_its_unit_before_it_did():
     assert [each.number for each in made] == [0, 1, 2]
     assert made[0].earlier == made[1].earlier == {"charge": 0.0, "time": 0.0}
     assert made[2].earlier == pytest.approx({"charge": 3.0, "time": 2.0})
+
+
+def test_only_what_earlier_runs_are_known_to_do_sets_a_parameter():
+    with pytest.raises(BadInput, match=r'earlier = "heat": expected one of charge, time'):
+        Parameter("warmth", 0.0, "J", (0.0, 1.0), "of earlier runs", earlier="heat")
 
 
 def test_a_law_that_grows_from_run_to_run_is_found_and_follows(unknown):

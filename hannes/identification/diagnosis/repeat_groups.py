@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from hannes.campaigns.campaign import Entry
-from hannes.campaigns.earlier_runs import DONE
+from hannes.core.parameter import EARLIER
 from hannes.core.recording.recording import Recording
 from hannes.identification.binned_run import BIN, View
 from hannes.identification.diagnosis.tuning import FIT
@@ -35,7 +35,7 @@ class Group:
         self.entries = tuple(entries)
         self.numbers = np.array([each.number for each in entries])
         self.earlier = {
-            name: np.array([each.earlier.get(name, 0.0) for each in entries]) for name in DONE
+            name: np.array([each.earlier.get(name, 0.0) for each in entries]) for name in EARLIER
         }
         self.views = [View(each, plant, channels, (), self.width) for each in entries]
         self.recording = _together([each.recording for each in entries], plant.required)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hannes.identification.diagnosis.linearisation import Linearisation
-from hannes.identification.diagnosis.repeat_groups import Group
+from hannes.identification.diagnosis.repeat_groups import Group, one_by_one
 from hannes.identification.diagnosis.score_test import Guess, projected
 from hannes.identification.diagnosis.tuning import VERDICT
 
@@ -49,11 +49,10 @@ def _apart(point: Linearisation, group: Group) -> np.ndarray:
     apart = group.measured - group.mean
     if not point.x[point.space.by_run].any():
         return apart
-    # Both are copies: corrections for sampling belong to the group alone, and would not cancel.
-    here, later = (group.only(range(group.count)) for _ in range(2))
-    later.numbers = group.numbers + 1
-    made = [point.model.vectors(each, point.x[np.newaxis], True)[0] for each in (here, later)]
-    return apart - np.outer(group.numbers - group.numbers.mean(), made[1] - made[0])
+    # Of copies: corrections for sampling belong to the group alone.
+    runs = one_by_one([group])
+    made = np.array([point.model.vectors(each, point.x[np.newaxis], True)[0] for each in runs])
+    return apart - (made - made.mean(axis=0))
 
 
 def _reduction(point: Linearisation, signature: np.ndarray, apart: Sequence[np.ndarray]) -> float:
