@@ -27,6 +27,7 @@ from hannes.identification.diagnosis.trials import (
 )
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 from hannes.identification.effect_words import effect_words
+from hannes.plants.part_fault import like_faults, part_faults
 
 
 @dataclass(frozen=True)
@@ -166,7 +167,19 @@ def _several(found: SearchResult, joint: Joint, reason: str) -> Decision:
 def _shared(joint: Joint) -> set[str]:
     """The effects that all sets share which do as well, and for which nothing else could stand."""
     rivals = (each.effects for each in joint_rivals(joint))
-    return set(joint.trial.effects).intersection(*rivals) - set(joint.replaceable)
+    shared = set(joint.trial.effects).intersection(*rivals)
+    return shared - set(joint.replaceable) - _of_some_part(joint)
+
+
+def _of_some_part(joint: Joint) -> set[str]:
+    """Faults that were tried of no other part: the bound of work ended the search before."""
+    effects, tried = joint.trial.point.space.effects, joint.others
+    return {
+        name
+        for name in part_faults(effects, joint.trial.effects)
+        if (others := set(like_faults(effects, name)))
+        and not any(others & set(each.effects) for each in tried)
+    }
 
 
 def _some_of(found: SearchResult, joint: Joint, sure: set[str], reason: str) -> Decision:

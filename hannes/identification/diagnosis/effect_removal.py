@@ -8,6 +8,7 @@ import numpy as np
 from hannes.identification.diagnosis.gauss_newton import fitted, settled, wald
 from hannes.identification.diagnosis.generic_disturbances import GENERIC_NAMES as GENERIC
 from hannes.identification.diagnosis.heldout import stands_on_heldout
+from hannes.identification.diagnosis.like_faults import transferred
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
     Progress,
@@ -31,7 +32,7 @@ from hannes.identification.diagnosis.trials import (
     priced,
 )
 from hannes.identification.diagnosis.tuning import SEARCH
-from hannes.plants.part_fault import part_faults
+from hannes.plants.part_fault import like_faults, part_faults
 
 
 def pruned_effects(found: SearchResult, joint: Joint, progress: Progress) -> Joint:
@@ -164,6 +165,27 @@ def _all_stand_ins(found: SearchResult, joint: Joint, progress: Progress) -> Joi
                 and each.delta_chi2 > SEARCH.stand_in_share * missed]  # fmt: skip
         near.sort(key=lambda each: -each.delta_chi2)
         joint = _with_stand_ins(found, joint, name, near[: SEARCH.stand_ins], progress)
+        joint = _with_like_faults(found, joint, name, progress)
+    return joint
+
+
+def _with_like_faults(found: SearchResult, joint: Joint, name: str, progress: Progress) -> Joint:
+    """The joint effects beside those with the same fault of another part, as large as it is.
+
+    A linear estimate does not lead from one part's fault to another's.
+    """
+    trial, effects = joint.trial, joint.trial.point.space.effects
+    tried = {frozenset(each.effects) for each in joint.others}
+    kept = tuple(each for each in trial.effects if each != name)
+    for other in like_faults(effects, name):
+        if other in kept or {*kept, other} in tried:
+            continue
+        progress(f"{other} instead of {name}".replace("_", " "))
+        point = transferred(found.baseline, trial.point, name, other)
+        if point is not None:
+            rival = Trial((*kept, other), point, 0.0)
+            rival = priced(found.baseline, rival, found.variance_factor)
+            joint = replace(joint, others=(*joint.others, rival))
     return joint
 
 

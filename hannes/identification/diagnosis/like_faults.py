@@ -29,7 +29,7 @@ def with_like_faults(
     for name in others:
         progress(f"{name.replace('_', ' ')}, as {best.replace('_', ' ')}")
         led[name] = best
-        points = [_transferred(baseline, leader, best, name), found.get(name)]
+        points = [transferred(baseline, leader, best, name), found.get(name)]
         there = [each for each in points if each is not None and each.chi2 < baseline.chi2]
         if there:
             found[name] = min(there, key=lambda each: each.chi2)
@@ -79,7 +79,7 @@ def _led_again(
         if name not in found or best in (name, by) or baseline.chi2 - found[name].chi2 < least:
             continue
         progress(f"{name.replace('_', ' ')}, as {best.replace('_', ' ')}")
-        point = _transferred(baseline, leader, best, name)
+        point = transferred(baseline, leader, best, name)
         if point is not None:
             found[name] = min(found[name], point, key=lambda each: each.chi2)
     return found
@@ -112,7 +112,7 @@ def varied(effects: Mapping[str, Effect], guesses: Sequence[Guess]) -> list[Gues
     return found
 
 
-def _transferred(
+def transferred(
     baseline: Linearisation, leader: Linearisation, best: str, name: str
 ) -> Linearisation | None:
     """A fit of one fault from the machine and the size of another."""
