@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from hannes.campaigns.earlier_runs import before_each
+from hannes.campaigns.earlier_runs import after, before_each
 from hannes.core.effect import Effect
 from hannes.core.io.toml_table import Table
 from hannes.core.recording.recording import Recording
@@ -38,6 +38,12 @@ def in_order(entries: Sequence[Entry]) -> tuple[Entry, ...]:
         own = [k for k, each in enumerate(entries) if each.unit == unit]
         earlier.update(zip(own, before_each([entries[k].recording for k in own]), strict=True))
     return tuple(replace(each, number=k, earlier=earlier[k]) for k, each in enumerate(entries))
+
+
+def following(entries: Sequence[Entry], new: Entry) -> Entry:
+    """A new entry with its number and what those before it did, where it follows all entries."""
+    last = max(entries, key=lambda each: each.number)
+    return replace(new, number=last.number + 1, earlier=after(last.earlier, last.recording))
 
 
 @dataclass(frozen=True)

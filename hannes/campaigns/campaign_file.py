@@ -12,6 +12,7 @@ from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.foreign.mapping import ColumnMap
 from hannes.campaigns.foreign.mapping_file import read_mapping
 from hannes.campaigns.mapped_runs import mapped_runs
+from hannes.campaigns.one_grid import on_one_grid
 from hannes.campaigns.roles import with_roles
 from hannes.campaigns.undeclared import undeclared, without
 from hannes.core.effect import Effect, joined
@@ -96,7 +97,7 @@ def _campaign(
     return Campaign(
         plant,
         shipped,
-        with_roles(_with_distinct_names(root, found), seed),
+        with_roles(on_one_grid(plant, _with_distinct_names(root, found)), seed),
         Path(root.text("out", f"results/{path.stem}")),  # in the current folder
         _effects(root, path, plant, own),
         root.text("title", path.stem),

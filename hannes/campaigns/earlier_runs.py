@@ -9,16 +9,28 @@ from hannes.core.recording.recording import Recording
 
 
 def done(recording: Recording) -> dict[str, float]:
-    """What one run does, by name; no charge where its current is not recorded."""
-    current = np.abs(recording["current"]) if "current" in recording else np.zeros(len(recording))
+    """What one run does, by name; no number as charge where its current is not recorded.
+
+    The charge is of the current's size: noise of a motor at rest adds to it.
+    """
+    current = np.abs(recording["current"]) if "current" in recording else np.array(np.nan)
     return {
-        "charge": float(np.trapezoid(current, recording.time)),
+        "charge": float(np.trapezoid(current + 0.0 * recording.time, recording.time)),
         "time": float(np.ptp(recording.time)),
     }
 
 
+def after(earlier: Mapping[str, float], recording: Recording) -> dict[str, float]:
+    """What runs did by the end of this one, by what was done before it."""
+    own = done(recording)
+    return {name: earlier[name] + own[name] for name in EARLIER}
+
+
 def before_each(recordings: Sequence[Recording]) -> list[Mapping[str, float]]:
     """What the recordings before each of some of one machine did together, in their order."""
-    made = np.array([[each[name] for name in EARLIER] for each in map(done, recordings)])
-    sums = np.cumsum(made.reshape(-1, len(EARLIER)), axis=0) - made.reshape(-1, len(EARLIER))
-    return [dict(zip(EARLIER, row, strict=True)) for row in sums.tolist()]
+    made: list[Mapping[str, float]] = []
+    so_far: Mapping[str, float] = dict.fromkeys(EARLIER, 0.0)
+    for each in recordings:
+        made.append(so_far)
+        so_far = after(so_far, each)
+    return made

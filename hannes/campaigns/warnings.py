@@ -33,8 +33,24 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
 
 
 def across_runs(campaign: Campaign) -> list[Finding]:
-    """What only several recordings show: two machines mixed, a supply that falls."""
-    return [*mixed_runs(campaign), *_supply(campaign)]
+    """What only several recordings show: two machines mixed, copies, a supply that falls."""
+    return [*mixed_runs(campaign), *_copies(campaign), *_supply(campaign)]
+
+
+def _copies(campaign: Campaign) -> Iterator[Finding]:
+    """Recordings with the same readings to the bit, which two runs never have."""
+    first: dict[bytes, str] = {}
+    for each in campaign.entries:
+        judged = [name for name in campaign.plant.judged if name in each.recording]
+        readings = b"".join(each.recording[name].tobytes() for name in judged)
+        before = first.setdefault(readings, each.name)
+        if before != each.name:
+            yield warning(
+                "copy",
+                judged[0],
+                f"{each.name} has the same readings as {before}: a copy says nothing of how runs "
+                "differ; leave it out",
+            )
 
 
 def _how(campaign: Campaign) -> str:

@@ -113,6 +113,11 @@ class Effect:
         return tuple(each for each in self.parameters if not each.earlier)
 
     @property
+    def grows(self) -> bool:
+        """Whether earlier runs of a campaign set some of it."""
+        return len(self.fitted) < len(self.parameters)
+
+    @property
     def has_phase(self) -> bool:
         """Whether it goes to and fro with something, at a phase of its own."""
         return any(each.turns is not None for each in self.parameters)

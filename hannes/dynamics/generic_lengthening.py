@@ -1,6 +1,6 @@
 """Generic disturbance: the leader wire lengthens from run to run, by the motor's current.
 
-Its tension takes the current beyond what friction takes: a rate over current has both as numbers.
+A wire creeps by its tension. That takes the current, less what friction takes: two numbers.
 """
 
 from hannes.core.description import Description

@@ -30,13 +30,13 @@ def against(motor_angle, motor_speed, motor_friction_speed, gear_ratio, torque, 
 GENERIC = Description(
     Effect(
         name="generic_turn_friction",
-        meaning="Motor and gear rub at one angle of each turn. It describes, and names no cause.",
-        equation="T_friction += torque exp((cos(th / N - place) - 1) / width^2) sign(w)",
+        meaning="The output rubs at one angle of each turn. It describes, and names no cause.",
+        equation="T_friction += torque exp((cos(th / N - place) - 1) / width^2) tanh(w / w_s)",
         source="von Mises (1918)",
         parameters=(
             Parameter("torque", 0.0, "N m", (-0.01, 0.01), "at its place", "choice", off=0.0),
             Parameter("place", 0.0, "rad", (-4.0, 4.0), "in a turn", "choice", tried=PLACES),
-            Parameter("width", 0.15, "rad", (0.03, 1.0), "of it", "choice", tried=WIDTHS),
+            Parameter("width", 0.15, "rad", (0.1, 1.0), "of it", "choice", tried=WIDTHS),
         ),
         terms=(Term(against, writes=("gear_friction",), unit="N m"),),
     ),

@@ -17,13 +17,13 @@ def shape_sentence(shape: Mapping[str, Any]) -> str:
 
 def _tested(shape: Mapping[str, Any]) -> str:
     """What recordings that were not fitted say of it."""
-    if shape["closes"] > 0.0:
+    if shape.get("shown", True):
         closes = f"{100.0 * shape['closes']:.0f} %"
         return f"On recordings that were not fitted it closes {closes} of the reducible gap"
-    explains = f"{100.0 * shape.get('explains', 0.0):.0f} %"
+    explains = f"{100.0 * shape['explains']:.0f} %"
     return (
         f"It explains {explains} of the misfit; recordings that were not fitted cannot show it, "
-        "as runs differ too much"
+        "as it changes them by less than runs may differ by"
     )
 
 

@@ -59,7 +59,8 @@ class CompiledPlant(PlantWithEffects):
     ) -> dict[str, np.ndarray]:
         """Outputs by name, shape (n,) each, of a run by steps that hold a machine at rest.
 
-        For a machine whose first two states are an angle (or a position) and its rate.
+        For a machine whose first two states are an angle (or a position) and its rate. Only these
+        are implicit: further states follow once a step, and a second mass may gain energy so.
         parameters: in place of nominal values [SI];  times: [s], shape (n,)
         reference: times and values, shape (2, knots);  start: of its own states
         step: of integration at most [s]. Raises ComputationFailed where it runs away, BadInput

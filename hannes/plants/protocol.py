@@ -292,8 +292,8 @@ def shown(plant: Plant) -> str:
 
 
 def free_amplitudes(effect: Effect) -> dict[str, float]:
-    """Return the full names of an effect's parameters, with the scale of each in a refit [SI]."""
+    """Return full names of an effect's fitted parameters, the scale of each in a refit [SI]."""
     return {
         effect.full_name(each.name): (each.bounds[1] - each.bounds[0]) / 20.0
-        for each in effect.parameters
+        for each in effect.fitted
     }

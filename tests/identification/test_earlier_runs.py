@@ -1,19 +1,22 @@
 """What earlier runs did, in the numbers of a run, and in a law that grows with it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from sled import Sled, campaign, effect
 
-from hannes.campaigns.campaign import Entry, in_order
+from hannes.campaigns.campaign import Entry, following, in_order
 from hannes.commands.diagnose import diagnose
 from hannes.core.description import Description
 from hannes.core.effect import Effect, Term
 from hannes.core.errors import BadInput
 from hannes.core.kernels.jit import kernel
-from hannes.core.parameter import Parameter
+from hannes.core.parameter import EARLIER, Parameter
 from hannes.core.recording.recording import Recording
+from hannes.identification.diagnosis.shape.likeliest import _history_known
+from hannes.simulation.catalogue import descriptions
 
 GROWTH = 0.2  # N s/m, of the drag from each run to the next
 
@@ -76,6 +79,25 @@ def test_each_run_knows_what_those_of_its_unit_before_it_did():
     assert made[2].earlier == pytest.approx({"charge": 3.0, "time": 2.0})
 
 
+def test_charge_is_not_known_after_a_run_without_a_current():
+    time = np.linspace(0.0, 1.0, 11)
+    bare = Recording({"time": time, "position": time}, {"time": "s", "position": "rad"})
+    made = in_order([Entry("a", bare, "c"), Entry("b", a_run(1.0, 1.0), "c")])
+    assert made[0].earlier["charge"] == 0.0 and np.isnan(made[1].earlier["charge"])
+    assert made[1].earlier["time"] == 1.0
+    groups = [SimpleNamespace(earlier={n: np.array([each.earlier[n]]) for n in EARLIER})
+              for each in made]  # fmt: skip
+    lengthening = descriptions()["generic_lengthening"]
+    assert _history_known(lengthening, groups[:1]) and not _history_known(lengthening, groups)
+    assert _history_known(descriptions()["generic_easing"], groups)
+
+
+def test_what_follows_all_runs_knows_what_they_did():
+    runs = in_order([Entry(f"{k}", a_run(2.0, 1.5), "c") for k in range(3)])
+    new = following(runs, Entry("next", a_run(1.0, 0.5), "c"))
+    assert new.number == 3 and new.earlier == pytest.approx({"charge": 9.0, "time": 6.0})
+
+
 def test_only_what_earlier_runs_are_known_to_do_sets_a_parameter():
     with pytest.raises(BadInput, match=r'earlier = "heat": expected one of charge, time'):
         Parameter("warmth", 0.0, "J", (0.0, 1.0), "of earlier runs", earlier="heat")
@@ -88,6 +110,15 @@ def test_a_law_that_grows_from_run_to_run_is_found_and_follows(unknown):
     size = shape["parameters"]["generic_gumming.per_time"]
     assert size["value"] == pytest.approx(GROWTH / 0.998, rel=0.05)
     assert list(shape["parameters"]) == ["generic_gumming.per_time"]  # earlier runs set the other
+
+
+def test_an_effect_that_grows_from_run_to_run_is_named_and_stands_after_all_runs():
+    known = replace(GUMMED.effect, name="gumming")
+    hidden = ((effect("more_drag", drag, 1e3, "N s/m"), 1e-6),)
+    made = campaign(1, hidden, {known.name: known}, growth=GROWTH / 1e-6)
+    named = diagnose(made, progress=False)
+    assert named.verdict.effects == ["gumming"]
+    assert named.plant.parameters["gumming.earlier_time"] == pytest.approx(8 * 0.998)
 
 
 def test_the_described_machine_is_that_after_all_runs(unknown):

@@ -10,6 +10,7 @@ from benchmarks.truth.campaign import make
 from benchmarks.truth.protocol import POOR, PROTOCOLS, Protocol, closures
 from hannes.campaigns.campaign import Entry
 from hannes.campaigns.segments import Segment, noise_floors
+from hannes.core.recording.recording import Recording
 from hannes.identification.diagnosis import experiment_design
 from hannes.identification.diagnosis.baseline import COARSE
 from hannes.identification.diagnosis.experiment_design import (
@@ -158,6 +159,9 @@ def test_the_next_run_comes_after_all_others(monkeypatch):
     plant = SimpleNamespace(proposals=lambda recorded: dict.fromkeys(("slow", "soft")))
     pair = [SimpleNamespace(effects=())] * 2
     monkeypatch.setattr(experiment_design, "explanations", lambda _: pair)
-    runs = [SimpleNamespace(condition="void", recording=None, number=k) for k in (0, 3, 7)]
+    units = {"time": "s", "position": "rad"}
+    still = Recording({name: np.arange(3.0) for name in units}, units)
+    earlier = {"charge": 0.0, "time": 2.0}
+    runs = [Entry(f"{k}", still, "void", number=k, earlier=earlier) for k in (0, 3, 7)]
     assert experiment_design.next_run(plant, None, runs, {}) is None
     assert asked == [8, 8]

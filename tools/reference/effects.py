@@ -88,7 +88,7 @@ def _effect(each: Effect) -> str:
             own.unit,
             own.doc,
             " to ".join(number(end) for end in own.bounds),
-            number(own.value),
+            "by earlier runs" if own.earlier else number(own.value),
             "" if own.off is None else number(own.off),
         )
         for own in each.parameters

@@ -51,7 +51,8 @@ FIELDS = {
     "shape": "of an `unknown`: the likeliest generic disturbance: `name`, `meaning`, its `axis` "
     "(`name`, `unit`, `values`) and over it the `value` (`name`, `unit`, `values`, and the 95 % "
     "band `low` to `high`), `parameters`, `closes`, the share of the reducible gap on the "
-    "recordings in role show, and `explains`, that of the misfit beyond noise; "
+    "recordings in role show, whether they have `shown` it, "
+    "and `explains`, the share of the misfit beyond noise; "
     "where none helps, `name` is empty and `why_not` says it",
     "each_explains": "of several named effects each: the share of the reducible gap that it alone "
     "`explains` on recordings that were not fitted, and the RMS of each channel `without` it, the "

@@ -79,7 +79,7 @@ def _sizes(plant: Plant) -> Mapping[str, float]:
 
 
 def _of_effects(plant: Plant) -> dict[str, float]:
-    names = (effect.full_name(p.name) for effect in plant.effects for p in effect.parameters)
+    names = (effect.full_name(p.name) for effect in plant.effects for p in effect.fitted)
     return {name: abs(plant.parameters[name]) for name in names}
 
 

@@ -278,6 +278,7 @@ class _Closing:
             e for n, e in space.effects.items() if self.spread.keys() & set(space.of(n).tolist())
         ]
         values = space.values(decision.point.x, self.owner())
+        values |= space.after_all([each.entry for each in self.segments])
         extended = plant.with_effects(*compiled_effects(tuple(named)))
         return extended.with_values({n: v for n, v in values.items() if n in extended.parameters})
 

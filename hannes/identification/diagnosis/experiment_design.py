@@ -6,12 +6,12 @@ and the machine as far as the recordings leave it open. Channels that were not l
 asked for only where no run without them separates the two.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hannes.campaigns.campaign import Entry
+from hannes.campaigns.campaign import Entry, following
 from hannes.core.errors import ComputationFailed
 from hannes.core.recording.recording import Recording
 from hannes.core.recording.white_noise import roughness
@@ -46,7 +46,7 @@ class Separation:
 
 
 def next_run(
-    plant: Plant, found: SearchResult, entries: Iterable[Entry], names: Mapping[str, str]
+    plant: Plant, found: SearchResult, entries: Sequence[Entry], names: Mapping[str, str]
 ) -> dict | None:
     """The run to record next, what it separates, and why; None where none is worth it.
 
@@ -57,12 +57,10 @@ def next_run(
     if proposals is None or len(pair) < 2:
         return None
     recorded: dict[str, Recording] = {}
-    after = 0  # runs that came before the next one
     for each in entries:
         recorded.setdefault(each.condition, each.recording)
-        after = max(after, each.number + 1)
     made = proposals(recorded)
-    runs = {name: Entry(name, run, name, number=after) for name, run in made.items()}
+    runs = {name: following(entries, Entry(name, run, name)) for name, run in made.items()}
     separations = {
         name: separation(found, plant, run, list(recorded.values()), *pair)
         for name, run in runs.items()

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from hannes.campaigns.campaign import Entry
-from hannes.campaigns.earlier_runs import done
+from hannes.campaigns.earlier_runs import after
 from hannes.core.effect import Effect
 from hannes.core.parameter import Parameter, ParameterSet
 from hannes.identification.diagnosis.repeat_groups import Group
@@ -24,8 +24,7 @@ class FreeParameter:
 
     owner: what the parameter belongs to where it is not the machine's;  effect: name of its effect
     moves: the machine's parameters that it moves, where it is no parameter of a model itself
-    by_run: whether it acts by the runs of the campaign that came before, moving them for each once
-    weight: of x^2 in chi-squared; 1 where `scale` is the prior's standard deviation
+    by_run: whether earlier runs of the campaign decide how much it does
     """
 
     name: str
@@ -103,7 +102,7 @@ class ParameterSpace:
 
     @cached_property
     def by_run(self) -> np.ndarray:
-        """Which parameters act by how many runs came before, shape (size,)."""
+        """Which parameters do what earlier runs decide, shape (size,)."""
         return np.array([each.by_run for each in self.parameters], bool)
 
     def of(self, *effects: str) -> np.ndarray:
@@ -176,8 +175,8 @@ class ParameterSpace:
     def after_all(self, entries: Sequence[Entry]) -> dict[str, float]:
         """What earlier runs set of effects, by full name [SI], of a run that follows all these."""
         last = max(entries, key=lambda each: each.number)
-        own = done(last.recording)
-        return {name: last.earlier[what] + own[what] for name, what in self._earlier.items()}
+        done = after(last.earlier, last.recording) if self._earlier else {}
+        return {name: done[what] for name, what in self._earlier.items()}
 
     def declared(self, name: str) -> Parameter:
         """Declaration of an effect's parameter, by full name."""
@@ -233,7 +232,7 @@ def _of_effect(effect: Effect, parameter: Parameter) -> FreeParameter:
         FIT.effect_prior_weight * (span / (high - low)) ** 2,
         effect.name,
         moved_by(effect, parameter.name),
-        moves_by_run(effect) or effect.fitted != effect.parameters,
+        moves_by_run(effect) or effect.grows,
     )
 
 

@@ -65,7 +65,7 @@ def ends_reached(point: Linearisation, effects: Sequence[str]) -> dict[int, str]
     """Parameters of effects at an end of their ranges, by index, in words."""
     space, found = point.space, {}
     for effect in (space.effects[name] for name in effects):
-        for each in effect.parameters:
+        for each in effect.fitted:
             place = space.place(effect.full_name(each.name))
             value = float(space.parameters[place].value(point.x[place]))
             if _at_end(each, value) and not _gone(point, effect, each.name):

@@ -263,7 +263,7 @@ def _baseline(before: Fitted) -> dict[str, Any]:
 def _intervals(best: Trial, after: Fitted) -> dict[str, dict[str, Any]]:
     """Value and 95 % interval of each of the effect's parameters, cut off at its bounds."""
     found = {}
-    for each in best.effect.parameters:
+    for each in best.effect.fitted:
         name = best.effect.full_name(each.name)
         value, reach = after.values[name], NORMAL * after.deviation(name)
         low, high = max(each.bounds[0], value - reach), min(each.bounds[1], value + reach)

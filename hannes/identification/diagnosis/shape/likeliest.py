@@ -15,6 +15,7 @@ from hannes.identification.diagnosis.gauss_newton import fitted, settled
 from hannes.identification.diagnosis.linearisation import Linearisation, with_noise
 from hannes.identification.diagnosis.multistart import negligible, started_at_guess
 from hannes.identification.diagnosis.parameter_space import ParameterSpace
+from hannes.identification.diagnosis.repeat_groups import Group
 from hannes.identification.diagnosis.score_test import Guess, screened
 from hannes.identification.diagnosis.simulator import Model
 from hannes.identification.diagnosis.trials import SearchResult
@@ -43,7 +44,8 @@ class Described:
 
 def likeliest(found: SearchResult, progress: Progress) -> list[Described]:
     """The generic disturbances that lower chi-squared enough, the one that lowers it most first."""
-    known = applicable(found.baseline.model.small)
+    model = found.baseline.model
+    known = {n: e for n, e in applicable(model.small).items() if _history_known(e, model.groups)}
     progress("generic disturbances")
     model = _model(found, list(known.values()))
     nominal, base = (_carried(each, model) for each in (found.nominal, found.baseline))
@@ -109,6 +111,12 @@ def applicable(plant: Plant) -> dict[str, Description]:
         for name, each in every.items()
         if name not in present and not plant.accepts(each.effect)
     }
+
+
+def _history_known(description: Description, groups: Sequence[Group]) -> bool:
+    """Whether recordings say what earlier runs did, as far as a disturbance grows with it."""
+    wanted = [each.earlier for each in description.effect.parameters if each.earlier]
+    return all(np.isfinite(group.earlier[name]).all() for group in groups for name in wanted)
 
 
 def _model(found: SearchResult, known: Sequence[Description]) -> Model:

@@ -57,8 +57,9 @@ def shape_of(found: SearchResult, stages: Stages, owner: str, progress: Progress
     for described in likeliest(found, progress):
         held = _held(found, described, stages)
         closes = 0.0 if (why := held.refusal(1, 2)) else _closed(held)
-        if not why and (closes >= SHAPE.least_closed or _cannot_show(described, held)):
-            shares = {"closes": closes, "explains": _explains(described)}
+        shown = closes >= SHAPE.least_closed
+        if not why and (shown or _cannot_show(described, held)):
+            shares = {"closes": closes, "shown": shown, "explains": _explains(described)}
             table = _table(described, found.variance_factor) | shares
             return Shape(table, described, _machine(described, owner, held))
         refused.append(Shape(_nothing(f"{described.description.words}: {why or TOO_LITTLE}")))
@@ -68,7 +69,7 @@ def shape_of(found: SearchResult, stages: Stages, owner: str, progress: Progress
 def _cannot_show(described: Described, held: Stages) -> bool:
     """Whether unfitted recordings cannot show a law that leaves next to nothing of the misfit.
 
-    Where runs differ much among themselves, no gap is seen to fall, however right a law is.
+    Where it changes less than runs may differ by, no gap is seen to fall, however right it is.
     """
     return _explains(described) >= SHAPE.explains and too_faint(held.change(1, 2))
 

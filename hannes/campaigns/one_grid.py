@@ -1,0 +1,123 @@
+"""Recordings of one command whose clocks jitter, or lost a sample, are put on one even grid.
+
+A logger stamps each sample a little early or late. Runs that share a command then share no time,
+and none would be a repeat of another. Samples go to the nearest place of a grid as they are; those
+few that were lost are interpolated. Where stamps are off by much of an interval all values are
+interpolated. What does not fit such a grid stays as it was recorded.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hannes.campaigns.campaign import Entry
+from hannes.core.recording.recording import Recording
+from hannes.plants.protocol import Plant
+
+STAMPED = 0.05  # of an interval, up to which stamps are off rather than samples
+RATE = 0.01  # by which the intervals of two such runs differ at most
+OFF = 0.5  # of an interval, from its place of the grid, at most
+PASSES = 3  # in which an interval and the places are found: two stamps may lie near each other
+LOST = 3  # samples in a row that are interpolated at most
+MOST_LOST = 0.05  # of all samples
+SHORTER = 0.02  # of the longest run, by which another may end earlier
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A recording's samples on an even grid: interval [s], place of each, shape (n,)."""
+
+    interval: float
+    places: np.ndarray
+
+
+def on_one_grid(plant: Plant, entries: Sequence[Entry]) -> list[Entry]:
+    """The entries, those of one condition and experiment on one grid where they need one."""
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for k, each in enumerate(entries):
+        recording = each.recording
+        kind = each.condition, each.unit, recording.experiment, tuple(recording.names)
+        alike.setdefault(kind, []).append(k)
+    made = list(entries)
+    for some in alike.values():
+        for k, recording in zip(some, _together(plant, [entries[k] for k in some]), strict=True):
+            made[k] = replace(entries[k], recording=recording)
+    return made
+
+
+def _together(plant: Plant, entries: Sequence[Entry]) -> list[Recording]:
+    runs = [each.recording for each in entries]
+    if len({plant.same_run(each) for each in runs}) == 1:
+        return runs
+    placed = [_placed(each.time) for each in runs]
+    there = [each for each in placed if each is not None]
+    if len(there) < len(runs) or not _alike(runs, there):
+        return runs
+    interval = float(np.median([each.interval for each in there]))
+    count = 1 + min(int(each.places[-1]) for each in there)
+    time = interval * np.arange(count)
+    made = [_resampled(*pair, time) for pair in zip(runs, there, strict=True)]
+    return _with_one_command(plant, made)
+
+
+def _placed(time: np.ndarray) -> Placed | None:
+    """Places of the samples; None where they are on no even grid."""
+    since = time - time[0]
+    steps = np.diff(since)
+    usual = float(steps[steps < 1.5 * np.median(steps)].mean())
+    some_lost = np.append(0.0, np.cumsum(np.rint(steps / usual)))
+    found = (_fitted(since, places) for places in (np.arange(since.size, dtype=float), some_lost))
+    return next((each for each in found if each is not None), None)
+
+
+def _fitted(since: np.ndarray, places: np.ndarray) -> Placed | None:
+    """The grid of such places; None where stamps [s] lie too far from it, or too many are lost."""
+    for _ in range(PASSES):
+        interval, first = np.polyfit(places, since, 1)
+        places = np.rint((since - first) / interval)
+    whole = np.diff(places)
+    lost = float((whole - 1.0).sum())
+    fits = whole.min() >= 1.0 and whole.max() <= 1 + LOST and lost <= MOST_LOST * since.size
+    fits &= bool(np.abs(since - first - interval * places).max() < OFF * interval)
+    return Placed(float(interval), (places - places[0]).astype(int)) if fits else None
+
+
+def _alike(runs: Sequence[Recording], placed: Sequence[Placed]) -> bool:
+    """Whether runs begin together, at one rate, and are about as long."""
+    intervals = np.array([each.interval for each in placed])
+    last = np.array([each.places[-1] for each in placed])
+    first = np.array([each.time[0] for each in runs])
+    return bool(
+        np.ptp(intervals) <= RATE * intervals.min()
+        and np.ptp(last) <= SHORTER * last.max()
+        and np.ptp(first) < 0.5 * intervals.min()
+    )
+
+
+def _resampled(run: Recording, placed: Placed, time: np.ndarray) -> Recording:
+    """The run at the times of the grid, shape (count,)."""
+    since = run.time - run.time[0]
+    off = float(np.std(since - placed.interval * placed.places))
+    at = placed.places * (time[1] - time[0]) if off < STAMPED * placed.interval else since
+    channels = {name: np.interp(time, at, run[name]) for name in run.names if name != "time"}
+    return replace(run, channels={"time": run.time[0] + time, **channels})
+
+
+def _with_one_command(plant: Plant, runs: Sequence[Recording]) -> list[Recording]:
+    """The runs with the first's time and command, where theirs differ as two samples do at most."""
+    first = runs[0]
+    wanted = {*plant.required, "reference"} - set(plant.judged)  # what is measured stays
+    driven = [name for name in first.names if name in wanted]
+    for name in driven:
+        near = _reach(first[name])
+        if any(np.any(np.abs(each[name] - first[name]) > near) for each in runs):
+            return list(runs)
+    own = {name: first[name] for name in ("time", *driven)}
+    return [replace(each, channels={**each.channels, **own}) for each in runs]
+
+
+def _reach(command: np.ndarray) -> np.ndarray:
+    """By how much a command changes within two samples on either side, shape (n,)."""
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(command, 2, mode="edge"), 5)
+    return np.ptp(around, axis=1) + 1e-12
