@@ -9,7 +9,7 @@ from hannes.dynamics.leader_slack import EFFECT as SLACK
 from hannes.dynamics.wire_compliance import EFFECT as COMPLIANCE
 from hannes.identification.diagnosis import effect_sizes as module
 from hannes.identification.diagnosis.decision import Decision
-from hannes.identification.diagnosis.effect_sizes import NORMAL, interval, with_sizes
+from hannes.identification.diagnosis.effect_sizes import NORMAL, interval, may_be_zero, with_sizes
 from hannes.identification.diagnosis.final_fit import FinalFit
 from hannes.identification.diagnosis.parameter_space import FreeParameter
 from hannes.identification.diagnosis.tuning import FIT
@@ -64,6 +64,13 @@ def test_one_whose_interval_holds_off_is_let_go_and_the_other_sized_without_it(f
     assert decision.point.without == COMPLIANCE.name
     assert fits.asked == [PAIR, (SLACK.name,)]
     assert "wire compliance may be zero" in decision.reason
+
+
+@pytest.mark.parametrize(("edges", "zero"), [(0.9, True), (1.1, False)])
+def test_of_one_effect_it_is_seen_whether_it_may_be_zero(fits, edges, zero):
+    one = Decision("named", (SLACK.name,), "so", point(edges * EDGE, 0.0, 0.0))
+    assert may_be_zero(one, fits.spread, 1.0) == zero
+    assert not may_be_zero(Decision("unknown", (), "so", one.point), {}, 1.0)
 
 
 def test_where_neither_is_sure_the_surer_one_stays(fits):

@@ -15,7 +15,7 @@ from hannes.identification.diagnosis.before_after import STAGES, simulated, trac
 from hannes.identification.diagnosis.decision import Decision, decide
 from hannes.identification.diagnosis.each_explains import each_explains
 from hannes.identification.diagnosis.effect_search import search_effects
-from hannes.identification.diagnosis.effect_sizes import interval, with_sizes
+from hannes.identification.diagnosis.effect_sizes import interval, may_be_zero, with_sizes
 from hannes.identification.diagnosis.evidence_tables import EvidenceTables
 from hannes.identification.diagnosis.experiment_design import next_run
 from hannes.identification.diagnosis.fitted_deviations import with_deviations
@@ -122,7 +122,11 @@ def _decided(
         work.extended()
         groups = found.baseline.model.groups
         decision = decide(found, *(runs_in_role(groups, role) for role in ("fit", "select")))
-        return with_sizes(decision, seed, found.variance_factor, progress)
+        sized, spread = with_sizes(decision, seed, found.variance_factor, progress)
+        if not may_be_zero(sized, spread, found.variance_factor):
+            return sized, spread
+        reason = f"{sized.reason}, but its size may be zero"
+        return Decision("unknown", (), reason, found.baseline), {}
     except SearchEnded:
         return Decision("unknown", (), work.ended, found.baseline), {}
 

@@ -1,4 +1,4 @@
-"""Effect sizes with intervals; of several effects one whose interval contains off is dropped.
+"""Effect sizes with intervals; an effect whose interval contains off is not named.
 
 A further effect is named for its reduction of chi-squared. Its final fit may show a size so
 uncertain that its interval contains off. Then there is a remainder, and not surely that effect.
@@ -47,6 +47,16 @@ def with_sizes(
             return with_sizes(left, seed, variance_factor, progress)
     reason = f"{decision.reason}{COARSE if fit.cut_short else ''}"
     return replace(decision, point=fit.point, reason=reason), fit.deviations
+
+
+def may_be_zero(decision: Decision, spread: dict[int, float], variance_factor: float) -> bool:
+    """Whether the interval of all sizes of the one effect that is named contains off.
+
+    spread: standard deviation of each parameter, by index
+    """
+    if len(decision.effects) != 1:
+        return False
+    return _surely(decision.point, decision.effects[0], spread, variance_factor) <= 1.0
 
 
 def _surely(
