@@ -122,10 +122,10 @@ def _decided(
         work.extended()
         groups = found.baseline.model.groups
         decision = decide(found, *(runs_in_role(groups, role) for role in ("fit", "select")))
-        sized, spread = with_sizes(decision, seed, found.variance_factor, progress)
-        if not may_be_zero(sized, spread, found.variance_factor):
-            return sized, spread
-        reason = f"{sized.reason}, but its size may be zero"
+        settled, spread = with_sizes(decision, seed, found.variance_factor, progress)
+        if not may_be_zero(settled, spread, found.variance_factor):
+            return settled, spread
+        reason = f"{settled.reason}, but its size may be zero"
         return Decision("unknown", (), reason, found.baseline), {}
     except SearchEnded:
         return Decision("unknown", (), work.ended, found.baseline), {}
