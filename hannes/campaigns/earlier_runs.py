@@ -9,21 +9,19 @@ from hannes.core.recording.recording import Recording
 
 
 def done(recording: Recording) -> dict[str, float]:
-    """What one run does, by name; no number as charge where its current is not recorded.
+    """What one run does, by name; without its charge where its current is not recorded.
 
     The charge is of the current's size: noise of a motor at rest adds to it.
     """
-    current = np.abs(recording["current"]) if "current" in recording else np.array(np.nan)
-    return {
-        "charge": float(np.trapezoid(current + 0.0 * recording.time, recording.time)),
-        "time": float(np.ptp(recording.time)),
-    }
+    found = {"time": float(np.ptp(recording.time))}
+    if "current" in recording:
+        found["charge"] = float(np.trapezoid(np.abs(recording["current"]), recording.time))
+    return found
 
 
 def after(earlier: Mapping[str, float], recording: Recording) -> dict[str, float]:
-    """What runs did by the end of this one, by what was done before it."""
-    own = done(recording)
-    return {name: earlier[name] + own[name] for name in EARLIER}
+    """What runs did by the end of this one, by what was done before it; what is known of it."""
+    return {name: earlier[name] + own for name, own in done(recording).items() if name in earlier}
 
 
 def before_each(recordings: Sequence[Recording]) -> list[Mapping[str, float]]:

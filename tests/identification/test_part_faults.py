@@ -176,7 +176,7 @@ def test_the_best_fault_is_tried_in_every_other_finger(monkeypatch):
         converged.append(point.chi2)
         yield point
 
-    monkeypatch.setattr(module, "_transferred", transferred)
+    monkeypatch.setattr(module, "transferred", transferred)
     monkeypatch.setattr(module, "rounds", rounds)
     monkeypatch.setattr(module, "_from_as_given", lambda n, b, fits, best, name: fits[name])
     baseline = SimpleNamespace(chi2=1200.0, space=SimpleNamespace(effects=KNOWN))

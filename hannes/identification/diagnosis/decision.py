@@ -27,7 +27,7 @@ from hannes.identification.diagnosis.trials import (
 )
 from hannes.identification.diagnosis.tuning import SEARCH, VERDICT
 from hannes.identification.effect_words import effect_words
-from hannes.plants.part_fault import like_faults, part_faults
+from hannes.plants.part_fault import like_faults
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ def _of_some_part(joint: Joint) -> set[str]:
     effects, tried = joint.trial.point.space.effects, joint.others
     return {
         name
-        for name in part_faults(effects, joint.trial.effects)
+        for name in joint.trial.effects
         if (others := set(like_faults(effects, name)))
         and not any(others & set(each.effects) for each in tried)
     }

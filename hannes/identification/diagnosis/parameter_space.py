@@ -176,7 +176,7 @@ class ParameterSpace:
         """What earlier runs set of effects, by full name [SI], of a run that follows all these."""
         last = max(entries, key=lambda each: each.number)
         done = after(last.earlier, last.recording) if self._earlier else {}
-        return {name: done[what] for name, what in self._earlier.items()}
+        return {name: done[what] for name, what in self._earlier.items() if what in done}
 
     def declared(self, name: str) -> Parameter:
         """Declaration of an effect's parameter, by full name."""

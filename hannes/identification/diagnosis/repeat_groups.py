@@ -35,7 +35,7 @@ class Group:
         self.entries = tuple(entries)
         self.numbers = np.array([each.number for each in entries])
         self.earlier = {
-            name: np.array([each.earlier.get(name, 0.0) for each in entries]) for name in EARLIER
+            name: np.array([each.earlier.get(name, np.nan) for each in entries]) for name in EARLIER
         }
         self.views = [View(each, plant, channels, (), self.width) for each in entries]
         self.recording = _together([each.recording for each in entries], plant.required)
