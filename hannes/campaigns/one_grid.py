@@ -16,6 +16,7 @@ from hannes.core.recording.recording import Recording
 from hannes.plants.protocol import Plant
 
 STAMPED = 0.05  # of an interval, up to which stamps are off rather than samples
+FEWEST = 10  # samples that show an interval
 RATE = 0.01  # by which the intervals of two such runs differ at most
 OFF = 0.5  # of an interval, from its place of the grid, at most
 PASSES = 3  # in which an interval and the places are found: two stamps may lie near each other
@@ -58,11 +59,13 @@ def _together(plant: Plant, entries: Sequence[Entry]) -> list[Recording]:
     count = 1 + min(int(each.places[-1]) for each in there)
     time = interval * np.arange(count)
     made = [_resampled(*pair, time) for pair in zip(runs, there, strict=True)]
-    return _with_one_command(plant, made)
+    return _with_one_command(plant, made) or runs
 
 
 def _placed(time: np.ndarray) -> Placed | None:
     """Places of the samples; None where they are on no even grid."""
+    if time.size < FEWEST:
+        return None
     since = time - time[0]
     steps = np.diff(since)
     usual = float(steps[steps < 1.5 * np.median(steps)].mean())
@@ -105,14 +108,14 @@ def _resampled(run: Recording, placed: Placed, time: np.ndarray) -> Recording:
 
 
 def _with_one_command(plant: Plant, runs: Sequence[Recording]) -> list[Recording]:
-    """The runs with the first's time and command, where theirs differ as two samples do at most."""
+    """The runs with the first's time and command; none where theirs differ by over two samples."""
     first = runs[0]
     wanted = {*plant.required, "reference"} - set(plant.judged)  # what is measured stays
     driven = [name for name in first.names if name in wanted]
     for name in driven:
         near = _reach(first[name])
         if any(np.any(np.abs(each[name] - first[name]) > near) for each in runs):
-            return list(runs)
+            return []
     own = {name: first[name] for name in ("time", *driven)}
     return [replace(each, channels={**each.channels, **own}) for each in runs]
 

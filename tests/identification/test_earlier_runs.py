@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -49,7 +50,7 @@ GUMMED = Description(
 class Gumming(Sled):
     """A sled that knows what grows from run to run."""
 
-    generic = {"generic_gumming": GUMMED}  # noqa: RUF012 - read alone
+    generic: ClassVar = {"generic_gumming": GUMMED}
 
 
 @kernel
