@@ -1,9 +1,10 @@
 """Recordings of one command whose clocks jitter, or lost a sample, are put on one even grid.
 
 A logger stamps each sample a little early or late. Runs that share a command then share no time,
-and none would be a repeat of another. Samples go to the nearest place of a grid as they are; those
-few that were lost are interpolated. Where stamps are off by much of an interval all values are
-interpolated. What does not fit such a grid stays as it was recorded.
+and none would be a repeat of another; a sample of firmware would be read before its tick. Samples
+go to the nearest place of a grid as they are; those few that were lost are interpolated. Where
+stamps are off by much of an interval all values are interpolated. What a sensor counts in whole
+steps stays in them. What fits no such grid stays as it was recorded.
 """
 
 from collections.abc import Sequence
@@ -13,9 +14,11 @@ import numpy as np
 
 from hannes.campaigns.campaign import Entry
 from hannes.core.recording.recording import Recording
+from hannes.core.recording.white_noise import quantum
 from hannes.plants.protocol import Plant
 
 STAMPED = 0.05  # of an interval, up to which stamps are off rather than samples
+ROUNDED = 1e-6  # of an interval, by which the stamps of an even clock are off at most
 FEWEST = 10  # samples that show an interval
 RATE = 0.01  # by which the intervals of two such runs differ at most
 OFF = 0.5  # of an interval, from its place of the grid, at most
@@ -49,17 +52,38 @@ def on_one_grid(plant: Plant, entries: Sequence[Entry]) -> list[Entry]:
 
 def _together(plant: Plant, entries: Sequence[Entry]) -> list[Recording]:
     runs = [each.recording for each in entries]
-    if len({plant.same_run(each) for each in runs}) == 1:
-        return runs
     placed = [_placed(each.time) for each in runs]
+    apart = len({plant.same_run(each) for each in runs}) > 1
+    if not apart and not all(_jitters(*pair) for pair in zip(runs, placed, strict=True)):
+        return runs
     there = [each for each in placed if each is not None]
     if len(there) < len(runs) or not _alike(runs, there):
         return runs
     interval = float(np.median([each.interval for each in there]))
     count = 1 + min(int(each.places[-1]) for each in there)
-    time = interval * np.arange(count)
+    time = _round(interval, count) * np.arange(count)
     made = [_resampled(*pair, time) for pair in zip(runs, there, strict=True)]
     return _with_one_command(plant, made) or runs
+
+
+def _round(interval: float, count: int) -> float:
+    """The roundest interval [s] by which the last of so many samples hardly moves.
+
+    Firmware's ticks are round, and a sample a little before one holds what the last one did.
+    """
+    near = STAMPED * interval / count
+    found = (float(f"{interval:.{digits}g}") for digits in range(1, 6))
+    return next((each for each in found if abs(each - interval) < near), interval)
+
+
+def _jitters(run: Recording, placed: Placed | None) -> bool:
+    """Whether stamps alone are off: samples that were taken at other times stay as they are."""
+    return placed is not None and ROUNDED < _off(run, placed) / placed.interval < STAMPED
+
+
+def _off(run: Recording, placed: Placed) -> float:
+    """How far stamps lie from an even grid, RMS [s]."""
+    return float(np.std(run.time - run.time[0] - placed.interval * placed.places))
 
 
 def _placed(time: np.ndarray) -> Placed | None:
@@ -100,11 +124,20 @@ def _alike(runs: Sequence[Recording], placed: Sequence[Placed]) -> bool:
 
 def _resampled(run: Recording, placed: Placed, time: np.ndarray) -> Recording:
     """The run at the times of the grid, shape (count,)."""
-    since = run.time - run.time[0]
-    off = float(np.std(since - placed.interval * placed.places))
-    at = placed.places * (time[1] - time[0]) if off < STAMPED * placed.interval else since
-    channels = {name: np.interp(time, at, run[name]) for name in run.names if name != "time"}
+    jitters = _off(run, placed) < STAMPED * placed.interval
+    at = placed.places * (time[1] - time[0]) if jitters else run.time - run.time[0]
+    channels = {n: _in_steps(np.interp(time, at, run[n]), run[n]) for n in run.names if n != "time"}
     return replace(run, channels={"time": run.time[0] + time, **channels})
+
+
+def _in_steps(values: np.ndarray, recorded: np.ndarray) -> np.ndarray:
+    """Values between those recorded; where these stand in steps, the nearest that was recorded."""
+    if not quantum(recorded):
+        return values
+    known = np.unique(recorded)
+    above = np.searchsorted(known, values).clip(1, known.size - 1)
+    lower = values - known[above - 1] < known[above] - values
+    return known[above - lower]
 
 
 def _with_one_command(plant: Plant, runs: Sequence[Recording]) -> list[Recording]:

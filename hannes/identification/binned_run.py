@@ -76,6 +76,11 @@ class View:
         return self._count.size
 
     @property
+    def times(self) -> np.ndarray:
+        """Mean time of each bin since the start [s]."""
+        return np.bincount(self._bin, self.since[self._mask]) / self._count
+
+    @property
     def max_parameters(self) -> int:
         """How many parameters this run can determine, at most."""
         traced = self.block[: self.block.size - len(self.features)]

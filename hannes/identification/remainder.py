@@ -13,6 +13,7 @@ SMALL_OF_FEW = 4.0  # the same where few repeats leave the mean itself uncertain
 SMALL_SHARE = 0.1  # of what was there before, which a small remainder may be instead
 LEAST_FLOOR = 0.3  # of a channel's noise floor: at rest it may be nearly none
 FEWEST_RUNS = 4  # repeats that show the spread of one place; of fewer, the channel's counts
+STATED_RUNS = 10.0  # that what is stated of runs counts for beside repeats
 FEWEST = 20  # samples of a phase that count
 TOUCH = 5e-3  # s, that a blow lasts at most; below 200 Hz it is one sample, which counts
 BLOWS = 0.02  # of a phase, that blows last at most: what is off for more is no touch
@@ -56,11 +57,14 @@ def remainders(
     before: Raw,
     after: Raw,
     noise_floors: Mapping[str, float],
+    stated: Raw = (),
 ) -> list[Remainder]:
     """The remainder of every place, the largest first.
 
     before, after: simulated minus recorded of each segment, over its counted samples. Repeats are
-    averaged; what their mean still holds of noise is subtracted. Of forces [N] a few samples that
+    averaged; what their mean still holds of noise is subtracted. stated: by how much runs are said
+    to differ there, one standard deviation of each sample, {} of a segment where that is not known:
+    repeats may be alike by chance. Of forces [N] a few samples that
     are off for less than `TOUCH` count for nothing: what joints are off for themselves moves a
     touch, which changes that are added up cannot.
     """
@@ -74,7 +78,8 @@ def remainders(
             for name in (n for n in noise_floors if n in first.recording):
                 old, new = ([raw[k][name][inside] for k in numbers] for raw in (before, after))
                 brief = _brief(first.recording.time) if plant.channels[name] == FORCE else 1
-                was, now = _sizes(old, new, noise_floors[name], brief)
+                expected = _expected(stated, numbers[0], name, inside)
+                was, now = _sizes(old, new, noise_floors[name], expected, brief)
                 found.append(Remainder(first.entry.condition, name, phase, was, now, len(numbers)))
     return sorted(found, key=lambda each: -each.after)
 
@@ -94,19 +99,31 @@ def repeated(plant: Plant, segments: Sequence[Segment]) -> list[list[int]]:
     return list(found.values())
 
 
+def _expected(stated: Raw, number: int, name: str, inside: np.ndarray) -> float:
+    """Mean square by which runs are stated to differ in a place; 0 where it is not known."""
+    here = stated[number].get(name) if stated else None
+    return 0.0 if here is None else float(np.mean(here[inside] ** 2))
+
+
 def _sizes(
-    before: Sequence[np.ndarray], after: Sequence[np.ndarray], channel_floor: float, brief: int
+    before: Sequence[np.ndarray],
+    after: Sequence[np.ndarray],
+    channel_floor: float,
+    expected: float,
+    brief: int,
 ) -> Iterator[float]:
     """RMS of each mean residual in noise floors of the place, less the noise of that mean.
 
+    expected: mean square by which runs are stated to differ there, which counts beside repeats
     brief: samples over which its median is taken
     """
     runs, floor = len(before), channel_floor
     if runs > 1:
         spread = np.array(after) - np.mean(after, axis=0)
-        here = float(np.sqrt(np.sum(spread**2) / (spread.size - spread.shape[1])))
+        here = float(np.sum(spread**2) / (spread.size - spread.shape[1]))
+        pooled = (here * (runs - 1) + expected * STATED_RUNS) / (runs - 1 + STATED_RUNS)
         least = LEAST_FLOOR if runs >= FEWEST_RUNS else 1.0
-        floor = max(here, least * channel_floor)
+        floor = max(np.sqrt(max(here, pooled)), least * channel_floor)
     for rows in (before, after):
         square = float(np.mean(np.square(_without_blows(np.mean(rows, axis=0), brief))))
         yield float(np.sqrt(max(0.0, square - floor**2 / runs))) / floor

@@ -1,5 +1,6 @@
 """Sizes in words: in a readable unit, with an interval, or rounded."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,8 +16,16 @@ def size_text(parameter: dict[str, Any]) -> str:
     """`3.1 mm (2.9 to 3.3)`."""
     unit, factor = readable_unit(parameter["unit"])
     value, low, high = (factor * parameter[key] for key in ("value", "low", "high"))
-    shown = f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
-    return f"{shown} ({low:.3g} to {high:.3g})"
+    digits = _digits(max(abs(low), abs(high)), high - low)
+    shown = f"{value:.{digits}g}" if unit == "1" else f"{value:.{digits}g} {unit}"
+    return f"{shown} ({low:.{digits}g} to {high:.{digits}g})"
+
+
+def _digits(size: float, width: float) -> int:
+    """Digits that show two of an interval's width, three at least and six at most."""
+    if not 0.0 < width < size:
+        return 3
+    return min(6, max(3, 2 + math.floor(math.log10(size)) - math.floor(math.log10(width))))
 
 
 def value_text(parameter: Mapping[str, Any]) -> str:

@@ -14,6 +14,7 @@ from hannes.identification.size_words import readable_unit, rounded, size_text, 
 
 MOST_MOVED = 5  # parameters in the line of a terminal
 FAINT = 0.2  # squared noise floors, mean over channels: a gap that is less above one is not visible
+UNSEEN = 0.01  # of the reducible gap, below which unfitted recordings show nothing
 LITTLE = 1.2  # noise floors on unfitted recordings: what is little more than that
 REMAINING = ("one_of", "named_with_remainder")  # verdicts that say what is left
 
@@ -160,11 +161,13 @@ class Verdict:
         lines += ["next:", *(f"  {k}. {each}" for k, each in enumerate(self.next_steps, 1))]
         if self.gap:
             lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
+        refitted = any(each["before"] != each["as_given"] for each in self.gap.values())
+        refit = "baseline refitted" if refitted else "no other values taken"
         for name, gap in self.gap.items():
             shown = " -> ".join(f"{gap[key]:.3g}" for key in ("as_given", "before", "after"))
             unit = "" if gap["unit"] == "1" else f" {gap['unit']}"
             lines.append(
-                f"  {name}: {shown}{unit} (as given -> baseline refitted -> result; "
+                f"  {name}: {shown}{unit} (as given -> {refit} -> result; "
                 f"noise floor {gap['floor']:.2g})"
             )
         if self.gap and self.floor_from:
@@ -220,6 +223,8 @@ def _named(result: Verdict, rest: str = "") -> str:
     named = " and ".join(_effect_text(name, clear, result) for name in result.effects)
     verb = "explains" if len(result.effects) == 1 else "explain"
     share = f"{100.0 * explained(result.gap):.0f} % of the reducible gap"
+    if explained(result.gap) < UNSEEN:
+        share = "what the fitted recordings show; those not fitted do not show it"
     if faint(result.gap):
         share = "what no other values do; it is less than what repeats differ by"
     line = f"{named[:1].upper()}{named[1:]}, {verb} {share}{rest}."
@@ -267,6 +272,13 @@ def _member(effect: str, result: Verdict) -> str:
     return f"{effect_words(effect)} ({shown})" if shown else effect_words(effect)
 
 
+def _unknown(result: Verdict) -> str:
+    """It follows the probability: what stands out in one place may be chance."""
+    if result.probabilities.get("nothing", 0.0) >= 0.5:
+        return "It cannot be told whether something is missing: most agrees, one thing stands out."
+    return "Something is missing, and no effect can be named for it."
+
+
 SENTENCES: Mapping[str, Callable[[Verdict], str]] = {
     "no_gap": lambda result: "The simulation as given agrees with the recordings.",
     "recalibrated": lambda result: (
@@ -275,6 +287,6 @@ SENTENCES: Mapping[str, Callable[[Verdict], str]] = {
     "named": _named,
     "one_of": _one_of,
     "named_with_remainder": _with_remainder,
-    "unknown": lambda result: "Something is missing, and no effect can be named for it.",
+    "unknown": _unknown,
     "undecided": lambda result: "These recordings do not decide it.",
 }

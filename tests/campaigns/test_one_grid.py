@@ -43,7 +43,7 @@ def test_stamps_that_jitter_leave_the_samples_as_they_are():
     assert (groups(given), groups(made)) == (3, 1)
     for old, new in zip(given, made, strict=True):
         assert new.recording["position"] == pytest.approx(old.recording["position"], abs=1e-12)
-    assert np.diff(made[0].recording.time) == pytest.approx(STEP, rel=1e-3)
+    assert np.diff(made[0].recording.time) == pytest.approx(STEP, rel=1e-9)
 
 
 def test_samples_that_are_taken_early_or_late_are_interpolated():
@@ -61,6 +61,31 @@ def test_a_few_lost_samples_are_interpolated():
     assert groups(made) == 1 and {len(each.recording) for each in made} == {COUNT}
     near = given[0].recording["position"][[99, 100]]
     assert near.min() <= made[0].recording["position"][100] <= near.max()
+
+
+def test_a_run_alone_with_stamps_that_jitter_is_read_at_the_ticks():
+    """A sample stamped before its tick would be simulated as the tick before."""
+    (made,) = on_one_grid(PLANT, entries(run(1, 0.04)))
+    assert made.recording.time == pytest.approx(EVEN, abs=1e-9)
+    early = entries(run(1, 0.3))  # taken at other times: as they were recorded
+    assert on_one_grid(PLANT, early) == early
+
+
+@pytest.mark.parametrize("jitter", [0.02, 0.2])
+def test_an_encoder_stays_in_whole_counts(jitter):
+    """Firmware is recognised by them: half a count between two would hide it."""
+    given = [run(k, jitter, lost=(100, 200 + k, 333)) for k in (1, 2, 3)]
+    count = 2.0 * np.pi / 4096
+    counted = [
+        replace(r, channels={**r.channels, "position": count * np.rint(r["position"] / count)})
+        for r in given
+    ]
+    made = on_one_grid(PLANT, entries(*counted))
+    assert groups(made) == 1
+    for each in made:
+        counts = each.recording["position"] / count
+        assert counts == pytest.approx(np.rint(counts), abs=1e-9)
+        assert np.ptp(each.recording["current"]) > 0.0
 
 
 @pytest.mark.parametrize(

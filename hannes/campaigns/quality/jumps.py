@@ -139,9 +139,10 @@ def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool
     if subject.is_motion(name):
         usual = float(np.quantile(steps[few], 0.97))
         far &= off > max(3.0 * usual, LEAST_JUMP * float(high - low))
-    single = _brief(far & ~_blows(subject, name, values))
+    stray = _stray(values, off)
+    single = _brief(far & stray & ~_blows(subject, name, values))
     if single.any() and not subject.is_motion(name):  # smaller ones of the same kind
-        single |= _brief(off > FAR * typical)
+        single |= _brief(stray & (off > FAR * typical))
     return single if np.count_nonzero(single) <= MOST * values.size else none
 
 
@@ -163,6 +164,19 @@ def _blows(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool_]
             np.abs(also), np.abs(off)
         )
     return found
+
+
+def _stray(values: FloatArray, off: FloatArray) -> NDArray[np.bool_]:
+    """Whether neighbours agree on another value, and no smooth curve through them has it, (n,).
+
+    A drive's inrush or its braking, which few samples resolve, has other neighbours, or a curve:
+    the middle two of four differ by much of what it is off, or a cubic through them is near.
+    """
+    padded = np.pad(values, 2, mode="edge")
+    four = np.array([padded[k : k + values.size] for k in (0, 1, 3, 4)])
+    curve = np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0 @ four
+    around = np.sort(four, axis=0)
+    return (around[2] - around[1] < 0.5 * off) & (np.abs(values - curve) > 0.25 * off)
 
 
 def _brief(far: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hannes.campaigns.quality import mends
 from hannes.campaigns.quality.finding import Finding, fault, warning
 from hannes.campaigns.quality.law import zero_of
-from hannes.campaigns.quality.subject import Subject
+from hannes.campaigns.quality.subject import Subject, speeds
 from hannes.core.recording.time_lag import Lag
 
 FloatArray = NDArray[np.float64]
@@ -19,14 +19,16 @@ STARTS, AT_ONCE = 5, 5e-3  # samples by which a zero is taken, and the time [s] 
 LEAST_ZERO = 4e-3  # of its range, that a zero is shifted which a law shows, too
 APART = 0.03  # of its range, that a command begins away, and that a zero misleads a fit
 STANDS = 0.01  # of its range, that a zero is shifted
+GOES_ON = 3  # steps, over which what is under way moves on
 PLAUSIBLE = (0.25, 4.0)  # gain of a motion over its command, a blocked one included
 
 
 def begins_moving(subject: Subject, name: str) -> bool:
-    """Whether a motion is under way in the first sample."""
+    """Whether a motion is under way in the first sample, and goes on: a noisy count does not."""
     speed = subject.speed(name)
-    fastest = float(np.abs(speed).max())
-    return fastest > 0.0 and abs(float(speed[0])) > IN_MOTION * fastest
+    begun, fastest = float(speed[0]), float(np.abs(speed).max())
+    goes_on = float(np.median(speeds(subject.time, subject.recording[name])[:GOES_ON]))
+    return fastest > 0.0 and abs(begun) > IN_MOTION * fastest and goes_on / begun > 0.5
 
 
 def away(subject: Subject, name: str, command: str, lag: Lag) -> Iterator[Finding]:

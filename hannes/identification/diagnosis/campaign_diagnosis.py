@@ -25,7 +25,7 @@ from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
 from hannes.identification.diagnosis.nearest import nearest
 from hannes.identification.diagnosis.observed_controller import as_recorded
 from hannes.identification.diagnosis.probability import tabled_probabilities
-from hannes.identification.diagnosis.remainder_floors import remainder_floors
+from hannes.identification.diagnosis.remainder_floors import remainder_floors, stated_spread
 from hannes.identification.diagnosis.repeat_groups import Channels
 from hannes.identification.diagnosis.run_to_run import disagreement
 from hannes.identification.diagnosis.settings import Settings
@@ -232,9 +232,10 @@ class _Closing:
         for k in range(len(points)):
             there = [each[k] for each in made]
             runs.append([each for each in there if each] if k not in failed else runs[-1])
-        both = self.noise_floors, remainder_floors(self.noise_floors, self.found.baseline.noise)
-        given = self.campaign.plant, self.segments, *both
-        return Stages(*given, points, tuple(runs), frozenset(failed))
+        noise = self.found.baseline.noise
+        both = self.noise_floors, remainder_floors(self.noise_floors, noise)
+        given = self.campaign.plant, self.segments, *both, points, tuple(runs)
+        return Stages(*given, frozenset(failed), stated_spread(noise, self.segments))
 
     def goes_with(self, stages: Stages) -> dict[str, Any]:
         """What the refitted baseline, and the result, leave of the fitted recordings."""

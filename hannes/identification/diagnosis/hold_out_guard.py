@@ -45,7 +45,7 @@ class Stages:
     """The machine as given, refitted, and with what was found: points and their simulations.
 
     runs: of each point, the channels of every segment;  failed: points that cannot be simulated
-    remainder_floors: by which what is left is judged
+    remainder_floors, stated: by which what is left is judged: of channels, and of places
     """
 
     plant: Plant
@@ -55,6 +55,7 @@ class Stages:
     points: tuple[Linearisation, ...]
     runs: tuple[Sequence[Channels], ...]
     failed: frozenset[int] = frozenset()
+    stated: Raw = ()
 
     def raw(self, number: int, *roles: str) -> Raw:
         """Simulated minus recorded of every segment, or of those in some roles, at a stage."""
@@ -71,7 +72,8 @@ class Stages:
     def remaining(self, one: int, other: int) -> list[Remainder]:
         """What is left in each place at one stage, beside another."""
         before, after = self.raw(one), self.raw(other)
-        return remainders(self.plant, self.segments, before, after, self.remainder_floors)
+        given = self.plant, self.segments, before, after, self.remainder_floors
+        return remainders(*given, self.stated)
 
     def with_stage(self, number: int, other: int) -> "Stages":
         """The same with one stage in place of another."""
@@ -121,7 +123,7 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
     if not decision.effects:
-        stages = stages.with_stage(2, 1)
+        stages = stages.with_stage(2, 0 if decision.kind == "no_gap" else 1)
         decision = replace(decision, point=stages.points[2])
     return Guarded(decision, stages, cautions, refitted)
 

@@ -122,9 +122,10 @@ def _said(period: float, times: float, counted: bool, planned: bool = True) -> s
         counts = "whole encoder counts and " if counted else ""
         nearer = f"which comes {times:.2g} times as near: that is taken"
         return f"{text}the recordings show {counts}{sampled}, {nearer}"
+    nearer = f"It comes {times:.2g} times as near" if times > 1.05 else "It comes no nearer"
     return (
         f"{text}the recordings are whole encoder counts, which firmware reads, so {sampled} is "
-        f"taken. It comes {times:.2g} times as near, which alone would not decide it"
+        f"taken. {nearer}, which alone would not decide it"
     )
 
 

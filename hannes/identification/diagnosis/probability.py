@@ -122,11 +122,18 @@ def _normalised(logs: Mapping[frozenset[str], float], other: float) -> Probabili
 
 
 def _disbelieved(known: Probabilities) -> Probabilities:
-    """The same where no effect is believed: some of what effects have goes to something else."""
+    """The same where no effect is believed: some of what effects have goes to something else.
+
+    What made it unknown may be in no likelihood (one place, one channel), so it has a least part.
+    """
     kept = {e: PROBABILITY.refused * each for e, each in known.effects.items() if e}
     taken = sum(each for e, each in known.effects.items() if e) - sum(kept.values())
-    nothing = {NOTHING: known.effects[NOTHING]}
-    return Probabilities({**nothing, **kept}, known.something_else + taken)
+    other = known.something_else + taken
+    share = max(0.0, PROBABILITY.least_else - other) / (1.0 - other) if other < 1.0 else 0.0
+    every = {NOTHING: known.effects[NOTHING], **kept}
+    return Probabilities(
+        {e: (1.0 - share) * each for e, each in every.items()}, other + share * sum(every.values())
+    )
 
 
 def of_answer(found: SearchResult, decision: Decision, known: Probabilities) -> float:

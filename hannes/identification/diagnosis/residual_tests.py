@@ -44,7 +44,7 @@ def autocorrelated(point: Linearisation) -> StructuredResidual | None:
     if not squares:
         return None
     usual = float(np.median([np.mean(each[VERDICT.slow_components[-1] :]) for _, each in squares]))
-    found = [_least(name, each, usual) for name, each in squares]
+    found = [_least(name, each, usual, _known_from(point)) for name, each in squares]
     excess = sum(each.excess for each in found if each.p_value < VERDICT.residual_p_value)
     least = min(found, key=lambda each: each.p_value)
     p_value = min(1.0, least.p_value * len(found) * len(VERDICT.slow_components))
@@ -98,14 +98,26 @@ def _freed(point: Linearisation, level: float) -> Iterator[StructuredResidual]:
             yield StructuredResidual(name, taken - count * level, p_value)
 
 
-def _least(name: str, squares: np.ndarray, usual: float) -> StructuredResidual:
+def _known_from(point: Linearisation) -> float:
+    """How many runs say how slow the noise is, at most: without end where it is simulated.
+
+    Of a few repeats the colour is known no better than they and what is assumed of runs tell it.
+    """
+    if point.noise.simulated_noise:
+        return np.inf
+    repeats = sum(group.count - 1 for group in point.model.groups)
+    return repeats + VERDICT.assumed_weight
+
+
+def _least(name: str, squares: np.ndarray, usual: float, known_from: float) -> StructuredResidual:
     """The less probable sum of the slowest components of a channel."""
     from scipy.stats import f
 
     level, found = max(float(np.mean(squares[VERDICT.slow_components[-1] :])), usual), []
     for count in VERDICT.slow_components:
         ratio = float(np.mean(squares[:count])) / level
-        p_value = float(f.sf(ratio, count, squares.size - VERDICT.slow_components[-1]))
+        quick = min(squares.size - VERDICT.slow_components[-1], known_from)
+        p_value = float(f.sf(ratio, count, quick))
         found.append(StructuredResidual(name, (ratio - 1.0) * count * level, p_value))
     return min(found, key=lambda each: each.p_value)
 

@@ -31,6 +31,12 @@ class ProbabilityTuning:
     refused: float = constant(
         0.7, "1", "of its probability, that an effect keeps which is not believed", DEVELOPMENT
     )
+    least_else: float = constant(
+        0.2,
+        "1",
+        "that something in no catalogue is missing, at least, where the verdict is unknown",
+        "quoted study: of eleven such verdicts without a candidate nine were of sound hands",
+    )
     beside_power: float = constant(
         8.0,
         "1",

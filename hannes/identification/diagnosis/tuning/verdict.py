@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from hannes.identification.remainder import STATED_RUNS
 from hannes.identification.tuning_table import CONVENTION, COST, DEVELOPMENT, constant
 
 
@@ -67,7 +68,7 @@ class VerdictTuning:
     )
     fewest_repeats: int = constant(3, "1", "runs that show a trend", "least that shows one")
     assumed_weight: float = constant(
-        10.0, "runs", "that the assumed run-to-run variability counts for against repeats"
+        STATED_RUNS, "runs", "that the assumed run-to-run variability counts for against repeats"
     )
     trend_within: float = constant(7.0, "chi2", "that runs under one command must show of a trend")
     slow_components: tuple[int, ...] = constant(
