@@ -109,7 +109,7 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
     """The decision, or what is left of it."""
     hardly, refitted = hardly_tested(stages.change(0, 1)), True
     cautions = [hardly] if hardly else []
-    if why := stages.refusal(0, 1):
+    if why := stages.refusal(0, 1) or _no_machine(decision, stages):
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
     if decision.effects:
@@ -119,13 +119,22 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
         decision = _recalibrated(decision, stages, refitted)
     elif decision.kind == "no_gap":
         decision = _as_given(decision, stages, refitted)
-    if decision.kind == "unknown" and refitted and (why := implausible(stages.points[1])):
+    if refitted and (why := _no_machine(decision, stages)):  # unknown only now
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
     if not decision.effects:
         stages = stages.with_stage(2, 0 if decision.kind == "no_gap" else 1)
         decision = replace(decision, point=stages.points[2])
     return Guarded(decision, stages, cautions, refitted)
+
+
+def _no_machine(decision: Decision, stages: Stages) -> str:
+    """Why a name is not compared with the refitted baseline, nor an unknown shown with it, or "".
+
+    Where nothing is missing the baseline is itself the verdict.
+    """
+    kept = decision.kind in ("no_gap", "recalibrated")
+    return "" if kept else implausible(stages.points[1])
 
 
 def implausible(baseline: Linearisation) -> str:
