@@ -4,12 +4,20 @@ python -m hannes.identification.tunings
 """
 
 from hannes.identification.calibration.tuning import CALIBRATION
-from hannes.identification.diagnosis.tuning import FIT, NOISE, PROBABILITY, SEARCH, SHAPE, VERDICT
+from hannes.identification.diagnosis.tuning import (
+    FIT,
+    NOISE,
+    ONSET,
+    PROBABILITY,
+    SEARCH,
+    SHAPE,
+    VERDICT,
+)
 from hannes.identification.holdout.tuning import HOLDOUT
 from hannes.identification.tuning_table import markdown
 
 METHODS = {
-    "Diagnosis": (NOISE, FIT, SEARCH, VERDICT, PROBABILITY, SHAPE),
+    "Diagnosis": (NOISE, FIT, SEARCH, ONSET, VERDICT, PROBABILITY, SHAPE),
     "Hold-out": (HOLDOUT,),
     "Calibration": (CALIBRATION,),
 }

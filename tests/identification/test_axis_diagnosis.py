@@ -127,6 +127,19 @@ def verdict(kind, **changes):
     )
 
 
+def test_an_unknown_says_no_more_than_its_probability():
+    for nothing, said in ((0.2, "Something is missing"), (0.8, "It cannot be told whether")):
+        found = verdict("unknown", effects=[], probabilities={"nothing": nothing})
+        assert found.sentence.startswith(said)
+
+
+def test_what_was_not_taken_is_not_called_refitted():
+    gap = {"drive": {"unit": "V", "as_given": 0.5, "before": 0.5, "after": 0.1, "floor": 0.1}}
+    assert "(as given -> no other values taken -> result" in verdict("named", gap=gap).summary()
+    gap["drive"]["before"] = 0.4
+    assert "(as given -> baseline refitted -> result" in verdict("named", gap=gap).summary()
+
+
 def test_the_sentence_of_each_verdict():
     sentence = verdict("named").sentence
     assert sentence == (
@@ -144,6 +157,11 @@ def test_the_sentence_of_each_verdict():
     assert "nothing that shows here is missing" in verdict("recalibrated", effects=[]).sentence
     near = {"drive": {"unit": "V", "as_given": 0.5, "before": 0.105, "after": 0.1, "floor": 0.1}}
     assert verdict("named", gap=near).sentence.endswith("it is less than what repeats differ by.")
+    alike = {"drive": {"unit": "V", "as_given": 0.5, "before": 0.5, "after": 0.5, "floor": 0.1}}
+    assert "those not fitted do not show it" in verdict("named", gap=alike).sentence
+    close = {"value": 0.15, "unit": "1", "low": 0.14998, "high": 0.15003, "off": 0.0}
+    narrow = verdict("named", parameters={"direction_friction.dry": close}).sentence
+    assert "dry 0.15 (0.14998 to 0.15003)" in narrow
     classed = verdict("one_of", effects=["leader_slack", "mine.py:gear_load"]).sentence
     assert classed.startswith("One effect is missing, leader slack or gear load")
 

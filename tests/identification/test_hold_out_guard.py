@@ -93,6 +93,18 @@ def test_of_an_unknown_no_machine_is_taken_that_nobody_has():
         assert found.cautions == ([] if taken else [f"the refitted baseline is not taken: {said}"])
 
 
+def test_a_name_is_not_compared_with_a_machine_that_nobody_has():
+    """A refit may do what the effect does, by a value that is 28 times as far off as it can be."""
+    names = SimpleNamespace(parameters=[SimpleNamespace(name="sled.mass")])
+    for size, kind in ((9.0, "unknown"), (-28.0, "named")):
+        base = SimpleNamespace(x=np.array([size]), name="base", space=names)
+        made = replace(stages(LACKING, RIGHT, RIGHT), points=(POINTS[0], base, POINTS[2]))
+        assert guarded(decided("named", "slack"), made).decision.kind in (kind, "named")
+        lifted = replace(stages(LACKING, run(1.01 * WAVE), RIGHT), points=made.points)
+        stood = guarded(decided("named", "slack"), lifted)
+        assert stood.refitted is (size > 0.0)
+
+
 def test_two_repeats_say_that_they_could_hardly_show_a_rise():
     few = replace(stages(LACKING, RIGHT, RIGHT), segments=segments()[-2:], runs=([LACKING] * 2,
                   [RIGHT] * 2, [RIGHT] * 2))  # fmt: skip
@@ -263,3 +275,16 @@ def test_two_repeats_that_agree_by_chance_make_no_remainder():
     pair = [{n: each[n] - WAVE * (n == "position") for n in FLOORS} for each in off]
     found = remainders(Sled(), segments()[:2], pair, pair, FLOORS)
     assert largest(found) is None and found[0].after < 1.5
+
+
+def test_four_repeats_that_agree_by_chance_count_beside_what_is_stated_of_the_place():
+    """Runs that start at other supplies differ by one number each: four may be alike."""
+    off = [0.002 * (k % 2) + 0.012 + 0.001 * WAVE for k in range(4)]
+    these = [{"position": each} for each in off]
+    floors = {"position": 0.005}
+    alone = remainders(Sled(), segments()[:4], these, these, floors)
+    assert largest(alone) is not None
+    stated = [{"position": 0.01 * np.ones(TIMES.size)}] * 4
+    assert largest(remainders(Sled(), segments()[:4], these, these, floors, stated)) is None
+    little = [{"position": 0.001 * np.ones(TIMES.size)}] * 4
+    assert largest(remainders(Sled(), segments()[:4], these, these, floors, little)) is not None

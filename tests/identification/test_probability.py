@@ -10,6 +10,7 @@ from hannes.identification.diagnosis import probability as module
 from hannes.identification.diagnosis.decision import Decision
 from hannes.identification.diagnosis.probability import probabilities, tabled_probabilities
 from hannes.identification.diagnosis.trials import Joint, SearchResult, Trial
+from hannes.identification.diagnosis.tuning import PROBABILITY
 from hannes.identification.probability_words import probability_sentence
 
 NAMES = {f"other_{k}": f"other_{k}" for k in range(40)} | {
@@ -71,6 +72,15 @@ def test_an_explanation_that_is_not_believed_counts_for_less():
     named = probabilities(search, decided("named", "slack")).effects[frozenset({"slack"})]
     refused = probabilities(search, decided("unknown")).effects[frozenset({"slack"})]
     assert refused < named
+
+
+def test_an_unknown_that_no_likelihood_speaks_for_leaves_something_else_a_part():
+    """What stands out in one place is in no sum over all bins: nothing is not certain then."""
+    search = found({"slack": 1.0})
+    table = tabled_probabilities(search, decided("unknown"), NAMES)
+    assert table["something_else"] == pytest.approx(PROBABILITY.least_else)
+    rest = sum(each["probability"] for each in table["effects"])
+    assert table["nothing"] + table["something_else"] + rest == pytest.approx(1.0, abs=0.01)
 
 
 def test_effects_with_a_remainder_are_there_where_they_explain_nearly_all(monkeypatch):

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hannes.identification.diagnosis.remainder_floors import remainder_floors
+from hannes.identification.diagnosis.remainder_floors import remainder_floors, stated_spread
 from hannes.identification.diagnosis.tuning import VERDICT
 
 STATED = 0.3  # by which runs differ in the supply; in the current they do not
@@ -27,6 +27,22 @@ def test_few_repeats_count_beside_what_is_stated(repeats):
     weight = VERDICT.assumed_weight
     pooled = (repeats * 0.1**2 + weight * STATED**2) / (repeats + weight)
     assert found["supply"] == pytest.approx(pooled**0.5)
+
+
+def test_what_is_stated_of_runs_is_known_for_each_sample_of_fitted_commands():
+    told = noise(2)
+    told.model.groups[0].entries = [SimpleNamespace(), SimpleNamespace()]
+    told.model.groups[0].views = [SimpleNamespace(times=np.linspace(0.0, 1.0, 10))]
+    told.run_to_run[0][:, 15:] = 0.0
+    time, mask = np.linspace(3.0, 4.0, 101), np.arange(101) > 20
+    fitted, other = (
+        SimpleNamespace(entry=each, recording=SimpleNamespace(time=time), mask=mask)
+        for each in (told.model.groups[0].entries[1], SimpleNamespace())
+    )
+    spread, unknown = stated_spread(told, [fitted, other])
+    assert unknown == {} and spread["supply"].shape == (80,)
+    assert spread["supply"][0] == pytest.approx(STATED) and spread["supply"][-1] == 0.0
+    assert not spread["current"].any()
 
 
 def test_repeats_that_differ_by_more_than_stated_keep_their_floor():

@@ -41,6 +41,18 @@ def test_a_slow_wave_far_below_the_noise_is_found_where_it_is():
         assert found.p_value < VERDICT.residual_p_value and found.excess > 0.0
 
 
+def test_noise_whose_colour_few_repeats_say_is_hardly_ever_autocorrelated():
+    """Residuals whitened by too little colour keep some, which two repeats cannot rule out."""
+    for repeats, found in ((0, False), (400, True)):
+        point = left(1)
+        slow = np.convolve(np.random.default_rng(7).standard_normal(BINS + 2), np.ones(3), "valid")
+        point.residual[:BINS] = 0.6 * slow
+        point.noise.simulated_noise = False
+        for group in point.model.groups:
+            group.count = 1 + repeats
+        assert (autocorrelated(point) is not None) is found
+
+
 def test_a_run_of_few_bins_is_not_tested():
     point = left(1)
     for group in point.model.groups:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hannes.identification.diagnosis.from_onset import cheap, looked_at_from_onset
 from hannes.identification.diagnosis.gauss_newton import fitted, rounds
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
@@ -73,8 +74,7 @@ def worth_global_starts(baseline: Linearisation) -> bool:
     Beside a baseline that leaves little an effect is small, or one that the baseline absorbs, which
     is started so all the same once it is likely.
     """
-    costly = baseline.model.round_of_derivatives() > SEARCH.much_work
-    return not costly or baseline.chi2 > SEARCH.little_left * baseline.residual.size
+    return cheap(baseline) or baseline.chi2 > SEARCH.little_left * baseline.residual.size
 
 
 def promised(nominal: Linearisation, baseline: Linearisation, effects: Sequence[str]) -> Promised:
@@ -84,7 +84,9 @@ def promised(nominal: Linearisation, baseline: Linearisation, effects: Sequence[
     names, lost = size_dependent(nominal, others), SEARCH.lost_baseline * baseline.residual.size
     of_all = baseline.chi2 > lost
     without = _without(nominal)
-    left = _least(nominal, [*(others if of_all else names), *faults], names, without)
+    closely = of_all and cheap(baseline)
+    asked = [*(others if of_all else names), *faults]
+    left = _least(nominal, asked, names, without, closely)
     return Promised(others, names, of_all, left, without)
 
 
@@ -238,17 +240,21 @@ def _least(
     effects: Sequence[str],
     size_dependent: Sequence[str],
     without: float,
+    closely: bool = False,
 ) -> dict[str, float]:
     """Chi-squared that each effect would leave at its best size, all else following.
 
     The right size of a size-dependent one may lie in a valley narrower than a few sizes show. So
     may that of a fault, which is looked at more closely where it promises enough.
+    closely: at every size of a fault that acts from some size on, too
     """
     faults = part_faults(nominal.space.effects, effects)
     few = dict.fromkeys(effects, SEARCH.few_sizes)
     few |= {name: SEARCH.few_sizes + SEARCH.far_sizes for name in faults}
     sizes = few | dict.fromkeys(size_dependent, SEARCH.every_size)
     found = {name: looked_at_sizes(nominal, name, each) for name, each in sizes.items()}
+    for name in faults if closely else ():
+        found[name] = looked_at_from_onset(nominal, name, found[name])
     least = {name: float(left.min(initial=np.inf)) for name, (_, left) in found.items()}
     enough = SEARCH.promising * (without - min(least.values(), default=without))
     for name in faults:
@@ -270,7 +276,9 @@ def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
     if not fault and size_dependent(nominal, [name]):
         sizes = SEARCH.every_size
     looked = looked_at_sizes(nominal, name, sizes)
-    rows, left = looked_at_between(nominal, name, looked) if fault else looked
+    if fault:
+        looked = looked_at_from_onset(nominal, name, looked_at_between(nominal, name, looked))
+    rows, left = looked
     best = _apart(rows[np.argsort(left)], nominal.x)
     points = [started_at(nominal, own, row[own]) for row in best]
     return [fitted(each, SEARCH.start_steps) for each in points if each is not None]

@@ -14,7 +14,7 @@ Looked = tuple[np.ndarray, np.ndarray]  # points, and chi-squared that each woul
 def looked_at_sizes(nominal: Linearisation, name: str, sizes: Sequence[float]) -> Looked:
     """Points with an effect at these sizes, and what each leaves, all else following."""
     rows = _sizes(nominal, name, sizes)
-    return rows, _left(nominal, name, rows)
+    return rows, left_at(nominal, name, rows)
 
 
 def looked_at_between(nominal: Linearisation, name: str, looked: Looked) -> Looked:
@@ -25,7 +25,7 @@ def looked_at_between(nominal: Linearisation, name: str, looked: Looked) -> Look
     rows, left = looked
     for _ in range(SEARCH.halvings if rows.size else 0):
         more = _about(rows, int(np.argmin(left)), nominal.x)
-        rows, left = np.vstack([rows, more]), np.append(left, _left(nominal, name, more))
+        rows, left = np.vstack([rows, more]), np.append(left, left_at(nominal, name, more))
     return rows, left
 
 
@@ -44,7 +44,7 @@ def _about(rows: np.ndarray, best: int, x: np.ndarray) -> np.ndarray:
     return found
 
 
-def _left(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
+def left_at(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
     """Chi-squared at points with an effect, shape (m,), all else following linearly."""
     own = nominal.space.of(name)
     return nominal.with_active(np.union1d(nominal.active, own)).chi2_at(rows, following=True)

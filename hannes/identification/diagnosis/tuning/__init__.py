@@ -1,7 +1,8 @@
-"""Every tuning constant of the diagnosis, in one frozen dataclass for each of its six stages."""
+"""Every tuning constant of the diagnosis, in one frozen dataclass for each of its seven stages."""
 
 from hannes.identification.diagnosis.tuning.fit import FIT, FitTuning
 from hannes.identification.diagnosis.tuning.noise import NOISE, NoiseTuning
+from hannes.identification.diagnosis.tuning.onset import ONSET, OnsetTuning
 from hannes.identification.diagnosis.tuning.probability import PROBABILITY, ProbabilityTuning
 from hannes.identification.diagnosis.tuning.search import SEARCH, SearchTuning
 from hannes.identification.diagnosis.tuning.shape import SHAPE, ShapeTuning
@@ -10,12 +11,14 @@ from hannes.identification.diagnosis.tuning.verdict import VERDICT, VerdictTunin
 __all__ = [
     "FIT",
     "NOISE",
+    "ONSET",
     "PROBABILITY",
     "SEARCH",
     "SHAPE",
     "VERDICT",
     "FitTuning",
     "NoiseTuning",
+    "OnsetTuning",
     "ProbabilityTuning",
     "SearchTuning",
     "ShapeTuning",
