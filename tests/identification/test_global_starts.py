@@ -228,7 +228,7 @@ def test_a_fault_is_looked_at_about_its_best_size(monkeypatch, valley):
         return np.abs(rows[:, 0] - valley) + np.abs(rows[:, 1])
 
     monkeypatch.setattr(sizes_looked_at, "amplitude_names", lambda effect: ["0", "1"])
-    monkeypatch.setattr(sizes_looked_at, "_left", left)
+    monkeypatch.setattr(sizes_looked_at, "left_at", left)
     sizes = (2.0, 6.0, 14.0, 29.0, 44.0)
     looked = sizes_looked_at.looked_at_sizes(nominal, "worn", sizes)
     rows, found = sizes_looked_at.looked_at_between(nominal, "worn", looked)
