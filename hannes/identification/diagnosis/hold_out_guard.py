@@ -131,9 +131,10 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
 def _no_machine(decision: Decision, stages: Stages) -> str:
     """Why a name is not compared with the refitted baseline, nor an unknown shown with it, or "".
 
-    Where nothing is missing the baseline is itself the verdict.
+    Where nothing is missing the baseline is itself the verdict. A name with a remainder must do
+    more than such a machine: what else is missing may be what both follow.
     """
-    kept = decision.kind in ("no_gap", "recalibrated")
+    kept = decision.kind in ("no_gap", "recalibrated", "named_with_remainder")
     return "" if kept else implausible(stages.points[1])
 
 
