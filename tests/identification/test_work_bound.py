@@ -15,7 +15,8 @@ from hannes.identification.diagnosis import (
     untested,
     work_bound,
 )
-from hannes.identification.diagnosis.campaign_diagnosis import command_durations, diagnose_campaign
+from hannes.identification.diagnosis.campaign_diagnosis import diagnose_campaign
+from hannes.identification.diagnosis.foretold import command_durations, foretold
 from hannes.identification.diagnosis.observed_controller import Apart, _nearer, _said
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.shape import likeliest
@@ -41,9 +42,21 @@ def spent(monkeypatch, limit):
     monkeypatch.setattr(campaign_diagnosis, "Work", Counted)
     made = campaign(1, ((HARDENING, 900.0),))
     found = diagnose_campaign(made, Settings(0.02, 0.005), 0, said.append)
-    bound = Counted(True).most(command_durations(made), len(Sled.uncertain))
-    assert said[0] == work_bound.said(bound, command_durations(made))
+    durations = command_durations(made)
+    bound = Counted(True).most(durations, len(Sled.uncertain))
+    count = bound / (sum(durations) / len(durations))
+    assert said[0].startswith(f"at most as much as {count:,.0f} single simulations")
     return sum(whole), bound, found.verdict
+
+
+def test_a_plant_that_is_slow_is_said_to_be(monkeypatch):
+    """Twelve thousand simulations are a moment of a compiled plant, and hours of another."""
+    made, clock = campaign(1, ()), iter(np.arange(0.0, 1.0, 0.06))
+    monkeypatch.setattr("time.process_time", lambda: next(clock))
+    text = foretold(made, Work(True), len(Sled.uncertain))
+    assert ": each takes 60 ms here, all up to " in text and text.endswith(" min")
+    monkeypatch.setattr(Sled, "many", None, raising=False)  # it makes them side by side
+    assert "takes" not in foretold(made, Work(True), len(Sled.uncertain))
 
 
 @pytest.mark.parametrize("limit", [1.0, 40.0, 30_000.0])

@@ -19,6 +19,7 @@ from hannes.identification.diagnosis.effect_sizes import interval, may_be_zero, 
 from hannes.identification.diagnosis.evidence_tables import EvidenceTables
 from hannes.identification.diagnosis.experiment_design import next_run
 from hannes.identification.diagnosis.fitted_deviations import with_deviations
+from hannes.identification.diagnosis.foretold import foretold
 from hannes.identification.diagnosis.generic_disturbances import EFFECTS as GENERIC
 from hannes.identification.diagnosis.heldout import runs_in_role
 from hannes.identification.diagnosis.hold_out_guard import Stages, guarded
@@ -33,7 +34,7 @@ from hannes.identification.diagnosis.shape.shape import Shape, shape_of
 from hannes.identification.diagnosis.trials import SearchResult
 from hannes.identification.diagnosis.tuning import VERDICT
 from hannes.identification.diagnosis.untested import untested
-from hannes.identification.diagnosis.work_bound import SearchEnded, Work, ordinary_time, said
+from hannes.identification.diagnosis.work_bound import SearchEnded, Work
 from hannes.identification.pattern.goes_with import by_stage
 from hannes.identification.residuals import Traces, located, tabled
 from hannes.identification.verdict import Verdict
@@ -72,15 +73,6 @@ def uncertain(plant: Plant) -> Mapping[str, float]:
     return found
 
 
-def command_durations(campaign: Campaign) -> list[float]:
-    """What a run of each command that is simulated counts [s]."""
-    plant, found = campaign.plant, {}
-    for each in campaign.entries:
-        lasts = float(np.ptp(each.recording.time))
-        found[plant.same_run(each.recording)] = ordinary_time(plant, lasts)
-    return list(found.values())
-
-
 def diagnose_campaign(
     campaign: Campaign, settings: Settings, seed: int, progress: Progress
 ) -> Result:
@@ -95,8 +87,7 @@ def diagnose_campaign(
     usable = [each for each, why in tried.values() if not why]
     usable += [each for each in GENERIC if not campaign.plant.accepts(each)]
     work = Work(bounded=True, times=settings.work)
-    durations = command_durations(campaign)
-    progress(said(work.most(durations, len(uncertain(campaign.plant))), durations))
+    progress(foretold(campaign, work, len(uncertain(campaign.plant))))
     with threadpool_limits(1, "blas"):  # sums over several threads round otherwise
         campaign, observed = as_recorded(campaign, settings, seed, progress, work)
         known = campaign.of("fit", "select")

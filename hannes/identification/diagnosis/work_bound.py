@@ -108,8 +108,3 @@ class Work:
 def as_single(rows: int) -> float:
     """As how many single runs count some that go side by side by the steps of the first one."""
     return SEARCH.alike_call + SEARCH.alike_weight * rows
-
-
-def said(most: float, durations: Sequence[float]) -> str:
-    """A bound [s] in words, for commands of these durations [s]."""
-    return f"at most as much as {most / (sum(durations) / len(durations)):,.0f} single simulations"
