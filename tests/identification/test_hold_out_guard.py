@@ -96,13 +96,20 @@ def test_of_an_unknown_no_machine_is_taken_that_nobody_has():
 def test_a_name_is_not_compared_with_a_machine_that_nobody_has():
     """A refit may do what the effect does, by a value that is 28 times as far off as it can be."""
     names = SimpleNamespace(parameters=[SimpleNamespace(name="sled.mass")])
-    for size, kind in ((9.0, "unknown"), (-28.0, "named")):
-        base = SimpleNamespace(x=np.array([size]), name="base", space=names)
-        made = replace(stages(LACKING, RIGHT, RIGHT), points=(POINTS[0], base, POINTS[2]))
-        assert guarded(decided("named", "slack"), made).decision.kind in (kind, "named")
-        lifted = replace(stages(LACKING, run(1.01 * WAVE), RIGHT), points=made.points)
-        stood = guarded(decided("named", "slack"), lifted)
-        assert stood.refitted is (size > 0.0)
+    base, other = (run(WAVE + 0.018 * wave(25.0 * TIMES)) for wave in (np.sin, np.cos))
+    for size, verdict, kept in (
+        (9.0, "named", "unknown"),
+        (-28.0, "named", "named"),
+        (-28.0, "one_of", "one_of"),
+        (-28.0, "named_with_remainder", "unknown"),
+    ):
+        point = SimpleNamespace(x=np.array([size]), name="base", space=names)
+        made = replace(stages(run(0.7 * WAVE), base, other), points=(POINTS[0], point, POINTS[2]))
+        stood = guarded(decided(verdict, "slack"), made)
+        assert stood.decision.kind == kept and stood.refitted is (size > 0.0)
+        assert len(stood.cautions) == (size < 0.0)
+    lacking = replace(stages(run(0.7 * WAVE), LACKING, RIGHT), points=made.points)
+    assert guarded(decided("named", "slack"), lacking).refitted  # it stands beside that, too
 
 
 def test_two_repeats_say_that_they_could_hardly_show_a_rise():

@@ -109,7 +109,7 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
     """The decision, or what is left of it."""
     hardly, refitted = hardly_tested(stages.change(0, 1)), True
     cautions = [hardly] if hardly else []
-    if why := stages.refusal(0, 1) or _no_machine(decision, stages):
+    if why := stages.refusal(0, 1) or _not_compared(decision, stages):
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
     if decision.effects:
@@ -119,7 +119,7 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
         decision = _recalibrated(decision, stages, refitted)
     elif decision.kind == "no_gap":
         decision = _as_given(decision, stages, refitted)
-    if refitted and (why := _no_machine(decision, stages)):  # unknown only now
+    if decision.kind == "unknown" and refitted and (why := implausible(stages.points[1])):
         cautions.append(f"the refitted baseline is not taken: {why}")
         stages, refitted = stages.with_stage(1, 0), False
     if not decision.effects:
@@ -128,14 +128,15 @@ def guarded(decision: Decision, stages: Stages) -> Guarded:
     return Guarded(decision, stages, cautions, refitted)
 
 
-def _no_machine(decision: Decision, stages: Stages) -> str:
-    """Why a name is not compared with the refitted baseline, nor an unknown shown with it, or "".
+def _not_compared(decision: Decision, stages: Stages) -> str:
+    """Why a name is compared with the machine as given, not the refitted one, or an empty string.
 
-    Where nothing is missing the baseline is itself the verdict. A name with a remainder must do
-    more than such a machine: what else is missing may be what both follow.
+    A machine that nobody has may do what is named. A name with a remainder must do more than that:
+    what else is missing may be what both follow.
     """
-    kept = decision.kind in ("no_gap", "recalibrated", "named_with_remainder")
-    return "" if kept else implausible(stages.points[1])
+    clean = decision.kind in ("named", "one_of")
+    refused = clean and stages.refusal(1, 2, _shown(decision))
+    return implausible(stages.points[1]) if refused else ""
 
 
 def implausible(baseline: Linearisation) -> str:

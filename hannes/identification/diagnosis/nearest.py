@@ -48,5 +48,5 @@ def _why_not(found: SearchResult, trial: Trial, best: Trial) -> str:
     return (
         doubt_about(found, trial)
         or something_more(found, trial)
-        or "it does not stand against the whole, see the reason"
+        or "the reason of the verdict speaks against it"
     )
