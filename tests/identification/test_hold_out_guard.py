@@ -224,6 +224,17 @@ def test_what_is_left_as_given_and_not_refitted_is_recalibrated():
     assert still.decision.kind == "unknown"
 
 
+def test_a_machine_as_given_that_a_refit_comes_far_nearer_than_is_recalibrated():
+    """What runs are stated to differ by may hide it: still the refitted values are the better."""
+    wide = {"stated": [{"position": 0.1 * np.ones(TIMES.size)}] * 6}
+    other = replace(stages(run(0.95 * WAVE), RIGHT, RIGHT), **wide)
+    stood = guarded(decided("no_gap"), other)
+    assert stood.decision.kind == "recalibrated"
+    assert "refitted values lower the gap of recordings not fitted" in stood.decision.reason
+    little = replace(stages(run(0.998 * WAVE), RIGHT, RIGHT), **wide)
+    assert guarded(decided("no_gap"), little).decision.kind == "no_gap"
+
+
 def test_a_touch_that_comes_a_moment_earlier_leaves_nothing_of_a_force():
     """A blow of two samples, which no two runs share; as much for longer, or often, counts."""
     sled = Sled()

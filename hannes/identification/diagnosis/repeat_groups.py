@@ -31,7 +31,9 @@ class Group:
     def __init__(self, plant: Plant, entries: Sequence[Entry], finer: int = 1) -> None:
         channels = tuple(name for name in plant.judged if name in entries[0].recording)
         duration = float(np.ptp(entries[0].recording.time))
-        self.width = round(max(BIN, duration / FIT.bins) / finer, 6)
+        self.width = _whole_samples(
+            max(BIN, duration / FIT.bins) / finer, entries[0].recording.time
+        )
         self.entries = tuple(entries)
         self.numbers = np.array([each.number for each in entries])
         self.earlier = {
@@ -84,6 +86,15 @@ class Group:
         """Where a channel lies in the vector."""
         first = self.names.index(name) * self.bins
         return slice(first, first + self.bins)
+
+
+def _whole_samples(width: float, time: np.ndarray) -> float:
+    """The width [s] of bins, or a little more, in which there are as many samples each.
+
+    A mean of six is noisier than one of seven. Where samples are as far apart, any width does.
+    """
+    interval = float(np.median(np.diff(time)))
+    return round(max(width, interval * np.ceil(width / interval - 1e-6)), 6)
 
 
 def _together(recordings: Sequence[Recording], read: Sequence[str]) -> Recording:
