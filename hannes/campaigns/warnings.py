@@ -8,6 +8,7 @@ from hannes.campaigns.campaign import Campaign
 from hannes.campaigns.check import check, refuse_faults
 from hannes.campaigns.mixed_runs import mixed_runs, several_units
 from hannes.campaigns.quality.finding import Finding, warning
+from hannes.campaigns.shared_findings import with_shared_as_warnings
 from hannes.plants.part_fault import moves_by_run
 
 SUPPLY = "supply"
@@ -20,7 +21,9 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
 
     A fault (a wrong unit, a reversed sign, a dead channel) would be named as an effect.
     """
-    found = [(each.name, check(each.recording, campaign.plant)) for each in campaign.entries]
+    found = with_shared_as_warnings(
+        campaign, [(each.name, check(each.recording, campaign.plant)) for each in campaign.entries]
+    )
     across = across_runs(campaign)
     refuse_faults([*found, ("the campaign", across)])
     kinds: dict[tuple[str, str], list[tuple[str, Finding]]] = {}

@@ -235,6 +235,7 @@ def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:
     """Check the files, print what was found, and return it by name."""
     from hannes.campaigns.campaign_file import read_campaign
     from hannes.campaigns.check import check, subjects
+    from hannes.campaigns.shared_findings import with_shared_as_warnings
     from hannes.campaigns.warnings import across_runs
 
     found = [
@@ -245,8 +246,10 @@ def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:
         )
     ]
     for path in chosen.file:
-        if Path(path).suffix in (".toml", "") and (more := across_runs(read_campaign(path))):
-            found.append((str(path), more))
+        if Path(path).suffix in (".toml", ""):
+            campaign = read_campaign(path)
+            found = with_shared_as_warnings(campaign, found)
+            found += [(str(path), more)] if (more := across_runs(campaign)) else []
     if chosen.json:
         rows = [
             {"file": name, "findings": [asdict(each) for each in findings]}
