@@ -1,7 +1,8 @@
-"""Faults of a sensor that all repeats show at the same time: the machine may do that itself.
+"""Faults of a sensor that most repeats show at the same time: the machine may do that itself.
 
 An encoder slips and a sensor drops out by accident, in one run. A motor that stalls at its supply's
-limit, or a supply that sags, looks alike in one recording, and comes back in every repeat.
+limit, or a supply that sags, looks alike in one recording, and comes back in other repeats. What it
+does under one command it may do under another, for a moment.
 """
 
 from collections.abc import Sequence
@@ -9,43 +10,50 @@ from dataclasses import replace
 
 import numpy as np
 
-from hannes.campaigns.campaign import Campaign
+from hannes.campaigns.campaign import Campaign, Entry
 from hannes.campaigns.quality.finding import Finding
 
-ACCIDENTS = ("slip", "frozen")  # kinds of faults that no two runs share
+ACCIDENTS = ("slip", "frozen")  # kinds of faults that no two runs share; of one stall either
 FEWEST = 2  # repeats that show it
-TOGETHER = 0.05  # of a run's duration, within which it begins
-ALIKE = 2.0  # ratio of its sizes, at most
+TOGETHER = 0.2  # of a run's duration, within which it begins
 
 Named = Sequence[tuple[str, list[Finding]]]
 
 
 def with_shared_as_warnings(campaign: Campaign, found: Named) -> list[tuple[str, list[Finding]]]:
-    """The same findings by recording; accidents that all repeats share are warnings."""
-    conditions = {each.name: each.condition for each in campaign.entries}
-    lasting = {each.name: float(np.ptp(each.recording.time)) for each in campaign.entries}
-    by_name = dict(found)
+    """The same findings by recording; accidents of a channel that repeats share are warnings."""
+    of_channels = {each.channel for _, some in found for each in some if _is_accident(each)}
+    shared = {name: how for name in of_channels if (how := _shared(campaign, dict(found), name))}
 
-    def judged(name: str, one: Finding) -> Finding:
-        if one.level != "fault" or one.kind not in ACCIDENTS or name not in conditions:
+    def judged(one: Finding) -> Finding:
+        if not _is_accident(one) or one.channel not in shared:
             return one
-        alike = [n for n, each in conditions.items() if each == conditions[name] and n in by_name]
-        near = TOGETHER * lasting[name]
-        if len(alike) < FEWEST or not all(_has(by_name[n], one, near) for n in alike):
-            return one
-        text = (
-            f"{one.text}; all {len(alike)} repeats show it then, so the machine may do that itself"
-        )
+        text = f"{one.text}; {shared[one.channel]}, so the machine may do that itself"
         return replace(one, level="warning", text=text)
 
-    return [(name, [judged(name, each) for each in findings]) for name, findings in found]
+    return [(name, [judged(each) for each in findings]) for name, findings in found]
 
 
-def _has(findings: Sequence[Finding], one: Finding, near: float) -> bool:
-    """Whether a recording has such a fault at that time [s], about as large."""
-    return any(
-        (each.kind, each.channel) == (one.kind, one.channel)
-        and abs((each.time or 0.0) - (one.time or 0.0)) <= near
-        and abs(one.size or 1.0) / ALIKE <= abs(each.size or 1.0) <= ALIKE * abs(one.size or 1.0)
-        for each in findings
-    )
+def _is_accident(one: Finding) -> bool:
+    return one.level == "fault" and one.kind in ACCIDENTS
+
+
+def _shared(campaign: Campaign, found: dict[str, list[Finding]], channel: str) -> str:
+    """`3 of 4 repeats of dynamometer show it at the same time`; empty where no condition does."""
+    conditions: dict[str, list[Entry]] = {}
+    for each in campaign.entries:
+        if each.name in found:
+            conditions.setdefault(each.condition, []).append(each)
+    for condition, entries in conditions.items():
+        times = np.array([_time(found[each.name], channel) for each in entries])
+        near = TOGETHER * float(np.ptp(entries[0].recording.time))
+        count = max(np.count_nonzero(np.abs(times - each) <= near) for each in times)
+        if count >= FEWEST and 2 * count > len(entries):
+            return f"{count} of {len(entries)} repeats of {condition} show it at the same time"
+    return ""
+
+
+def _time(findings: Sequence[Finding], channel: str) -> float:
+    """When an accident of a channel begins [s]; nan without."""
+    there = (each for each in findings if _is_accident(each) and each.channel == channel)
+    return next((float(each.time or 0.0) for each in there), np.nan)
