@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from hannes.identification.diagnosis import effect_removal
-from hannes.identification.diagnosis.decision import _shared
+from hannes.identification.diagnosis.decision import Decision, _of_sure_parts, _shared
 from hannes.identification.diagnosis.effect_removal import _with_like_faults
 from hannes.identification.diagnosis.trials import Joint, Trial
 from hannes.plants.hand.finger_faults import FAULTS
@@ -48,3 +48,23 @@ def test_it_is_sure_only_where_other_fingers_were_tried_and_do_less():
     for delta_chi2, sure in ((500.0, set(NAMED)), (999.0, {"current_offset"})):
         other = trial(("current_offset", "ring_moved_stop"), delta_chi2)
         assert _shared(Joint(untried.trial, untried.losses, others=(other,))) == sure
+
+
+def decided(names, per_bin, joint=None):
+    """What becomes of a name with a remainder that leaves so much in 100 bins."""
+    point = trial(names, 900.0).point
+    point.chi2 = 100.0 * per_bin
+    alone = trial(("current_offset",), 880.0)
+    found = SimpleNamespace(bins=100, baseline="baseline", joint=joint, trials=[alone])
+    decision = Decision("named_with_remainder", names, "so", point)
+    return _of_sure_parts(found, decision)
+
+
+def test_much_that_is_left_may_decide_which_finger_has_a_fault():
+    stop = ("middle_moved_stop",)
+    assert decided(stop, 1.2).effects == stop and decided(("current_offset",), 3.0).effects
+    doubtful = decided(stop, 3.0)
+    assert doubtful.kind == "unknown" and "which part has a fault" in doubtful.reason
+    joint = Joint(trial(NAMED, 1000.0), {name: 400.0 for name in NAMED})
+    kept = decided(NAMED, 3.0, joint)
+    assert (kept.kind, kept.effects) == ("named_with_remainder", ("current_offset",))

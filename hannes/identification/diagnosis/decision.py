@@ -69,7 +69,7 @@ def decide(found: SearchResult, fitted_runs: list[int], heldout_runs: list[int])
     if doubt := doubt_about(found, trial):
         return Decision("unknown", (), f"{reason}, but {doubt}", found.baseline)
     if left := something_more(found, trial):
-        decision = _unclean(found, trial, f"{reason}; {left}")
+        decision = _of_sure_parts(found, _unclean(found, trial, f"{reason}; {left}"))
     else:
         decision = _beside(found, trial, _clean(found, trial, reason))
     same = decision.effects[: len(trial.effects)] == trial.effects and np.isfinite(delta_chi2)
@@ -212,6 +212,23 @@ def _unclean(found: SearchResult, trial: Trial, reason: str) -> Decision:
             return _clean(found, trial, reason)
         return Decision("unknown", (), reason, found.baseline)
     return Decision("named_with_remainder", trial.effects, reason, trial.point)
+
+
+def _of_sure_parts(found: SearchResult, decision: Decision) -> Decision:
+    """The decision without faults of one of like parts, where it leaves much beyond noise.
+
+    What else is missing decides there which part fits best.
+    """
+    if decision.point.chi2 <= VERDICT.clean * found.bins or not decision.effects:
+        return decision
+    effects = decision.point.space.effects
+    sure = {name for name in decision.effects if not like_faults(effects, name)}
+    if len(sure) == len(decision.effects):
+        return decision
+    reason = f"{decision.reason}; what is left may decide which part has a fault"
+    if not (sure and found.joint):
+        return Decision("unknown", (), reason, found.baseline)
+    return _some_of(found, found.joint, sure, reason)
 
 
 def _best_alone(found: SearchResult, trial: Trial, reason: str) -> Decision:
