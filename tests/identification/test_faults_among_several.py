@@ -43,7 +43,7 @@ def test_it_is_tried_in_every_other_finger_once(monkeypatch):
 
 
 def test_it_is_sure_only_where_other_fingers_were_tried_and_do_less():
-    untried = Joint(trial(NAMED, 1000.0), {name: 400.0 for name in NAMED})
+    untried = Joint(trial(NAMED, 1000.0), losses={name: 400.0 for name in NAMED})
     assert _shared(untried) == {"current_offset"}
     for delta_chi2, sure in ((500.0, set(NAMED)), (999.0, {"current_offset"})):
         other = trial(("current_offset", "ring_moved_stop"), delta_chi2)
@@ -65,6 +65,6 @@ def test_much_that_is_left_may_decide_which_finger_has_a_fault():
     assert decided(stop, 1.2).effects == stop and decided(("current_offset",), 3.0).effects
     doubtful = decided(stop, 3.0)
     assert doubtful.kind == "unknown" and "which part has a fault" in doubtful.reason
-    joint = Joint(trial(NAMED, 1000.0), {name: 400.0 for name in NAMED})
+    joint = Joint(trial(NAMED, 1000.0))
     kept = decided(NAMED, 3.0, joint)
     assert (kept.kind, kept.effects) == ("named_with_remainder", ("current_offset",))
