@@ -275,7 +275,7 @@ def _member(effect: str, result: Verdict) -> str:
 def _unknown(result: Verdict) -> str:
     """It follows the probability: what stands out in one place may be chance."""
     if result.probabilities.get("nothing", 0.0) >= 0.5:
-        return "It cannot be told whether something is missing: most agrees, one thing stands out."
+        return "It is not known whether something is missing: most agrees, one thing stands out."
     return "Something is missing, and no effect can be named for it."
 
 

@@ -128,7 +128,7 @@ def verdict(kind, **changes):
 
 
 def test_an_unknown_says_no_more_than_its_probability():
-    for nothing, said in ((0.2, "Something is missing"), (0.8, "It cannot be told whether")):
+    for nothing, said in ((0.2, "Something is missing"), (0.8, "It is not known whether")):
         found = verdict("unknown", effects=[], probabilities={"nothing": nothing})
         assert found.sentence.startswith(said)
 

@@ -299,10 +299,12 @@ def test_four_repeats_that_agree_by_chance_count_beside_what_is_stated_of_the_pl
     """Runs that start at other supplies differ by one number each: four may be alike."""
     off = [0.002 * (k % 2) + 0.012 + 0.001 * WAVE for k in range(4)]
     these = [{"position": each} for each in off]
-    floors = {"position": 0.005}
-    alone = remainders(Sled(), segments()[:4], these, these, floors)
+    noise_floors = {"position": 0.005}
+    alone = remainders(Sled(), segments()[:4], these, these, noise_floors)
     assert largest(alone) is not None
     stated = [{"position": 0.01 * np.ones(TIMES.size)}] * 4
-    assert largest(remainders(Sled(), segments()[:4], these, these, floors, stated)) is None
+    assert largest(remainders(Sled(), segments()[:4], these, these, noise_floors, stated)) is None
     little = [{"position": 0.001 * np.ones(TIMES.size)}] * 4
-    assert largest(remainders(Sled(), segments()[:4], these, these, floors, little)) is not None
+    assert (
+        largest(remainders(Sled(), segments()[:4], these, these, noise_floors, little)) is not None
+    )

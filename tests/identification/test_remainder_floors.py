@@ -30,16 +30,16 @@ def test_few_repeats_count_beside_what_is_stated(repeats):
 
 
 def test_what_is_stated_of_runs_is_known_for_each_sample_of_fitted_commands():
-    told = noise(2)
-    told.model.groups[0].entries = [SimpleNamespace(), SimpleNamespace()]
-    told.model.groups[0].views = [SimpleNamespace(times=np.linspace(0.0, 1.0, 10))]
-    told.run_to_run[0][:, 15:] = 0.0
+    known = noise(2)
+    known.model.groups[0].entries = [SimpleNamespace(), SimpleNamespace()]
+    known.model.groups[0].views = [SimpleNamespace(times=np.linspace(0.0, 1.0, 10))]
+    known.run_to_run[0][:, 15:] = 0.0
     time, mask = np.linspace(3.0, 4.0, 101), np.arange(101) > 20
     fitted, other = (
         SimpleNamespace(entry=each, recording=SimpleNamespace(time=time), mask=mask)
-        for each in (told.model.groups[0].entries[1], SimpleNamespace())
+        for each in (known.model.groups[0].entries[1], SimpleNamespace())
     )
-    spread, unknown = stated_spread(told, [fitted, other])
+    spread, unknown = stated_spread(known, [fitted, other])
     assert unknown == {} and spread["supply"].shape == (80,)
     assert spread["supply"][0] == pytest.approx(STATED) and spread["supply"][-1] == 0.0
     assert not spread["current"].any()

@@ -139,10 +139,10 @@ def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool
     if subject.is_motion(name):
         usual = float(np.quantile(steps[few], 0.97))
         far &= off > max(3.0 * usual, LEAST_JUMP * float(high - low))
-    stray = _stray(values, off)
-    single = _brief(far & stray & ~_blows(subject, name, values))
+    contradicted = _contradicted(values, off)
+    single = _brief(far & contradicted & ~_blows(subject, name, values))
     if single.any() and not subject.is_motion(name):  # smaller ones of the same kind
-        single |= _brief(stray & (off > FAR * typical))
+        single |= _brief(contradicted & (off > FAR * typical))
     return single if np.count_nonzero(single) <= MOST * values.size else none
 
 
@@ -166,7 +166,7 @@ def _blows(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool_]
     return found
 
 
-def _stray(values: FloatArray, off: FloatArray) -> NDArray[np.bool_]:
+def _contradicted(values: FloatArray, off: FloatArray) -> NDArray[np.bool_]:
     """Whether neighbours agree on another value, and no smooth curve through them has it, (n,).
 
     A drive's inrush or its braking, which few samples resolve, has other neighbours, or a curve:

@@ -101,7 +101,7 @@ def _freed(point: Linearisation, level: float) -> Iterator[StructuredResidual]:
 def _known_from(point: Linearisation) -> float:
     """How many runs say how slow the noise is, at most: without end where it is simulated.
 
-    Of a few repeats the colour is known no better than they and what is assumed of runs tell it.
+    Of a few repeats the colour is known no better than they and what is assumed of runs show it.
     """
     if point.noise.simulated_noise:
         return np.inf
