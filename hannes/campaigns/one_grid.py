@@ -25,6 +25,7 @@ OFF = 0.5  # of an interval, from its place of the grid, at most
 PASSES = 3  # in which an interval and the places are found: two stamps may lie near each other
 LOST = 3  # samples in a row that are interpolated at most
 MOST_LOST = 0.05  # of all samples
+EARLIER = 0.1  # of its duration, by which a run may begin before another
 SHORTER = 0.02  # of the longest run, by which another may end earlier
 
 
@@ -60,10 +61,30 @@ def _together(plant: Plant, entries: Sequence[Entry]) -> list[Recording]:
     if len(there) < len(runs) or not _alike(runs, there):
         return runs
     interval = float(np.median([each.interval for each in there]))
+    if not _begin_together(runs, interval):
+        return _with_one_command(plant, _interpolated(runs, interval)) or runs
     count = 1 + min(int(each.places[-1]) for each in there)
     time = _round(interval, count) * np.arange(count)
     made = [_resampled(*pair, time) for pair in zip(runs, there, strict=True)]
     return _with_one_command(plant, made) or runs
+
+
+def _begin_together(runs: Sequence[Recording], interval: float) -> bool:
+    """Whether runs begin within half an interval [s]: those that were aligned need not."""
+    return float(np.ptp([each.time[0] for each in runs])) < OFF * interval
+
+
+def _interpolated(runs: Sequence[Recording], interval: float) -> list[Recording]:
+    """Runs of which each began at another time, at times that all of them have."""
+    begin, end = max(each.time[0] for each in runs), min(each.time[-1] for each in runs)
+    time = begin + interval * np.arange(1 + int((end - begin) / interval))
+    return [replace(run, channels={"time": time, **_at(time, run.time, run)}) for run in runs]
+
+
+def _at(time: np.ndarray, at: np.ndarray, run: Recording) -> dict[str, np.ndarray]:
+    """Channels, recorded at some times, at other ones, shape (count,); in their steps."""
+    names = [name for name in run.names if name != "time"]
+    return {name: _in_steps(np.interp(time, at, run[name]), run[name]) for name in names}
 
 
 def _round(interval: float, count: int) -> float:
@@ -111,14 +132,14 @@ def _fitted(since: np.ndarray, places: np.ndarray) -> Placed | None:
 
 
 def _alike(runs: Sequence[Recording], placed: Sequence[Placed]) -> bool:
-    """Whether runs begin together, at one rate, and are about as long."""
+    """Whether runs begin about together, have one rate, and are about as long."""
     intervals = np.array([each.interval for each in placed])
     last = np.array([each.places[-1] for each in placed])
     first = np.array([each.time[0] for each in runs])
     return bool(
         np.ptp(intervals) <= RATE * intervals.min()
         and np.ptp(last) <= SHORTER * last.max()
-        and np.ptp(first) < 0.5 * intervals.min()
+        and np.ptp(first) <= EARLIER * intervals.min() * last.min()
     )
 
 
@@ -126,8 +147,7 @@ def _resampled(run: Recording, placed: Placed, time: np.ndarray) -> Recording:
     """The run at the times of the grid, shape (count,)."""
     jitters = _off(run, placed) < STAMPED * placed.interval
     at = placed.places * (time[1] - time[0]) if jitters else run.time - run.time[0]
-    channels = {n: _in_steps(np.interp(time, at, run[n]), run[n]) for n in run.names if n != "time"}
-    return replace(run, channels={"time": run.time[0] + time, **channels})
+    return replace(run, channels={"time": run.time[0] + time, **_at(time, at, run)})
 
 
 def _in_steps(values: np.ndarray, recorded: np.ndarray) -> np.ndarray:

@@ -98,6 +98,26 @@ def test_what_fits_no_such_grid_stays_as_it_was_recorded(other):
     assert on_one_grid(PLANT, given) == given
 
 
+def begun(run, at):
+    """The same run without its command, read and begun at another time, as if it was aligned."""
+    time = run.time + at
+    channels = {n: run[n] for n in ("position", "current")}
+    return replace(run, channels={"time": time, **channels})
+
+
+def test_runs_that_were_aligned_each_for_itself_are_repeats():
+    given = [begun(run(k), at) for k, at in ((1, -0.0312), (2, -0.0247), (3, -0.0309))]
+    made = on_one_grid(PLANT, entries(*given))
+    assert groups(entries(*given)) == 3 and groups(made) == 1
+    time = made[0].recording.time
+    assert time[0] == -0.0247 and time[-1] <= min(each.time[-1] for each in given)
+    for old, new in zip(given, made, strict=True):
+        wanted = np.interp(time, old.time, old["position"])
+        assert new.recording["position"] == pytest.approx(wanted, abs=1e-9)
+    early = entries(given[0], begun(run(2), -0.2))  # a quarter of the run earlier
+    assert on_one_grid(PLANT, early) == early
+
+
 def test_other_commands_and_even_clocks_stay_apart_to_the_bit():
     slower = run(2)
     slower = replace(slower, channels={**slower.channels, "reference": 0.9 * slower["reference"]})
