@@ -102,7 +102,8 @@ def begun(run, at):
     """The same run without its command, read and begun at another time, as if it was aligned."""
     time = run.time + at
     channels = {n: run[n] for n in ("position", "current")}
-    return replace(run, channels={"time": time, **channels})
+    units = {n: UNITS[n] for n in ("time", *channels)}
+    return replace(run, channels={"time": time, **channels}, units=units)
 
 
 def test_runs_that_were_aligned_each_for_itself_are_repeats():
