@@ -53,8 +53,10 @@ def on_one_grid(plant: Plant, entries: Sequence[Entry]) -> list[Entry]:
 
 def _together(plant: Plant, entries: Sequence[Entry]) -> list[Recording]:
     runs = [each.recording for each in entries]
-    placed = [_placed(each.time) for each in runs]
     apart = len({plant.same_run(each) for each in runs}) > 1
+    if not apart and _is_even(runs[0].time):
+        return runs
+    placed = [_placed(each.time) for each in runs]
     if not apart and not all(_jitters(*pair) for pair in zip(runs, placed, strict=True)):
         return runs
     there = [each for each in placed if each is not None]
@@ -67,6 +69,11 @@ def _together(plant: Plant, entries: Sequence[Entry]) -> list[Recording]:
     time = _round(interval, count) * np.arange(count)
     made = [_resampled(*pair, time) for pair in zip(runs, there, strict=True)]
     return _with_one_command(plant, made) or runs
+
+
+def _is_even(time: np.ndarray) -> bool:
+    steps = np.diff(time)
+    return bool(np.ptp(steps) <= ROUNDED * steps.min())
 
 
 def _begin_together(runs: Sequence[Recording], interval: float) -> bool:
@@ -151,13 +158,16 @@ def _resampled(run: Recording, placed: Placed, time: np.ndarray) -> Recording:
 
 
 def _in_steps(values: np.ndarray, recorded: np.ndarray) -> np.ndarray:
-    """Values between those recorded; where these stand in steps, the nearest that was recorded."""
-    if not quantum(recorded):
+    """Values between those recorded; where these stand in steps, in whole steps from the nearest.
+
+    A step is known to few digits, so that it is not counted from far away.
+    """
+    if not (step := quantum(recorded)):
         return values
     known = np.unique(recorded)
     above = np.searchsorted(known, values).clip(1, known.size - 1)
-    lower = values - known[above - 1] < known[above] - values
-    return known[above - lower]
+    near = known[above - (values - known[above - 1] < known[above] - values)]
+    return np.asarray(near + step * np.rint((values - near) / step))
 
 
 def _with_one_command(plant: Plant, runs: Sequence[Recording]) -> list[Recording]:

@@ -238,18 +238,15 @@ def _checked(chosen: argparse.Namespace) -> list[tuple[str, list["Finding"]]]:
     from hannes.campaigns.shared_findings import with_shared_as_warnings
     from hannes.campaigns.warnings import across_runs
 
-    found = [
-        (name, check(recording, plant))
-        for path in chosen.file
-        for name, recording, plant in subjects(
-            path, chosen.plant, chosen.experiment, mapping=chosen.mapping
-        )
-    ]
+    found = list[tuple[str, list["Finding"]]]()
     for path in chosen.file:
+        given = subjects(path, chosen.plant, chosen.experiment, mapping=chosen.mapping)
+        own = [(name, check(recording, plant)) for name, recording, plant in given]
         if Path(path).suffix in (".toml", ""):
             campaign = read_campaign(path)
-            found = with_shared_as_warnings(campaign, found)
-            found += [(str(path), more)] if (more := across_runs(campaign)) else []
+            own = with_shared_as_warnings(campaign, own)
+            own += [(str(path), more)] if (more := across_runs(campaign)) else []
+        found += own
     if chosen.json:
         rows = [
             {"file": name, "findings": [asdict(each) for each in findings]}

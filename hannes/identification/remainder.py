@@ -78,7 +78,7 @@ def remainders(
             for name in (n for n in noise_floors if n in first.recording):
                 old, new = ([raw[k][name][inside] for k in numbers] for raw in (before, after))
                 brief = _brief(first.recording.time) if plant.channels[name] == FORCE else 1
-                expected = _expected(stated, numbers[0], name, inside)
+                expected = _expected([stated[k] for k in numbers] if stated else (), name, inside)
                 was, now = _sizes(old, new, noise_floors[name], expected, brief)
                 found.append(Remainder(first.entry.condition, name, phase, was, now, len(numbers)))
     return sorted(found, key=lambda each: -each.after)
@@ -99,9 +99,9 @@ def repeated(plant: Plant, segments: Sequence[Segment]) -> list[list[int]]:
     return list(found.values())
 
 
-def _expected(stated: Raw, number: int, name: str, inside: np.ndarray) -> float:
-    """Mean square by which runs are stated to differ in a place; 0 where it is not known."""
-    here = stated[number].get(name) if stated else None
+def _expected(stated: Raw, name: str, inside: np.ndarray) -> float:
+    """Mean square by which repeats are stated to differ in a place; 0 where it is not known."""
+    here = next((each[name] for each in stated if name in each), None)
     return 0.0 if here is None else float(np.mean(here[inside] ** 2))
 
 

@@ -50,12 +50,19 @@ def test_runs_of_another_condition_are_no_repeats():
     assert levels(SLIP, SLIP, conditions=["closing", "grasp"]) == ["fault"] * 2
 
 
-def test_what_one_command_shows_another_may_show_for_a_moment():
-    stall = replace(SLIP, kind="frozen", time=0.3)
+def test_what_one_command_shows_another_may_show_for_as_long():
     conditions = ["closing", "closing", "grasp", "grasp"]
-    assert levels(SLIP, at(1.1), stall, None, conditions=conditions) == ["warning"] * 3
-    other = replace(SLIP, channel="force")
-    assert levels(SLIP, at(1.1), other, None, conditions=conditions)[2] == "fault"
+
+    def stall(time, lasting):
+        return replace(SLIP, kind="frozen", time=time, size=lasting)
+
+    shown = stall(1.0, 0.12), stall(1.1, 0.06)
+    brief, long = stall(0.3, 0.05), stall(0.3, 1.8)
+    assert levels(*shown, brief, None, conditions=conditions) == ["warning"] * 3
+    assert levels(*shown, long, None, conditions=conditions)[2] == "fault"
+    assert levels(*shown, at(0.3), None, conditions=conditions)[2] == "fault"  # it slips there
+    other = replace(brief, channel="force")
+    assert levels(*shown, other, None, conditions=conditions)[2] == "fault"
 
 
 def test_other_faults_that_repeats_share_stay_faults():

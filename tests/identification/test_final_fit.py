@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from sled import KNOWN, TURBULENCE, Sled, recordings
+from sled import KNOWN, TIMES, TURBULENCE, Sled, recordings
 
 from hannes.core.errors import ComputationFailed
 from hannes.identification.diagnosis import final_fit as module
@@ -42,9 +42,10 @@ def of(point, name="turbulence"):
 
 def test_groups_have_so_many_times_as_many_bins(named):
     for group in named.model.groups:
-        narrow = Group(Sled(), group.entries, FIT.finer_bins)
-        assert narrow.width == pytest.approx(group.width / FIT.finer_bins)
-        assert narrow.bins == pytest.approx(FIT.finer_bins * group.bins, abs=1)
+        narrow, interval = Group(Sled(), group.entries, FIT.finer_bins), np.diff(TIMES)[0]
+        wanted = group.width / FIT.finer_bins
+        assert wanted - 1e-9 <= narrow.width < wanted + interval  # of whole samples
+        assert narrow.bins == pytest.approx(TIMES[-1] / narrow.width, abs=1)
 
 
 def test_effects_are_part_of_a_machine_that_holds_them(named):

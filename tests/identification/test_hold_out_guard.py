@@ -108,6 +108,9 @@ def test_a_name_is_not_compared_with_a_machine_that_nobody_has():
         stood = guarded(decided(verdict, "slack"), made)
         assert stood.decision.kind == kept and stood.refitted is (size > 0.0)
         assert len(stood.cautions) == (size < 0.0)
+    rising = run(WAVE + 0.03 * np.sin(25.0 * TIMES))
+    worse = replace(stages(run(0.7 * WAVE), RIGHT, rising), points=made.points)
+    assert "raises the gap" in guarded(decided("named", "slack"), worse).decision.reason
     lacking = replace(stages(run(0.7 * WAVE), LACKING, RIGHT), points=made.points)
     assert guarded(decided("named", "slack"), lacking).refitted  # it stands beside that, too
 
@@ -231,6 +234,10 @@ def test_a_machine_as_given_that_a_refit_comes_far_nearer_than_is_recalibrated()
     stood = guarded(decided("no_gap"), other)
     assert stood.decision.kind == "recalibrated"
     assert "refitted values lower the gap of recordings not fitted" in stood.decision.reason
+    names = SimpleNamespace(parameters=[SimpleNamespace(name="sled.mass")])
+    far = SimpleNamespace(x=np.array([-28.0]), name="base", space=names)
+    nobody = replace(other, points=(POINTS[0], far, POINTS[2]))
+    assert guarded(decided("no_gap"), nobody).decision.kind == "no_gap"
     little = replace(stages(run(0.998 * WAVE), RIGHT, RIGHT), **wide)
     assert guarded(decided("no_gap"), little).decision.kind == "no_gap"
 
@@ -304,6 +311,8 @@ def test_four_repeats_that_agree_by_chance_count_beside_what_is_stated_of_the_pl
     assert largest(alone) is not None
     stated = [{"position": 0.01 * np.ones(TIMES.size)}] * 4
     assert largest(remainders(Sled(), segments()[:4], these, these, noise_floors, stated)) is None
+    unfitted = [{}, *stated[1:]]
+    assert largest(remainders(Sled(), segments()[:4], these, these, noise_floors, unfitted)) is None
     little = [{"position": 0.001 * np.ones(TIMES.size)}] * 4
     assert (
         largest(remainders(Sled(), segments()[:4], these, these, noise_floors, little)) is not None

@@ -54,7 +54,7 @@ def test_a_plant_that_is_slow_is_said_to_be(monkeypatch):
     made, clock = campaign(1, ()), iter(np.arange(0.0, 1.0, 0.06))
     monkeypatch.setattr("time.process_time", lambda: next(clock))
     text = foretold(made, Work(True), len(Sled.uncertain))
-    assert ": each takes 60 ms here, all up to " in text and text.endswith(" min")
+    assert ": one takes 60 ms here, all up to " in text and text.endswith(" min")
     monkeypatch.setattr(Sled, "many", None, raising=False)  # it makes them side by side
     assert "takes" not in foretold(made, Work(True), len(Sled.uncertain))
 

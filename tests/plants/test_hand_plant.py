@@ -158,6 +158,18 @@ def test_runs_near_each_other_are_as_right_as_one_by_one():
         assert near[name] == pytest.approx(each, abs=1e-12 * np.ptp(each))
 
 
+@pytest.mark.parametrize(("digits", "counted"), [(9, True), (7, True), (6, True), (5, False)])
+def test_counts_are_recognised_as_far_as_a_file_has_digits(digits, counted):
+    """A full closure ends at 20 rad: seven digits round it by three thousandths of a count."""
+    time, step = np.linspace(0.0, 1.0, 801), 2.0 * np.pi / 2.0**12
+    angle = np.array([float(f"{step * round(each):.{digits}g}") for each in 13_000.0 * time])
+    channels = {"time": time, "position": angle}
+    made = Recording(channels, {"time": "s", "position": "rad"})
+    assert HandPlant().counted(made) is counted
+    smooth = Recording({**channels, "position": 20.0 * time}, {"time": "s", "position": "rad"})
+    assert not HandPlant().counted(smooth)
+
+
 def test_noisy_positions_are_counted_where_recorded_ones_are():
     plant, step = HandPlant(), 2.0 * np.pi / 2.0**12
     (counted,) = make(closures(1), 11).recordings.values()

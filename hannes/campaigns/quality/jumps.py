@@ -140,6 +140,7 @@ def outliers(subject: Subject, name: str, values: FloatArray) -> NDArray[np.bool
         usual = float(np.quantile(steps[few], 0.97))
         far &= off > max(3.0 * usual, LEAST_JUMP * float(high - low))
     contradicted = _contradicted(values, off)
+    contradicted |= far & _beside(contradicted & far)
     single = _brief(far & contradicted & ~_blows(subject, name, values))
     if single.any() and not subject.is_motion(name):  # smaller ones of the same kind
         single |= _brief(contradicted & (off > FAR * typical))
@@ -177,6 +178,14 @@ def _contradicted(values: FloatArray, off: FloatArray) -> NDArray[np.bool_]:
     curve = np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0 @ four
     around = np.sort(four, axis=0)
     return (around[2] - around[1] < 0.5 * off) & (np.abs(values - curve) > 0.25 * off)
+
+
+def _beside(some: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The samples next to some, shape (n,): of two bad readings one may hide the other."""
+    found = np.zeros_like(some)
+    found[1:] = some[:-1]
+    found[:-1] |= some[1:]
+    return found
 
 
 def _brief(far: NDArray[np.bool_]) -> NDArray[np.bool_]:

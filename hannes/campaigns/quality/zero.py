@@ -27,7 +27,7 @@ def begins_moving(subject: Subject, name: str) -> bool:
     """Whether a motion is under way in the first sample, and goes on: a noisy count does not."""
     speed = subject.speed(name)
     begun, fastest = float(speed[0]), float(np.abs(speed).max())
-    goes_on = float(np.median(speeds(subject.time, subject.recording[name])[:GOES_ON]))
+    goes_on = float(np.mean(speeds(subject.time, subject.recording[name])[:GOES_ON]))
     return fastest > 0.0 and abs(begun) > IN_MOTION * fastest and goes_on / begun > 0.5
 
 

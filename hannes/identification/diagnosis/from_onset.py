@@ -1,4 +1,4 @@
-"""Sizes of a fault from where it begins to act, a step apart to the end of its range.
+"""Sizes of a fault from where it begins to act, a step apart to the end of its range, or 60 steps.
 
 A stop that is moved does nothing until the joint comes to it. Each further step then changes much:
 the valley of the right size is a step wide, and sizes further apart miss it.
@@ -44,20 +44,16 @@ def _ends(nominal: Linearisation, name: str) -> Iterator[np.ndarray]:
 def _from_onset(nominal: Linearisation, name: str, end: np.ndarray) -> np.ndarray:
     """Points a step apart from where the fault acts to the end, shape (m, size); none without."""
     far = float(np.abs(end).max())
-    sizes = np.array([ONSET.later, far])
-    acts = _acts(nominal, name, nominal.x + sizes[:, np.newaxis] / far * end)
+    silent, acting = ONSET.later, far
+    sizes = np.array([0.0, silent, acting])
+    without, *there = left_at(nominal, name, nominal.x + sizes[:, np.newaxis] / far * end)
+    acts = [abs(each - without) > ONSET.acts for each in there]
     if acts[0] or not acts[1]:
         return np.zeros((0, end.size))
-    silent, acting = sizes
     while acting - silent > 1.0:
         middle = 0.5 * (silent + acting)
-        one = nominal.x + middle / far * end
-        here = bool(_acts(nominal, name, one[np.newaxis])[0])
-        silent, acting = (silent, middle) if here else (middle, acting)
-    return nominal.x + np.arange(acting, far, 1.0)[:, np.newaxis] / far * end
-
-
-def _acts(nominal: Linearisation, name: str, rows: np.ndarray) -> np.ndarray:
-    """Whether a fault changes anything at some points, shape (m,)."""
-    without = left_at(nominal, name, nominal.x[np.newaxis])
-    return np.abs(left_at(nominal, name, rows) - without) > ONSET.acts
+        (here,) = left_at(nominal, name, (nominal.x + middle / far * end)[np.newaxis])
+        moved = abs(here - without) > ONSET.acts
+        silent, acting = (silent, middle) if moved else (middle, acting)
+    sizes = np.append(np.arange(acting, far, 1.0), far)
+    return nominal.x + sizes[:, np.newaxis] / far * end

@@ -276,8 +276,9 @@ def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
     if not fault and size_dependent(nominal, [name]):
         sizes = SEARCH.every_size
     looked = looked_at_sizes(nominal, name, sizes)
-    if fault:
-        looked = looked_at_from_onset(nominal, name, looked_at_between(nominal, name, looked))
+    looked = looked_at_between(nominal, name, looked) if fault else looked
+    if fault and cheap(nominal):
+        looked = looked_at_from_onset(nominal, name, looked)
     rows, left = looked
     best = _apart(rows[np.argsort(left)], nominal.x)
     points = [started_at(nominal, own, row[own]) for row in best]

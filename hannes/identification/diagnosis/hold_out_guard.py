@@ -22,6 +22,7 @@ from hannes.identification.gap_change import (
     GapChange,
     gap_changes,
     hardly_tested,
+    lacks_gain,
     refusal,
     refused_rise,
     too_faint,
@@ -134,9 +135,11 @@ def _not_compared(decision: Decision, stages: Stages) -> str:
     A machine that nobody has may do what is named. A name with a remainder must do more than that:
     what else is missing may be what both follow.
     """
-    clean = decision.kind in ("named", "one_of")
-    refused = clean and stages.refusal(1, 2, _shown(decision))
-    return implausible(stages.points[1]) if refused else ""
+    if decision.kind not in ("named", "one_of") or 2 in stages.failed or _shown(decision):
+        return ""
+    changes = stages.change(1, 2)
+    lowers_none = lacks_gain(changes) and not refused_rise(changes)
+    return implausible(stages.points[1]) if lowers_none else ""
 
 
 def implausible(baseline: Linearisation) -> str:
@@ -186,7 +189,10 @@ def _as_given(decision: Decision, stages: Stages, refitted: bool) -> Decision:
     """No gap; recalibrated, or unknown, where the machine as given leaves much anywhere."""
     worst = largest(stages.remaining(0, 0))
     if worst is None:
-        closed = _closed(stages) if refitted else ""
+        sound = (
+            refitted and not largest(stages.remaining(0, 1)) and not implausible(stages.points[1])
+        )
+        closed = _closed(stages) if sound else ""
         more = (
             f"{decision.reason}; refitted values lower the gap of recordings not fitted, {closed}"
         )

@@ -91,10 +91,12 @@ class Group:
 def _whole_samples(width: float, time: np.ndarray) -> float:
     """The width [s] of bins, or a little more, in which there are as many samples each.
 
-    A mean of six is noisier than one of seven. Where samples are as far apart, any width does.
+    A mean of six is noisier than one of seven. Where samples are further apart, any width does.
     """
     interval = float(np.median(np.diff(time)))
-    return round(max(width, interval * np.ceil(width / interval - 1e-6)), 6)
+    if interval >= width:
+        return round(width, 6)
+    return max(width, float(interval * np.ceil(width / interval - 1e-6)))
 
 
 def _together(recordings: Sequence[Recording], read: Sequence[str]) -> Recording:
