@@ -74,6 +74,16 @@ def test_an_explanation_that_is_not_believed_counts_for_less():
     assert refused < named
 
 
+def test_a_verdict_that_nothing_is_missing_is_the_likelier_answer():
+    table = tabled_probabilities(
+        found({"slack": 13.9}), decided("recalibrated"), {"slack": "slack"}
+    )
+    assert table["answer"] == table["nothing"] == pytest.approx(PROBABILITY.least_nothing)
+    assert sum(row["probability"] for row in table["effects"]) <= 1.0 - table["nothing"]
+    sure = tabled_probabilities(found({"slack": 1.0}), decided("recalibrated"), NAMES)
+    assert sure["answer"] > 0.9
+
+
 def test_an_unknown_that_no_likelihood_speaks_for_leaves_something_else_a_part():
     """What stands out in one place is in no sum over all bins: nothing is not certain then."""
     search = found({"slack": 1.0})

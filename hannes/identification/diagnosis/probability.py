@@ -51,6 +51,8 @@ def probabilities(found: SearchResult, decision: Decision) -> Probabilities:
     several = _expected(best, count) / _expected(frozenset(sorted(best)[:1]), count)
     more = (_of_any_shape(found, scale) - gains[best]) / _temper(gains[best] + price)
     everything = _normalised(logs, math.log(PROBABILITY.something_else * several) + more)
+    if decision.kind in ("no_gap", "recalibrated"):
+        return _with_nothing(everything)
     return _disbelieved(everything) if decision.kind == "unknown" else everything
 
 
@@ -119,6 +121,16 @@ def _normalised(logs: Mapping[frozenset[str], float], other: float) -> Probabili
         {effects: math.exp(each - most) / total for effects, each in logs.items()},
         math.exp(other - most) / total,
     )
+
+
+def _with_nothing(known: Probabilities) -> Probabilities:
+    """The same where nothing is missing by the verdict, which has a least part: an effect that
+    gains too little for a name is chance more often than its likelihood says.
+    """
+    nothing = max(known.effects[NOTHING], PROBABILITY.least_nothing)
+    share = (1.0 - nothing) / max(1.0 - known.effects[NOTHING], 1e-12)
+    others = {e: share * each for e, each in known.effects.items() if e}
+    return Probabilities({NOTHING: nothing, **others}, share * known.something_else)
 
 
 def _disbelieved(known: Probabilities) -> Probabilities:
