@@ -62,11 +62,11 @@ def remainders(
     """The remainder of every place, the largest first.
 
     before, after: simulated minus recorded of each segment, over its counted samples. Repeats are
-    averaged; what their mean still holds of noise is subtracted. stated: by how much runs are said
-    to differ there, one standard deviation of each sample, {} of a segment where that is not known:
-    repeats may be alike by chance. Of forces [N] a few samples that
+    averaged; what their mean still holds of noise is subtracted. Of forces [N] a few samples that
     are off for less than `TOUCH` count for nothing: what joints are off for themselves moves a
     touch, which changes that are added up cannot.
+    stated: by how much runs are said to differ there, one standard deviation of each sample, {} of
+    a segment where that is not known. Repeats may be alike by chance.
     """
     found = []
     for numbers in repeated(plant, segments):

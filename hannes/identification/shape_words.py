@@ -17,7 +17,7 @@ def shape_sentence(shape: Mapping[str, Any]) -> str:
 
 def _tested(shape: Mapping[str, Any]) -> str:
     """What recordings that were not fitted say of it."""
-    if shape.get("shown", True):
+    if shape["shown"]:
         closes = f"{100.0 * shape['closes']:.0f} %"
         return f"On recordings that were not fitted it closes {closes} of the reducible gap"
     explains = f"{100.0 * shape['explains']:.0f} %"

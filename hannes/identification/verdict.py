@@ -34,8 +34,8 @@ class Verdict:
     goes_with: what the refitted baseline leaves (`baseline`) and what the result leaves (`left`) go
     with: `sentence` and its `statements`.
     shape: of an unknown, the likeliest generic disturbance: `name`, `meaning`, `axis`, `value` with
-    its band, `parameters`, `closes`, the share of the reducible gap, and `explains`, that of the
-    misfit; or `why_not`.
+    its band, `parameters`, `closes`, the share of the reducible gap, whether that is `shown`, and
+    `explains`, the share of the misfit; or `why_not`.
     each_explains: of several effects each: the RMS of each channel of unfitted recordings `without`
     it, and the share that it alone `explains` of the reducible gap.
     probabilities: of the `answer`; that `nothing` is missing, that it is `something_else`, and of

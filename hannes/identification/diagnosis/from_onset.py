@@ -11,12 +11,7 @@ import numpy as np
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.score_test import amplitude_names
 from hannes.identification.diagnosis.sizes_looked_at import Looked, left_at
-from hannes.identification.diagnosis.tuning import ONSET, SEARCH
-
-
-def cheap(baseline: Linearisation) -> bool:
-    """Whether a look at every effect's derivatives takes little work."""
-    return baseline.model.round_of_derivatives() <= SEARCH.much_work
+from hannes.identification.diagnosis.tuning import ONSET
 
 
 def looked_at_from_onset(nominal: Linearisation, name: str, looked: Looked) -> Looked:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hannes.identification.diagnosis.from_onset import cheap, looked_at_from_onset
+from hannes.identification.diagnosis.from_onset import looked_at_from_onset
 from hannes.identification.diagnosis.gauss_newton import fitted, rounds
 from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.multistart import (
@@ -74,7 +74,7 @@ def worth_global_starts(baseline: Linearisation) -> bool:
     Beside a baseline that leaves little an effect is small, or one that the baseline absorbs, which
     is started so all the same once it is likely.
     """
-    return cheap(baseline) or baseline.chi2 > SEARCH.little_left * baseline.residual.size
+    return baseline.cheaply_derived or baseline.chi2 > SEARCH.little_left * baseline.residual.size
 
 
 def promised(nominal: Linearisation, baseline: Linearisation, effects: Sequence[str]) -> Promised:
@@ -84,7 +84,7 @@ def promised(nominal: Linearisation, baseline: Linearisation, effects: Sequence[
     names, lost = size_dependent(nominal, others), SEARCH.lost_baseline * baseline.residual.size
     of_all = baseline.chi2 > lost
     without = _without(nominal)
-    closely = of_all and cheap(baseline)
+    closely = of_all and baseline.cheaply_derived
     asked = [*(others if of_all else names), *faults]
     left = _least(nominal, asked, names, without, closely)
     return Promised(others, names, of_all, left, without)
@@ -277,7 +277,7 @@ def _begun(nominal: Linearisation, name: str) -> list[Linearisation]:
         sizes = SEARCH.every_size
     looked = looked_at_sizes(nominal, name, sizes)
     looked = looked_at_between(nominal, name, looked) if fault else looked
-    if fault and cheap(nominal):
+    if fault and nominal.cheaply_derived:
         looked = looked_at_from_onset(nominal, name, looked)
     rows, left = looked
     best = _apart(rows[np.argsort(left)], nominal.x)

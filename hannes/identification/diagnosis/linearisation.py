@@ -69,6 +69,11 @@ class Linearisation:
         return self.jacobian @ self.residual - self.prior**2 * self.x[self.active]
 
     @property
+    def cheaply_derived(self) -> bool:
+        """Whether a look at every effect's derivatives takes little work."""
+        return self.model.round_of_derivatives() <= SEARCH.much_work
+
+    @property
     def predicted_reduction(self) -> float:
         """By how much chi-squared would fall in a whole step, were it quadratic."""
         return float(self.gradient @ np.linalg.solve(self.hessian, self.gradient))

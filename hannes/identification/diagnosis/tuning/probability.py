@@ -41,7 +41,7 @@ class ProbabilityTuning:
         0.2,
         "1",
         "that something in no catalogue is missing, at least, where the verdict is unknown",
-        "chosen after the quoted study: nine of eleven such verdicts were of sound hands",
+        "chosen after the quoted study: seven of eleven such verdicts were of sound hands",
     )
     beside_power: float = constant(
         8.0,
