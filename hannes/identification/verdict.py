@@ -116,6 +116,11 @@ class Verdict:
         ]
 
     @property
+    def refit_taken(self) -> bool:
+        """Whether the gaps before the result are of a refitted machine, not of the one as given."""
+        return any(each["before"] != each["as_given"] for each in self.gap.values())
+
+    @property
     def patterns(self) -> list[str]:
         """What the residual goes with, in a sentence each, where it is beyond chance."""
         found = [
@@ -161,8 +166,7 @@ class Verdict:
         lines += ["next:", *(f"  {k}. {each}" for k, each in enumerate(self.next_steps, 1))]
         if self.gap:
             lines.append(f"gap on {self.gap_on or 'the recordings in role show'}:")
-        refitted = any(each["before"] != each["as_given"] for each in self.gap.values())
-        refit = "baseline refitted" if refitted else "no other values taken"
+        refit = "baseline refitted" if self.refit_taken else "no other values taken"
         for name, gap in self.gap.items():
             shown = " -> ".join(f"{gap[key]:.3g}" for key in ("as_given", "before", "after"))
             unit = "" if gap["unit"] == "1" else f" {gap['unit']}"

@@ -70,16 +70,17 @@ def _gaps(diagnosis: "Diagnosis") -> Table:
         floor = number(factor * gap["floor"], 2)
         rows.append((label, *sizes, floor, _meaning(diagnosis, name)))
     columns = ("RMS gap", "As given", "Baseline refitted", "After", "Noise floor", "What is left")
-    same = all(gap["as_given"] == gap["before"] for gap in diagnosis.verdict.gap.values())
+    verdict = diagnosis.verdict
     note = (
-        f"On {diagnosis.verdict.gap_on}. In brackets: relative to the recorded signal, "
+        f"On {verdict.gap_on}. In brackets: relative to the recorded signal, "
         f"100 |simulated − measured| / |measured|. "
-        f"The noise floor is {diagnosis.verdict.floor_from}."
+        f"The noise floor is {verdict.floor_from}."
     )
-    if same:
+    if not verdict.refit_taken:
         note += " Here the baseline stands as given; a caution says where refitting was not taken."
-    if not diagnosis.verdict.effects:
-        note += f" No effect was added: After is the baseline{'' if same else ', refitted'}."
+    if not verdict.effects:
+        given = verdict.verdict == "no_gap" or not verdict.refit_taken
+        note += f" No effect was added: After is the machine {'as given' if given else 'refitted'}."
     return Table("gaps", "The gap before and after", columns, tuple(rows), note)
 
 

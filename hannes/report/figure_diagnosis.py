@@ -56,14 +56,15 @@ def _channel(diagnosis: "Diagnosis", traces: "Traces", name: str) -> Drawn:
     alt = f"{name} over time, measured and simulated."
     if name in gap:
         sizes = [f"{gap[name][key]:.3g}" for key in ("as_given", "before", "after", "floor")]
-        alt += " RMS gap as given {}, baseline refitted {}, result {}, noise floor {} {}.".format(
+        alt += " RMS gap as given {}, before the result {}, result {}, noise floor {} {}.".format(
             *sizes, unit
         )
     noise_floor = diagnosis.noise_floors[name]
 
     def draw() -> "Figure":
         figure, (above, below) = style.panels(2)
-        _traces(above, traces, name, _labelled(name, unit))
+        before = "before: baseline refitted" if diagnosis.verdict.refit_taken else "before"
+        _traces(above, traces, name, _labelled(name, unit), before)
         _left(below, traces, name, noise_floor, _labelled("residual", unit))
         below.set_xlabel("time [s]")
         return figure
@@ -76,11 +77,11 @@ def _labelled(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit != "1" else name
 
 
-def _traces(axes: "Axes", traces: "Traces", name: str, label: str) -> None:
+def _traces(axes: "Axes", traces: "Traces", name: str, label: str, before: str) -> None:
     lines = (
         ("measured", traces.measured, MEASURED),
         ("as given", traces.as_given, NOMINAL),
-        ("before: baseline refitted", traces.before, style.SECOND),
+        (before, traces.before, style.SECOND),
         ("after", traces.after, style.FIRST),
     )
     for text, channels, look in lines:

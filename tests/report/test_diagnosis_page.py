@@ -231,3 +231,22 @@ def test_page_prints_without_cut_tables(diagnosis, tmp_path):
         )
         assert broken == "break-word"  # `anywhere` cuts words to make room for others
         assert messages + more == []
+
+
+def test_the_page_says_of_which_machine_the_gaps_before_are(diagnosis):
+    """A refit that is not taken is no baseline; as given, nothing comes after it."""
+
+    def shown(kind, before, **fields):
+        gap = {
+            n: each | {"as_given": 0.5, "before": before}
+            for n, each in diagnosis.verdict.gap.items()
+        }
+        verdict = replace(diagnosis.verdict, verdict=kind, gap=gap, **fields)
+        return page(SimpleNamespace(**vars(diagnosis) | {"verdict": verdict}))
+
+    text = shown("unknown", 0.5, effects=[], parameters={})
+    assert "in noise floors, as given" in text and "After is the machine as given" in text
+    text = shown("unknown", 0.4, effects=[], parameters={})
+    assert "with the baseline refitted" in text and "After is the machine refitted" in text
+    assert "After is the machine as given" in shown("no_gap", 0.4, effects=[], parameters={})
+    assert "as given → with the effect" in shown("named", 0.5)
