@@ -19,6 +19,7 @@ from hannes.identification.diagnosis.as_given import AsGiven
 from hannes.identification.diagnosis.effect_search import search_effects
 from hannes.identification.diagnosis.gauss_newton import settled
 from hannes.identification.diagnosis.global_starts import worth_global_starts
+from hannes.identification.diagnosis.linearisation import Linearisation
 from hannes.identification.diagnosis.settings import Settings
 from hannes.identification.diagnosis.tuning import FIT, SEARCH
 from hannes.identification.diagnosis.work_bound import SearchEnded
@@ -33,7 +34,9 @@ def silent(text):
 def left(per_bin, work=0.0):
     """A fit by what it leaves, of a machine by what a round of derivatives takes."""
     model = SimpleNamespace(round_of_derivatives=lambda: work)
-    return SimpleNamespace(chi2=per_bin * BINS, residual=np.zeros(BINS), model=model)
+    made = SimpleNamespace(chi2=per_bin * BINS, residual=np.zeros(BINS), model=model)
+    made.cheaply_derived = Linearisation.cheaply_derived.fget(made)
+    return made
 
 
 @pytest.fixture(scope="module")
